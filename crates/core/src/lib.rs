@@ -1,0 +1,21 @@
+//! The terms that all parts of Wavesplat share: volume, camera, transfer function, picture, options, errors.
+//!
+//! Grid: samples sit at integer index positions `(i, j, k)`, `i` fastest in memory; the volume fills the box
+//! `[0, n−1]` in each axis, from the first to the last sample centre. This crate knows no files, threads, GPU or
+//! Python. Every type here is validated when it is made, so that the inside of the renderer cannot fail.
+
+mod camera;
+mod error;
+mod options;
+mod picture;
+mod transfer_function;
+mod volume;
+
+pub use camera::{Camera, Projection, Ray};
+pub use error::{Blame, Error, Result};
+pub use options::{
+    ClipPlane, Composite, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings,
+};
+pub use picture::Picture;
+pub use transfer_function::{ColorNode, OpacityNode, TransferFunction};
+pub use volume::{Sample, Samples, Statistics, Volume};

@@ -1,0 +1,353 @@
+//! How a picture is asked for: one plain struct per idea.
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+
+/// Reconstruction kernel, separable; the same along all three axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kernel {
+    /// Trilinear, radius 1.
+    Linear,
+    /// Catmull-Rom cubic, interpolating, radius 2.
+    CatmullRom,
+    /// Quadratic B-spline with the prefilter that makes it interpolate, radius 1.5.
+    Bspline2,
+    /// Cubic B-spline with the prefilter that makes it interpolate, radius 2.
+    Bspline3,
+    /// Westover's Gaussian, radius 2; smooths, does not interpolate.
+    Gaussian,
+}
+
+impl Kernel {
+    /// All kernels with their public names.
+    pub const NAMES: [(&'static str, Self); 5] = [
+        ("linear", Self::Linear),
+        ("catmull-rom", Self::CatmullRom),
+        ("bspline2", Self::Bspline2),
+        ("bspline3", Self::Bspline3),
+        ("gaussian", Self::Gaussian),
+    ];
+
+    /// The kernel with a public name.
+    pub fn from_name(name: &str) -> Result<Self> {
+        find("kernel", name, &Self::NAMES)
+    }
+}
+
+/// How the sheets are combined into a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Composite {
+    /// Emission and absorption, front to back (Porter & Duff 1984).
+    Over,
+    /// Largest density along the ray (maximum intensity projection).
+    Maximum,
+    /// Smallest density along the ray.
+    Minimum,
+    /// Mean density along the ray's path inside the volume.
+    Mean,
+    /// Integral of the density over the ray's path, sample value x world length.
+    Sum,
+    /// The first surface where the density crosses `iso_value`, shaded.
+    FirstHit {
+        /// Sample value of the surface.
+        iso_value: f64,
+    },
+}
+
+impl Composite {
+    /// The operator with a public name.
+    pub fn from_name(name: &str, iso_value: Option<f64>) -> Result<Self> {
+        let iso = iso_value.unwrap_or(f64::NAN);
+        let known = [
+            ("over", Self::Over),
+            ("maximum", Self::Maximum),
+            ("minimum", Self::Minimum),
+            ("mean", Self::Mean),
+            ("sum", Self::Sum),
+            ("first-hit", Self::FirstHit { iso_value: iso }),
+        ];
+        find("composite", name, &known)
+    }
+
+    /// Whether the result is one density per pixel, coloured at the end.
+    pub fn is_projection(self) -> bool {
+        matches!(self, Self::Maximum | Self::Minimum | Self::Mean | Self::Sum)
+    }
+}
+
+fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
+    known.iter().find(|(n, _)| *n == name).map(|&(_, value)| value).ok_or_else(|| Error::UnknownName {
+        what,
+        name: name.to_owned(),
+        known: known.iter().map(|(n, _)| *n).collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// The frame a light's direction is given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightFrame {
+    /// x right, y up, z towards the viewer: the light turns with the camera.
+    Camera,
+    /// World axes: the light stays with the volume.
+    World,
+}
+
+/// A directional light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Frame of `to_light`.
+    pub frame: LightFrame,
+    /// Direction from the scene to the light; any length but 0.
+    pub to_light: DVec3,
+    /// Red, green, blue of the diffuse and specular terms.
+    pub rgb: [f32; 3],
+}
+
+impl Light {
+    /// The default light: white, along the view direction.
+    pub const HEADLIGHT: Self = Self { frame: LightFrame::Camera, to_light: DVec3::Z, rgb: [1.0; 3] };
+}
+
+/// Phong shading with the reflection vector, two-sided, as VTK's volume mappers have it.
+///
+/// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes only the
+/// ambient term is left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shading {
+    /// Weight of the colour without light.
+    pub ambient: f32,
+    /// Weight of the colour under light.
+    pub diffuse: f32,
+    /// Weight of the highlight, which has the light's colour.
+    pub specular: f32,
+    /// Exponent of the highlight.
+    pub specular_power: f32,
+    /// Half distance of the gradient's differences, voxels.
+    pub gradient_offset: f64,
+    /// At least one light.
+    pub lights: Vec<Light>,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            ambient: 0.1,
+            diffuse: 0.7,
+            specular: 0.2,
+            specular_power: 10.0,
+            gradient_offset: 1.0,
+            lights: vec![Light::HEADLIGHT],
+        }
+    }
+}
+
+impl Shading {
+    /// Checks ranges.
+    pub fn validate(&self) -> Result<()> {
+        let terms = [("ambient", self.ambient), ("diffuse", self.diffuse), ("specular", self.specular)];
+        for (name, value) in terms {
+            if !(value.is_finite() && value >= 0.0) {
+                let mend = "pass 0 to switch the term off";
+                return Err(Error::out_of_range(format!("shading: {name}"), value, "0 or more", mend));
+            }
+        }
+        if !(self.specular_power >= 1.0 && self.specular_power <= 1000.0) {
+            let mend = "pass 10 for a soft highlight, 50 for a sharp one";
+            return Err(Error::out_of_range("shading: specular_power", self.specular_power, "between 1 and 1000", mend));
+        }
+        if !(self.gradient_offset >= 0.01 && self.gradient_offset <= 4.0) {
+            let mend = "pass 1 for the usual central differences";
+            let what = "shading: gradient_offset (voxels)";
+            return Err(Error::out_of_range(what, self.gradient_offset, "between 0.01 and 4", mend));
+        }
+        for (index, light) in self.lights.iter().enumerate() {
+            let what = format!("shading: light {index}");
+            if light.to_light.try_normalize().is_none() {
+                let value = format!("{:?}", light.to_light.to_array());
+                let mend = "pass a direction (x, y, z) to the light that is not zero";
+                return Err(Error::out_of_range(what, value, "a direction", mend));
+            }
+            if light.rgb.iter().any(|c| !(c.is_finite() && *c >= 0.0)) {
+                let mend = "pass red, green and blue of 0 or more";
+                return Err(Error::out_of_range(what, format!("{:?}", light.rgb), "a colour", mend));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The box of the volume that is drawn; clean at sub-voxel positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Crop {
+    /// Corners in index units `(x, y, z)`.
+    Index {
+        /// Lower corner.
+        lo: DVec3,
+        /// Upper corner.
+        hi: DVec3,
+    },
+    /// Corners in world units, sides along the world axes.
+    World {
+        /// Lower corner.
+        lo: DVec3,
+        /// Upper corner.
+        hi: DVec3,
+    },
+}
+
+impl Crop {
+    /// Lower and upper corner, in the units of the variant.
+    pub fn corners(&self) -> (DVec3, DVec3) {
+        let (Self::Index { lo, hi } | Self::World { lo, hi }) = *self;
+        (lo, hi)
+    }
+}
+
+/// Keeps the side that the normal points to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipPlane {
+    /// A point of the plane, world units.
+    pub origin: DVec3,
+    /// Points to the side that is kept; any length but 0.
+    pub normal: DVec3,
+}
+
+/// Everything but volume, transfer function and camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// Picture width, pixels.
+    pub width_px: usize,
+    /// Picture height, pixels.
+    pub height_px: usize,
+    /// Reconstruction kernel.
+    pub kernel: Kernel,
+    /// Composite operator.
+    pub composite: Composite,
+    /// `None` draws colours as they are.
+    pub shading: Option<Shading>,
+    /// Sheets per slice distance, `> 0`.
+    pub sheets_per_slice: f64,
+    /// Texels of the base plane per pixel, along each axis.
+    pub oversampling: f64,
+    /// Box that is drawn.
+    pub crop: Option<Crop>,
+    /// Half spaces that are drawn.
+    pub clip_planes: Vec<ClipPlane>,
+    /// Unassociated colour and opacity behind the volume; `None` is transparent.
+    pub background: Option<[f32; 4]>,
+    /// Whether depth is wanted.
+    pub with_depth: bool,
+    /// Worker threads; `None` uses all processors.
+    pub n_threads: Option<usize>,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        let (sheets_per_slice, oversampling) = QUALITIES[1].1;
+        Self {
+            width_px: 512,
+            height_px: 512,
+            kernel: Kernel::Linear,
+            composite: Composite::Over,
+            shading: Some(Shading::default()),
+            sheets_per_slice,
+            oversampling,
+            crop: None,
+            clip_planes: Vec::new(),
+            background: None,
+            with_depth: false,
+            n_threads: None,
+        }
+    }
+}
+
+/// Largest side of a picture, pixels: a 16-bit PNG of that side squared is 2 GiB.
+pub const MAX_SIDE_PX: usize = 16_384;
+
+impl RenderOptions {
+    /// Checks ranges that need no volume.
+    pub fn validate(&self) -> Result<()> {
+        for (what, side) in [("picture width", self.width_px), ("picture height", self.height_px)] {
+            if side == 0 || side > MAX_SIDE_PX {
+                let mend = "pass a size of at most 16384 pixels a side";
+                return Err(Error::out_of_range(what, side, "between 1 and 16384 pixels", mend));
+            }
+        }
+        if !(self.sheets_per_slice >= 0.05 && self.sheets_per_slice <= 64.0) {
+            let mend = "pass 1 for a sheet on every slice, more for finer steps";
+            return Err(Error::out_of_range("sheets_per_slice", self.sheets_per_slice, "between 0.05 and 64", mend));
+        }
+        if !(self.oversampling >= 0.1 && self.oversampling <= 8.0) {
+            let mend = "pass 1 for one texel a pixel, 2 for four";
+            return Err(Error::out_of_range("oversampling", self.oversampling, "between 0.1 and 8", mend));
+        }
+        if self.n_threads.is_some_and(|n| n == 0 || n > 1024) {
+            let value = self.n_threads.unwrap_or(0);
+            return Err(Error::out_of_range("threads", value, "between 1 and 1024", "pass nothing to use all processors"));
+        }
+        if let Composite::FirstHit { iso_value } = self.composite
+            && !iso_value.is_finite()
+        {
+            let mend = "pass iso_value, the sample value of the surface";
+            return Err(Error::out_of_range("iso_value of composite \"first-hit\"", iso_value, "a finite number", mend));
+        }
+        for (index, plane) in self.clip_planes.iter().enumerate() {
+            if !plane.origin.is_finite() || plane.normal.try_normalize().is_none() {
+                let value = format!("{:?}, {:?}", plane.origin.to_array(), plane.normal.to_array());
+                let mend = "pass (point, normal), both (x, y, z), the normal not zero";
+                return Err(Error::out_of_range(format!("clip plane {index}"), value, "a point and a normal", mend));
+            }
+        }
+        if let Some(rgba) = self.background
+            && rgba.iter().any(|c| !(0.0..=1.0).contains(c))
+        {
+            let mend = "pass red, green, blue (and opacity) between 0 and 1";
+            return Err(Error::out_of_range("background", format!("{rgba:?}"), "a colour", mend));
+        }
+        self.shading.as_ref().map_or(Ok(()), Shading::validate)
+    }
+}
+
+/// Sheets per slice and oversampling of each named quality; the errors they reach are measured by `studies/quality`.
+const QUALITIES: [(&str, (f64, f64)); 3] = [("draft", (0.5, 0.5)), ("normal", (2.0, 1.0)), ("high", (6.0, 2.0))];
+
+/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`.
+pub fn quality_settings(name: &str) -> Result<(f64, f64)> {
+    find("quality", name, &QUALITIES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip_and_unknown_ones_list_the_known() {
+        for (name, kernel) in Kernel::NAMES {
+            assert_eq!(Kernel::from_name(name), Ok(kernel));
+        }
+        let message = Kernel::from_name("cubic").unwrap_err().to_string();
+        assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
+        assert!(quality_settings("best").unwrap_err().to_string().contains("draft, normal, high"));
+    }
+
+    #[test]
+    fn bad_options_are_refused() {
+        let check = |change: fn(&mut RenderOptions)| {
+            let mut options = RenderOptions::default();
+            change(&mut options);
+            assert!(options.validate().is_err());
+        };
+        assert!(RenderOptions::default().validate().is_ok());
+        check(|o| o.width_px = 0);
+        check(|o| o.height_px = 1_000_000);
+        check(|o| o.sheets_per_slice = f64::NAN);
+        check(|o| o.oversampling = 0.0);
+        check(|o| o.n_threads = Some(0));
+        check(|o| o.composite = Composite::FirstHit { iso_value: f64::NAN });
+        check(|o| o.clip_planes = vec![ClipPlane { origin: DVec3::ZERO, normal: DVec3::ZERO }]);
+        check(|o| o.background = Some([2.0, 0.0, 0.0, 1.0]));
+        check(|o| o.shading = Some(Shading { specular_power: 0.0, ..Shading::default() }));
+        check(|o| o.shading = Some(Shading { ambient: -1.0, ..Shading::default() }));
+    }
+}

@@ -1,0 +1,150 @@
+//! Sample value -> colour and opacity.
+//!
+//! Two piecewise-linear curves, held constant beyond their ends. Opacity is that of a slab one `opacity_unit`
+//! thick, so the picture depends on neither the view, the number of sheets nor the level of detail. Two nodes at the
+//! same value make a step, which belongs to the upper side.
+
+use crate::error::{Error, Result};
+
+/// A node of the opacity curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpacityNode {
+    /// Sample value.
+    pub value: f64,
+    /// Opacity per `opacity_unit`, `0..=1`; 1 is opaque at any thickness.
+    pub opacity: f64,
+}
+
+/// A node of the colour curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorNode {
+    /// Sample value.
+    pub value: f64,
+    /// Red, green, blue, `0..=1`, used as given.
+    pub rgb: [f64; 3],
+}
+
+/// Validated curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferFunction {
+    opacity: Vec<OpacityNode>,
+    color: Vec<ColorNode>,
+    opacity_unit: Option<f64>,
+}
+
+impl TransferFunction {
+    /// `opacity_unit`: world units; `None` takes the volume's default, the geometric mean of its spacings.
+    pub fn new(opacity: Vec<OpacityNode>, color: Vec<ColorNode>, opacity_unit: Option<f64>) -> Result<Self> {
+        check_values("opacity", opacity.iter().map(|n| n.value))?;
+        check_values("color", color.iter().map(|n| n.value))?;
+        let unit_interval = 0.0..=1.0;
+        for (index, node) in opacity.iter().enumerate() {
+            if !unit_interval.contains(&node.opacity) {
+                let what = format!("transfer function: the opacity of node {index} (value {})", node.value);
+                return Err(Error::out_of_range(what, node.opacity, "between 0 and 1", "scale the opacities to 0..1"));
+            }
+        }
+        for (index, node) in color.iter().enumerate() {
+            if node.rgb.iter().any(|c| !unit_interval.contains(c)) {
+                let what = format!("transfer function: the colour of node {index} (value {})", node.value);
+                let mend = "scale red, green and blue to 0..1 (divide 8-bit colours by 255)";
+                return Err(Error::out_of_range(what, format!("{:?}", node.rgb), "between 0 and 1", mend));
+            }
+        }
+        if let Some(unit) = opacity_unit
+            && !(unit.is_finite() && unit > 0.0)
+        {
+            let mend = "pass a length in world units, or nothing for the volume's mean spacing";
+            return Err(Error::out_of_range("transfer function: opacity_unit", unit, "a positive number", mend));
+        }
+        Ok(Self { opacity, color, opacity_unit })
+    }
+
+    /// Opacity nodes in order of value.
+    pub fn opacity_nodes(&self) -> &[OpacityNode] {
+        &self.opacity
+    }
+
+    /// Colour nodes in order of value.
+    pub fn color_nodes(&self) -> &[ColorNode] {
+        &self.color
+    }
+
+    /// Thickness that the opacities belong to, world units.
+    pub fn opacity_unit(&self) -> Option<f64> {
+        self.opacity_unit
+    }
+
+    /// Opacity of a slab one `opacity_unit` thick.
+    pub fn opacity(&self, value: f64) -> f64 {
+        interpolate(&self.opacity, value, |n| n.value, |n| [n.opacity])[0]
+    }
+
+    /// Red, green, blue.
+    pub fn color(&self, value: f64) -> [f64; 3] {
+        interpolate(&self.color, value, |n| n.value, |n| n.rgb)
+    }
+}
+
+fn check_values(curve: &'static str, values: impl Iterator<Item = f64>) -> Result<()> {
+    let mut before: Option<f64> = None;
+    for (index, value) in values.enumerate() {
+        if !value.is_finite() {
+            let what = format!("transfer function: the value of {curve} node {index}");
+            return Err(Error::out_of_range(what, value, "finite", "give every node a finite sample value"));
+        }
+        if let Some(before) = before
+            && value < before
+        {
+            return Err(Error::UnsortedCurve { curve, index, value, before_index: index - 1, before });
+        }
+        before = Some(value);
+    }
+    before.map(|_| ()).ok_or(Error::EmptyCurve { curve })
+}
+
+fn interpolate<N, const C: usize>(
+    nodes: &[N],
+    value: f64,
+    position: impl Fn(&N) -> f64,
+    channels: impl Fn(&N) -> [f64; C],
+) -> [f64; C] {
+    let upper = nodes.partition_point(|n| position(n) <= value);
+    if upper == 0 {
+        return channels(&nodes[0]);
+    }
+    let a = &nodes[upper - 1];
+    let Some(b) = nodes.get(upper) else { return channels(a) };
+    let t = (value - position(a)) / (position(b) - position(a));
+    let (ca, cb) = (channels(a), channels(b));
+    std::array::from_fn(|c| ca[c] + (cb[c] - ca[c]) * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn opacity_curve(nodes: &[(f64, f64)]) -> Result<TransferFunction> {
+        let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
+        TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None)
+    }
+
+    #[test]
+    fn curves_are_linear_between_nodes_and_constant_beyond() {
+        let tf = opacity_curve(&[(10.0, 0.2), (20.0, 0.4), (20.0, 0.8), (30.0, 1.0)]).unwrap();
+        for (value, expected) in [(0.0, 0.2), (15.0, 0.3), (20.0, 0.8), (25.0, 0.9), (99.0, 1.0)] {
+            assert!((tf.opacity(value) - expected).abs() < 1e-12, "{value}");
+        }
+        assert!((tf.opacity(20.0 - 1e-9) - 0.4).abs() < 1e-8, "a step belongs to its upper side");
+    }
+
+    #[test]
+    fn bad_curves_are_refused() {
+        assert!(matches!(opacity_curve(&[]), Err(Error::EmptyCurve { .. })));
+        assert!(matches!(opacity_curve(&[(1.0, 0.0), (0.0, 1.0)]), Err(Error::UnsortedCurve { index: 1, .. })));
+        for bad in [1.5, -0.1, f64::NAN] {
+            assert!(matches!(opacity_curve(&[(0.0, bad)]), Err(Error::OutOfRange { .. })), "{bad}");
+        }
+        assert!(matches!(opacity_curve(&[(f64::NAN, 0.0)]), Err(Error::OutOfRange { .. })));
+    }
+}

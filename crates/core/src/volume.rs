@@ -1,0 +1,291 @@
+//! A grid of scalar samples and where it lies in the world.
+//!
+//! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Wide types (32- and 64-bit) are
+//! mapped to the density `d = (sample − offset) · scale` in `0..=1` when they are read, so that an f32 pipeline
+//! neither overflows nor loses small differences on a large offset; narrow types are used as they are.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::error::{Error, Result};
+
+/// A sample type that the renderer reads.
+pub trait Sample: Copy + Send + Sync + PartialOrd + 'static {
+    /// The number as f64, exact for every type here.
+    fn to_f64(self) -> f64;
+    /// The number as f32, exact for 8- and 16-bit types.
+    fn to_f32(self) -> f32;
+}
+
+macro_rules! sample {
+    ($($t:ty),*) => {$(
+        impl Sample for $t {
+            #[allow(clippy::cast_lossless, clippy::unnecessary_cast, reason = "one macro for all sample types")]
+            #[inline(always)]
+            fn to_f64(self) -> f64 { self as f64 }
+            #[allow(clippy::cast_lossless, clippy::unnecessary_cast, reason = "one macro for all sample types")]
+            #[inline(always)]
+            fn to_f32(self) -> f32 { self as f32 }
+        }
+    )*};
+}
+sample!(u8, i8, u16, i16, u32, i32, f32, f64);
+
+/// The sample buffer in its own type, `x` fastest.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs, reason = "each variant is named after its sample type")]
+pub enum Samples<'a> {
+    U8(&'a [u8]),
+    I8(&'a [i8]),
+    U16(&'a [u16]),
+    I16(&'a [i16]),
+    U32(&'a [u32]),
+    I32(&'a [i32]),
+    F32(&'a [f32]),
+    F64(&'a [f64]),
+}
+
+/// Runs `$body` with `$s` bound to the typed slice.
+#[macro_export]
+macro_rules! with_samples {
+    ($samples:expr, $s:ident => $body:expr) => {
+        match $samples {
+            $crate::Samples::U8($s) => $body,
+            $crate::Samples::I8($s) => $body,
+            $crate::Samples::U16($s) => $body,
+            $crate::Samples::I16($s) => $body,
+            $crate::Samples::U32($s) => $body,
+            $crate::Samples::I32($s) => $body,
+            $crate::Samples::F32($s) => $body,
+            $crate::Samples::F64($s) => $body,
+        }
+    };
+}
+
+impl Samples<'_> {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        with_samples!(self, s => s.len())
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether the type is narrow enough to be used in f32 as it is.
+    pub fn is_narrow(&self) -> bool {
+        matches!(self, Self::U8(_) | Self::I8(_) | Self::U16(_) | Self::I16(_))
+    }
+
+    /// The sample at a linear index.
+    pub fn get(&self, index: usize) -> f64 {
+        with_samples!(self, s => s[index].to_f64())
+    }
+}
+
+/// What one pass over the samples tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    /// Smallest finite sample.
+    pub min: f64,
+    /// Largest finite sample.
+    pub max: f64,
+    /// How many samples are NaN or infinite; they are drawn as empty.
+    pub n_nonfinite: usize,
+}
+
+impl Statistics {
+    /// Reads every sample once.
+    pub fn of(samples: &Samples) -> Self {
+        fn scan<T: Sample>(samples: &[T]) -> Statistics {
+            let mut stats = Statistics { min: f64::INFINITY, max: f64::NEG_INFINITY, n_nonfinite: 0 };
+            for sample in samples.iter().map(|s| s.to_f64()) {
+                if sample.is_finite() {
+                    stats.min = if sample < stats.min { sample } else { stats.min };
+                    stats.max = if sample > stats.max { sample } else { stats.max };
+                } else {
+                    stats.n_nonfinite += 1;
+                }
+            }
+            stats
+        }
+        /// Integers have no NaN; comparing them in their own type lets the compiler use whole vectors.
+        fn scan_integers<T: Sample + Ord>(samples: &[T]) -> Statistics {
+            let Some(&first) = samples.first() else {
+                return Statistics { min: f64::INFINITY, max: f64::NEG_INFINITY, n_nonfinite: 0 };
+            };
+            let (lo, hi) = samples.iter().fold((first, first), |(lo, hi), &s| (lo.min(s), hi.max(s)));
+            Statistics { min: lo.to_f64(), max: hi.to_f64(), n_nonfinite: 0 }
+        }
+        match samples {
+            Samples::U8(s) => scan_integers(s),
+            Samples::I8(s) => scan_integers(s),
+            Samples::U16(s) => scan_integers(s),
+            Samples::I16(s) => scan_integers(s),
+            Samples::U32(s) => scan_integers(s),
+            Samples::I32(s) => scan_integers(s),
+            Samples::F32(s) => scan(s),
+            Samples::F64(s) => scan(s),
+        }
+    }
+}
+
+/// Samples, their shape, and where they lie in the world. Always consistent.
+#[derive(Clone, Debug)]
+pub struct Volume<'a> {
+    samples: Samples<'a>,
+    size: [usize; 3],
+    world_from_index: DAffine3,
+    statistics: Statistics,
+}
+
+impl<'a> Volume<'a> {
+    /// Checks shape, affine and samples; `size` is `[nx, ny, nz]`, `name` appears in messages only.
+    pub fn new(name: &str, samples: Samples<'a>, size: [usize; 3], world_from_index: DAffine3) -> Result<Self> {
+        let statistics = Statistics::of(&samples);
+        Self::with_statistics(name, samples, size, world_from_index, statistics)
+    }
+
+    /// As [`Volume::new`], with statistics that were computed before for the same samples.
+    pub fn with_statistics(
+        name: &str,
+        samples: Samples<'a>,
+        size: [usize; 3],
+        world_from_index: DAffine3,
+        statistics: Statistics,
+    ) -> Result<Self> {
+        let shape_zyx = [size[2], size[1], size[0]];
+        let name = || name.to_owned();
+        let expected = size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m)).unwrap_or(usize::MAX);
+        if samples.len() != expected {
+            return Err(Error::SampleCount { name: name(), shape_zyx, expected, actual: samples.len() });
+        }
+        if size.iter().any(|&n| n < 2) {
+            return Err(Error::ThinVolume { name: name(), shape_zyx });
+        }
+        if statistics.n_nonfinite == samples.len() {
+            return Err(Error::NoFiniteSample { name: name(), n_samples: samples.len() });
+        }
+        if let Some(problem) = affine_problem(&world_from_index) {
+            return Err(Error::DegenerateAffine { name: name(), matrix: rows(&world_from_index), problem });
+        }
+        Ok(Self { samples, size, world_from_index, statistics })
+    }
+
+    /// The samples, `x` fastest.
+    pub fn samples(&self) -> &Samples<'a> {
+        &self.samples
+    }
+
+    /// `[nx, ny, nz]`.
+    pub fn size(&self) -> [usize; 3] {
+        self.size
+    }
+
+    /// World position (mm for medical data) of an index position.
+    pub fn world_from_index(&self) -> DAffine3 {
+        self.world_from_index
+    }
+
+    /// Index position of a world position.
+    pub fn index_from_world(&self) -> DAffine3 {
+        self.world_from_index.inverse()
+    }
+
+    /// Range and number of non-finite samples.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Length of one index step along each axis, world units.
+    pub fn spacing(&self) -> DVec3 {
+        let m = self.world_from_index.matrix3;
+        DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length())
+    }
+
+    /// Default `opacity_unit`: the geometric mean of the spacings, world units.
+    pub fn default_opacity_unit(&self) -> f64 {
+        let s = self.spacing();
+        (s.x * s.y * s.z).cbrt()
+    }
+
+    /// Last index position of each axis: the volume fills `[0, last]`.
+    pub fn last_index(&self) -> DVec3 {
+        DVec3::new((self.size[0] - 1) as f64, (self.size[1] - 1) as f64, (self.size[2] - 1) as f64)
+    }
+
+    /// `(offset, scale)` of the density `d = (sample − offset) · scale` that the renderer works with.
+    pub fn density_from_sample(&self) -> (f64, f64) {
+        if self.samples.is_narrow() {
+            return (0.0, 1.0);
+        }
+        let Statistics { min, max, .. } = self.statistics;
+        let extent = max - min;
+        // A range beyond f64 (or none at all) is mapped by its magnitude alone.
+        if extent.is_finite() && extent > 0.0 { (min, 1.0 / extent) } else { (0.0, 1.0 / max.abs().max(1.0)) }
+    }
+}
+
+fn rows(affine: &DAffine3) -> [[f64; 4]; 3] {
+    let (m, t) = (affine.matrix3, affine.translation);
+    [
+        [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
+        [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
+        [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
+    ]
+}
+
+fn affine_problem(affine: &DAffine3) -> Option<&'static str> {
+    if !affine.is_finite() {
+        return Some("has a number that is not finite");
+    }
+    let m = affine.matrix3;
+    let lengths = [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()];
+    if lengths.contains(&0.0) {
+        return Some("has a spacing of 0");
+    }
+    // The determinant of the unit columns is the volume of their box: 1 when orthogonal, 0 when they lie in a plane.
+    let unit = DMat3::from_cols(m.x_axis / lengths[0], m.y_axis / lengths[1], m.z_axis / lengths[2]);
+    let skew = unit.determinant().abs();
+    (skew.is_nan() || skew < 1e-6).then_some("puts the three axes into one plane")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn volume(samples: &[f32], affine: DAffine3) -> Result<Volume<'_>> {
+        Volume::new("test", Samples::F32(samples), [2, 2, 2], affine)
+    }
+
+    #[test]
+    fn statistics_leave_out_what_is_not_finite() {
+        let s = [f32::NAN, 1.0, -2.0, f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.5, 0.25];
+        let v = volume(&s, DAffine3::IDENTITY).unwrap();
+        assert_eq!(v.statistics(), Statistics { min: -2.0, max: 1.0, n_nonfinite: 3 });
+    }
+
+    #[test]
+    fn bad_volumes_are_refused() {
+        let s = [0.0_f32; 8];
+        assert!(matches!(volume(&s[..7], DAffine3::IDENTITY), Err(Error::SampleCount { expected: 8, actual: 7, .. })));
+        assert!(matches!(volume(&[f32::NAN; 8], DAffine3::IDENTITY), Err(Error::NoFiniteSample { .. })));
+        let flat = Volume::new("flat", Samples::F32(&s), [8, 1, 1], DAffine3::IDENTITY);
+        assert!(matches!(flat, Err(Error::ThinVolume { shape_zyx: [1, 1, 8], .. })));
+        for scale in [DVec3::new(1.0, 0.0, 1.0), DVec3::new(f64::NAN, 1.0, 1.0)] {
+            assert!(matches!(volume(&s, DAffine3::from_scale(scale)), Err(Error::DegenerateAffine { .. })));
+        }
+        let plane = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y));
+        assert!(matches!(volume(&s, plane), Err(Error::DegenerateAffine { .. })));
+    }
+
+    #[test]
+    fn wide_types_map_to_unit_density() {
+        let s = [1e9_f64, 1e9 + 1.0, 1e9 + 2.0, 1e9, 1e9, 1e9, 1e9, 1e9 + 4.0];
+        let v = Volume::new("wide", Samples::F64(&s), [2, 2, 2], DAffine3::IDENTITY).unwrap();
+        assert_eq!(v.density_from_sample(), (1e9, 0.25));
+        let narrow = [0_u16; 8];
+        let v = Volume::new("narrow", Samples::U16(&narrow), [2, 2, 2], DAffine3::IDENTITY).unwrap();
+        assert_eq!(v.density_from_sample(), (0.0, 1.0));
+    }
+}

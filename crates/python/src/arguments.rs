@@ -1,0 +1,119 @@
+//! Camera, transfer function and shading as Python passes them.
+
+use glam::DVec3;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
+use pyo3::prelude::*;
+use wavesplat_core::{
+    Camera, ColorNode, Error, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction,
+};
+
+use crate::errors::to_py;
+
+/// Three numbers.
+pub type Triple = (f64, f64, f64);
+
+/// A vector of three numbers.
+pub fn vector((x, y, z): Triple) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// See `_native.pyi`.
+#[pyclass(name = "Camera", frozen, module = "wavesplat._native")]
+pub struct PyCamera(pub Camera);
+
+#[pymethods]
+impl PyCamera {
+    #[new]
+    fn new(
+        position: Triple,
+        focal_point: Triple,
+        view_up: Triple,
+        parallel_scale: Option<f64>,
+        view_angle: Option<f64>,
+    ) -> PyResult<Self> {
+        let projection = match (parallel_scale, view_angle) {
+            (Some(parallel_scale), None) => Projection::Orthographic { parallel_scale },
+            (None, Some(degrees)) => Projection::Perspective { view_angle_rad: degrees.to_radians() },
+            (None, None) => {
+                let problem = "neither parallel_scale nor view_angle is given";
+                return Err(to_py(Error::Projection { problem }));
+            }
+            (Some(_), Some(_)) => {
+                let problem = "both parallel_scale and view_angle are given";
+                return Err(to_py(Error::Projection { problem }));
+            }
+        };
+        let camera = Camera::new(vector(position), vector(focal_point), vector(view_up), projection);
+        camera.map(Self).map_err(to_py)
+    }
+}
+
+/// See `_native.pyi`.
+#[pyclass(name = "TransferFunction", frozen, module = "wavesplat._native")]
+pub struct PyTransferFunction(pub TransferFunction);
+
+#[pymethods]
+impl PyTransferFunction {
+    #[new]
+    fn new(
+        opacity: Vec<(f64, f64)>,
+        color: Vec<(f64, f64, f64, f64)>,
+        opacity_unit: Option<f64>,
+    ) -> PyResult<Self> {
+        let opacity = opacity.into_iter().map(|(value, opacity)| OpacityNode { value, opacity }).collect();
+        let color = color.into_iter().map(|(value, r, g, b)| ColorNode { value, rgb: [r, g, b] }).collect();
+        TransferFunction::new(opacity, color, opacity_unit).map(Self).map_err(to_py)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+    fn evaluate<'py>(&self, py: Python<'py>, values: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows: Vec<Vec<f64>> = values
+            .as_array()
+            .iter()
+            .map(|&v| {
+                let [r, g, b] = self.0.color(v);
+                vec![r, g, b, self.0.opacity(v)]
+            })
+            .collect();
+        let n = rows.len();
+        let flat = rows.concat().into_pyarray(py);
+        numpy::PyArrayMethods::reshape(&flat, [n, 4])
+    }
+}
+
+/// See `_native.pyi`.
+#[pyclass(name = "Shading", frozen, module = "wavesplat._native")]
+pub struct PyShading(pub Shading);
+
+#[pymethods]
+impl PyShading {
+    #[new]
+    fn new(
+        ambient: f32,
+        diffuse: f32,
+        specular: f32,
+        specular_power: f32,
+        gradient_offset: f64,
+        lights: Vec<(String, Triple, (f32, f32, f32))>,
+    ) -> PyResult<Self> {
+        let mut world_lights = Vec::new();
+        for (frame, direction, (r, g, b)) in lights {
+            let frame = match frame.as_str() {
+                "camera" => LightFrame::Camera,
+                "world" => LightFrame::World,
+                _ => {
+                    let known = "camera, world".to_owned();
+                    return Err(to_py(Error::UnknownName { what: "light frame", name: frame, known }));
+                }
+            };
+            world_lights.push(Light { frame, to_light: vector(direction), rgb: [r, g, b] });
+        }
+        if world_lights.is_empty() {
+            world_lights.push(Light::HEADLIGHT);
+        }
+        let shading =
+            Shading { ambient, diffuse, specular, specular_power, gradient_offset, lights: world_lights };
+        shading.validate().map_err(to_py)?;
+        Ok(Self(shading))
+    }
+}

@@ -1,0 +1,22 @@
+//! The one place where Rust errors become Python exceptions: by whose move is next.
+
+use pyo3::PyErr;
+use wavesplat_core::{Blame, Error};
+
+mod exceptions {
+    #![allow(missing_docs, reason = "the classes are documented in wavesplat/errors.py")]
+    pyo3::import_exception!(wavesplat.errors, ArgumentError);
+    pyo3::import_exception!(wavesplat.errors, LimitError);
+    pyo3::import_exception!(wavesplat.errors, CancelledError);
+}
+
+/// The exception for an error.
+#[expect(clippy::needless_pass_by_value, reason = "used as map_err(to_py)")]
+pub fn to_py(error: Error) -> PyErr {
+    let message = error.to_string();
+    match error.blame() {
+        Blame::Argument => exceptions::ArgumentError::new_err(message),
+        Blame::Limit => exceptions::LimitError::new_err(message),
+        Blame::Cancelled => exceptions::CancelledError::new_err(message),
+    }
+}

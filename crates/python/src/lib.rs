@@ -1,0 +1,25 @@
+//! `wavesplat._native`: converts, releases the interpreter lock, calls, maps errors. No algorithm lives here.
+
+mod arguments;
+mod errors;
+mod rendering;
+mod volume;
+
+use pyo3::prelude::*;
+
+/// The compiled half of the Python package; its contract is `_native.pyi`.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
+    #[pymodule_export]
+    use crate::rendering::{encode_png, quality_settings, raycast, render, splat_literal};
+    #[pymodule_export]
+    use crate::volume::PyVolume;
+    use super::{Bound, PyModule, PyModuleMethods, PyResult};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

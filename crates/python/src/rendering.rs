@@ -1,0 +1,259 @@
+//! The drawing functions.
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use wavesplat_core::{ClipPlane, Composite, Crop, Kernel, Picture, RenderOptions};
+use wavesplat_splat::reference::raycast::RaycastOptions;
+use wavesplat_splat::{Monitor, reference};
+
+use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
+use crate::errors::to_py;
+use crate::volume::PyVolume;
+
+/// Corners of a crop box.
+type Corners = Option<(Triple, Triple)>;
+
+fn crop(index: Corners, world: Corners) -> Option<Crop> {
+    let index = index.map(|(lo, hi)| Crop::Index { lo: vector(lo), hi: vector(hi) });
+    index.or(world.map(|(lo, hi)| Crop::World { lo: vector(lo), hi: vector(hi) }))
+}
+
+fn clip_planes(planes: Vec<(Triple, Triple)>) -> Vec<ClipPlane> {
+    planes.into_iter().map(|(origin, normal)| ClipPlane { origin: vector(origin), normal: vector(normal) }).collect()
+}
+
+/// Calls a Python function from worker threads, at most every few hundredths of a second.
+struct PyMonitor {
+    callback: Option<Py<PyAny>>,
+    state: Mutex<MonitorState>,
+}
+
+struct MonitorState {
+    last: Option<Instant>,
+    error: Option<PyErr>,
+}
+
+/// Often enough for a smooth bar, seldom enough to cost nothing.
+const PROGRESS_EVERY: Duration = Duration::from_millis(40);
+
+impl Monitor for PyMonitor {
+    fn progress(&self, fraction: f32) -> ControlFlow<()> {
+        let Some(callback) = &self.callback else { return ControlFlow::Continue(()) };
+        let Ok(mut state) = self.state.try_lock() else { return ControlFlow::Continue(()) };
+        if fraction < 1.0 && state.last.is_some_and(|last| last.elapsed() < PROGRESS_EVERY) {
+            return ControlFlow::Continue(());
+        }
+        state.last = Some(Instant::now());
+        // False stops, anything else goes on; an exception stops and is raised to the caller.
+        let answer = Python::attach(|py| {
+            let answer = callback.call1(py, (fraction,))?;
+            PyResult::Ok(answer.is_none(py) || answer.extract::<bool>(py).unwrap_or(true))
+        });
+        match answer {
+            Ok(true) => ControlFlow::Continue(()),
+            Ok(false) => ControlFlow::Break(()),
+            Err(error) => {
+                state.error = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+fn image<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let flat = picture.rgba.as_flattened().to_vec().into_pyarray(py);
+    flat.reshape([picture.height_px, picture.width_px, 4])
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, composite, iso_value, shading,
+    sheets_per_slice, oversampling, crop_index, crop_world, clip_planes, background, threads, depth, progress))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+pub fn render<'py>(
+    py: Python<'py>,
+    volume: &PyVolume,
+    transfer_function: &PyTransferFunction,
+    camera: &PyCamera,
+    width: usize,
+    height: usize,
+    kernel: &str,
+    composite: &str,
+    iso_value: Option<f64>,
+    shading: Option<&PyShading>,
+    sheets_per_slice: f64,
+    oversampling: f64,
+    crop_index: Corners,
+    crop_world: Corners,
+    clip_planes: Vec<(Triple, Triple)>,
+    background: Option<[f32; 4]>,
+    threads: Option<usize>,
+    depth: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = RenderOptions {
+        width_px: width,
+        height_px: height,
+        kernel: Kernel::from_name(kernel).map_err(to_py)?,
+        composite: Composite::from_name(composite, iso_value).map_err(to_py)?,
+        shading: shading.map(|s| s.0.clone()),
+        sheets_per_slice,
+        oversampling,
+        crop: crop(crop_index, crop_world),
+        clip_planes: self::clip_planes(clip_planes),
+        background,
+        with_depth: depth,
+        n_threads: threads,
+    };
+    options.validate().map_err(to_py)?;
+    let monitor = PyMonitor { callback: progress, state: Mutex::new(MonitorState { last: None, error: None }) };
+    let result = volume.with_volume(py, |v| {
+        Ok(py.detach(|| {
+            let slices = volume.slices(v, options.kernel);
+            wavesplat_splat::render(v, &slices, &transfer_function.0, &camera.0, &options, &monitor)
+        }))
+    })?;
+    let state = monitor.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if let Some(error) = state.error {
+        return Err(error);
+    }
+    let (picture, report) = result.map_err(to_py)?;
+    let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
+    };
+    let dict = PyDict::new(py);
+    dict.set_item("rgba", image(py, &picture)?)?;
+    dict.set_item("depth", plane(picture.depth)?)?;
+    dict.set_item("value", plane(picture.value)?)?;
+    let numbers = PyDict::new(py);
+    numbers.set_item("n_texels", report.n_texels)?;
+    numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;
+    numbers.set_item("n_base_planes", report.n_base_planes)?;
+    numbers.set_item("n_base_texels", report.n_base_texels)?;
+    numbers.set_item("n_sheets", report.n_sheets)?;
+    numbers.set_item("n_nonfinite_samples", report.n_nonfinite_samples)?;
+    numbers.set_item("n_threads", report.n_threads)?;
+    dict.set_item("report", numbers)?;
+    Ok(dict)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, shading, step, rays_per_pixel,
+    crop_index, crop_world, clip_planes, threads))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+pub fn raycast<'py>(
+    py: Python<'py>,
+    volume: &PyVolume,
+    transfer_function: &PyTransferFunction,
+    camera: &PyCamera,
+    width: usize,
+    height: usize,
+    kernel: &str,
+    shading: Option<&PyShading>,
+    step: f64,
+    rays_per_pixel: usize,
+    crop_index: Corners,
+    crop_world: Corners,
+    clip_planes: Vec<(Triple, Triple)>,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let options = RenderOptions {
+        width_px: width,
+        height_px: height,
+        kernel: Kernel::from_name(kernel).map_err(to_py)?,
+        shading: shading.map(|s| s.0.clone()),
+        crop: crop(crop_index, crop_world),
+        clip_planes: self::clip_planes(clip_planes),
+        n_threads: threads,
+        ..RenderOptions::default()
+    };
+    let sampling = RaycastOptions { step, rays_per_pixel };
+    let picture = volume.with_volume(py, |v| {
+        let (tf, camera) = (&transfer_function.0, &camera.0);
+        py.detach(|| reference::raycast::raycast(v, tf, camera, &options, sampling)).map_err(to_py)
+    })?;
+    image(py, &picture)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, shading, sheets_per_slice, threads))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+pub fn splat_literal<'py>(
+    py: Python<'py>,
+    volume: &PyVolume,
+    transfer_function: &PyTransferFunction,
+    camera: &PyCamera,
+    width: usize,
+    height: usize,
+    kernel: &str,
+    shading: Option<&PyShading>,
+    sheets_per_slice: f64,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let options = RenderOptions {
+        width_px: width,
+        height_px: height,
+        kernel: Kernel::from_name(kernel).map_err(to_py)?,
+        shading: shading.map(|s| s.0.clone()),
+        sheets_per_slice,
+        oversampling: 1.0,
+        n_threads: threads,
+        ..RenderOptions::default()
+    };
+    let picture = volume.with_volume(py, |v| {
+        let (tf, camera) = (&transfer_function.0, &camera.0);
+        py.detach(|| reference::splat::image(v, tf, camera, &options)).map_err(to_py)
+    })?;
+    image(py, &picture)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn quality_settings(name: &str) -> PyResult<(f64, f64)> {
+    wavesplat_core::quality_settings(name).map_err(to_py)
+}
+
+/// Associated float RGBA to the bytes of an unassociated 8- or 16-bit PNG; colours are used as given.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn encode_png<'py>(py: Python<'py>, rgba: PyReadonlyArray3<'py, f32>, bits: u32) -> PyResult<Bound<'py, PyBytes>> {
+    let [height, width, 4] = *rgba.shape() else {
+        return Err(PyTypeError::new_err("rgba must have the shape [height, width, 4]"));
+    };
+    if bits != 8 && bits != 16 {
+        return Err(PyValueError::new_err(format!("bits is {bits}; pass 8 or 16")));
+    }
+    let pixels = rgba.as_slice()?;
+    let bytes = py.detach(|| png_bytes(pixels, width, height, bits));
+    bytes.map(|b| PyBytes::new(py, &b)).map_err(|e| PyValueError::new_err(e.to_string()))
+}
+
+fn png_bytes(pixels: &[f32], width: usize, height: usize, bits: u32) -> Result<Vec<u8>, png::EncodingError> {
+    let top = if bits == 8 { 255.0 } else { 65535.0 };
+    let mut data = Vec::with_capacity(pixels.len() * bits as usize / 8);
+    for pixel in pixels.chunks_exact(4) {
+        let alpha = pixel[3].clamp(0.0, 1.0);
+        let unassociate = |c: f32| if alpha > 0.0 { (c / alpha).clamp(0.0, 1.0) } else { 0.0 };
+        for c in [unassociate(pixel[0]), unassociate(pixel[1]), unassociate(pixel[2]), alpha] {
+            let level = (c * top).round() as u16;
+            if bits == 8 { data.push(level as u8) } else { data.extend(level.to_be_bytes()) }
+        }
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(if bits == 8 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&data)?;
+    writer.finish()?;
+    Ok(bytes)
+}

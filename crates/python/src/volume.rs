@@ -1,0 +1,146 @@
+//! Samples shared with NumPy.
+
+use std::sync::{Arc, Mutex};
+
+use glam::{DAffine3, DMat3, DVec3};
+use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use wavesplat_core::{Kernel, Samples, Statistics, Volume};
+use wavesplat_splat::slices::Slices;
+
+use crate::errors::to_py;
+
+/// A C-contiguous array [z, y, x] of one of the sample types.
+enum Array {
+    U8(Py<PyArray3<u8>>),
+    I8(Py<PyArray3<i8>>),
+    U16(Py<PyArray3<u16>>),
+    I16(Py<PyArray3<i16>>),
+    U32(Py<PyArray3<u32>>),
+    I32(Py<PyArray3<i32>>),
+    F32(Py<PyArray3<f32>>),
+    F64(Py<PyArray3<f64>>),
+}
+
+/// Samples, affine, and what was computed from them once.
+#[pyclass(name = "Volume", frozen, module = "wavesplat._native")]
+pub struct PyVolume {
+    name: String,
+    array: Array,
+    world_from_index: DAffine3,
+    statistics: Statistics,
+    /// Spline coefficients or filled densities, per kernel.
+    prepared: Mutex<Vec<(Kernel, Arc<Slices<'static>>)>>,
+}
+
+#[pymethods]
+impl PyVolume {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        samples: &Bound<'_, PyAny>,
+        world_from_index: PyReadonlyArray2<'_, f64>,
+        name: String,
+    ) -> PyResult<Self> {
+        let array = Array::new(samples)?;
+        let world_from_index = affine(&world_from_index)?;
+        let unknown = Statistics { min: 0.0, max: 0.0, n_nonfinite: 0 };
+        let mut volume = Self { name, array, world_from_index, statistics: unknown, prepared: Mutex::default() };
+        volume.statistics = volume.with_samples(py, |samples, _| py.detach(|| Statistics::of(&samples)))?;
+        volume.with_volume(py, |_| Ok(()))?;
+        Ok(volume)
+    }
+
+    /// Smallest and largest finite sample.
+    #[getter]
+    fn value_range(&self) -> (f64, f64) {
+        (self.statistics.min, self.statistics.max)
+    }
+
+    /// How many samples are NaN or infinite.
+    #[getter]
+    fn n_nonfinite(&self) -> usize {
+        self.statistics.n_nonfinite
+    }
+}
+
+impl PyVolume {
+    /// Calls `work` with the samples and their `[nx, ny, nz]`.
+    fn with_samples<T>(&self, py: Python<'_>, work: impl FnOnce(Samples<'_>, [usize; 3]) -> T) -> PyResult<T> {
+        macro_rules! borrow {
+            ($array:expr, $variant:path) => {{
+                let array = $array.bind(py).readonly();
+                let [nz, ny, nx] = *array.shape() else { return Err(PyTypeError::new_err("samples must be 3-D")) };
+                Ok(work($variant(array.as_slice()?), [nx, ny, nz]))
+            }};
+        }
+        match &self.array {
+            Array::U8(a) => borrow!(a, Samples::U8),
+            Array::I8(a) => borrow!(a, Samples::I8),
+            Array::U16(a) => borrow!(a, Samples::U16),
+            Array::I16(a) => borrow!(a, Samples::I16),
+            Array::U32(a) => borrow!(a, Samples::U32),
+            Array::I32(a) => borrow!(a, Samples::I32),
+            Array::F32(a) => borrow!(a, Samples::F32),
+            Array::F64(a) => borrow!(a, Samples::F64),
+        }
+    }
+
+    /// Calls `work` with the volume.
+    pub fn with_volume<T>(&self, py: Python<'_>, work: impl FnOnce(&Volume<'_>) -> PyResult<T>) -> PyResult<T> {
+        self.with_samples(py, |samples, size| {
+            let volume = Volume::with_statistics(&self.name, samples, size, self.world_from_index, self.statistics);
+            work(&volume.map_err(to_py)?)
+        })?
+    }
+
+    /// Slices for a kernel, from the last picture where they took work to make.
+    pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Arc<Slices<'a>> {
+        let mut prepared = self.prepared.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some((_, slices)) = prepared.iter().find(|(k, _)| *k == kernel) {
+            return slices.clone();
+        }
+        let slices = Slices::new(volume, kernel);
+        if slices.n_bytes() == 0 {
+            return Arc::new(slices);
+        }
+        match slices.into_owned() {
+            Some(owned) => {
+                let owned = Arc::new(owned);
+                prepared.push((kernel, owned.clone()));
+                owned
+            }
+            None => Arc::new(Slices::new(volume, kernel)),
+        }
+    }
+}
+
+impl Array {
+    fn new(samples: &Bound<'_, PyAny>) -> PyResult<Self> {
+        fn cast<T: Element>(samples: &Bound<'_, PyAny>) -> Option<Py<PyArray3<T>>> {
+            samples.cast::<PyArray3<T>>().ok().filter(|a| a.is_c_contiguous()).map(|a| a.clone().unbind())
+        }
+        let array = cast(samples)
+            .map(Self::U8)
+            .or_else(|| cast(samples).map(Self::I8))
+            .or_else(|| cast(samples).map(Self::U16))
+            .or_else(|| cast(samples).map(Self::I16))
+            .or_else(|| cast(samples).map(Self::U32))
+            .or_else(|| cast(samples).map(Self::I32))
+            .or_else(|| cast(samples).map(Self::F32))
+            .or_else(|| cast(samples).map(Self::F64));
+        array.ok_or_else(|| {
+            PyTypeError::new_err("samples must be a C-contiguous 3-D array of u8, i8, u16, i16, u32, i32, f32 or f64")
+        })
+    }
+}
+
+fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> PyResult<DAffine3> {
+    let m = matrix.as_array();
+    if m.shape() != [4, 4] || (0..4).any(|c| m[[3, c]] != if c == 3 { 1.0 } else { 0.0 }) {
+        return Err(PyTypeError::new_err("world_from_index must be 4 x 4 with a last row of 0 0 0 1"));
+    }
+    let column = |c: usize| DVec3::new(m[[0, c]], m[[1, c]], m[[2, c]]);
+    Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
+}

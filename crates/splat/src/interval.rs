@@ -1,0 +1,161 @@
+//! The part of each ray that is drawn: the volume's box, crop boxes, clip planes and the eye are half spaces, so on a
+//! ray they leave one interval of w. Slabs count by the share of them inside it, which is clean at any sub-voxel
+//! position and makes thickness exact (Beer-Lambert) where rays enter through the side of the volume.
+
+use glam::{DAffine3, DVec3};
+use wavesplat_core::{Crop, Error, RenderOptions, Result, Volume};
+
+use crate::base_plane::{BasePlane, TexelRay};
+
+/// `normal · position + offset ≥ 0`, in index coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfSpace {
+    /// Points inside.
+    pub normal: DVec3,
+    /// Distance of the origin inside, in units of the normal.
+    pub offset: f64,
+}
+
+/// What is drawn: an intersection of half spaces, and index-space bounds of it.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// All must hold.
+    pub half_spaces: Vec<HalfSpace>,
+    /// Corners of an index-aligned box around the region.
+    pub bounds: [DVec3; 2],
+}
+
+impl Region {
+    /// Volume box, crop and clip planes.
+    pub fn new(volume: &Volume, options: &RenderOptions) -> Result<Self> {
+        let last = volume.last_index();
+        let world_from_index = volume.world_from_index();
+        let mut region = Self { half_spaces: Vec::new(), bounds: [DVec3::ZERO, last] };
+        region.add_box(DAffine3::IDENTITY, DVec3::ZERO, last);
+        if let Some(crop) = options.crop {
+            let (lo, hi) = crop.corners();
+            let volume_bounds = match crop {
+                Crop::Index { .. } => {
+                    region.add_box(DAffine3::IDENTITY, lo, hi);
+                    region.bounds = [DVec3::ZERO.max(lo), last.min(hi)];
+                    [DVec3::ZERO, last]
+                }
+                Crop::World { .. } => {
+                    region.add_box(world_from_index, lo, hi);
+                    let crop_bounds = box_bounds(world_from_index.inverse(), lo, hi);
+                    region.bounds = [DVec3::ZERO.max(crop_bounds[0]), last.min(crop_bounds[1])];
+                    box_bounds(world_from_index, DVec3::ZERO, last)
+                }
+            };
+            let inside = lo.is_finite() && hi.is_finite() && lo.cmplt(hi).all();
+            let [a, b] = volume_bounds;
+            if !inside || !(lo.cmplt(b).all() && hi.cmpgt(a).all()) {
+                let (lo, hi) = (lo.to_array(), hi.to_array());
+                return Err(Error::EmptyCrop { lo, hi, volume_lo: a.to_array(), volume_hi: b.to_array() });
+            }
+        }
+        for plane in &options.clip_planes {
+            let normal = plane.normal.normalize();
+            region.add_world(world_from_index, normal, -normal.dot(plane.origin));
+        }
+        Ok(region)
+    }
+
+    /// Adds `normal · x + offset ≥ 0`, where `x = frame_from_index · index`.
+    fn add_world(&mut self, frame_from_index: DAffine3, normal: DVec3, offset: f64) {
+        self.half_spaces.push(HalfSpace {
+            normal: frame_from_index.matrix3.transpose() * normal,
+            offset: offset + normal.dot(frame_from_index.translation),
+        });
+    }
+
+    fn add_box(&mut self, frame_from_index: DAffine3, lo: DVec3, hi: DVec3) {
+        for axis in DVec3::AXES {
+            self.add_world(frame_from_index, axis, -axis.dot(lo));
+            self.add_world(frame_from_index, -axis, axis.dot(hi));
+        }
+    }
+
+    /// Whether an index position is inside.
+    pub fn contains(&self, index: DVec3) -> bool {
+        self.half_spaces.iter().all(|h| h.normal.dot(index) + h.offset >= 0.0)
+    }
+
+    /// Interval of the ray parameter `t` of `origin + t · direction` that is inside; empty where lo ≥ hi.
+    pub fn clip(&self, origin: DVec3, direction: DVec3, [mut lo, mut hi]: [f64; 2]) -> [f64; 2] {
+        for h in &self.half_spaces {
+            narrow(h.normal.dot(origin) + h.offset, h.normal.dot(direction), &mut lo, &mut hi);
+        }
+        [lo, hi]
+    }
+
+    /// Interval of w of a texel's ray that is inside; empty where lo ≥ hi.
+    pub fn texel_interval(&self, plane: &BasePlane, ray: &TexelRay) -> [f64; 2] {
+        let [mut lo, mut hi] = [f64::NEG_INFINITY, f64::INFINITY];
+        if let Some(eye_w) = plane.eye_w() {
+            *if plane.family.ascending { &mut lo } else { &mut hi } = eye_w;
+        }
+        for h in &self.half_spaces {
+            let [nu, nv, nw] = plane.family.uvw(h.normal);
+            let at_zero = nu * ray.at_zero[0] + nv * ray.at_zero[1] + h.offset;
+            narrow(at_zero, nu * ray.slope[0] + nv * ray.slope[1] + nw, &mut lo, &mut hi);
+        }
+        [lo, hi]
+    }
+}
+
+/// Keeps the `t` with `at_zero + slope · t ≥ 0`.
+#[inline]
+fn narrow(at_zero: f64, slope: f64, lo: &mut f64, hi: &mut f64) {
+    // Below this slope the plane is parallel to the ray, in index units.
+    const PARALLEL: f64 = 1e-12;
+    let t = -at_zero / slope;
+    if slope > PARALLEL {
+        *lo = lo.max(t);
+    } else if slope < -PARALLEL {
+        *hi = hi.min(t);
+    } else if at_zero < -PARALLEL {
+        *hi = f64::NEG_INFINITY;
+    }
+}
+
+fn box_bounds(transform: DAffine3, lo: DVec3, hi: DVec3) -> [DVec3; 2] {
+    let corners = (0..8).map(|c| {
+        let pick = |bit: usize| if c >> bit & 1 == 0 { lo } else { hi };
+        transform.transform_point3(DVec3::new(pick(0).x, pick(1).y, pick(2).z))
+    });
+    corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wavesplat_core::{ClipPlane, Samples};
+
+    fn region(options: &RenderOptions) -> Result<Region> {
+        let samples = [0_u8; 1000];
+        let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
+        let volume = Volume::new("test", Samples::U8(&samples), [10, 10, 10], affine).unwrap();
+        Region::new(&volume, options)
+    }
+
+    #[test]
+    fn crop_and_planes_cut_a_ray() {
+        let crop = Some(Crop::World { lo: DVec3::new(3.0, -1.0, -1.0), hi: DVec3::splat(100.0) });
+        let clip_planes = vec![ClipPlane { origin: DVec3::new(10.0, 0.0, 0.0), normal: DVec3::new(-2.0, 0.0, 0.0) }];
+        let region = region(&RenderOptions { crop, clip_planes, ..RenderOptions::default() }).unwrap();
+        let [lo, hi] = region.clip(DVec3::new(-5.0, 4.0, 4.0), DVec3::X, [f64::NEG_INFINITY, f64::INFINITY]);
+        // World 3 and 10 are index 1.5 and 5.
+        assert!((lo - 6.5).abs() < 1e-12 && (hi - 10.0).abs() < 1e-12, "{lo} {hi}");
+        assert!(region.contains(DVec3::new(2.0, 4.0, 4.0)) && !region.contains(DVec3::new(1.0, 4.0, 4.0)));
+    }
+
+    #[test]
+    fn empty_crops_are_refused() {
+        for (lo, hi) in [(5.0, 4.0), (20.0, 30.0), (-3.0, -1.0), (f64::NAN, 1.0)] {
+            let crop = Some(Crop::Index { lo: DVec3::splat(lo), hi: DVec3::splat(hi) });
+            let result = region(&RenderOptions { crop, ..RenderOptions::default() });
+            assert!(matches!(result, Err(Error::EmptyCrop { .. })), "{lo} {hi}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Reconstruction kernels h(x), separable, x in samples.
+//!
+//! | kernel | h | radius | source |
+//! | --- | --- | --- | --- |
+//! | linear | `1 − |x|` | 1 | |
+//! | catmull-rom | Keys' cubic with a = −½ | 2 | Keys 1981 |
+//! | bspline2, bspline3 | centred B-splines of degree 2 and 3 | 1.5, 2 | Unser, Aldroubi, Eden 1993 |
+//! | gaussian | `exp(−2x²)`, cut off and normalised to unit sum | 2 | Westover 1990 |
+//!
+//! The B-splines become interpolating through the prefilter of the samples ([`crate::prefilter`]). Beyond the first
+//! and the last sample the taps repeat the edge sample; prefiltered coefficients are mirrored, as the prefilter
+//! assumes, else they would not interpolate at the faces.
+
+use wavesplat_core::Kernel;
+
+/// Most taps any kernel has.
+pub const MAX_TAPS: usize = 4;
+
+/// Distance beyond which h is 0, samples.
+pub fn radius(kernel: Kernel) -> f64 {
+    match kernel {
+        Kernel::Linear => 1.0,
+        Kernel::Bspline2 => 1.5,
+        Kernel::CatmullRom | Kernel::Bspline3 | Kernel::Gaussian => 2.0,
+    }
+}
+
+/// Number of samples that reach a position: twice the radius.
+pub fn n_taps(kernel: Kernel) -> usize {
+    (2.0 * radius(kernel)) as usize
+}
+
+/// h at `x` samples from its centre.
+pub fn weight(kernel: Kernel, x: f64) -> f64 {
+    let r = x.abs();
+    match kernel {
+        Kernel::Linear => (1.0 - r).max(0.0),
+        Kernel::CatmullRom if r < 1.0 => (1.5 * r - 2.5) * r * r + 1.0,
+        Kernel::CatmullRom if r < 2.0 => ((-0.5 * r + 2.5) * r - 4.0) * r + 2.0,
+        Kernel::Bspline2 if r < 0.5 => 0.75 - r * r,
+        Kernel::Bspline2 if r < 1.5 => 0.5 * (1.5 - r) * (1.5 - r),
+        Kernel::Bspline3 if r < 1.0 => 2.0 / 3.0 + r * r * (0.5 * r - 1.0),
+        Kernel::Bspline3 if r < 2.0 => (2.0 - r).powi(3) / 6.0,
+        Kernel::Gaussian if r < 2.0 => (-2.0 * r * r).exp(),
+        _ => 0.0,
+    }
+}
+
+/// How much a reconstructed value can leave the range of its samples in a plane, as a share of that range.
+///
+/// Non-negative weights of sum 1 stay inside. Catmull-Rom has absolute sum at most 5/4 per axis, so at most
+/// (25/16 − 1) / 2 on either side for two axes.
+pub fn overshoot_2d(kernel: Kernel) -> f32 {
+    if kernel == Kernel::CatmullRom { 9.0 / 32.0 } else { 0.0 }
+}
+
+/// Taps at position `x`: index of the first sample and the weights, which sum to 1.
+#[inline]
+pub fn taps(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
+    let n = n_taps(kernel);
+    let first = (x - radius(kernel)).floor() as i64 + 1;
+    let mut weights = [0.0; MAX_TAPS];
+    for (t, w) in weights[..n].iter_mut().enumerate() {
+        *w = weight(kernel, x - (first + t as i64) as f64);
+    }
+    if kernel == Kernel::Gaussian {
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|w| *w /= sum);
+    }
+    (first, weights)
+}
+
+/// Index of the sample that stands at `index` beyond the faces of an axis of `n` samples.
+#[inline]
+pub fn fold(kernel: Kernel, index: i64, n: usize) -> usize {
+    let last = n as i64 - 1;
+    match kernel {
+        Kernel::Bspline2 | Kernel::Bspline3 => {
+            let m = index.rem_euclid(2 * last);
+            (if m > last { 2 * last - m } else { m }) as usize
+        }
+        _ => index.clamp(0, last) as usize,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn positions() -> impl Iterator<Item = f64> {
+        (0..=400).map(|i| 3.0 + f64::from(i) * 0.01)
+    }
+
+    #[test]
+    fn taps_are_a_partition_of_unity_and_cover_the_kernel() {
+        for (name, kernel) in Kernel::NAMES {
+            for x in positions() {
+                let (first, weights) = taps(kernel, x);
+                assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{name} at {x}");
+                let outside = [first - 1, first + n_taps(kernel) as i64];
+                assert!(outside.iter().all(|&i| weight(kernel, x - i as f64) < 1e-12), "{name} at {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn taps_have_linear_precision() {
+        // A ramp is reconstructed exactly by every kernel with vanishing first moment. The cut-off Gaussian is not one.
+        for (name, kernel) in Kernel::NAMES.into_iter().filter(|(_, k)| *k != Kernel::Gaussian) {
+            for x in positions() {
+                let (first, weights) = taps(kernel, x);
+                let ramp: f64 = weights.iter().enumerate().map(|(t, w)| w * (first + t as i64) as f64).sum();
+                assert!((ramp - x).abs() < 1e-12, "{name} at {x}: {ramp}");
+            }
+        }
+    }
+
+    #[test]
+    fn overshoot_bounds_the_absolute_weights() {
+        for (name, kernel) in Kernel::NAMES {
+            for x in positions() {
+                let sum: f64 = taps(kernel, x).1.iter().map(|w| w.abs()).sum();
+                assert!((sum * sum - 1.0) / 2.0 <= f64::from(overshoot_2d(kernel)) + 1e-12, "{name} at {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn folding_repeats_or_mirrors() {
+        let fold3 = |kernel, i| fold(kernel, i, 3);
+        assert_eq!([-2, -1, 0, 2, 3, 4].map(|i| fold3(Kernel::CatmullRom, i)), [0, 0, 0, 2, 2, 2]);
+        assert_eq!([-2, -1, 0, 2, 3, 4, 5].map(|i| fold3(Kernel::Bspline3, i)), [2, 1, 0, 2, 1, 0, 1]);
+    }
+}

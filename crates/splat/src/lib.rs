@@ -1,0 +1,29 @@
+//! High-resolution splatting on the CPU.
+//!
+//! The volume is reconstructed one *sheet* at a time, a plane parallel to its slices at much higher resolution than
+//! the samples. Densities are splatted into the sheet first; colour and opacity are looked up after, at every texel;
+//! then the sheet is composited. The modules follow the data:
+//!
+//! slices ([`slices`]) -> footprints ([`footprint`]) -> sheet ([`sheet`]) -> classify ([`classify`]) -> shade
+//! ([`shade`]) -> composite ([`composite`]) -> warp ([`warp`]) -> picture.
+//!
+//! [`render`] is the one place that knows the order. [`mod@reference`] holds the literal double-precision twins.
+//! Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
+
+pub mod base_plane;
+pub mod classify;
+pub mod composite;
+pub mod footprint;
+pub mod interval;
+pub mod kernel;
+mod parallel;
+pub mod prefilter;
+pub mod reference;
+mod render;
+pub mod shade;
+pub mod sheet;
+pub mod slices;
+mod tile;
+pub mod warp;
+
+pub use render::{Monitor, Report, render, render_base_planes};

@@ -1,0 +1,328 @@
+//! The converged picture: an image-order ray caster in double precision.
+//!
+//! Steps along each ray, evaluates the kernel at every step (8 samples for trilinear), classifies, shades and
+//! composites, with the exact curves of the transfer function. Model: emission and absorption, central differences
+//! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
+//! trilinearly interpolated central difference of the usual ray caster.
+
+use glam::{DMat3, DVec3};
+use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
+
+use crate::base_plane::IndexRays;
+use crate::interval::Region;
+use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
+use crate::shade::{light_direction, vanishing_gradient_squared};
+use crate::slices::Slices;
+use crate::{kernel, parallel};
+
+/// How finely the reference samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RaycastOptions {
+    /// Distance of samples along the ray, in units of the smallest spacing.
+    pub step: f64,
+    /// Rays per pixel, a square number; they lie on a regular grid.
+    pub rays_per_pixel: usize,
+}
+
+/// Rays stop below this transmittance.
+const TRANSPARENT: f64 = 1e-7;
+
+/// Cells per side of the blocks that are skipped where nothing in them is visible.
+const BLOCK: usize = 4;
+
+/// Draws `options.composite = over` by ray casting; sheets and oversampling of the options are not used.
+pub fn raycast(
+    volume: &Volume,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    sampling: RaycastOptions,
+) -> Result<Picture> {
+    options.validate()?;
+    let mend = "pass a step in voxels, 0.05 for a converged picture";
+    if !(sampling.step >= 1e-3 && sampling.step <= 10.0) {
+        return Err(Error::out_of_range("step", sampling.step, "between 0.001 and 10", mend));
+    }
+    let per_axis = (sampling.rays_per_pixel as f64).sqrt().round() as usize;
+    if per_axis == 0 || per_axis * per_axis != sampling.rays_per_pixel || per_axis > 16 {
+        let mend = "pass 1, 4, 9 or 16";
+        return Err(Error::out_of_range("rays_per_pixel", sampling.rays_per_pixel, "a square number up to 256", mend));
+    }
+    let region = Region::new(volume, options)?;
+    parallel::with_threads(options.n_threads, || {
+        let slices = Slices::new(volume, options.kernel);
+        let caster = Caster::new(volume, &slices, tf, camera, options.shading.as_ref(), region, sampling.step);
+        let rays = IndexRays::new(camera, volume.index_from_world(), options.width_px, options.height_px);
+        let rows = parallel::map(options.height_px, |y| {
+            let pixel = |x: usize| {
+                let mut sum = [0.0; 4];
+                for s in 0..sampling.rays_per_pixel {
+                    let offset = |k: usize| (k as f64 + 0.5) / per_axis as f64;
+                    let (px, py) = (x as f64 + offset(s % per_axis), y as f64 + offset(s / per_axis));
+                    let rgba = caster.cast(rays.origin(px, py), rays.direction(px, py));
+                    (0..4).for_each(|c| sum[c] += rgba[c] / sampling.rays_per_pixel as f64);
+                }
+                sum.map(|c| c as f32)
+            };
+            (0..options.width_px).map(pixel).collect::<Vec<_>>()
+        });
+        let (width_px, height_px) = (options.width_px, options.height_px);
+        let mut picture = Picture { width_px, height_px, rgba: rows.concat(), depth: None, value: None };
+        if let Some(background) = options.background {
+            picture.over_background(background);
+        }
+        Ok(picture)
+    })
+}
+
+/// Colour and opacity of one sample of a ray, exact: shared with the literal splatter.
+pub struct Sampler<'a> {
+    slices: &'a Slices<'a>,
+    size: [usize; 3],
+    tf: &'a TransferFunction,
+    density_map: (f64, f64),
+    shading: Option<&'a Shading>,
+    lights: Vec<(DVec3, [f64; 3])>,
+    gradient_from_index: DMat3,
+    vanishing: f64,
+    opacity_unit: f64,
+}
+
+impl<'a> Sampler<'a> {
+    /// Collects what classification and shading need.
+    pub fn new(
+        volume: &Volume,
+        slices: &'a Slices<'a>,
+        tf: &'a TransferFunction,
+        camera: &Camera,
+        shading: Option<&'a Shading>,
+    ) -> Self {
+        let matrix = volume.world_from_index().matrix3;
+        let lights = shading.into_iter().flat_map(|s| &s.lights);
+        Self {
+            slices,
+            size: volume.size(),
+            tf,
+            density_map: volume.density_from_sample(),
+            shading,
+            lights: lights.map(|l| (light_direction(camera, l), l.rgb.map(f64::from))).collect(),
+            gradient_from_index: matrix.inverse().transpose(),
+            vanishing: vanishing_gradient_squared(matrix, slices.range()),
+            opacity_unit: tf.opacity_unit().unwrap_or_else(|| volume.default_opacity_unit()),
+        }
+    }
+
+    /// Density at an index position, clamped to the volume; `None` where a hole is reached.
+    pub fn density(&self, position: DVec3) -> Option<f64> {
+        let kernel = self.slices.kernel();
+        let mut first = [0; 3];
+        let mut weights = [[0.0; MAX_TAPS]; 3];
+        for axis in 0..3 {
+            let x = position[axis].clamp(0.0, (self.size[axis] - 1) as f64);
+            (first[axis], weights[axis]) = taps(kernel, x);
+        }
+        let n = n_taps(kernel);
+        let mut index = [[0; MAX_TAPS]; 3];
+        for axis in 0..3 {
+            for t in 0..n {
+                index[axis][t] = fold(kernel, first[axis] + t as i64, self.size[axis]);
+            }
+        }
+        let mut sum = 0.0;
+        for tz in 0..n {
+            for ty in 0..n {
+                let weight_zy = weights[2][tz] * weights[1][ty];
+                for tx in 0..n {
+                    let weight = weight_zy * weights[0][tx];
+                    let at = [index[0][tx], index[1][ty], index[2][tz]];
+                    if weight != 0.0 && self.slices.is_hole(at) {
+                        return None;
+                    }
+                    sum += weight * self.slices.at(at);
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// Index-space gradient by differences over twice the offset, stopping at the faces; holes count as filled.
+    fn gradient(&self, position: DVec3, offset: f64) -> DVec3 {
+        let mut gradient = DVec3::ZERO;
+        for axis in 0..3 {
+            let mut ends = [position; 2];
+            ends[0][axis] = position[axis] - offset;
+            ends[1][axis] = position[axis] + offset;
+            let [lo, hi] = ends.map(|p| self.density(p).unwrap_or(f64::NAN));
+            gradient[axis] = if lo.is_nan() || hi.is_nan() { 0.0 } else { (hi - lo) / (2.0 * offset) };
+        }
+        gradient
+    }
+
+    /// Optical depth per `opacity_unit` of a density; infinite for opacity 1.
+    pub fn optical_depth(&self, density: f64) -> f64 {
+        let (offset, scale) = self.density_map;
+        -(-self.tf.opacity(density / scale + offset)).ln_1p()
+    }
+
+    /// Unassociated colour of a density, shaded with the gradient at `position`.
+    pub fn color(&self, density: f64, position: DVec3, to_eye: DVec3) -> [f64; 3] {
+        let Some(shading) = self.shading else { return self.unshaded(density) };
+        self.shade(density, self.gradient(position, shading.gradient_offset), to_eye)
+    }
+
+    /// Unassociated colour of a density without light.
+    pub fn unshaded(&self, density: f64) -> [f64; 3] {
+        let (offset, scale) = self.density_map;
+        self.tf.color(density / scale + offset)
+    }
+
+    /// Unassociated colour of a density, shaded with an index-space gradient.
+    pub fn shade(&self, density: f64, index_gradient: DVec3, to_eye: DVec3) -> [f64; 3] {
+        let rgb = self.unshaded(density);
+        let Some(shading) = self.shading else { return rgb };
+        let gradient = self.gradient_from_index * index_gradient;
+        let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
+        if gradient.length_squared() <= self.vanishing {
+            return rgb.map(|c| c * ambient);
+        }
+        let normal = gradient.normalize();
+        let mut out = rgb.map(|c| c * ambient);
+        for (to_light, light) in &self.lights {
+            let n_l = normal.dot(*to_light);
+            let reflected = 2.0 * n_l * normal - *to_light;
+            let highlight = reflected.dot(to_eye).max(0.0).powf(f64::from(shading.specular_power));
+            for c in 0..3 {
+                out[c] += light[c] * (rgb[c] * diffuse * n_l.abs() + f64::from(shading.specular) * highlight);
+            }
+        }
+        out
+    }
+
+    /// The thickness that opacities belong to.
+    pub fn opacity_unit(&self) -> f64 {
+        self.opacity_unit
+    }
+}
+
+struct Caster<'a> {
+    sampler: Sampler<'a>,
+    region: Region,
+    world_from_index: DMat3,
+    step_world: f64,
+    perspective: bool,
+    blocks: Blocks,
+}
+
+impl<'a> Caster<'a> {
+    fn new(
+        volume: &Volume,
+        slices: &'a Slices<'a>,
+        tf: &'a TransferFunction,
+        camera: &Camera,
+        shading: Option<&'a Shading>,
+        region: Region,
+        step: f64,
+    ) -> Self {
+        let sampler = Sampler::new(volume, slices, tf, camera, shading);
+        let blocks = Blocks::new(&sampler, volume.size());
+        Self {
+            sampler,
+            region,
+            world_from_index: volume.world_from_index().matrix3,
+            step_world: step * volume.spacing().min_element(),
+            perspective: !matches!(camera.projection(), wavesplat_core::Projection::Orthographic { .. }),
+            blocks,
+        }
+    }
+
+    /// Associated RGBA along `origin + t · direction`, index space.
+    fn cast(&self, origin: DVec3, direction: DVec3) -> [f64; 4] {
+        let world = self.world_from_index * direction;
+        let to_eye = -world.normalize();
+        let start = if self.perspective { 0.0 } else { f64::NEG_INFINITY };
+        let [t_in, t_out] = self.region.clip(origin, direction, [start, f64::INFINITY]);
+        if t_in >= t_out {
+            return [0.0; 4];
+        }
+        let dt = self.step_world / world.length();
+        let n_steps = ((t_out - t_in) / dt).ceil();
+        let dt = (t_out - t_in) / n_steps;
+        let thickness = dt * world.length() / self.sampler.opacity_unit();
+        let mut rgb = [0.0; 3];
+        let mut transmittance = 1.0;
+        for s in 0..n_steps as u64 {
+            let position = origin + direction * (t_in + (s as f64 + 0.5) * dt);
+            if !self.blocks.is_active(position) {
+                continue;
+            }
+            let Some(density) = self.sampler.density(position) else { continue };
+            let depth = self.sampler.optical_depth(density);
+            if depth <= 0.0 {
+                continue;
+            }
+            let opacity = -(-depth * thickness).exp_m1();
+            let color = self.sampler.color(density, position, to_eye);
+            for c in 0..3 {
+                rgb[c] += transmittance * opacity * color[c];
+            }
+            transmittance *= 1.0 - opacity;
+            if transmittance < TRANSPARENT {
+                break;
+            }
+        }
+        [rgb[0], rgb[1], rgb[2], 1.0 - transmittance]
+    }
+}
+
+/// Which blocks of cells can hold a visible density: exact, since kernels with non-negative weights stay inside the
+/// range of the samples they reach; for Catmull-Rom the range is widened by its largest overshoot in 3-D.
+struct Blocks {
+    active: Vec<bool>,
+    n: [usize; 3],
+}
+
+impl Blocks {
+    fn new(sampler: &Sampler, size: [usize; 3]) -> Self {
+        let n = size.map(|s| (s - 1).div_ceil(BLOCK).max(1));
+        let reach = kernel::radius(sampler.slices.kernel()).ceil() as i64 - 1;
+        let planes = parallel::map(n[2], |bz| {
+            let mut plane = Vec::with_capacity(n[0] * n[1]);
+            for by in 0..n[1] {
+                for bx in 0..n[0] {
+                    plane.push(Self::block_is_active(sampler, size, [bx, by, bz], reach));
+                }
+            }
+            plane
+        });
+        Self { active: planes.concat(), n }
+    }
+
+    fn block_is_active(sampler: &Sampler, size: [usize; 3], block: [usize; 3], reach: i64) -> bool {
+        let span = |axis: usize| {
+            let lo = (block[axis] * BLOCK) as i64 - reach;
+            let hi = ((block[axis] + 1) * BLOCK) as i64 + reach;
+            (lo..=hi).map(move |i| fold(sampler.slices.kernel(), i, size[axis]))
+        };
+        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+        for z in span(2) {
+            for y in span(1) {
+                for x in span(0) {
+                    let d = sampler.slices.at([x, y, z]);
+                    lo = lo.min(d);
+                    hi = hi.max(d);
+                }
+            }
+        }
+        let over = if kernel::overshoot_2d(sampler.slices.kernel()) > 0.0 { 0.48 * (hi - lo) } else { 0.0 };
+        let (offset, scale) = sampler.density_map;
+        let [lo, hi] = [lo - over, hi + over].map(|d| d / scale + offset);
+        // A piecewise-linear curve is 0 over an interval if it is 0 at its ends and at the nodes inside.
+        let inside = sampler.tf.opacity_nodes().iter().filter(|n| n.value >= lo && n.value <= hi);
+        sampler.tf.opacity(lo) > 0.0 || sampler.tf.opacity(hi) > 0.0 || inside.into_iter().any(|n| n.opacity > 0.0)
+    }
+
+    fn is_active(&self, position: DVec3) -> bool {
+        let block = |axis: usize| ((position[axis].max(0.0) / BLOCK as f64) as usize).min(self.n[axis] - 1);
+        self.active[block(0) + self.n[0] * (block(1) + self.n[1] * block(2))]
+    }
+}

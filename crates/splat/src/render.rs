@@ -1,0 +1,257 @@
+//! The whole way from volume to picture: the one place that knows the order of the stages.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, TransferFunction, Volume};
+
+use crate::base_plane::{BasePlane, IndexRays, base_planes};
+use crate::classify::Classifier;
+use crate::composite::{Compositor, FirstHit, Over, Project, Texel};
+use crate::interval::Region;
+use crate::shade::Shader;
+use crate::sheet::{SheetGeometry, TILE_U, TILE_V};
+use crate::slices::Slices;
+use crate::tile::{SheetSpacing, TileJob, Work};
+use crate::warp::{BasePicture, warp};
+use crate::parallel;
+
+/// Told about progress from worker threads; may stop the work.
+pub trait Monitor: Sync {
+    /// `fraction` of the work that is done, `0..=1`. `Break` stops; the result is then [`Error::Cancelled`].
+    fn progress(&self, fraction: f32) -> ControlFlow<()>;
+}
+
+/// A monitor that does not mind.
+impl Monitor for () {
+    fn progress(&self, _: f32) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// What a picture took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Texels that were reconstructed, all sheets.
+    pub n_texels: u64,
+    /// Sheets of tiles left out because nothing in them is visible.
+    pub n_skipped_sheets: u64,
+    /// Base planes drawn: one for parallel rays, up to six for perspective.
+    pub n_base_planes: usize,
+    /// Texels of the base planes.
+    pub n_base_texels: u64,
+    /// Sheets of each base plane.
+    pub n_sheets: Vec<usize>,
+    /// Samples drawn as empty because they are NaN or infinite.
+    pub n_nonfinite_samples: usize,
+    /// Threads that worked.
+    pub n_threads: usize,
+}
+
+/// Draws a volume.
+///
+/// `slices` are [`Slices::new`] of the same volume and the options' kernel; keep them for the next picture.
+pub fn render(
+    volume: &Volume,
+    slices: &Slices,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    monitor: &dyn Monitor,
+) -> Result<(Picture, Report)> {
+    parallel::with_threads(options.n_threads, || {
+        let (pictures, mut report) = render_base_planes(volume, slices, tf, camera, options, monitor)?;
+        report.n_threads = parallel::n_threads();
+        let size = [options.width_px, options.height_px];
+        let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
+        // One read per texel that a pixel covers along each axis.
+        let reads = if options.composite.is_projection() { 1 } else { options.oversampling.round().max(1.0) as usize };
+        let warped = warp(&pictures, &rays, size, reads, options.with_depth);
+        let mut picture =
+            Picture { width_px: size[0], height_px: size[1], rgba: warped.rgba, depth: None, value: None };
+        if options.composite.is_projection() {
+            color_projection(&mut picture, volume, tf, options.composite);
+        }
+        picture.depth = warped.ray_parameter.map(|parameters| {
+            // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
+            let world_length = |i: usize| {
+                let (x, y) = ((i % size[0]) as f64 + 0.5, (i / size[0]) as f64 + 0.5);
+                camera.ray(x, y, size[0], size[1]).direction.length()
+            };
+            parameters.iter().enumerate().map(|(i, t)| (f64::from(*t) * world_length(i)) as f32).collect()
+        });
+        if let Some(background) = options.background {
+            picture.over_background(background);
+        }
+        Ok((picture, report))
+    })
+}
+
+/// Draws the base planes, before the warp.
+pub fn render_base_planes(
+    volume: &Volume,
+    slices: &Slices,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<BasePicture>, Report)> {
+    options.validate()?;
+    let region = Region::new(volume, options)?;
+    let size = [options.width_px, options.height_px];
+    let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
+    let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
+    let scene = Scene::new(volume, slices, tf, camera, options);
+    let mut report =
+        Report { n_nonfinite_samples: volume.statistics().n_nonfinite, n_base_planes: planes.len(), ..Report::default() };
+    let n_tiles_all: usize = planes.iter().map(|p| p.size[0].div_ceil(TILE_U) * p.size[1].div_ceil(TILE_V)).sum();
+    let progress = Progress { monitor, n_done: AtomicUsize::new(0), n_all: n_tiles_all, stopped: AtomicBool::new(false) };
+    let mut pictures = Vec::new();
+    for plane in planes {
+        let (texels, work, n_sheets) = scene.draw_plane(&plane, &region, &progress)?;
+        report.n_texels += work.n_texels;
+        report.n_skipped_sheets += work.n_skipped;
+        report.n_sheets.push(n_sheets);
+        report.n_base_texels += texels.len() as u64;
+        pictures.push(BasePicture { plane, texels });
+    }
+    Ok((pictures, report))
+}
+
+/// Everything that does not depend on the base plane.
+struct Scene<'a> {
+    volume: &'a Volume<'a>,
+    slices: &'a Slices<'a>,
+    camera: &'a Camera,
+    options: &'a RenderOptions,
+    classifier: Classifier,
+    opacity_unit: f64,
+}
+
+impl<'a> Scene<'a> {
+    fn new(
+        volume: &'a Volume<'a>,
+        slices: &'a Slices<'a>,
+        tf: &TransferFunction,
+        camera: &'a Camera,
+        options: &'a RenderOptions,
+    ) -> Self {
+        let map = volume.density_from_sample();
+        let classifier = Classifier::new(tf, map, slices.range());
+        let opacity_unit = tf.opacity_unit().unwrap_or_else(|| volume.default_opacity_unit());
+        Self { volume, slices, camera, options, classifier, opacity_unit }
+    }
+
+    fn draw_plane(
+        &self,
+        plane: &BasePlane,
+        region: &Region,
+        progress: &Progress,
+    ) -> Result<(Vec<Texel>, Work, usize)> {
+        let world_from_index = self.volume.world_from_index();
+        let shaded = !self.options.composite.is_projection();
+        let shading = self.options.shading.as_ref().filter(|_| shaded);
+        let shader = shading.map(|s| {
+            Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range())
+        });
+        let size = self.volume.size();
+        let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
+        let job = TileJob {
+            geometry: SheetGeometry::new(plane, self.slices, size, shading.map(|s| s.gradient_offset)),
+            region,
+            spacing,
+            world_from_index,
+            opacity_unit: self.opacity_unit,
+        };
+        let (texels, work) = match self.options.composite {
+            Composite::Over => draw_tiles(&job, progress, || Over::new(&self.classifier, shader.as_ref())),
+            Composite::FirstHit { iso_value } => {
+                let (offset, scale) = self.volume.density_from_sample();
+                let iso = ((iso_value - offset) * scale) as f32;
+                draw_tiles(&job, progress, || FirstHit::new(iso, &self.classifier, shader.as_ref()))
+            }
+            Composite::Maximum | Composite::Minimum | Composite::Mean | Composite::Sum => {
+                // Lengths of projections are world lengths.
+                let job = TileJob { opacity_unit: 1.0, ..job };
+                draw_tiles(&job, progress, || Project::new(self.options.composite))
+            }
+        }?;
+        Ok((texels, work, spacing.n_slabs + 1))
+    }
+}
+
+/// Runs all tiles of a base plane, each on its own, and puts them together.
+fn draw_tiles<C: Compositor>(
+    job: &TileJob,
+    progress: &Progress,
+    compositor: impl Fn() -> C + Sync + Send,
+) -> Result<(Vec<Texel>, Work)> {
+    let [n_tiles_u, n_tiles_v] = job.n_tiles();
+    let BasePlane { size: [n_u, n_v], .. } = *job.geometry.plane;
+    let tiles = parallel::map(n_tiles_u * n_tiles_v, |t| {
+        if progress.is_stopped() {
+            return (Vec::new(), Work::default());
+        }
+        let result = job.run([t % n_tiles_u, t / n_tiles_u], &mut compositor());
+        progress.tile_done();
+        result
+    });
+    if progress.is_stopped() {
+        return Err(Error::Cancelled);
+    }
+    let mut texels = vec![Texel::default(); n_u * n_v];
+    let mut work = Work::default();
+    for (t, (tile, tile_work)) in tiles.into_iter().enumerate() {
+        work.n_texels += tile_work.n_texels;
+        work.n_skipped += tile_work.n_skipped;
+        let (i0, j0) = (t % n_tiles_u * TILE_U, t / n_tiles_u * TILE_V);
+        let n = TILE_U.min(n_u - i0);
+        for (row, from) in tile.chunks_exact(TILE_U).enumerate() {
+            texels[(j0 + row) * n_u + i0..][..n].copy_from_slice(&from[..n]);
+        }
+    }
+    Ok((texels, work))
+}
+
+struct Progress<'a> {
+    monitor: &'a dyn Monitor,
+    n_done: AtomicUsize,
+    n_all: usize,
+    stopped: AtomicBool,
+}
+
+impl Progress<'_> {
+    fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed)
+    }
+
+    fn tile_done(&self) {
+        let done = self.n_done.fetch_add(1, Ordering::Relaxed) + 1;
+        if self.monitor.progress(done as f32 / self.n_all as f32).is_break() {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Turns density and coverage into values and colours: one look-up per pixel, after the warp.
+fn color_projection(picture: &mut Picture, volume: &Volume, tf: &TransferFunction, composite: Composite) {
+    let (offset, scale) = volume.density_from_sample();
+    let mut values = Vec::with_capacity(picture.rgba.len());
+    for pixel in &mut picture.rgba {
+        let coverage = f64::from(pixel[3]);
+        if coverage <= 0.0 {
+            values.push(f32::NAN);
+            *pixel = [0.0; 4];
+            continue;
+        }
+        let density = f64::from(pixel[0]) / coverage;
+        // A sum of densities lacks the offset once per unit of length.
+        let length = if composite == Composite::Sum { f64::from(pixel[1]) / coverage } else { 1.0 };
+        let value = density / scale + offset * length;
+        let [r, g, b] = tf.color(value);
+        let opacity = tf.opacity(value) * coverage;
+        values.push(value as f32);
+        *pixel = [r * opacity, g * opacity, b * opacity, opacity].map(|c| c as f32);
+    }
+    picture.value = Some(values);
+}

@@ -1,0 +1,1 @@
+//! Phantoms with known answers and picture comparison.

@@ -230,6 +230,8 @@ pub struct RenderOptions {
     pub sheets_per_slice: f64,
     /// Texels of the base plane per pixel, along each axis.
     pub oversampling: f64,
+    /// Cut slabs in which the transfer function is steep into thinner ones; off: plain sheets, as the method has it.
+    pub refined: bool,
     /// Box that is drawn.
     pub crop: Option<Crop>,
     /// Half spaces that are drawn.
@@ -253,6 +255,7 @@ impl Default for RenderOptions {
             shading: Some(Shading::default()),
             sheets_per_slice,
             oversampling,
+            refined: true,
             crop: None,
             clip_planes: Vec::new(),
             background: None,
@@ -310,7 +313,7 @@ impl RenderOptions {
 }
 
 /// Sheets per slice and oversampling of each named quality; the errors they reach are measured by `studies/quality`.
-const QUALITIES: [(&str, (f64, f64)); 3] = [("draft", (0.5, 0.5)), ("normal", (2.0, 1.0)), ("high", (6.0, 2.0))];
+const QUALITIES: [(&str, (f64, f64)); 3] = [("draft", (0.5, 0.5)), ("normal", (2.0, 1.0)), ("high", (3.0, 3.0))];
 
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`.
 pub fn quality_settings(name: &str) -> Result<(f64, f64)> {

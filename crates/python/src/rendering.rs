@@ -109,6 +109,7 @@ pub fn render<'py>(
         clip_planes: self::clip_planes(clip_planes),
         background,
         with_depth: depth,
+        refined: true,
         n_threads: threads,
     };
     options.validate().map_err(to_py)?;

@@ -27,12 +27,20 @@ pub struct Classifier {
     per_density: f32,
     /// `visible[i]`: how many of the entries before `i` have an opacity.
     visible: Vec<u32>,
+    /// Total variation of a slab's associated colour and opacity up to each entry.
+    variation: Vec<f32>,
 }
 
 impl Classifier {
     /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
     /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Volume::density_from_sample`].
-    pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2]) -> Self {
+    /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, for [`Classifier::variation`].
+    pub fn new(
+        tf: &TransferFunction,
+        density_from_sample: (f64, f64),
+        range: [f32; 2],
+        slab_thickness: f64,
+    ) -> Self {
         let (offset, scale) = density_from_sample;
         let density = |value: f64| (value - offset) * scale;
         let mut nodes: Vec<f64> = tf.opacity_nodes().iter().map(|n| density(n.value)).collect();
@@ -63,7 +71,27 @@ impl Classifier {
         for (i, entry) in table.iter().enumerate() {
             visible.push(visible[i] + u32::from(entry[3] > 0.0));
         }
-        Self { table, lo: lo as f32, per_density: (1.0 / step) as f32, visible }
+        let slab = |[r, g, b, depth]: Entry| {
+            let opacity = one_minus_exp_neg(depth * slab_thickness as f32);
+            [r * opacity, g * opacity, b * opacity, opacity]
+        };
+        let mut variation = vec![0.0_f32];
+        for (i, pair) in table.windows(2).enumerate() {
+            let (a, b) = (slab(pair[0]), slab(pair[1]));
+            let change = (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
+            variation.push(variation[i] + change);
+        }
+        Self { table, lo: lo as f32, per_density: (1.0 / step) as f32, visible, variation }
+    }
+
+    /// How much a slab's colour and opacity change in all on the way up to a density: between two densities, the
+    /// difference bounds how wrong one of them is for the other.
+    #[inline(always)]
+    pub fn variation(&self, density: f32) -> f32 {
+        let position = self.position(density);
+        let cell = position as u32 as usize;
+        let t = position - cell as f32;
+        self.variation[cell] + (self.variation[cell + 1] - self.variation[cell]) * t
     }
 
     /// Position in the table, `0..=n`.
@@ -123,7 +151,7 @@ mod tests {
         let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
         let color = vec![ColorNode { value: 0.0, rgb: [1.0, 0.5, 0.0] }, ColorNode { value: 200.0, rgb: [0.0, 0.5, 1.0] }];
         let tf = TransferFunction::new(opacity, color, None).unwrap();
-        let classifier = Classifier::new(&tf, (0.0, 1.0), range);
+        let classifier = Classifier::new(&tf, (0.0, 1.0), range, 1.0);
         (tf, classifier)
     }
 
@@ -168,7 +196,7 @@ mod tests {
         for (node, expected) in [(-500.0, 0.7), (500.0, 0.7)] {
             let opacity = vec![OpacityNode { value: node, opacity: 0.7 }];
             let tf = TransferFunction::new(opacity, vec![ColorNode { value: node, rgb: [0.2; 3] }], None).unwrap();
-            let classifier = Classifier::new(&tf, (0.0, 1.0), [7.0, 7.0]);
+            let classifier = Classifier::new(&tf, (0.0, 1.0), [7.0, 7.0], 1.0);
             let depth = classifier.look_up(7.0)[3];
             assert!((1.0 - (-depth).exp() - expected as f32).abs() < 1e-6);
             assert!(classifier.any_opacity(7.0, 7.0));

@@ -1,19 +1,26 @@
 //! Composite operators: how the sheets of a tile become one value per ray.
 //!
-//! *over*, front to back with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`.
-//! Projections keep one density per ray. *First hit* looks for the first crossing of an iso-value between two
-//! consecutive sheets and shades there, so that few sheets give a smooth surface.
+//! *over*, front to back with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`. Each sheet
+//! stands for the slab half way to its neighbours. Where the transfer function is steep between two sheets, so that
+//! the slab's opacity or colour would change by a visible amount, the space between them is cut into thinner slabs
+//! with density and gradient linear from sheet to sheet: a hard surface is found, and shaded, where it is, and few
+//! sheets give what many did (the quadrature form of pre-integration: Engel, Kraus, Ertl 2001).
+//!
+//! Projections keep one density per ray, *first hit* looks for the first crossing of an iso-value and shades there;
+//! both take the density as linear between sheets.
+//!
+//! Positions here are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
 use wavesplat_core::Composite;
 
 use crate::classify::{Classifier, one_minus_exp_neg};
 use crate::shade::Shader;
-use crate::sheet::{Row, SheetRow, TILE_U, TILE_V};
+use crate::sheet::{Row, Sheet, SheetGeometry, SheetRow, TILE_U, TILE_V};
 
 /// What a row of a tile knows about its rays; filled once per tile.
 #[derive(Clone)]
 pub struct RayRow {
-    /// Interval of w that is drawn.
+    /// Interval of s that is drawn; empty where equal.
     pub interval: [Row; 2],
     /// Thickness of one slice distance along the ray, in `opacity_unit`s.
     pub thickness: Row,
@@ -21,29 +28,94 @@ pub struct RayRow {
     pub to_eye: [Row; 3],
 }
 
-/// A sheet's place along w.
-#[derive(Clone, Copy, Debug)]
-pub struct Slab {
-    /// The sheet.
-    pub w: f32,
-    /// Its slab: from half way to the sheet before to half way to the one after.
-    pub interval: [f32; 2],
-    /// Distance to the sheet before (nearer the eye), signed; for crossings.
-    pub step: f32,
-}
-
-impl Slab {
-    /// Share of a slice distance that each ray spends in the slab.
+impl RayRow {
+    /// Length of the part of `[from, to]` that is drawn.
     #[inline(always)]
-    fn extent(&self, rays: &RayRow, hole: &Row) -> Row {
+    fn extent(&self, [from, to]: [f32; 2], hole: &Row) -> Row {
         let mut extent = [0.0; TILE_U];
         for i in 0..TILE_U {
-            let lo = self.interval[0].max(rays.interval[0][i]);
-            let hi = self.interval[1].min(rays.interval[1][i]);
-            let inside = (hi - lo).max(0.0);
-            extent[i] = if hole[i] > 0.0 { 0.0 } else { inside };
+            let inside = to.min(self.interval[1][i]) - from.max(self.interval[0][i]);
+            extent[i] = if hole[i] > 0.0 { 0.0 } else { inside.max(0.0) };
         }
         extent
+    }
+}
+
+/// The space between two consecutive sheets of a tile, and sheets further between them, made when asked for.
+pub struct Slab<'a> {
+    /// Positions of the front and the back sheet.
+    pub s: [f32; 2],
+    /// Whether the back sheet is the tile's last.
+    pub is_last: bool,
+    /// The two sheets.
+    pub sheets: [&'a mut Sheet; 2],
+    /// Evenly spaced sheets between them.
+    pub between: &'a mut Between,
+    /// For reconstructing rows.
+    pub geometry: &'a SheetGeometry<'a>,
+    /// First texel and rows of the tile.
+    pub place: ([usize; 2], usize),
+}
+
+/// Sheets between two sheets.
+#[derive(Default)]
+pub struct Between {
+    sheets: Vec<Sheet>,
+    is_made: Vec<bool>,
+}
+
+impl Between {
+    /// Forgets the sheets of the slab before; the next slab has room for `n`.
+    pub fn reset(&mut self, n: usize) {
+        self.sheets.resize_with(n, Sheet::default);
+        self.is_made.clear();
+        self.is_made.resize(n, false);
+    }
+}
+
+impl Slab<'_> {
+    /// Number of the back sheet; the front one is 0, those between have the numbers between.
+    fn last(&self) -> usize {
+        self.between.sheets.len() + 1
+    }
+
+    /// Position of a sheet.
+    fn s(&self, k: usize) -> f32 {
+        let t = k as f32 / self.last() as f32;
+        if k == self.last() { self.s[1] } else { self.s[0] + t * (self.s[1] - self.s[0]) }
+    }
+
+    /// One of the sheets.
+    fn sheet(&mut self, k: usize) -> &mut Sheet {
+        let last = self.last();
+        if k == 0 || k == last {
+            return self.sheets[usize::from(k == last)];
+        }
+        let sheet = &mut self.between.sheets[k - 1];
+        if !self.between.is_made[k - 1] {
+            self.between.is_made[k - 1] = true;
+            let (w_front, w_back) = (self.sheets[0].w(), self.sheets[1].w());
+            let w = w_front + (w_back - w_front) * k as f64 / last as f64;
+            sheet.combine(self.geometry, w, self.place.0, self.place.1);
+        }
+        sheet
+    }
+
+    /// Two of the sheets, `near < far`.
+    fn two(&mut self, near: usize, far: usize) -> (&mut Sheet, &mut Sheet) {
+        self.sheet(near);
+        self.sheet(far);
+        let last = self.last();
+        let [front, back] = &mut self.sheets;
+        match (near, far) {
+            (0, f) if f == last => (front, back),
+            (0, f) => (front, &mut self.between.sheets[f - 1]),
+            (n, f) if f == last => (&mut self.between.sheets[n - 1], back),
+            (n, f) => {
+                let (a, b) = self.between.sheets.split_at_mut(f - 1);
+                (&mut a[n - 1], &mut b[0])
+            }
+        }
     }
 }
 
@@ -60,62 +132,67 @@ pub struct Texel {
 pub trait Compositor {
     /// Whether sheets with densities in this range change anything.
     fn wants(&self, range: [f32; 2]) -> bool;
-    /// Whether a row needs a gradient where its densities are in this range.
-    fn wants_gradient(&self) -> bool;
     /// Whether the row is finished.
     fn is_done(&self, row: usize) -> bool;
-    /// Adds one row of a sheet, front to back.
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &Slab, sheet: &SheetRow);
-    /// A sheet was left out because [`Compositor::wants`] said so.
-    fn skip(&mut self);
-    /// The result of a row.
+    /// Adds one row of the space between two sheets, front to back.
+    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab);
+    /// The result of a row; `w_half` along s.
     fn finish(&self, row: usize, out: &mut [Texel]);
 }
 
 /// A ray stops when less than this share of light comes through: an eighth of a 16-bit grey level.
 const OPAQUE_ENOUGH: f32 = 1.0 - 2e-6;
 
+/// Thinner slabs per unit of change of opacity or colour between two sheets, and at most.
+const SLABS_PER_CHANGE: f32 = 4.0;
+const MAX_SLABS: f32 = 4.0;
+
 /// Emission and absorption.
 pub struct Over<'a> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
+    /// Change between two sheets from which the space between them is cut; infinite: never.
+    steep: f32,
     rgba: Box<[[Row; 4]; TILE_V]>,
-    w_half: Box<[Row; TILE_V]>,
+    s_half: Box<[Row; TILE_V]>,
+    /// How far the row has been composited.
+    covered: [f32; TILE_V],
     done: [bool; TILE_V],
 }
 
 impl<'a> Over<'a> {
-    /// Nothing drawn yet.
-    pub fn new(classifier: &'a Classifier, shader: Option<&'a Shader>) -> Self {
+    /// Nothing drawn yet. `steep`: change of a slab's opacity or colour from which it is cut, `∞` for plain sheets.
+    pub fn new(classifier: &'a Classifier, shader: Option<&'a Shader>, steep: f32) -> Self {
         Self {
             classifier,
             shader,
+            steep,
             rgba: Box::new([[[0.0; TILE_U]; 4]; TILE_V]),
-            w_half: Box::new([[f32::NAN; TILE_U]; TILE_V]),
+            s_half: Box::new([[f32::NAN; TILE_U]; TILE_V]),
+            covered: [f32::NEG_INFINITY; TILE_V],
             done: [false; TILE_V],
         }
     }
-}
 
-impl Compositor for Over<'_> {
+    /// Slabs to cut the space between two rows into; 0 where each sheet can stand for its half.
     #[inline(always)]
-    fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
-        self.classifier.any_opacity(lo, hi)
+    fn n_cuts(&self, front: &SheetRow, back: &SheetRow) -> usize {
+        let (lo, hi) = (front.range[0].min(back.range[0]), front.range[1].max(back.range[1]));
+        if self.classifier.variation(hi) - self.classifier.variation(lo) < self.steep {
+            return 0;
+        }
+        let mut most = 0.0_f32;
+        for i in 0..TILE_U {
+            let change = self.classifier.variation(front.density[i]) - self.classifier.variation(back.density[i]);
+            most = if change.abs() > most { change.abs() } else { most };
+        }
+        if most < self.steep { 0 } else { (most * SLABS_PER_CHANGE).ceil().clamp(2.0, MAX_SLABS) as usize }
     }
 
+    /// Composites `[from, to]` as one slab with the densities and gradient of `sheet`.
     #[inline(always)]
-    fn wants_gradient(&self) -> bool {
-        self.shader.is_some()
-    }
-
-    #[inline(always)]
-    fn is_done(&self, row: usize) -> bool {
-        self.done[row]
-    }
-
-    #[inline(always)]
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &Slab, sheet: &SheetRow) {
-        let extent = slab.extent(rays, &sheet.hole);
+    fn add_slab(&mut self, row: usize, rays: &RayRow, [from, to]: [f32; 2], sheet: &SheetRow) {
+        let extent = rays.extent([from, to], &sheet.hole);
         let mut rgb = [[0.0; TILE_U]; 3];
         let mut alpha = [0.0; TILE_U];
         for i in 0..TILE_U {
@@ -132,7 +209,7 @@ impl Compositor for Over<'_> {
             shader.shade(&mut rgb, &sheet.gradient, &rays.to_eye);
         }
         let [r, g, b, a] = &mut self.rgba[row];
-        let w_half = &mut self.w_half[row];
+        let s_half = &mut self.s_half[row];
         let mut least = 1.0_f32;
         for i in 0..TILE_U {
             let weight = (1.0 - a[i]) * alpha[i];
@@ -141,12 +218,10 @@ impl Compositor for Over<'_> {
             b[i] += weight * rgb[2][i];
             let before = a[i];
             a[i] += weight;
-            // Inside the slab opacity is taken to grow evenly, from its near side to its far side.
+            // Inside the slab opacity is taken to grow evenly.
             let share = (0.5 - before) / weight;
             let crossed = (before < 0.5) & (a[i] >= 0.5);
-            let near = if slab.step > 0.0 { slab.interval[0] } else { slab.interval[1] };
-            let entry = if slab.step > 0.0 { near.max(rays.interval[0][i]) } else { near.min(rays.interval[1][i]) };
-            w_half[i] = if crossed { entry + share * extent[i] * slab.step.signum() } else { w_half[i] };
+            s_half[i] = if crossed { from.max(rays.interval[0][i]) + share * extent[i] } else { s_half[i] };
             // Rays that never meet the volume do not keep a row alive.
             let missed = rays.interval[0][i] >= rays.interval[1][i];
             let opacity = if missed { 1.0 } else { a[i] };
@@ -155,13 +230,107 @@ impl Compositor for Over<'_> {
         self.done[row] = least >= OPAQUE_ENOUGH;
     }
 
-    fn skip(&mut self) {}
+    /// Composites `interval` with a sheet as it is.
+    #[inline(always)]
+    fn add_sheet(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, k: usize, interval: [f32; 2]) {
+        let geometry = slab.geometry;
+        let sheet = slab.sheet(k);
+        let [lo, hi] = sheet.row(geometry, row).range;
+        if interval[0] < interval[1] && self.classifier.any_opacity(lo, hi) {
+            self.add_slab(row, rays, interval, sheet.row_with_gradient(geometry, row));
+        }
+    }
+
+    /// Composites from where the row is drawn to, up to half way between two sheets; or up to the far one, where the
+    /// transfer function is steep and `cut` is set. Otherwise returns false for such a place and does nothing.
+    #[inline(always)]
+    fn add_between(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, [near, far]: [usize; 2], cut: bool) -> bool {
+        let geometry = slab.geometry;
+        let [s_near, s_far] = [slab.s(near), slab.s(far)];
+        let half = 0.5 * (s_far - s_near);
+        let (near_sheet, far_sheet) = slab.two(near, far);
+        let n_cuts = self.n_cuts(near_sheet.row(geometry, row), far_sheet.row(geometry, row));
+        if n_cuts > 0 && !cut {
+            return false;
+        }
+        // The near sheet's own slab, as far as it is not drawn yet.
+        let from = self.covered[row];
+        let to = if n_cuts > 0 { s_near } else { s_near + half };
+        self.add_sheet(row, rays, slab, near, [from, to]);
+        self.covered[row] = to;
+        if n_cuts > 0 {
+            let (near_sheet, far_sheet) = slab.two(near, far);
+            let near_row = near_sheet.row_with_gradient(geometry, row);
+            let far_row = far_sheet.row_with_gradient(geometry, row);
+            let thickness = (s_far - s_near) / n_cuts as f32;
+            for k in 0..n_cuts {
+                let row_between = blend(near_row, far_row, (k as f32 + 0.5) / n_cuts as f32, self.shader.is_some());
+                let from = s_near + k as f32 * thickness;
+                let to = if k + 1 == n_cuts { s_far } else { s_near + (k + 1) as f32 * thickness };
+                self.add_slab(row, rays, [from, to], &row_between);
+            }
+            self.covered[row] = s_far;
+        }
+        true
+    }
+}
+
+impl Compositor for Over<'_> {
+    #[inline(always)]
+    fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
+        self.classifier.any_opacity(lo, hi)
+    }
+
+    #[inline(always)]
+    fn is_done(&self, row: usize) -> bool {
+        self.done[row]
+    }
+
+    #[inline(always)]
+    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
+        let last = slab.last();
+        // Where the slab before was left out as invisible, the row is drawn from half way to it.
+        self.covered[row] = self.covered[row].max(slab.s[0] - 0.5 * (slab.s[1] - slab.s[0]));
+        if !self.add_between(row, rays, slab, [0, last], last == 1) {
+            for k in 0..last {
+                if self.done[row] {
+                    return;
+                }
+                self.add_between(row, rays, slab, [k, k + 1], true);
+            }
+            // The last of the thin slabs ends half way to the back sheet; the back sheet stands for the rest.
+            self.add_sheet(row, rays, slab, last, [self.covered[row], slab.s[1]]);
+            self.covered[row] = slab.s[1];
+        }
+        if slab.is_last {
+            let half = 0.5 * (slab.s[1] - slab.s[0]);
+            self.add_sheet(row, rays, slab, last, [self.covered[row].max(slab.s[1] - half), slab.s[1]]);
+        }
+    }
 
     fn finish(&self, row: usize, out: &mut [Texel]) {
         for (i, texel) in out.iter_mut().enumerate() {
-            *texel = Texel { rgba: std::array::from_fn(|c| self.rgba[row][c][i]), w_half: self.w_half[row][i] };
+            *texel = Texel { rgba: std::array::from_fn(|c| self.rgba[row][c][i]), w_half: self.s_half[row][i] };
         }
     }
+}
+
+/// Density and gradient at `t` of the way from one sheet to the next.
+#[inline(always)]
+fn blend(front: &SheetRow, back: &SheetRow, t: f32, with_gradient: bool) -> SheetRow {
+    let mut row = SheetRow::EMPTY;
+    for i in 0..TILE_U {
+        row.density[i] = front.density[i] + t * (back.density[i] - front.density[i]);
+        row.hole[i] = front.hole[i].max(back.hole[i]);
+    }
+    if with_gradient {
+        for c in 0..3 {
+            for i in 0..TILE_U {
+                row.gradient[c][i] = front.gradient[c][i] + t * (back.gradient[c][i] - front.gradient[c][i]);
+            }
+        }
+    }
+    row
 }
 
 /// Maximum, minimum, mean and sum of the densities along a ray.
@@ -169,8 +338,6 @@ pub struct Project {
     operator: Composite,
     value: Box<[Row; TILE_V]>,
     length: Box<[Row; TILE_V]>,
-    /// Whether a maximum or minimum was taken on a sheet inside the interval, not only on one whose slab reaches it.
-    on_sheet: Box<[[bool; TILE_U]; TILE_V]>,
 }
 
 impl Project {
@@ -180,13 +347,9 @@ impl Project {
             operator,
             value: Box::new([[0.0; TILE_U]; TILE_V]),
             length: Box::new([[0.0; TILE_U]; TILE_V]),
-            on_sheet: Box::new([[false; TILE_U]; TILE_V]),
         }
     }
 }
-
-/// Sheets this near the ends of the interval count as inside: rounding of the interval in f32 at 4096 slices.
-const ON_FACE: f32 = 5e-4;
 
 impl Compositor for Project {
     #[inline(always)]
@@ -195,45 +358,36 @@ impl Compositor for Project {
     }
 
     #[inline(always)]
-    fn wants_gradient(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
     fn is_done(&self, _: usize) -> bool {
         false
     }
 
     #[inline(always)]
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &Slab, sheet: &SheetRow) {
-        let extent = slab.extent(rays, &sheet.hole);
+    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
+        let [front, back] = &mut slab.sheets;
+        let (front, back) = (front.row(slab.geometry, row), back.row(slab.geometry, row));
         let (value, length) = (&mut self.value[row], &mut self.length[row]);
-        if matches!(self.operator, Composite::Mean | Composite::Sum) {
-            for i in 0..TILE_U {
-                let part = extent[i] * rays.thickness[i];
-                value[i] += part * sheet.density[i];
-                length[i] += part;
-            }
-            return;
-        }
-        let larger_wins = self.operator == Composite::Maximum;
+        let [s_front, s_back] = slab.s;
+        let per_s = 1.0 / (s_back - s_front);
         for i in 0..TILE_U {
-            let [lo, hi] = [rays.interval[0][i], rays.interval[1][i]];
-            let inside = slab.w >= lo - ON_FACE && slab.w <= hi + ON_FACE;
-            let first = length[i] == 0.0 || (inside && !self.on_sheet[row][i]);
-            let better = if larger_wins { sheet.density[i] > value[i] } else { sheet.density[i] < value[i] };
-            let counts = extent[i] > 0.0 && (inside || !self.on_sheet[row][i]);
-            if counts && (first || better) {
-                value[i] = sheet.density[i];
-            }
-            if counts {
-                length[i] = 1.0;
-                self.on_sheet[row][i] |= inside;
-            }
+            // The part of the slab that is drawn, and the densities at its ends.
+            let from = ((rays.interval[0][i] - s_front) * per_s).max(0.0);
+            let to = ((rays.interval[1][i] - s_front) * per_s).min(1.0);
+            let slope = back.density[i] - front.density[i];
+            let near = front.density[i] + from * slope;
+            let far = if to == 1.0 { back.density[i] } else { front.density[i] + to * slope };
+            let drawn = (to > from) & (front.hole[i] <= 0.0) & (back.hole[i] <= 0.0);
+            let extent = if drawn { (to - from) * (s_back - s_front) * rays.thickness[i] } else { 0.0 };
+            let empty = length[i] == 0.0;
+            let new = match self.operator {
+                Composite::Maximum => if empty { near.max(far) } else { value[i].max(near.max(far)) },
+                Composite::Minimum => if empty { near.min(far) } else { value[i].min(near.min(far)) },
+                _ => value[i] + 0.5 * (near + far) * extent,
+            };
+            value[i] = if drawn { new } else { value[i] };
+            length[i] += extent;
         }
     }
-
-    fn skip(&mut self) {}
 
     fn finish(&self, row: usize, out: &mut [Texel]) {
         for (i, texel) in out.iter_mut().enumerate() {
@@ -250,9 +404,6 @@ pub struct FirstHit<'a> {
     iso: f32,
     rgb: [f32; 3],
     shader: Option<&'a Shader>,
-    before: Box<[SheetRow; TILE_V]>,
-    /// Whether `before` holds the sheet before.
-    has_before: [bool; TILE_V],
     texels: Box<[[Texel; TILE_U]; TILE_V]>,
 }
 
@@ -261,26 +412,15 @@ impl<'a> FirstHit<'a> {
     pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>) -> Self {
         let [r, g, b, _] = classifier.look_up(iso);
         let empty = Texel { rgba: [0.0; 4], w_half: f32::NAN };
-        Self {
-            iso,
-            rgb: [r, g, b],
-            shader,
-            before: Box::new(std::array::from_fn(|_| SheetRow::default())),
-            has_before: [false; TILE_V],
-            texels: Box::new([[empty; TILE_U]; TILE_V]),
-        }
+        Self { iso, rgb: [r, g, b], shader, texels: Box::new([[empty; TILE_U]; TILE_V]) }
     }
 }
 
 impl Compositor for FirstHit<'_> {
+    /// A surface needs densities on both sides.
     #[inline(always)]
-    fn wants(&self, _: [f32; 2]) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn wants_gradient(&self) -> bool {
-        self.shader.is_some()
+    fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
+        lo < self.iso && hi >= self.iso
     }
 
     #[inline(always)]
@@ -289,47 +429,46 @@ impl Compositor for FirstHit<'_> {
     }
 
     #[inline(always)]
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &Slab, sheet: &SheetRow) {
-        let before = &mut self.before[row];
-        if self.has_before[row] {
-            let mut gradient = [[0.0; TILE_U]; 3];
-            let mut w_hit = [f32::NAN; TILE_U];
-            let mut any = false;
+    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
+        let [s_front, s_back] = slab.s;
+        let mut s_hit = [f32::NAN; TILE_U];
+        let mut any = false;
+        let [front, back] = &mut slab.sheets;
+        {
+            let (front, back) = (front.row(slab.geometry, row), back.row(slab.geometry, row));
             for i in 0..TILE_U {
-                let (a, b) = (before.density[i] - self.iso, sheet.density[i] - self.iso);
+                let (a, b) = (front.density[i] - self.iso, back.density[i] - self.iso);
                 // A surface is crossed, from either side; a ray that starts inside has met a cut face, not a surface.
-                let crosses = (a < 0.0) != (b < 0.0) && before.hole[i] == 0.0 && sheet.hole[i] == 0.0;
-                let t = a / (a - b);
-                let w = slab.w - slab.step * (1.0 - t);
-                let inside = w >= rays.interval[0][i] - ON_FACE && w <= rays.interval[1][i] + ON_FACE;
+                let crosses = (a < 0.0) != (b < 0.0) && front.hole[i] <= 0.0 && back.hole[i] <= 0.0;
+                let s = s_front + (s_back - s_front) * (a / (a - b));
+                let inside = s >= rays.interval[0][i] && s <= rays.interval[1][i];
                 if crosses && inside && self.texels[row][i].rgba[3] == 0.0 {
-                    w_hit[i] = w;
+                    s_hit[i] = s;
                     any = true;
-                    for c in 0..3 {
-                        gradient[c][i] = before.gradient[c][i] + t * (sheet.gradient[c][i] - before.gradient[c][i]);
-                    }
-                }
-            }
-            if any {
-                let mut rgb = self.rgb.map(|c| [c; TILE_U]);
-                if let Some(shader) = self.shader {
-                    shader.shade(&mut rgb, &gradient, &rays.to_eye);
-                }
-                for i in 0..TILE_U {
-                    if !w_hit[i].is_nan() {
-                        self.texels[row][i] = Texel { rgba: [rgb[0][i], rgb[1][i], rgb[2][i], 1.0], w_half: w_hit[i] };
-                    }
                 }
             }
         }
-        before.density = sheet.density;
-        before.gradient = sheet.gradient;
-        before.hole = sheet.hole;
-        self.has_before[row] = true;
-    }
-
-    fn skip(&mut self) {
-        self.has_before = [false; TILE_V];
+        if !any {
+            return;
+        }
+        let mut rgb = self.rgb.map(|c| [c; TILE_U]);
+        if let Some(shader) = self.shader {
+            let front = front.row_with_gradient(slab.geometry, row);
+            let back = back.row_with_gradient(slab.geometry, row);
+            let mut gradient = [[0.0; TILE_U]; 3];
+            for (c, gradient) in gradient.iter_mut().enumerate() {
+                for i in 0..TILE_U {
+                    let t = (s_hit[i] - s_front) / (s_back - s_front);
+                    gradient[i] = front.gradient[c][i] + t * (back.gradient[c][i] - front.gradient[c][i]);
+                }
+            }
+            shader.shade(&mut rgb, &gradient, &rays.to_eye);
+        }
+        for i in 0..TILE_U {
+            if !s_hit[i].is_nan() {
+                self.texels[row][i] = Texel { rgba: [rgb[0][i], rgb[1][i], rgb[2][i], 1.0], w_half: s_hit[i] };
+            }
+        }
     }
 
     fn finish(&self, row: usize, out: &mut [Texel]) {

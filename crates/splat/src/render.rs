@@ -118,6 +118,12 @@ pub fn render_base_planes(
     Ok((pictures, report))
 }
 
+/// Change of a slab's opacity or colour between two sheets from which the space between them is cut.
+const STEEP: f32 = 0.08;
+
+/// Slice distances between sheets where the transfer function is steep.
+const REFINED_STEP: f64 = 1.0 / 16.0;
+
 /// Everything that does not depend on the base plane.
 struct Scene<'a> {
     volume: &'a Volume<'a>,
@@ -137,8 +143,9 @@ impl<'a> Scene<'a> {
         options: &'a RenderOptions,
     ) -> Self {
         let map = volume.density_from_sample();
-        let classifier = Classifier::new(tf, map, slices.range());
         let opacity_unit = tf.opacity_unit().unwrap_or_else(|| volume.default_opacity_unit());
+        let slab_thickness = volume.default_opacity_unit() / options.sheets_per_slice / opacity_unit;
+        let classifier = Classifier::new(tf, map, slices.range(), slab_thickness);
         Self { volume, slices, camera, options, classifier, opacity_unit }
     }
 
@@ -162,9 +169,13 @@ impl<'a> Scene<'a> {
             spacing,
             world_from_index,
             opacity_unit: self.opacity_unit,
+            n_between: ((spacing.step / REFINED_STEP).round() as usize).saturating_sub(1),
         };
         let (texels, work) = match self.options.composite {
-            Composite::Over => draw_tiles(&job, progress, || Over::new(&self.classifier, shader.as_ref())),
+            Composite::Over => {
+                let steep = if self.options.refined { STEEP } else { f32::INFINITY };
+                draw_tiles(&job, progress, || Over::new(&self.classifier, shader.as_ref(), steep))
+            }
             Composite::FirstHit { iso_value } => {
                 let (offset, scale) = self.volume.density_from_sample();
                 let iso = ((iso_value - offset) * scale) as f32;

@@ -36,9 +36,11 @@ impl<'a> SheetGeometry<'a> {
     }
 }
 
-/// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
+/// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets; rows are reconstructed
+/// when they are first asked for.
 #[derive(Default)]
 pub struct Sheet {
+    w: f64,
     u: AxisFootprints,
     v: AxisFootprints,
     window: Option<Window>,
@@ -51,28 +53,48 @@ pub struct Sheet {
     along_u: Vec<Row>,
     through_u: Vec<Row>,
     holes_u: Vec<Row>,
+    is_upsampled: bool,
+    rows: Vec<SheetRow>,
 }
 
 /// One row of a sheet.
+#[derive(Clone)]
 pub struct SheetRow {
     /// Densities.
     pub density: Row,
-    /// Derivatives along u, v, w per index step; zero where no gradient is wanted.
+    /// Smallest and largest of them.
+    pub range: [f32; 2],
+    /// Derivatives along u, v, w per index step.
     pub gradient: [Row; 3],
     /// Above 0 where a hole is reached.
     pub hole: Row,
+    has_density: bool,
+    has_gradient: bool,
 }
 
-impl Default for SheetRow {
-    fn default() -> Self {
-        Self { density: [0.0; TILE_U], gradient: [[0.0; TILE_U]; 3], hole: [0.0; TILE_U] }
-    }
+impl SheetRow {
+    /// Nothing reconstructed yet.
+    pub const EMPTY: Self = Self {
+        density: [0.0; TILE_U],
+        range: [0.0; 2],
+        gradient: [[0.0; TILE_U]; 3],
+        hole: [0.0; TILE_U],
+        has_density: false,
+        has_gradient: false,
+    };
 }
 
 impl Sheet {
     /// Combines the slices that reach the sheet at `w` for the tile whose first texel is `(i0, j0)`, and returns bounds
     /// of the densities its texels can have.
     pub fn combine(&mut self, geometry: &SheetGeometry, w: f64, [i0, j0]: [usize; 2], n_rows: usize) -> [f32; 2] {
+        self.w = w;
+        self.is_upsampled = false;
+        self.rows.resize(n_rows, SheetRow::EMPTY);
+        for row in &mut self.rows {
+            row.has_density = false;
+            row.has_gradient = false;
+        }
         let [(u0, du), (v0, dv)] = geometry.plane.sheet(w);
         let [axis_u, axis_v, axis_w] = &geometry.axes;
         self.u.build(axis_u, u0 + du * i0 as f64, du, TILE_U);
@@ -87,59 +109,84 @@ impl Sheet {
             let taps: Vec<_> = taps.iter().map(|&(slice, weight)| (slice, weight.abs())).collect();
             geometry.slices.combine_mask(axes, &taps, window, &mut self.holes);
         }
-        let (mut lo, mut hi) = (f32::INFINITY, f32::NEG_INFINITY);
-        for &d in &self.density {
-            lo = if d < lo { d } else { lo };
-            hi = if d > hi { d } else { hi };
-        }
+        let [lo, hi] = bounds(&self.density);
         let over = overshoot_2d(geometry.slices.kernel()) * (hi - lo);
         [lo - over, hi + over]
     }
 
-    /// Combines the derivative through the sheet and upsamples everything along u. After [`Sheet::combine`].
-    pub fn upsample_u(&mut self, geometry: &SheetGeometry, w: f64) {
+    /// Where the sheet lies.
+    pub fn w(&self) -> f64 {
+        self.w
+    }
+
+    /// Combines the derivative through the sheet and upsamples everything along u.
+    fn upsample_u(&mut self, geometry: &SheetGeometry) {
+        self.is_upsampled = true;
         let Some(window) = self.window else { return };
         let n_u = window.n_u();
         upsample_rows(&self.density, n_u, &self.u.value, &mut self.density_u);
-        let taps = geometry.axes[2].slice_difference_taps(w);
         if geometry.axes[2].offset.is_some() {
+            let taps = geometry.axes[2].slice_difference_taps(self.w);
             geometry.slices.combine(geometry.plane.family.axes, &taps, window, &mut self.through);
             upsample_rows(&self.density, n_u, &self.u.difference, &mut self.along_u);
             upsample_rows(&self.through, n_u, &self.u.value, &mut self.through_u);
         }
         if geometry.slices.has_mask() {
-            let magnitude = |f: &Footprint| Footprint {
-                weights: f.weights.iter().map(|w| w.abs()).collect(),
-                ..f.clone()
-            };
-            upsample_rows(&self.holes, n_u, &magnitude(&self.u.value), &mut self.holes_u);
+            let magnitude =
+                Footprint { weights: self.u.value.weights.iter().map(|w| w.abs()).collect(), ..self.u.value.clone() };
+            upsample_rows(&self.holes, n_u, &magnitude, &mut self.holes_u);
         }
     }
 
-    /// Densities of one row. After [`Sheet::upsample_u`].
+    /// A row with its densities. After [`Sheet::combine`].
     #[inline(always)]
-    pub fn density_row(&self, row: usize, out: &mut SheetRow) {
-        blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
-        if !self.holes_u.is_empty() {
-            out.hole = [0.0; TILE_U];
-            for t in 0..self.v.value.n_taps {
-                let holes = &self.holes_u[self.v.value.first[row] as usize + t];
-                let weight = self.v.value.tap(t)[row].abs();
-                for i in 0..TILE_U {
-                    out.hole[i] += weight * holes[i];
+    pub fn row(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
+        if !self.is_upsampled {
+            self.upsample_u(geometry);
+        }
+        let out = &mut self.rows[row];
+        if !out.has_density {
+            out.has_density = true;
+            blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
+            out.range = bounds(&out.density);
+            if geometry.slices.has_mask() {
+                out.hole = [0.0; TILE_U];
+                for t in 0..self.v.value.n_taps {
+                    let holes = &self.holes_u[self.v.value.first[row] as usize + t];
+                    let weight = self.v.value.tap(t)[row].abs();
+                    for i in 0..TILE_U {
+                        out.hole[i] += weight * holes[i];
+                    }
                 }
             }
         }
+        out
     }
 
-    /// Gradient of one row. After [`Sheet::upsample_u`], where a gradient is wanted.
+    /// A row with its densities and gradient, where the geometry has a gradient offset.
     #[inline(always)]
-    pub fn gradient_row(&self, row: usize, out: &mut SheetRow) {
-        let [along_u, along_v, through] = &mut out.gradient;
-        blend_rows(&self.along_u, &self.v.value, row, along_u);
-        blend_rows(&self.density_u, &self.v.difference, row, along_v);
-        blend_rows(&self.through_u, &self.v.value, row, through);
+    pub fn row_with_gradient(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
+        self.row(geometry, row);
+        let out = &mut self.rows[row];
+        if !out.has_gradient && geometry.axes[2].offset.is_some() {
+            out.has_gradient = true;
+            let [along_u, along_v, through] = &mut out.gradient;
+            blend_rows(&self.along_u, &self.v.value, row, along_u);
+            blend_rows(&self.density_u, &self.v.difference, row, along_v);
+            blend_rows(&self.through_u, &self.v.value, row, through);
+        }
+        out
     }
+}
+
+#[inline(always)]
+fn bounds(densities: &[f32]) -> [f32; 2] {
+    let (mut lo, mut hi) = (f32::INFINITY, f32::NEG_INFINITY);
+    for &d in densities {
+        lo = if d < lo { d } else { lo };
+        hi = if d > hi { d } else { hi };
+    }
+    [lo, hi]
 }
 
 /// Each sample row becomes a row of texels.

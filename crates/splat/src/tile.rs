@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::DAffine3;
 
-use crate::composite::{Compositor, RayRow, Slab, Texel};
+use crate::composite::{Between, Compositor, RayRow, Slab, Texel};
 use crate::interval::Region;
-use crate::sheet::{Row, Sheet, SheetGeometry, SheetRow, TILE_U, TILE_V};
+use crate::sheet::{Row, Sheet, SheetGeometry, TILE_U, TILE_V};
 
 /// Where the sheets of a family lie: `n + 1` sheets from the first slice to the last, evenly spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,14 +30,14 @@ impl SheetSpacing {
         sheet_idx as f64 * self.step
     }
 
-    /// Sheets whose slab meets an interval of w. Clamps at the faces, where nothing is drawn beyond.
+    /// Sheets from the last one before an interval of w to the first one after it.
     fn range(&self, [lo, hi]: [f64; 2]) -> Range<usize> {
         if lo >= hi {
             return 0..0;
         }
         let n = self.n_slabs as f64;
-        let first = (lo / self.step - 0.5).ceil().clamp(0.0, n);
-        let last = (hi / self.step + 0.5).floor().clamp(0.0, n);
+        let first = (lo / self.step).floor().clamp(0.0, n - 1.0);
+        let last = (hi / self.step).ceil().clamp(first + 1.0, n);
         first as usize..last as usize + 1
     }
 }
@@ -49,6 +49,8 @@ pub struct TileJob<'a> {
     pub spacing: SheetSpacing,
     pub world_from_index: DAffine3,
     pub opacity_unit: f64,
+    /// Sheets that a compositor may ask for between two sheets.
+    pub n_between: usize,
 }
 
 /// Numbers for the report.
@@ -73,56 +75,62 @@ impl TileJob<'_> {
         let n_rows = TILE_V.min(self.geometry.plane.size[1] - first[1]);
         let (rays, span) = self.rays(first, n_rows);
         let mut work = Work::default();
-        let mut sheet = Sheet::default();
-        let mut row_buffer = SheetRow::default();
-        let ascending = self.geometry.plane.family.ascending;
         let range = self.spacing.range(span);
-        for k in 0..range.len() {
-            let sheet_idx = if ascending { range.start + k } else { range.end - 1 - k };
+        let sign = self.sign();
+        let w = |k: usize| {
+            // Front to back: the k-th sheet a ray meets.
+            let sheet_idx = if sign > 0.0 { range.start + k } else { range.end - 1 - k };
+            self.spacing.w(sheet_idx)
+        };
+        // Reconstruction runs one sheet ahead of shading.
+        let (mut front, mut back) = (Sheet::default(), Sheet::default());
+        let mut between = Between::default();
+        let mut front_range = if range.is_empty() { [0.0; 2] } else { front.combine(&self.geometry, w(0), first, n_rows) };
+        for k in 1..range.len() {
             if (0..n_rows).all(|row| compositor.is_done(row)) {
                 break;
             }
-            let w = self.spacing.w(sheet_idx);
-            let density_range = sheet.combine(&self.geometry, w, first, n_rows);
-            if !compositor.wants(density_range) {
-                compositor.skip();
+            let back_range = back.combine(&self.geometry, w(k), first, n_rows);
+            let both = [front_range[0].min(back_range[0]), front_range[1].max(back_range[1])];
+            if compositor.wants(both) {
+                between.reset(self.n_between);
+                let mut slab = Slab {
+                    s: [(sign * w(k - 1)) as f32, (sign * w(k)) as f32],
+                    is_last: k + 1 == range.len(),
+                    sheets: [&mut front, &mut back],
+                    between: &mut between,
+                    geometry: &self.geometry,
+                    place: (first, n_rows),
+                };
+                for (row, rays) in rays.iter().enumerate() {
+                    if !compositor.is_done(row) {
+                        compositor.add(row, rays, &mut slab);
+                        work.n_texels += TILE_U as u64;
+                    }
+                }
+            } else {
                 work.n_skipped += 1;
-                continue;
             }
-            sheet.upsample_u(&self.geometry, w);
-            let slab = self.slab(w);
-            for (row, rays) in rays.iter().enumerate() {
-                if compositor.is_done(row) {
-                    continue;
-                }
-                sheet.density_row(row, &mut row_buffer);
-                if !compositor.wants(bounds(&row_buffer.density)) {
-                    continue;
-                }
-                if compositor.wants_gradient() {
-                    sheet.gradient_row(row, &mut row_buffer);
-                }
-                compositor.add(row, rays, &slab, &row_buffer);
-                work.n_texels += TILE_U as u64;
-            }
+            std::mem::swap(&mut front, &mut back);
+            front_range = back_range;
         }
         let mut texels = vec![Texel::default(); TILE_U * n_rows];
         for (row, out) in texels.chunks_exact_mut(TILE_U).enumerate() {
             compositor.finish(row, out);
+            // Compositors count along the ray; the rest of the world counts along w.
+            out.iter_mut().for_each(|t| t.w_half *= sign as f32);
         }
         (texels, work)
     }
 
-    fn slab(&self, w: f64) -> Slab {
-        let half = 0.5 * self.spacing.step;
-        let sign = if self.geometry.plane.family.ascending { 1.0 } else { -1.0 };
-        Slab { w: w as f32, interval: [(w - half) as f32, (w + half) as f32], step: (sign * self.spacing.step) as f32 }
+    fn sign(&self) -> f64 {
+        if self.geometry.plane.family.ascending { 1.0 } else { -1.0 }
     }
 
     /// The rays of a tile, and the interval of w that any of them needs.
     fn rays(&self, [i0, j0]: [usize; 2], n_rows: usize) -> (Vec<RayRow>, [f64; 2]) {
         let plane = self.geometry.plane;
-        let sign = if plane.family.ascending { 1.0 } else { -1.0 };
+        let sign = self.sign();
         let columns = plane.family.axes.map(|a| self.world_from_index.matrix3.col(a));
         let empty: Row = [0.0; TILE_U];
         let blank = RayRow { interval: [empty; 2], thickness: empty, to_eye: [empty; 3] };
@@ -134,8 +142,9 @@ impl TileJob<'_> {
                 let [lo, hi] = self.region.texel_interval(plane, &ray);
                 if lo < hi {
                     span = [span[0].min(lo), span[1].max(hi)];
-                    row.interval[0][i] = lo as f32;
-                    row.interval[1][i] = hi as f32;
+                    let (near, far) = if sign > 0.0 { (lo, hi) } else { (-hi, -lo) };
+                    row.interval[0][i] = near as f32;
+                    row.interval[1][i] = far as f32;
                 }
                 let per_slice = columns[0] * ray.slope[0] + columns[1] * ray.slope[1] + columns[2];
                 let length = per_slice.length();
@@ -148,16 +157,6 @@ impl TileJob<'_> {
         }
         (rows, span)
     }
-}
-
-#[inline(always)]
-fn bounds(row: &Row) -> [f32; 2] {
-    let (mut lo, mut hi) = (f32::INFINITY, f32::NEG_INFINITY);
-    for &d in row {
-        lo = if d < lo { d } else { lo };
-        hi = if d > hi { d } else { hi };
-    }
-    [lo, hi]
 }
 
 #[cfg(test)]
@@ -174,11 +173,13 @@ mod tests {
     }
 
     #[test]
-    fn every_slab_that_meets_the_interval_is_visited() {
+    fn the_sheets_enclose_the_interval() {
         let spacing = SheetSpacing::new(11, 2.0);
         assert_eq!(spacing.range([0.0, 10.0]), 0..21);
-        assert_eq!(spacing.range([0.3, 0.6]), 1..2);
+        assert_eq!(spacing.range([0.3, 0.4]), 0..2);
         assert_eq!(spacing.range([0.2, 0.8]), 0..3);
+        assert_eq!(spacing.range([0.5, 1.0]), 1..3);
+        assert_eq!(spacing.range([10.0 - 1e-9, 10.0]), 19..21);
         assert_eq!(spacing.range([3.0, 3.0]), 0..0);
     }
 }

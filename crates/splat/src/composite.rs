@@ -29,12 +29,12 @@ pub struct RayRow {
 }
 
 impl RayRow {
-    /// Length of the part of `[from, to]` that is drawn.
+    /// Length of the part of each ray's `[from, to]` that is drawn.
     #[inline(always)]
-    fn extent(&self, [from, to]: [f32; 2], hole: &Row) -> Row {
+    fn extent(&self, from: &Row, to: &Row, hole: &Row) -> Row {
         let mut extent = [0.0; TILE_U];
         for i in 0..TILE_U {
-            let inside = to.min(self.interval[1][i]) - from.max(self.interval[0][i]);
+            let inside = to[i].min(self.interval[1][i]) - from[i].max(self.interval[0][i]);
             extent[i] = if hole[i] > 0.0 { 0.0 } else { inside.max(0.0) };
         }
         extent
@@ -143,9 +143,11 @@ pub trait Compositor {
 /// A ray stops when less than this share of light comes through: an eighth of a 16-bit grey level.
 const OPAQUE_ENOUGH: f32 = 1.0 - 2e-6;
 
-/// Thinner slabs per unit of change of opacity or colour between two sheets, and at most.
-const SLABS_PER_CHANGE: f32 = 4.0;
-const MAX_SLABS: f32 = 4.0;
+/// Change of a slab's opacity or colour between two sheets that are as near as they get from which it is cut.
+const DIFFERENT: f32 = 0.08;
+
+/// Slabs with linear density and gradient between two sheets that are as near as they get.
+const N_CUTS: usize = 4;
 
 /// Emission and absorption.
 pub struct Over<'a> {
@@ -155,8 +157,8 @@ pub struct Over<'a> {
     steep: f32,
     rgba: Box<[[Row; 4]; TILE_V]>,
     s_half: Box<[Row; TILE_V]>,
-    /// How far the row has been composited.
-    covered: [f32; TILE_V],
+    /// How far each ray has been composited.
+    covered: Box<[Row; TILE_V]>,
     done: [bool; TILE_V],
 }
 
@@ -169,30 +171,44 @@ impl<'a> Over<'a> {
             steep,
             rgba: Box::new([[[0.0; TILE_U]; 4]; TILE_V]),
             s_half: Box::new([[f32::NAN; TILE_U]; TILE_V]),
-            covered: [f32::NEG_INFINITY; TILE_V],
+            covered: Box::new([[f32::NEG_INFINITY; TILE_U]; TILE_V]),
             done: [false; TILE_V],
         }
     }
 
-    /// Slabs to cut the space between two rows into; 0 where each sheet can stand for its half.
+    /// Which rays can see a steep change on their way from one sheet to the next; `None` where none can.
     #[inline(always)]
-    fn n_cuts(&self, front: &SheetRow, back: &SheetRow) -> usize {
-        let (lo, hi) = (front.range[0].min(back.range[0]), front.range[1].max(back.range[1]));
-        if self.classifier.variation(hi) - self.classifier.variation(lo) < self.steep {
-            return 0;
-        }
-        let mut most = 0.0_f32;
+    fn steep(&self, front: &mut Sheet, back: &mut Sheet, row: usize) -> Option<[bool; TILE_U]> {
+        let classifier = self.classifier;
+        let front = front.row_spread(row, |d| classifier.variation(d));
+        let back = back.row_spread(row, |d| classifier.variation(d));
+        let mut steep = [false; TILE_U];
         for i in 0..TILE_U {
-            let change = self.classifier.variation(front.density[i]) - self.classifier.variation(back.density[i]);
-            most = if change.abs() > most { change.abs() } else { most };
+            steep[i] = front[1][i].max(back[1][i]) - front[0][i].min(back[0][i]) >= self.steep;
         }
-        if most < self.steep { 0 } else { (most * SLABS_PER_CHANGE).ceil().clamp(2.0, MAX_SLABS) as usize }
+        steep.contains(&true).then_some(steep)
     }
 
-    /// Composites `[from, to]` as one slab with the densities and gradient of `sheet`.
+    /// Which rays meet different densities on two sheets so near each other that the density between is linear.
     #[inline(always)]
-    fn add_slab(&mut self, row: usize, rays: &RayRow, [from, to]: [f32; 2], sheet: &SheetRow) {
-        let extent = rays.extent([from, to], &sheet.hole);
+    fn differ(&self, front: &SheetRow, back: &SheetRow) -> [bool; TILE_U] {
+        let mut differ = [false; TILE_U];
+        let (lo, hi) = (front.range[0].min(back.range[0]), front.range[1].max(back.range[1]));
+        if self.classifier.variation(hi) - self.classifier.variation(lo) < DIFFERENT {
+            return differ;
+        }
+        for i in 0..TILE_U {
+            let change = self.classifier.variation(front.density[i]) - self.classifier.variation(back.density[i]);
+            differ[i] = change.abs() >= DIFFERENT;
+        }
+        differ
+    }
+
+    /// Composites each ray up to `to` as one slab with the densities and gradient of `sheet`.
+    #[inline(always)]
+    fn add_slab(&mut self, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
+        let from = self.covered[row];
+        let extent = rays.extent(&from, to, &sheet.hole);
         let mut rgb = [[0.0; TILE_U]; 3];
         let mut alpha = [0.0; TILE_U];
         for i in 0..TILE_U {
@@ -221,7 +237,7 @@ impl<'a> Over<'a> {
             // Inside the slab opacity is taken to grow evenly.
             let share = (0.5 - before) / weight;
             let crossed = (before < 0.5) & (a[i] >= 0.5);
-            s_half[i] = if crossed { from.max(rays.interval[0][i]) + share * extent[i] } else { s_half[i] };
+            s_half[i] = if crossed { from[i].max(rays.interval[0][i]) + share * extent[i] } else { s_half[i] };
             // Rays that never meet the volume do not keep a row alive.
             let missed = rays.interval[0][i] >= rays.interval[1][i];
             let opacity = if missed { 1.0 } else { a[i] };
@@ -230,48 +246,59 @@ impl<'a> Over<'a> {
         self.done[row] = least >= OPAQUE_ENOUGH;
     }
 
-    /// Composites `interval` with a sheet as it is.
+    /// Composites each ray up to `to` with a sheet as it is.
     #[inline(always)]
-    fn add_sheet(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, k: usize, interval: [f32; 2]) {
+    fn add_sheet(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, k: usize, to: &Row) {
         let geometry = slab.geometry;
         let sheet = slab.sheet(k);
         let [lo, hi] = sheet.row(geometry, row).range;
-        if interval[0] < interval[1] && self.classifier.any_opacity(lo, hi) {
-            self.add_slab(row, rays, interval, sheet.row_with_gradient(geometry, row));
+        if self.classifier.any_opacity(lo, hi) {
+            self.add_slab(row, rays, to, sheet.row_with_gradient(geometry, row));
+        }
+        let covered = &mut self.covered[row];
+        for i in 0..TILE_U {
+            covered[i] = covered[i].max(to[i]);
         }
     }
 
-    /// Composites from where the row is drawn to, up to half way between two sheets; or up to the far one, where the
-    /// transfer function is steep and `cut` is set. Otherwise returns false for such a place and does nothing.
+    /// Composites the steep rays from a sheet to the next in slabs of linear density.
     #[inline(always)]
-    fn add_between(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, [near, far]: [usize; 2], cut: bool) -> bool {
+    fn add_cuts(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, near: usize, steep: &[bool; TILE_U]) {
         let geometry = slab.geometry;
-        let [s_near, s_far] = [slab.s(near), slab.s(far)];
-        let half = 0.5 * (s_far - s_near);
-        let (near_sheet, far_sheet) = slab.two(near, far);
-        let n_cuts = self.n_cuts(near_sheet.row(geometry, row), far_sheet.row(geometry, row));
-        if n_cuts > 0 && !cut {
-            return false;
-        }
-        // The near sheet's own slab, as far as it is not drawn yet.
-        let from = self.covered[row];
-        let to = if n_cuts > 0 { s_near } else { s_near + half };
-        self.add_sheet(row, rays, slab, near, [from, to]);
-        self.covered[row] = to;
-        if n_cuts > 0 {
-            let (near_sheet, far_sheet) = slab.two(near, far);
-            let near_row = near_sheet.row_with_gradient(geometry, row);
-            let far_row = far_sheet.row_with_gradient(geometry, row);
-            let thickness = (s_far - s_near) / n_cuts as f32;
-            for k in 0..n_cuts {
-                let row_between = blend(near_row, far_row, (k as f32 + 0.5) / n_cuts as f32, self.shader.is_some());
-                let from = s_near + k as f32 * thickness;
-                let to = if k + 1 == n_cuts { s_far } else { s_near + (k + 1) as f32 * thickness };
-                self.add_slab(row, rays, [from, to], &row_between);
+        let [s_near, s_far] = [slab.s(near), slab.s(near + 1)];
+        let (near_sheet, far_sheet) = slab.two(near, near + 1);
+        let near_row = near_sheet.row_with_gradient(geometry, row);
+        let far_row = far_sheet.row_with_gradient(geometry, row);
+        for k in 1..=N_CUTS {
+            let between = blend(near_row, far_row, (k as f32 - 0.5) / N_CUTS as f32, self.shader.is_some());
+            let end = if k == N_CUTS { s_far } else { s_near + k as f32 * ((s_far - s_near) / N_CUTS as f32) };
+            let mut to = self.covered[row];
+            for i in 0..TILE_U {
+                to[i] = if steep[i] { end } else { to[i] };
             }
-            self.covered[row] = s_far;
+            self.add_slab(row, rays, &to, &between);
+            self.covered[row] = to;
         }
-        true
+    }
+
+    /// From sheet `near` to the next, for the rays of `among`: the near sheet stands for its half, or, where the
+    /// change is steep, the space is cut.
+    #[inline(always)]
+    fn add_thin(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, near: usize, among: &[bool; TILE_U]) {
+        let geometry = slab.geometry;
+        let [s_near, s_far] = [slab.s(near), slab.s(near + 1)];
+        let (near_sheet, far_sheet) = slab.two(near, near + 1);
+        let mut cut = self.differ(near_sheet.row(geometry, row), far_sheet.row(geometry, row));
+        let mut to = self.covered[row];
+        for i in 0..TILE_U {
+            cut[i] &= among[i];
+            let end = if cut[i] { s_near } else { 0.5 * (s_near + s_far) };
+            to[i] = if among[i] { end } else { to[i] };
+        }
+        self.add_sheet(row, rays, slab, near, &to);
+        if cut.contains(&true) {
+            self.add_cuts(row, rays, slab, near, &cut);
+        }
     }
 }
 
@@ -289,22 +316,36 @@ impl Compositor for Over<'_> {
     #[inline(always)]
     fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
         let last = slab.last();
-        // Where the slab before was left out as invisible, the row is drawn from half way to it.
-        self.covered[row] = self.covered[row].max(slab.s[0] - 0.5 * (slab.s[1] - slab.s[0]));
-        if !self.add_between(row, rays, slab, [0, last], last == 1) {
-            for k in 0..last {
+        let [s_front, s_back] = slab.s;
+        let half_way = 0.5 * (s_front + s_back);
+        // Where the slab before was left out as invisible, rays are drawn from half way to it.
+        let before = s_front - (half_way - s_front);
+        self.covered[row].iter_mut().for_each(|c| *c = c.max(before));
+        let (front, back) = slab.two(0, last);
+        let steep = if self.steep.is_finite() { self.steep(front, back, row) } else { None };
+        let mut to = [half_way; TILE_U];
+        if let Some(steep) = &steep {
+            for i in 0..TILE_U {
+                to[i] = if steep[i] { s_front } else { half_way };
+            }
+        }
+        self.add_sheet(row, rays, slab, 0, &to);
+        if let Some(steep) = &steep {
+            for near in 0..last {
                 if self.done[row] {
                     return;
                 }
-                self.add_between(row, rays, slab, [k, k + 1], true);
+                self.add_thin(row, rays, slab, near, steep);
             }
-            // The last of the thin slabs ends half way to the back sheet; the back sheet stands for the rest.
-            self.add_sheet(row, rays, slab, last, [self.covered[row], slab.s[1]]);
-            self.covered[row] = slab.s[1];
         }
-        if slab.is_last {
-            let half = 0.5 * (slab.s[1] - slab.s[0]);
-            self.add_sheet(row, rays, slab, last, [self.covered[row].max(slab.s[1] - half), slab.s[1]]);
+        // The back sheet stands for the rest of rays that were drawn in thinner slabs, and of all in the last slab.
+        if steep.is_some() || slab.is_last {
+            let mut to = self.covered[row];
+            for i in 0..TILE_U {
+                let all = slab.is_last || steep.is_some_and(|steep| steep[i]);
+                to[i] = if all { s_back } else { to[i] };
+            }
+            self.add_sheet(row, rays, slab, last, &to);
         }
     }
 

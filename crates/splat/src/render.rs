@@ -119,7 +119,7 @@ pub fn render_base_planes(
 }
 
 /// Change of a slab's opacity or colour between two sheets from which the space between them is cut.
-const STEEP: f32 = 0.08;
+const STEEP: f32 = 0.25;
 
 /// Slice distances between sheets where the transfer function is steep.
 const REFINED_STEP: f64 = 1.0 / 16.0;

@@ -54,6 +54,8 @@ pub struct Sheet {
     through_u: Vec<Row>,
     holes_u: Vec<Row>,
     is_upsampled: bool,
+    /// Variation of the transfer function up to each combined density; see [`Sheet::row_spread`].
+    variation: Vec<f32>,
     rows: Vec<SheetRow>,
 }
 
@@ -90,6 +92,7 @@ impl Sheet {
     pub fn combine(&mut self, geometry: &SheetGeometry, w: f64, [i0, j0]: [usize; 2], n_rows: usize) -> [f32; 2] {
         self.w = w;
         self.is_upsampled = false;
+        self.variation.clear();
         self.rows.resize(n_rows, SheetRow::EMPTY);
         for row in &mut self.rows {
             row.has_density = false;
@@ -117,6 +120,29 @@ impl Sheet {
     /// Where the sheet lies.
     pub fn w(&self) -> f64 {
         self.w
+    }
+
+    /// For each texel of a row the least and the largest `variation` (a growing function of the density) among the four
+    /// samples around it: what the density can do on the ray's way to the next sheet, not only where sheets lie.
+    pub fn row_spread(&mut self, row: usize, variation: impl Fn(f32) -> f32) -> [Row; 2] {
+        let Some(window) = self.window else { return [[0.0; TILE_U]; 2] };
+        let n_u = window.n_u();
+        if self.variation.len() != self.density.len() {
+            self.variation.clear();
+            self.variation.extend(self.density.iter().map(|d| variation(*d)));
+        }
+        // The samples on either side of the texel are the middle ones of its taps.
+        let middle = self.v.value.n_taps / 2 - usize::from(self.v.value.n_taps > 1);
+        let first = (self.v.value.first[row] as usize + middle) * n_u;
+        let (upper, lower) = (&self.variation[first..first + n_u], &self.variation[first + n_u..first + 2 * n_u]);
+        let mut spread = [[0.0; TILE_U]; 2];
+        for i in 0..TILE_U {
+            let u = self.u.value.first[i] as usize + middle;
+            let corners = [upper[u], upper[u + 1], lower[u], lower[u + 1]];
+            spread[0][i] = corners[0].min(corners[1]).min(corners[2].min(corners[3]));
+            spread[1][i] = corners[0].max(corners[1]).max(corners[2].max(corners[3]));
+        }
+        spread
     }
 
     /// Combines the derivative through the sheet and upsamples everything along u.

@@ -78,9 +78,24 @@ impl BasePicture {
         sum
     }
 
-    fn nearest_w_half(&self, position: DVec2) -> f32 {
-        let nearest = position.round();
-        self.texel(nearest.x as i64, nearest.y as i64).map_or(f32::NAN, |t| t.w_half)
+    /// w of opacity ½ at a texel position: linear where the four texels around it lie on one surface.
+    fn w_half(&self, position: DVec2) -> f32 {
+        /// Slice distances within which neighbouring texels count as one surface.
+        const ONE_SURFACE: f32 = 2.0;
+        let floor = position.floor();
+        let (i, j) = (floor.x as i64, floor.y as i64);
+        let at = |i: i64, j: i64| self.texel(i, j).map_or(f32::NAN, |t| t.w_half);
+        let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+        let lo = corners.iter().copied().fold(f32::INFINITY, f32::min);
+        let hi = corners.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        if corners.iter().any(|w| w.is_nan()) || hi - lo > ONE_SURFACE {
+            let nearest = position.round();
+            return at(nearest.x as i64, nearest.y as i64);
+        }
+        let (tu, tv) = ((position.x - floor.x) as f32, (position.y - floor.y) as f32);
+        let near = corners[0] + tu * (corners[1] - corners[0]);
+        let far = corners[2] + tu * (corners[3] - corners[2]);
+        near + tv * (far - near)
     }
 }
 
@@ -152,7 +167,7 @@ fn serving<'a>(pictures: &'a [BasePicture], rays: &IndexRays, x: f64, y: f64) ->
 /// `t` of `origin + t · direction` at opacity ½.
 fn ray_parameter(pictures: &[BasePicture], rays: &IndexRays, x: f64, y: f64) -> f32 {
     let Some(picture) = serving(pictures, rays, x, y) else { return f32::NAN };
-    let w = f64::from(picture.nearest_w_half(picture.plane.texel_from_pixel(rays, x, y)));
+    let w = f64::from(picture.w_half(picture.plane.texel_from_pixel(rays, x, y)));
     let [_, _, origin_w] = picture.plane.family.uvw(rays.origin(x, y));
     let [_, _, direction_w] = picture.plane.family.uvw(rays.direction(x, y));
     ((w - origin_w) / direction_w) as f32

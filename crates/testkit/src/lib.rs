@@ -1,1 +1,7 @@
-//! Phantoms with known answers and picture comparison.
+//! Phantoms with known answers and picture comparison, for the tests of Wavesplat.
+
+mod compare;
+mod phantom;
+
+pub use compare::{max_difference, mean_brightness, psnr_db};
+pub use phantom::{Phantom, camera_towards, opacity_ramp, ripples_signal};

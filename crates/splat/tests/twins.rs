@@ -1,0 +1,149 @@
+//! The fast path against its literal twins in double precision.
+
+use glam::{DAffine3, DMat3, DVec3};
+use wavesplat_core::{Kernel, Light, LightFrame, Projection, RenderOptions, Shading};
+use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
+use wavesplat_splat::reference::splat;
+use wavesplat_splat::slices::Slices;
+use wavesplat_splat::{render, render_base_planes};
+use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp, psnr_db};
+
+const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 9.0 };
+const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
+
+fn scene() -> Phantom {
+    let shear = DMat3::from_cols(DVec3::new(1.1, 0.0, 0.1), DVec3::new(0.0, 0.9, 0.0), DVec3::new(0.1, 0.2, 1.4));
+    let affine = DAffine3 { matrix3: shear, translation: DVec3::new(3.0, -2.0, 7.0) };
+    Phantom::sample([11, 10, 9], affine, |p| {
+        120.0 + 60.0 * (p.x * 0.8).sin() * (p.y * 0.6).cos() + 50.0 * (p.z * 0.5 + p.x * 0.3).sin()
+    })
+}
+
+#[test]
+fn the_fast_path_equals_the_literal_splatter() {
+    let phantom = scene();
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
+    let coloured = Light { frame: LightFrame::World, to_light: DVec3::new(1.0, 2.0, -1.0), rgb: [1.0, 0.4, 0.2] };
+    let shadings = [
+        None,
+        Some(Shading::default()),
+        Some(Shading { gradient_offset: 0.4, lights: vec![Light::HEADLIGHT, coloured], ..Shading::default() }),
+    ];
+    let mut n_compared = 0;
+    for (_, kernel) in Kernel::NAMES {
+        for (from, projection) in [
+            (DVec3::new(0.2, 0.3, 1.0), ORTHOGRAPHIC),
+            (DVec3::new(-1.0, 0.5, 0.4), ORTHOGRAPHIC),
+            (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE),
+        ] {
+            for shading in &shadings {
+                let camera = camera_towards(phantom.centre(), from, 30.0, projection);
+                let options = RenderOptions {
+                    width_px: 40,
+                    height_px: 32,
+                    kernel,
+                    sheets_per_slice: 1.5,
+                    shading: shading.clone(),
+                    refined: false,
+                    ..RenderOptions::default()
+                };
+                let slices = Slices::new(&volume, kernel);
+                let (pictures, _) = render_base_planes(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+                for picture in &pictures {
+                    let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
+                    for (t, (texel, want)) in picture.texels.iter().zip(&want).enumerate() {
+                        for c in 0..4 {
+                            let (got, want) = (f64::from(texel.rgba[c]), want[c]);
+                            assert!((got - want).abs() < 1e-4, "{kernel:?} {from} texel {t}: {got} for {want}");
+                        }
+                        n_compared += usize::from(want[3] > 0.1);
+                    }
+                }
+            }
+        }
+    }
+    assert!(n_compared > 5000, "{n_compared} texels show something");
+}
+
+/// The original form (sheets as textures, gradients from three buffers) is the same method, blurred by its textures.
+#[test]
+fn the_original_form_draws_the_same_scene() {
+    let phantom = scene();
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(40.0, 0.0), (200.0, 0.3)], None);
+    for (from, projection, shading, at_least) in [
+        (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, None, 40.0),
+        (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE, None, 38.0),
+        // Its gradient is a difference over one texel and one sheet, ours over a voxel either way: less smooth.
+        (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, Some(Shading::default()), 28.0),
+    ] {
+        let camera = camera_towards(phantom.centre(), from, 30.0, projection);
+        let options = RenderOptions {
+            width_px: 40,
+            height_px: 32,
+            sheets_per_slice: 2.0,
+            shading,
+            refined: false,
+            ..RenderOptions::default()
+        };
+        let literal = splat::image(&volume, &tf, &camera, &options).unwrap();
+        let slices = Slices::new(&volume, options.kernel);
+        let (fast, _) = render(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+        let psnr = psnr_db(&fast.rgba, &literal.rgba);
+        assert!(psnr > at_least, "{from}: {psnr} dB");
+    }
+}
+
+/// `settings`: sheets per slice, oversampling.
+fn check_against_raycast(
+    kernel: Kernel,
+    nodes: &[(f64, f64)],
+    settings: (f64, f64),
+    (side_px, rays_per_pixel): (usize, usize),
+    at_least: f64,
+) {
+    let phantom = Phantom::ripples(24);
+    let volume = phantom.volume();
+    let tf = opacity_ramp(nodes, None);
+    for projection in [Projection::Orthographic { parallel_scale: 9.0 }, Projection::Perspective { view_angle_rad: 0.3 }] {
+        let camera = camera_towards(phantom.centre(), DVec3::new(0.7, 0.7, 0.55), 60.0, projection);
+        let (sheets_per_slice, oversampling) = settings;
+        let options = RenderOptions {
+            width_px: side_px,
+            height_px: side_px,
+            kernel,
+            sheets_per_slice,
+            oversampling,
+            ..RenderOptions::default()
+        };
+        let sampling = RaycastOptions { step: 0.05, rays_per_pixel };
+        let want = raycast(&volume, &tf, &camera, &options, sampling).unwrap();
+        let slices = Slices::new(&volume, kernel);
+        let (got, _) = render(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+        let psnr = psnr_db(&got.rgba, &want.rgba);
+        assert!(psnr >= at_least, "{kernel:?} {projection:?} {settings:?}: {psnr} dB, at least {at_least}");
+    }
+}
+
+const SOFT: [(f64, f64); 3] = [(60.0, 0.0), (128.0, 0.05), (255.0, 0.2)];
+
+#[test]
+fn soft_pictures_approach_the_converged_ray_caster() {
+    let (normal, high) = (wavesplat_core::quality_settings("normal"), wavesplat_core::quality_settings("high"));
+    check_against_raycast(Kernel::Linear, &SOFT, normal.unwrap(), (96, 1), 40.0);
+    check_against_raycast(Kernel::Linear, &SOFT, high.unwrap(), (96, 1), 45.0);
+}
+
+#[test]
+fn smooth_kernels_agree_with_the_ray_caster_too() {
+    for kernel in [Kernel::CatmullRom, Kernel::Bspline2, Kernel::Bspline3, Kernel::Gaussian] {
+        check_against_raycast(kernel, &SOFT, (4.0, 1.0), (40, 1), 38.0);
+    }
+}
+
+#[test]
+fn hard_pictures_approach_the_converged_ray_caster() {
+    let high = wavesplat_core::quality_settings("high").unwrap();
+    check_against_raycast(Kernel::Linear, &[(127.0, 0.0), (128.0, 1.0)], high, (64, 16), 34.0);
+}

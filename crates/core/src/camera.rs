@@ -48,7 +48,12 @@ impl Camera {
         for (what, v) in [("position", position), ("focal_point", focal_point), ("view_up", view_up)] {
             if !v.is_finite() {
                 let mend = "pass three finite numbers (x, y, z) in world units";
-                return Err(Error::out_of_range(format!("camera {what}"), format!("{:?}", v.to_array()), "finite", mend));
+                return Err(Error::out_of_range(
+                    format!("camera {what}"),
+                    format!("{:?}", v.to_array()),
+                    "finite",
+                    mend,
+                ));
             }
         }
         match projection {
@@ -58,7 +63,12 @@ impl Camera {
             }
             Projection::Perspective { view_angle_rad: a } if !(a > 0.0 && a < std::f64::consts::PI) => {
                 let mend = "pass the vertical view angle in degrees, 30 for example";
-                return Err(Error::out_of_range("camera view_angle", a.to_degrees(), "between 0 and 180 degrees", mend));
+                return Err(Error::out_of_range(
+                    "camera view_angle",
+                    a.to_degrees(),
+                    "between 0 and 180 degrees",
+                    mend,
+                ));
             }
             _ => {}
         }

@@ -29,7 +29,9 @@ pub enum Error {
          pass a stack of at least 2 slices of at least 2 x 2 samples"
     )]
     ThinVolume { name: String, shape_zyx: [usize; 3] },
-    #[error("volume {name:?}: none of its {n_samples} samples is finite, so there is nothing to draw; check the file or its scaling")]
+    #[error(
+        "volume {name:?}: none of its {n_samples} samples is finite, so there is nothing to draw; check the file or its scaling"
+    )]
     NoFiniteSample { name: String, n_samples: usize },
     #[error(
         "volume {name:?}: world_from_index {matrix:?} (rows) {problem}; \
@@ -45,13 +47,19 @@ pub enum Error {
          sort the nodes by value (equal values make a step)"
     )]
     UnsortedCurve { curve: &'static str, index: usize, value: f64, before_index: usize, before: f64 },
-    #[error("camera: position and focal point are both {position:?}; move one of them, the view direction is their difference")]
+    #[error(
+        "camera: position and focal point are both {position:?}; move one of them, the view direction is their difference"
+    )]
     CameraOnFocalPoint { position: [f64; 3] },
-    #[error("camera: view_up {view_up:?} is parallel to the view direction {direction:?}; pass an up vector that is not")]
+    #[error(
+        "camera: view_up {view_up:?} is parallel to the view direction {direction:?}; pass an up vector that is not"
+    )]
     UpParallelToView { view_up: [f64; 3], direction: [f64; 3] },
     #[error("camera: {problem}; pass parallel_scale (orthographic) or view_angle (perspective), one of the two")]
     Projection { problem: &'static str },
-    #[error("crop: the box from {lo:?} to {hi:?} holds nothing of the volume, which reaches from {volume_lo:?} to {volume_hi:?}; swap or move the corners")]
+    #[error(
+        "crop: the box from {lo:?} to {hi:?} holds nothing of the volume, which reaches from {volume_lo:?} to {volume_hi:?}; swap or move the corners"
+    )]
     EmptyCrop { lo: [f64; 3], hi: [f64; 3], volume_lo: [f64; 3], volume_hi: [f64; 3] },
     #[error("unknown {what} {name:?}; use one of: {known}")]
     UnknownName { what: &'static str, name: String, known: String },
@@ -72,7 +80,12 @@ impl Error {
     }
 
     /// An [`Error::OutOfRange`] for a number.
-    pub fn out_of_range(what: impl Into<String>, value: impl ToString, allowed: &'static str, mend: &'static str) -> Self {
+    pub fn out_of_range(
+        what: impl Into<String>,
+        value: impl ToString,
+        allowed: &'static str,
+        mend: &'static str,
+    ) -> Self {
         Self::OutOfRange { what: what.into(), value: value.to_string(), allowed, mend }
     }
 }

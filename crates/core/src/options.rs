@@ -154,7 +154,12 @@ impl Shading {
         }
         if !(self.specular_power >= 1.0 && self.specular_power <= 1000.0) {
             let mend = "pass 10 for a soft highlight, 50 for a sharp one";
-            return Err(Error::out_of_range("shading: specular_power", self.specular_power, "between 1 and 1000", mend));
+            return Err(Error::out_of_range(
+                "shading: specular_power",
+                self.specular_power,
+                "between 1 and 1000",
+                mend,
+            ));
         }
         if !(self.gradient_offset >= 0.01 && self.gradient_offset <= 4.0) {
             let mend = "pass 1 for the usual central differences";
@@ -287,13 +292,23 @@ impl RenderOptions {
         }
         if self.n_threads.is_some_and(|n| n == 0 || n > 1024) {
             let value = self.n_threads.unwrap_or(0);
-            return Err(Error::out_of_range("threads", value, "between 1 and 1024", "pass nothing to use all processors"));
+            return Err(Error::out_of_range(
+                "threads",
+                value,
+                "between 1 and 1024",
+                "pass nothing to use all processors",
+            ));
         }
         if let Composite::FirstHit { iso_value } = self.composite
             && !iso_value.is_finite()
         {
             let mend = "pass iso_value, the sample value of the surface";
-            return Err(Error::out_of_range("iso_value of composite \"first-hit\"", iso_value, "a finite number", mend));
+            return Err(Error::out_of_range(
+                "iso_value of composite \"first-hit\"",
+                iso_value,
+                "a finite number",
+                mend,
+            ));
         }
         for (index, plane) in self.clip_planes.iter().enumerate() {
             if !plane.origin.is_finite() || plane.normal.try_normalize().is_none() {

@@ -3,9 +3,7 @@
 use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use wavesplat_core::{
-    Camera, ColorNode, Error, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction,
-};
+use wavesplat_core::{Camera, ColorNode, Error, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction};
 
 use crate::errors::to_py;
 
@@ -55,18 +53,18 @@ pub struct PyTransferFunction(pub TransferFunction);
 #[pymethods]
 impl PyTransferFunction {
     #[new]
-    fn new(
-        opacity: Vec<(f64, f64)>,
-        color: Vec<(f64, f64, f64, f64)>,
-        opacity_unit: Option<f64>,
-    ) -> PyResult<Self> {
+    fn new(opacity: Vec<(f64, f64)>, color: Vec<(f64, f64, f64, f64)>, opacity_unit: Option<f64>) -> PyResult<Self> {
         let opacity = opacity.into_iter().map(|(value, opacity)| OpacityNode { value, opacity }).collect();
         let color = color.into_iter().map(|(value, r, g, b)| ColorNode { value, rgb: [r, g, b] }).collect();
         TransferFunction::new(opacity, color, opacity_unit).map(Self).map_err(to_py)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
-    fn evaluate<'py>(&self, py: Python<'py>, values: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows: Vec<Vec<f64>> = values
             .as_array()
             .iter()
@@ -111,8 +109,7 @@ impl PyShading {
         if world_lights.is_empty() {
             world_lights.push(Light::HEADLIGHT);
         }
-        let shading =
-            Shading { ambient, diffuse, specular, specular_power, gradient_offset, lights: world_lights };
+        let shading = Shading { ambient, diffuse, specular, specular_power, gradient_offset, lights: world_lights };
         shading.validate().map_err(to_py)?;
         Ok(Self(shading))
     }

@@ -10,13 +10,13 @@ use pyo3::prelude::*;
 /// The compiled half of the Python package; its contract is `_native.pyi`.
 #[pymodule]
 mod _native {
+    use super::{Bound, PyModule, PyModuleMethods, PyResult};
     #[pymodule_export]
     use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
     use crate::rendering::{encode_png, quality_settings, raycast, render, splat_literal};
     #[pymodule_export]
     use crate::volume::PyVolume;
-    use super::{Bound, PyModule, PyModuleMethods, PyResult};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

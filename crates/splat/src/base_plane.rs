@@ -111,9 +111,7 @@ impl BasePlane {
         let (p, q) = (self.origin.x + self.step.x * i, self.origin.y + self.step.y * j);
         match self.spread {
             Spread::Parallel { slope } => TexelRay { at_zero: [p, q], slope },
-            Spread::FromEye { eye } => {
-                TexelRay { at_zero: [eye[0] - p * eye[2], eye[1] - q * eye[2]], slope: [p, q] }
-            }
+            Spread::FromEye { eye } => TexelRay { at_zero: [eye[0] - p * eye[2], eye[1] - q * eye[2]], slope: [p, q] },
         }
     }
 
@@ -329,7 +327,8 @@ mod tests {
         let camera = camera.unwrap();
         let rays = IndexRays::new(&camera, DAffine3::IDENTITY, 100, 80);
         for oversampling in [0.5, 1.0, 2.0] {
-            let planes = base_planes(&camera, &rays, [100, 80], oversampling, [DVec3::ZERO, DVec3::splat(9.0)]).unwrap();
+            let planes =
+                base_planes(&camera, &rays, [100, 80], oversampling, [DVec3::ZERO, DVec3::splat(9.0)]).unwrap();
             let at = |x, y| planes[0].texel_from_pixel(&rays, x, y);
             let (dx, dy) = (at(51.0, 40.0) - at(50.0, 40.0), at(50.0, 41.0) - at(50.0, 40.0));
             assert!((dx.x.hypot(dy.x) - oversampling).abs() < 1e-9);

@@ -35,12 +35,7 @@ impl Classifier {
     /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
     /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Volume::density_from_sample`].
     /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, for [`Classifier::variation`].
-    pub fn new(
-        tf: &TransferFunction,
-        density_from_sample: (f64, f64),
-        range: [f32; 2],
-        slab_thickness: f64,
-    ) -> Self {
+    pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2], slab_thickness: f64) -> Self {
         let (offset, scale) = density_from_sample;
         let density = |value: f64| (value - offset) * scale;
         let mut nodes: Vec<f64> = tf.opacity_nodes().iter().map(|n| density(n.value)).collect();
@@ -149,7 +144,8 @@ mod tests {
 
     fn classifier(nodes: &[(f64, f64)], range: [f32; 2]) -> (TransferFunction, Classifier) {
         let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
-        let color = vec![ColorNode { value: 0.0, rgb: [1.0, 0.5, 0.0] }, ColorNode { value: 200.0, rgb: [0.0, 0.5, 1.0] }];
+        let color =
+            vec![ColorNode { value: 0.0, rgb: [1.0, 0.5, 0.0] }, ColorNode { value: 200.0, rgb: [0.0, 0.5, 1.0] }];
         let tf = TransferFunction::new(opacity, color, None).unwrap();
         let classifier = Classifier::new(&tf, (0.0, 1.0), range, 1.0);
         (tf, classifier)

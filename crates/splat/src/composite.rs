@@ -384,11 +384,7 @@ pub struct Project {
 impl Project {
     /// `operator` is one of the projections.
     pub fn new(operator: Composite) -> Self {
-        Self {
-            operator,
-            value: Box::new([[0.0; TILE_U]; TILE_V]),
-            length: Box::new([[0.0; TILE_U]; TILE_V]),
-        }
+        Self { operator, value: Box::new([[0.0; TILE_U]; TILE_V]), length: Box::new([[0.0; TILE_U]; TILE_V]) }
     }
 }
 
@@ -421,8 +417,20 @@ impl Compositor for Project {
             let extent = if drawn { (to - from) * (s_back - s_front) * rays.thickness[i] } else { 0.0 };
             let empty = length[i] == 0.0;
             let new = match self.operator {
-                Composite::Maximum => if empty { near.max(far) } else { value[i].max(near.max(far)) },
-                Composite::Minimum => if empty { near.min(far) } else { value[i].min(near.min(far)) },
+                Composite::Maximum => {
+                    if empty {
+                        near.max(far)
+                    } else {
+                        value[i].max(near.max(far))
+                    }
+                }
+                Composite::Minimum => {
+                    if empty {
+                        near.min(far)
+                    } else {
+                        value[i].min(near.min(far))
+                    }
+                }
                 _ => value[i] + 0.5 * (near + far) * extent,
             };
             value[i] = if drawn { new } else { value[i] };

@@ -3,18 +3,18 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, TransferFunction, Volume};
+use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
 
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
 use crate::classify::Classifier;
 use crate::composite::{Compositor, FirstHit, Over, Project, Texel};
 use crate::interval::Region;
+use crate::parallel;
 use crate::shade::Shader;
 use crate::sheet::{SheetGeometry, TILE_U, TILE_V};
 use crate::slices::Slices;
 use crate::tile::{SheetSpacing, TileJob, Work};
 use crate::warp::{BasePicture, warp};
-use crate::parallel;
 
 /// Told about progress from worker threads; may stop the work.
 pub trait Monitor: Sync {
@@ -66,7 +66,12 @@ pub fn render(
         let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
         // One read per texel that a pixel covers along each axis.
         let reads = if options.composite.is_projection() { 1 } else { options.oversampling.round().max(1.0) as usize };
-        let warped = warp(&pictures, &rays, size, reads, options.with_depth);
+        let peak = if options.composite.is_projection() {
+            f32::INFINITY
+        } else {
+            options.shading.as_ref().map_or(1.0, brightest)
+        };
+        let warped = warp(&pictures, &rays, size, reads, peak, options.with_depth);
         let mut picture =
             Picture { width_px: size[0], height_px: size[1], rgba: warped.rgba, depth: None, value: None };
         if options.composite.is_projection() {
@@ -87,6 +92,13 @@ pub fn render(
     })
 }
 
+/// Largest colour that shading makes of white.
+fn brightest(shading: &Shading) -> f32 {
+    let channel = |c: usize| shading.lights.iter().map(|l| l.rgb[c]).sum::<f32>();
+    let light = (0..3).map(channel).fold(0.0, f32::max);
+    (shading.ambient + (shading.diffuse + shading.specular) * light).max(1.0)
+}
+
 /// Draws the base planes, before the warp.
 pub fn render_base_planes(
     volume: &Volume,
@@ -102,10 +114,14 @@ pub fn render_base_planes(
     let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
     let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
     let scene = Scene::new(volume, slices, tf, camera, options);
-    let mut report =
-        Report { n_nonfinite_samples: volume.statistics().n_nonfinite, n_base_planes: planes.len(), ..Report::default() };
+    let mut report = Report {
+        n_nonfinite_samples: volume.statistics().n_nonfinite,
+        n_base_planes: planes.len(),
+        ..Report::default()
+    };
     let n_tiles_all: usize = planes.iter().map(|p| p.size[0].div_ceil(TILE_U) * p.size[1].div_ceil(TILE_V)).sum();
-    let progress = Progress { monitor, n_done: AtomicUsize::new(0), n_all: n_tiles_all, stopped: AtomicBool::new(false) };
+    let progress =
+        Progress { monitor, n_done: AtomicUsize::new(0), n_all: n_tiles_all, stopped: AtomicBool::new(false) };
     let mut pictures = Vec::new();
     for plane in planes {
         let (texels, work, n_sheets) = scene.draw_plane(&plane, &region, &progress)?;
@@ -149,18 +165,12 @@ impl<'a> Scene<'a> {
         Self { volume, slices, camera, options, classifier, opacity_unit }
     }
 
-    fn draw_plane(
-        &self,
-        plane: &BasePlane,
-        region: &Region,
-        progress: &Progress,
-    ) -> Result<(Vec<Texel>, Work, usize)> {
+    fn draw_plane(&self, plane: &BasePlane, region: &Region, progress: &Progress) -> Result<(Vec<Texel>, Work, usize)> {
         let world_from_index = self.volume.world_from_index();
         let shaded = !self.options.composite.is_projection();
         let shading = self.options.shading.as_ref().filter(|_| shaded);
-        let shader = shading.map(|s| {
-            Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range())
-        });
+        let shader =
+            shading.map(|s| Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range()));
         let size = self.volume.size();
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
         let job = TileJob {

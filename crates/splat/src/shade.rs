@@ -44,10 +44,10 @@ impl Shader {
     /// `range` bounds the densities.
     pub fn new(shading: &Shading, camera: &Camera, world_from_index: DMat3, family: &Family, range: [f32; 2]) -> Self {
         let gradient = world_from_index.inverse().transpose();
-        let lights = shading.lights.iter().map(|light| WorldLight {
-            to_light: light_direction(camera, light).as_vec3().to_array(),
-            rgb: light.rgb,
-        });
+        let lights = shading
+            .lights
+            .iter()
+            .map(|light| WorldLight { to_light: light_direction(camera, light).as_vec3().to_array(), rgb: light.rgb });
         Self {
             ambient: shading.ambient,
             diffuse: shading.diffuse,

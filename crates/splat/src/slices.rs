@@ -75,7 +75,13 @@ impl<'a> Slices<'a> {
     /// The same without a borrow, where a float copy was made: what is worth keeping between pictures.
     pub fn into_owned(self) -> Option<Slices<'static>> {
         let Data::Float(grid) = self.data else { return None };
-        Some(Slices { kernel: self.kernel, data: Data::Float(grid), size: self.size, mask: self.mask, range: self.range })
+        Some(Slices {
+            kernel: self.kernel,
+            data: Data::Float(grid),
+            size: self.size,
+            mask: self.mask,
+            range: self.range,
+        })
     }
 
     /// The kernel that the densities are for.

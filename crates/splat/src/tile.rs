@@ -85,7 +85,8 @@ impl TileJob<'_> {
         // Reconstruction runs one sheet ahead of shading.
         let (mut front, mut back) = (Sheet::default(), Sheet::default());
         let mut between = Between::default();
-        let mut front_range = if range.is_empty() { [0.0; 2] } else { front.combine(&self.geometry, w(0), first, n_rows) };
+        let mut front_range =
+            if range.is_empty() { [0.0; 2] } else { front.combine(&self.geometry, w(0), first, n_rows) };
         for k in 1..range.len() {
             if (0..n_rows).all(|row| compositor.is_done(row)) {
                 break;

@@ -1,7 +1,8 @@
 //! The one final resampling: base planes -> picture.
 //!
 //! Each pixel is served by the family of its own ray. The base plane is read with the Catmull-Rom cubic (Keys 1981),
-//! which keeps what the base plane resolves, clamped to the texels around the position so that edges do not ring.
+//! which keeps what the base plane resolves, clamped to the texels around the position so that edges do not ring, and
+//! to the brightest colour that its opacity can have.
 //! Where the base plane is denser than the pixels, a pixel is the mean of several such reads: a box filter, as many
 //! rays per pixel would give.
 
@@ -112,12 +113,13 @@ pub struct Warped {
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture. `reads_per_axis`: reads per pixel along x and along y.
+/// Draws the picture. `reads_per_axis`: reads per pixel along x and along y. `peak`: largest unassociated colour.
 pub fn warp(
     pictures: &[BasePicture],
     rays: &IndexRays,
     [width_px, height_px]: [usize; 2],
     reads_per_axis: usize,
+    peak: f32,
     with_depth: bool,
 ) -> Warped {
     let rows = parallel::map(height_px, |y| {
@@ -131,9 +133,10 @@ pub fn warp(
                     let (px, py) = (x as f64 + dx, y as f64 + dy);
                     if let Some(picture) = serving(pictures, rays, px, py) {
                         let colour = picture.sample(picture.plane.texel_from_pixel(rays, px, py));
-                        for (p, c) in pixel.iter_mut().zip(colour) {
-                            *p += share * c;
+                        for c in 0..3 {
+                            pixel[c] += share * colour[c].min(peak * colour[3]);
                         }
+                        pixel[3] += share * colour[3];
                     }
                 }
             }

@@ -106,7 +106,9 @@ fn check_against_raycast(
     let phantom = Phantom::ripples(24);
     let volume = phantom.volume();
     let tf = opacity_ramp(nodes, None);
-    for projection in [Projection::Orthographic { parallel_scale: 9.0 }, Projection::Perspective { view_angle_rad: 0.3 }] {
+    for projection in
+        [Projection::Orthographic { parallel_scale: 9.0 }, Projection::Perspective { view_angle_rad: 0.3 }]
+    {
         let camera = camera_towards(phantom.centre(), DVec3::new(0.7, 0.7, 0.55), 60.0, projection);
         let (sheets_per_slice, oversampling) = settings;
         let options = RenderOptions {

@@ -1,9 +1,7 @@
 //! Volumes whose pictures are known, or can be computed.
 
 use glam::{DAffine3, DVec3};
-use wavesplat_core::{
-    Camera, ColorNode, OpacityNode, Projection, Samples, TransferFunction, Volume,
-};
+use wavesplat_core::{Camera, ColorNode, OpacityNode, Projection, Samples, TransferFunction, Volume};
 
 /// An owned volume of f32 samples.
 #[derive(Clone, Debug)]

@@ -141,9 +141,9 @@ pub fn base_plane(
             let direction = from_uvw(plane.family.axes, [ray.slope[0], ray.slope[1], 1.0]);
             let world = volume.world_from_index().matrix3 * direction;
             let to_eye = world.normalize() * if plane.family.ascending { -1.0 } else { 1.0 };
-            let index_gradient = gradient.as_ref().map_or(DVec3::ZERO, |g| {
-                from_uvw(plane.family.axes, std::array::from_fn(|c| g[c].density[t]))
-            });
+            let index_gradient = gradient
+                .as_ref()
+                .map_or(DVec3::ZERO, |g| from_uvw(plane.family.axes, std::array::from_fn(|c| g[c].density[t])));
             let thickness = extent * world.length() / sampler.opacity_unit();
             over(pixel, &sampler, density.density[t], thickness, index_gradient, to_eye);
         }

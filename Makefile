@@ -1,0 +1,101 @@
+# Recipes of the checkout; `make` or `make help` lists them. All they make lies below the checkout:
+# .venv (Python environment), target (Rust), .cache (tools, reference pictures), out (pictures).
+
+PYTHON ?= python3
+OUT ?= out
+CARGO_DENY_VERSION := 0.20.2
+
+BIN := .venv/bin
+STAMPS := .venv/stamps
+NATIVE_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock pyproject.toml
+
+# The tools of the environment, whatever else is active in the user's shell.
+export PATH := $(CURDIR)/$(BIN):$(CURDIR)/.cache/bin:$(PATH)
+export VIRTUAL_ENV := $(CURDIR)/.venv
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
+# One interpreter for every build, so that PyO3 is compiled once per profile.
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help demo test check fmt quality clean \
+	rust-test python-test rust-lint python-lint stubs spelling licences docs
+
+help: ## list the recipes
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
+	wavesplat demo -o $(OUT)
+	@echo "The pictures are in $(abspath $(OUT))"
+
+test: rust-test python-test ## set up and pass all tests
+
+check: rust-lint docs python-lint stubs spelling licences test ## all that CI asks for
+
+fmt: $(STAMPS)/tools ## format Rust and Python
+	cargo fmt --all
+	ruff check --fix .
+	ruff format .
+
+quality: $(STAMPS)/package ## compare with converged pictures (an hour at first, then minutes): QUALITY="--size 128"
+	python studies/quality/quality.py $(QUALITY)
+
+clean: ## remove all that the recipes made
+	rm -rf .venv target .cache out python/wavesplat/_native*.so
+
+# Parts of `test` and `check`; each runs alone.
+
+rust-test: $(STAMPS)/venv
+	cargo test --locked --workspace
+
+python-test: $(STAMPS)/package $(STAMPS)/tools
+	pytest
+
+rust-lint: $(STAMPS)/venv
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+	cargo clippy --locked -p wavesplat-splat --no-default-features -- -D warnings
+
+docs: $(STAMPS)/venv
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet
+
+python-lint: $(STAMPS)/package $(STAMPS)/tools
+	ruff check .
+	ruff format --check .
+	mypy
+	mypy --strict studies
+
+stubs: $(STAMPS)/package $(STAMPS)/tools
+	python -m mypy.stubtest wavesplat._native
+
+spelling: $(STAMPS)/tools
+	typos
+
+licences: .cache/bin/cargo-deny
+	cargo deny --locked --workspace check licenses bans sources
+
+# What the recipes stand on. A stamp is as old as the thing it stands for.
+
+$(STAMPS)/venv:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+		{ echo "Wavesplat needs Python 3.10 or newer; name one: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+	@cargo --version >/dev/null || { echo "Wavesplat needs Rust: https://rustup.rs" >&2; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet 'maturin>=1.16,<2'
+	@mkdir -p $(STAMPS) && touch $@
+
+# Editable: changes of Python files need nothing, changes of Rust files a rebuild.
+$(STAMPS)/package: $(NATIVE_SOURCES) $(STAMPS)/venv
+	maturin develop --release --locked
+	@touch $@
+
+$(STAMPS)/tools: pyproject.toml | $(STAMPS)/package
+	maturin develop --release --locked --extras dev
+	@touch $@
+
+# Built without optimisation: it runs for a second and would take twice as long to build.
+.cache/bin/cargo-deny:
+	CARGO_PROFILE_DEV_DEBUG=0 cargo install --quiet --locked --debug --no-default-features --root .cache \
+		--target-dir .cache/cargo-deny-build cargo-deny@$(CARGO_DENY_VERSION)
+	@rm -rf .cache/cargo-deny-build

@@ -1,0 +1,66 @@
+"""What several test files share: a small oblique volume, and the command line as a function."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+SPACING = (0.7, 0.8, 1.5)
+
+
+class Oblique(NamedTuple):
+    """Samples [z, y, x] and their place in the RAS world."""
+
+    samples: np.ndarray
+    world_from_index: np.ndarray
+
+    @property
+    def lps_from_index(self):
+        return np.diag([-1.0, -1.0, 1.0, 1.0]) @ self.world_from_index
+
+
+@pytest.fixture
+def oblique():
+    """Anisotropic, rotated about two axes, off the origin, with a different number of samples along each axis."""
+    a, b = np.radians(20), np.radians(-35)
+    turn_z = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+    turn_x = np.array([[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]])
+    world_from_index = np.eye(4)
+    world_from_index[:3, :3] = turn_z @ turn_x * SPACING
+    world_from_index[:3, 3] = (10.0, -20.0, 30.0)
+    samples = np.random.default_rng(7).integers(-1000, 3000, (5, 6, 7)).astype(np.int16)
+    return Oblique(samples, world_from_index)
+
+
+@pytest.fixture
+def ramp_file(tmp_path):
+    """A NIfTI file that any preset fitted to the volume shows."""
+    import nibabel
+
+    ramp = np.linspace(0, 255, 16**3).reshape(16, 16, 16).astype(np.uint8)
+    path = tmp_path / "ramp.nii.gz"
+    nibabel.save(nibabel.Nifti1Image(ramp.T, np.eye(4)), path)
+    return path
+
+
+@pytest.fixture
+def wavesplat():
+    """Run the command line in a process of its own; gives returncode, stdout and stderr."""
+
+    def run(*arguments, cwd=None, **environment):
+        return subprocess.run(
+            [sys.executable, "-m", "wavesplat", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+            cwd=cwd,
+            env={**os.environ, **environment},
+        )
+
+    return run

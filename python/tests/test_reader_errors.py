@@ -1,0 +1,272 @@
+"""What is wrong with a file is said in one line: what, where, and how to mend it; the path comes last."""
+
+from __future__ import annotations
+
+import re
+import struct
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+from wavesplat.errors import ArgumentError, FileError, LimitError
+
+NOISE = np.random.default_rng(5).integers(0, 60000, (20, 30, 40)).astype(np.uint16)
+
+
+def save(path, samples=NOISE):
+    """A file of the kind that the suffix says."""
+    name = path.name
+    if name.endswith((".nii", ".nii.gz")):
+        import nibabel
+
+        nibabel.save(nibabel.Nifti1Image(samples.T, np.eye(4)), path)
+    elif name.endswith((".mha", ".nrrd")):
+        import SimpleITK
+
+        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(samples), str(path), useCompression=name.startswith("packed"))
+    elif name.endswith(".tif"):
+        import tifffile
+
+        tifffile.imwrite(
+            path, samples, photometric="minisblack", compression="zlib" if name.startswith("packed") else None
+        )
+    elif name.endswith(".npy"):
+        np.save(path, samples)
+    elif name.endswith(".npz"):
+        np.savez_compressed(path, samples)
+    elif name.endswith(".h5"):
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            file["raw"] = samples
+    return path
+
+
+KINDS = [
+    "a.nii", "a.nii.gz", "a.mha", "packed.mha", "a.nrrd", "packed.nrrd",
+    "a.tif", "packed.tif", "a.npy", "a.npz", "a.h5",
+]  # fmt: skip
+
+N_FILES = 60
+#: Most of the damage goes to the first bytes, where the headers are.
+N_HEADER_BYTES = 600
+
+
+def fails(path, message=r"\w", **options):
+    """`ws.open` refuses the file in one line that ends with the path; gives the line."""
+    with pytest.raises(FileError, match=message) as caught:
+        ws.open(path, **options)
+    line = str(caught.value)
+    assert line.endswith(str(path))
+    assert "\n" not in line
+    return line
+
+
+@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("part", [0.9, 0.5, 0.01])
+def test_truncated(tmp_path, capfd, name, part):
+    path = save(tmp_path / name)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * part)])
+    assert re.search("truncated|damaged", fails(path))
+    assert capfd.readouterr() == ("", "")  # nothing from the C libraries underneath
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_garbage(tmp_path, capfd, name):
+    path = tmp_path / name
+    path.write_bytes(np.random.default_rng(1).bytes(5000))
+    fails(path, "truncated|damaged|header")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", [*KINDS, "a.raw", "a.dcm", "a.xyz"])
+def test_empty(tmp_path, name):
+    (tmp_path / name).touch()
+    fails(tmp_path / name, "the file is empty; copy or export it again")
+
+
+@pytest.mark.parametrize("name", ["a.nii.gz", "a", "folder/a.mha"])
+def test_missing(tmp_path, name):
+    fails(tmp_path / name, "no such file or folder; check the name")
+
+
+def test_empty_folder(tmp_path):
+    fails(tmp_path, "the folder is empty")
+
+
+def test_folder_of_something_else(tmp_path):
+    (tmp_path / "readme.txt").write_text("hello")
+    fails(tmp_path, "no DICOM series, no TIFF slices and no Zarr array")
+
+
+def test_unknown_kind(tmp_path):
+    (tmp_path / "a.doc").write_bytes(b"hello world")
+    fails(tmp_path / "a.doc", r"unknown kind of file; wavesplat reads NIfTI.*pass shape=\(z, y, x\) and dtype=")
+
+
+def test_unreadable(tmp_path, monkeypatch):
+    from pathlib import Path
+
+    path = save(tmp_path / "a.nii")
+
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refuse)
+    fails(path, "cannot read the file: Permission denied; check its permissions")
+
+
+@pytest.mark.parametrize("name", ["a.nii", "a.mha", "a.nrrd", "a.tif", "a.npy"])
+def test_two_dimensions(tmp_path, name):
+    fails(save(tmp_path / name, NOISE[0]), "2-D|single|fewer than 2")
+
+
+@pytest.mark.parametrize("name", ["a.nii", "a.nrrd", "a.npy"])
+def test_one_slice(tmp_path, name):
+    fails(save(tmp_path / name, NOISE[:1]), r"fewer than 2 samples along an axis.*at least 2 slices")
+
+
+def test_zero_size(tmp_path):
+    np.save(tmp_path / "a.npy", NOISE[:0])
+    fails(tmp_path / "a.npy", "holds no samples")
+    path = save(tmp_path / "a.nii")
+    content = bytearray(path.read_bytes())
+    content[42:44] = struct.pack("<h", 0)
+    path.write_bytes(content)
+    fails(path, "holds no samples|cannot read as NIfTI")
+
+
+def with_nifti_size(path, *size):
+    """Change the size in a NIfTI-1 header, which may be compressed."""
+    import gzip
+
+    packed = path.name.endswith(".gz")
+    content = bytearray(gzip.decompress(path.read_bytes()) if packed else path.read_bytes())
+    content[42:48] = struct.pack("<3h", *size)
+    path.write_bytes(gzip.compress(bytes(content)) if packed else bytes(content))
+    return path
+
+
+@pytest.mark.parametrize("name", ["a.nii", "a.nii.gz"])
+@pytest.mark.parametrize("size", [(32000, 32000, 32000), (41, 30, 20)])
+def test_nifti_header_promises_too_much(tmp_path, name, size):
+    line = fails(with_nifti_size(save(tmp_path / name), *size), "wrong header.*the file holds 48000")
+    assert f"need {2 * size[0] * size[1] * size[2]} bytes" in line
+
+
+@pytest.mark.parametrize("name", ["a.mha", "packed.mha", "a.nrrd", "packed.nrrd"])
+def test_itk_header_promises_too_much(tmp_path, name):
+    path = save(tmp_path / name)
+    content = path.read_bytes()
+    assert b"40 30 20" in content
+    path.write_bytes(content.replace(b"40 30 20", b"40000 30000 20000", 1))
+    fails(path, "need 48000000000000 bytes")
+
+
+def test_npy_header_promises_too_much(tmp_path):
+    path = save(tmp_path / "a.npy")
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"(20, 30, 40), }        ", b"(20000, 30000, 40000), }"[:24], 1)[: len(content)])
+    fails(path, "need 48000000000000 bytes|truncated")
+
+
+def test_more_than_the_machine_holds(tmp_path):
+    import h5py
+
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("raw", (10**5, 10**5, 10**5), "u1", chunks=(64, 64, 64))
+    with pytest.raises(LimitError, match=r"need 931322.6 GiB, this machine has .* GiB of memory; use a smaller.*a.h5$"):
+        ws.open(path)
+
+
+def test_missing_data_file(tmp_path):
+    import SimpleITK
+
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(NOISE), str(tmp_path / "a.mhd"))
+    (tmp_path / "a.raw").unlink()
+    fails(tmp_path / "a.mhd", "names a data file that is not there, 'a.raw'; put it beside the header")
+
+
+def test_damaged_in_the_middle(tmp_path, capfd):
+    path = save(tmp_path / "a.nii.gz")
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+    fails(path, "damaged|truncated")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("row", [(0, 0, 0, 0), (float("nan"), 0, 0, 0)])
+def test_degenerate_affine_in_a_file(tmp_path, row):
+    path = save(tmp_path / "a.nii")
+    content = bytearray(path.read_bytes())
+    content[280:296] = struct.pack("<4f", *row)  # srow_x
+    path.write_bytes(content)
+    fails(path, "world_from_index")
+
+
+def test_nothing_finite_in_a_file(tmp_path):
+    np.save(tmp_path / "a.npy", np.full((3, 3, 3), np.nan))
+    fails(tmp_path / "a.npy", "none of its 27 samples is finite")
+
+
+def test_objects_are_not_unpickled(tmp_path):
+    np.save(tmp_path / "a.npy", np.full((3, 3, 3), None))
+    fails(tmp_path / "a.npy", "cannot read as a NumPy file|truncated")
+
+
+@pytest.mark.parametrize(
+    ("spacing", "message"), [((0, 1, 1), "spacing is"), ((1, 1), "spacing is"), ((1, 1, float("nan")), "spacing is")]
+)
+def test_bad_spacing_argument(tmp_path, spacing, message):
+    path = save(tmp_path / "a.npy")
+    with pytest.raises(ArgumentError, match=message):
+        ws.open(path, spacing=spacing)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"series": "1"}, {"dataset": "x"}, {"level": 1}, {"byte_order": "big"}, {"offset": 4}],
+)
+def test_options_that_mean_nothing_are_refused(tmp_path, options):
+    path = save(tmp_path / "a.nii")
+    with pytest.raises(ArgumentError, match=rf"{next(iter(options))}= has no meaning for this kind of file.*a.nii$"):
+        ws.open(path, **options)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_fuzzed(tmp_path, capfd, name):
+    """Either a volume or a `WavesplatError` of one line; nothing else ever comes out."""
+    rng = np.random.default_rng(11)
+    path = save(tmp_path / name, rng.integers(0, 60000, (4, 5, 6)).astype(np.uint16))
+    whole = path.read_bytes()
+    refusals = []
+    for _ in range(N_FILES):
+        path.write_bytes(damaged(whole, rng))
+        try:
+            ws.open(path)
+        except ws.errors.WavesplatError as error:
+            refusals.append(str(error))
+    assert refusals
+    assert not [line for line in refusals if "\n" in line or not line.endswith(str(path))]
+    assert capfd.readouterr() == ("", "")
+
+
+def damaged(whole, rng):
+    """A few bytes changed, lost or added."""
+    content = bytearray(whole)
+    for _ in range(rng.integers(1, 6)):
+        in_header = rng.random() < 0.8
+        place = int(rng.integers(min(len(content), N_HEADER_BYTES) if in_header else len(content)))
+        length = int(rng.integers(1, 20))
+        change = rng.choice(["change", "lose", "add"], p=[0.6, 0.2, 0.2])
+        if change == "change":
+            content[place] = int(rng.integers(256))
+        elif change == "lose":
+            del content[place : place + length]
+        else:
+            content[place:place] = rng.bytes(length)
+    return bytes(content)

@@ -1,0 +1,70 @@
+"""Wavesplat: pictures of volumes, by high-resolution splatting.
+
+>>> import wavesplat as ws
+>>> volume = ws.examples.ripples(16)
+>>> picture = ws.render(volume, size=(64, 64))
+>>> picture.rgba.shape
+(64, 64, 4)
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wavesplat import errors, examples, reference
+    from wavesplat._native import __version__
+    from wavesplat.camera import Camera
+    from wavesplat.crop import Crop
+    from wavesplat.picture import Picture
+    from wavesplat.readers import open
+    from wavesplat.rendering import render
+    from wavesplat.shading import Light, Shading
+    from wavesplat.transfer_function import TransferFunction
+    from wavesplat.volume import Volume
+
+__all__ = [
+    "Camera",
+    "Crop",
+    "Light",
+    "Picture",
+    "Shading",
+    "TransferFunction",
+    "Volume",
+    "__version__",
+    "errors",
+    "examples",
+    "open",
+    "reference",
+    "render",
+]
+
+#: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
+_HOMES = {
+    "Camera": "camera",
+    "Crop": "crop",
+    "Light": "shading",
+    "Picture": "picture",
+    "Shading": "shading",
+    "TransferFunction": "transfer_function",
+    "Volume": "volume",
+    "__version__": "_native",
+    "open": "readers",
+    "render": "rendering",
+}
+_MODULES = {"errors", "examples", "reference"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"wavesplat.{name}")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'wavesplat' has no attribute {name!r}")
+    value = getattr(import_module(f"wavesplat.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,118 @@
+"""What the compiled module offers; the public package wraps it and holds the docs that users read."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypedDict, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+class RenderResult(TypedDict):
+    """`rgba` [height, width, 4] associated; `depth` and `value` [height, width], NaN where nothing is hit."""
+
+    rgba: NDArray[np.float32]
+    depth: NDArray[np.float32] | None
+    value: NDArray[np.float32] | None
+    report: dict[str, Any]
+
+@final
+class Volume:
+    """Samples [z, y, x] in their own type, shared with NumPy, and the affine `world_from_index` (4 x 4, x y z)."""
+
+    def __new__(cls, samples: NDArray[Any], world_from_index: NDArray[np.float64], name: str) -> Volume: ...
+    @property
+    def value_range(self) -> tuple[float, float]: ...
+    @property
+    def n_nonfinite(self) -> int: ...
+
+@final
+class TransferFunction:
+    """Piecewise-linear opacity and colour; `evaluate` gives rows of (red, green, blue, opacity)."""
+
+    def __new__(
+        cls,
+        opacity: Sequence[tuple[float, float]],
+        color: Sequence[tuple[float, float, float, float]],
+        opacity_unit: float | None,
+    ) -> TransferFunction: ...
+    def evaluate(self, values: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
+class Camera:
+    """`parallel_scale` (half the view's height, world units) or `view_angle` (vertical, degrees), one of them."""
+
+    def __new__(
+        cls,
+        position: tuple[float, float, float],
+        focal_point: tuple[float, float, float],
+        view_up: tuple[float, float, float],
+        parallel_scale: float | None,
+        view_angle: float | None,
+    ) -> Camera: ...
+
+@final
+class Shading:
+    """Phong coefficients and lights. A light: ("camera" | "world", direction to the light, colour)."""
+
+    def __new__(
+        cls,
+        ambient: float,
+        diffuse: float,
+        specular: float,
+        specular_power: float,
+        gradient_offset: float,
+        lights: Sequence[tuple[str, tuple[float, float, float], tuple[float, float, float]]],
+    ) -> Shading: ...
+
+def render(
+    volume: Volume,
+    transfer_function: TransferFunction,
+    camera: Camera,
+    *,
+    width: int,
+    height: int,
+    kernel: str,
+    composite: str,
+    iso_value: float | None,
+    shading: Shading | None,
+    sheets_per_slice: float,
+    oversampling: float,
+    crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],
+    background: tuple[float, float, float, float] | None,
+    threads: int | None,
+    depth: bool,
+    progress: Callable[[float], object] | None,
+) -> RenderResult: ...
+def raycast(
+    volume: Volume,
+    transfer_function: TransferFunction,
+    camera: Camera,
+    *,
+    width: int,
+    height: int,
+    kernel: str,
+    shading: Shading | None,
+    step: float,
+    rays_per_pixel: int,
+    crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],
+    threads: int | None,
+) -> NDArray[np.float32]: ...
+def splat_literal(
+    volume: Volume,
+    transfer_function: TransferFunction,
+    camera: Camera,
+    *,
+    width: int,
+    height: int,
+    kernel: str,
+    shading: Shading | None,
+    sheets_per_slice: float,
+    threads: int | None,
+) -> NDArray[np.float32]: ...
+def quality_settings(name: str) -> tuple[float, float]: ...
+def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...

@@ -1,0 +1,82 @@
+"""Affine maps `world_from_index`: a 4 x 4 matrix that takes (i, j, k, 1), i fastest in memory, to world (x, y, z, 1).
+
+The columns of its upleft 3 x 3 block are the steps between neighbouring samples, in world units;
+their lengths are the spacing, and nothing requires them to be orthogonal (a gantry-tilted CT is sheared).
+The world frame of medical data is RAS: +x is the patient's right, +y anterior, +z superior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat.errors import ArgumentError
+
+__all__ = ["RAS_FROM_LPS", "axis_codes", "from_spacing", "spacing_of", "with_spacing", "world_bounds"]
+
+Affine = NDArray[np.float64]
+
+#: ITK and DICOM count x towards the patient's left and y towards the back; a half turn about z makes that RAS.
+RAS_FROM_LPS: Affine = np.diag([-1.0, -1.0, 1.0, 1.0])
+
+
+def from_spacing(spacing: Sequence[float]) -> Affine:
+    """Affine with sample (0, 0, 0) at the world origin and `spacing` (x, y, z) between neighbours."""
+    return np.diag([*checked_spacing(spacing), 1.0])
+
+
+def with_spacing(world_from_index: Affine, spacing: Sequence[float]) -> Affine:
+    """The same origin and directions, with other distances (x, y, z) between neighbours."""
+    scaled = world_from_index.copy()
+    scaled[:3, :3] *= np.asarray(checked_spacing(spacing)) / spacing_of(world_from_index)
+    return scaled
+
+
+def spacing_of(world_from_index: Affine) -> NDArray[np.float64]:
+    """Distance between neighbouring samples along x, y, z: the lengths of the columns."""
+    lengths: NDArray[np.float64] = np.linalg.norm(world_from_index[:3, :3], axis=0)
+    return lengths
+
+
+def checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
+    """Three positive finite numbers, or an `ArgumentError` that says what was given."""
+    try:
+        x, y, z = (float(step) for step in spacing)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"spacing is {spacing!r}; give three numbers (x, y, z)") from None
+    if not all(np.isfinite(step) and step > 0 for step in (x, y, z)):
+        raise ArgumentError(
+            f"spacing is ({x:g}, {y:g}, {z:g}); each of (x, y, z) must be a positive finite number "
+            "(an axis that runs backwards is written with world_from_index)"
+        )
+    return x, y, z
+
+
+def world_bounds(world_from_index: Affine, shape: tuple[int, int, int]) -> NDArray[np.float64]:
+    """Corners (lower, upper) of the axis-aligned world box around all sample centres, shape (2, 3)."""
+    corners = box_corners(world_from_index, shape)
+    return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+
+def box_corners(world_from_index: Affine, shape: tuple[int, int, int]) -> NDArray[np.float64]:
+    """World positions of the eight outermost sample centres, shape (8, 3); `shape` is (z, y, x)."""
+    n_z, n_y, n_x = shape
+    index = np.array(list(product((0, n_x - 1), (0, n_y - 1), (0, n_z - 1))), dtype=np.float64)
+    corners: NDArray[np.float64] = index @ world_from_index[:3, :3].T + world_from_index[:3, 3]
+    return corners
+
+
+def axis_codes(world_from_index: Affine) -> str:
+    """Where the index axes x, y, z point in the RAS world, to the nearest axis: "RAS", "LPS", "PIR", ..."""
+    directions = world_from_index[:3, :3] / spacing_of(world_from_index)
+    letters = ["??"] * 3
+    free = {0, 1, 2}
+    # The most aligned index axis chooses first, so that two oblique axes never get the same letter.
+    for column in np.argsort(-np.abs(directions).max(axis=0), kind="stable"):
+        row = max(free, key=lambda candidate: abs(directions[candidate, column]))
+        free.remove(row)
+        letters[column] = ("LR", "PA", "IS")[row][int(directions[row, column] > 0)]
+    return "".join(letters)

@@ -1,0 +1,54 @@
+"""Colours as people write them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any, TypeAlias
+
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Rgba", "parse"]
+
+Rgba: TypeAlias = tuple[float, float, float, float]
+
+NAMES: dict[str, Rgba] = {
+    "black": (0.0, 0.0, 0.0, 1.0),
+    "white": (1.0, 1.0, 1.0, 1.0),
+    "grey": (0.5, 0.5, 0.5, 1.0),
+    "gray": (0.5, 0.5, 0.5, 1.0),
+}
+
+
+def parse(color: str | Iterable[Any] | None) -> Rgba | None:
+    """Red, green, blue and opacity, 0..1, not associated; None for None and for "transparent".
+
+    Takes three or four numbers 0..1, a name (black, white, grey, transparent), "#rrggbb", "#rrggbbaa", or "r,g,b[,a]".
+    """
+    if color is None or color == "transparent":
+        return None
+    if isinstance(color, str):
+        return _parse_text(color.strip().lower())
+    return _checked(color, color)
+
+
+def _parse_text(text: str) -> Rgba:
+    if text in NAMES:
+        return NAMES[text]
+    if re.fullmatch(r"#([0-9a-f]{6}|[0-9a-f]{8})", text):
+        return _checked((byte / 255 for byte in bytes.fromhex(text[1:])), text)
+    return _checked(text.split(","), text)
+
+
+def _checked(numbers: Iterable[Any], given: object) -> Rgba:
+    try:
+        channels = [float(number) for number in numbers]
+    except (TypeError, ValueError):
+        channels = []
+    if len(channels) not in (3, 4) or not all(0 <= channel <= 1 for channel in channels):
+        raise ArgumentError(
+            f'color is {given!r}; give (r, g, b) or (r, g, b, a) with numbers 0..1, "#rrggbb", black, white, grey '
+            "or transparent"
+        )
+    red, green, blue, alpha = (*channels, 1.0)[:4]
+    return red, green, blue, alpha

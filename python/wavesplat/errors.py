@@ -1,0 +1,28 @@
+"""Everything that Wavesplat raises on purpose, split by whose move is next.
+
+Each message says what happened, where, and how to mend it; a path comes last.
+"""
+
+from __future__ import annotations
+
+__all__ = ["ArgumentError", "CancelledError", "FileError", "LimitError", "WavesplatError"]
+
+
+class WavesplatError(Exception):
+    """Base of all errors of this package."""
+
+
+class ArgumentError(WavesplatError, ValueError):
+    """An argument has a value that cannot work: the caller's move."""
+
+
+class FileError(WavesplatError, OSError):
+    """A file is missing, unreadable, truncated, of an unknown kind, or cannot be written."""
+
+
+class LimitError(WavesplatError):
+    """The work is right but too big for this machine or for the format."""
+
+
+class CancelledError(WavesplatError):
+    """The progress callback asked to stop; no picture was made."""

@@ -1,0 +1,32 @@
+"""Named transfer functions, one JSON file each, and `auto`."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from typing import TYPE_CHECKING
+
+from wavesplat import transfer_function_json
+from wavesplat.errors import ArgumentError
+from wavesplat.transfer_function import TransferFunction
+
+if TYPE_CHECKING:
+    from wavesplat.volume import Volume
+
+__all__ = ["names", "preset"]
+
+
+def names() -> list[str]:
+    """Names of all presets, in alphabetical order."""
+    stored = (entry.name for entry in files(__name__).iterdir())
+    return sorted(["auto", *(name.removesuffix(".json") for name in stored if name.endswith(".json"))])
+
+
+def preset(name: str, volume: Volume | None = None) -> TransferFunction:
+    """The preset of a name; see `TransferFunction.preset`."""
+    if name not in names():
+        raise ArgumentError(f"unknown preset {name!r}; use one of: {', '.join(names())}")
+    if name == "auto":
+        if volume is None:
+            raise ArgumentError("preset 'auto' is made from a volume's histogram; pass the volume too")
+        return TransferFunction.auto(volume)
+    return transfer_function_json.parse((files(__name__) / f"{name}.json").read_text(encoding="utf-8"), volume)

@@ -1,0 +1,106 @@
+"""Does the file hold what its header promises, and can this machine hold it? Asked before memory is taken.
+
+A damaged or hostile header of a few bytes can promise terabytes.
+"""
+
+from __future__ import annotations
+
+import gzip
+import os
+import zlib
+from collections.abc import Sequence
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wavesplat.errors import FileError, LimitError
+
+__all__ = ["ANY_RATIO", "DEFLATE_RATIO", "check_gzip", "check_memory", "check_readable", "check_stored", "n_bytes"]
+
+#: Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes from two bits).
+DEFLATE_RATIO = 1032
+#: More than other lossless codecs shrink anything: bzip2 reaches 45 000 on zeros.
+ANY_RATIO = 50_000
+
+
+def check_readable(path: Path) -> None:
+    """A `FileError` if there is no such file, or it is empty or closed to us."""
+    try:
+        with path.open("rb") as file:
+            if not file.read(1):
+                raise FileError(f"the file is empty; copy or export it again: {path}")
+    except FileNotFoundError:
+        raise FileError(f"no such file or folder; check the name: {path}") from None
+    except OSError as error:
+        if isinstance(error, FileError):
+            raise
+        raise FileError(f"cannot read the file: {error.strerror}; check its permissions: {path}") from None
+
+
+def n_bytes(shape: Sequence[int], dtype: np.dtype[Any]) -> int:
+    """Size of an array; Python integers, so it cannot overflow."""
+    return prod(int(n) for n in shape) * dtype.itemsize
+
+
+def check_stored(shape: Sequence[int], dtype: np.dtype[Any], stored: int, path: object, *, ratio: int = 1) -> None:
+    """A `FileError` if `stored` bytes, compressed at best by `ratio`, cannot hold such an array."""
+    needed = n_bytes(shape, dtype)
+    if stored * ratio < needed:
+        raise FileError(
+            f"truncated, or a wrong header: {_described(shape, dtype)} need {needed} bytes, the file holds {stored}"
+            f"{' (compressed)' if ratio > 1 else ''}; copy or export it again: {path}"
+        )
+    check_memory(needed, path)
+
+
+def check_gzip(shape: Sequence[int], dtype: np.dtype[Any], offset: int, path: Path) -> None:
+    """The same for a gzip file whose samples begin at byte `offset` of what it unpacks to."""
+    needed = offset + n_bytes(shape, dtype)
+    if not _ends_as_promised(path, needed):
+        unpacked = _unpacked_size(path, needed)
+        check_stored(shape, dtype, max(unpacked - offset, 0), path)
+    check_memory(needed, path)
+
+
+def check_memory(needed: int, path: object) -> None:
+    """A `LimitError` if an array of that many bytes cannot fit into the machine's memory."""
+    total = _memory_bytes()
+    if total is not None and needed > total:
+        raise LimitError(
+            f"the samples need {needed / 2**30:.1f} GiB, this machine has {total / 2**30:.1f} GiB of memory; "
+            f"use a smaller or coarser file: {path}"
+        )
+
+
+def _memory_bytes() -> int | None:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # not on every system
+        return None
+
+
+def _described(shape: Sequence[int], dtype: np.dtype[Any]) -> str:
+    return f"{' x '.join(str(n) for n in shape)} samples of {dtype}"
+
+
+def _ends_as_promised(path: Path, unpacked: int) -> bool:
+    """Whether the file's last four bytes, its unpacked size modulo 2^32, agree: quick, and right for whole files."""
+    stored = path.stat().st_size
+    with path.open("rb") as file:
+        file.seek(-min(4, stored), os.SEEK_END)
+        size_field = int.from_bytes(file.read(4), "little")
+    return size_field == unpacked % 2**32 and unpacked <= stored * DEFLATE_RATIO
+
+
+def _unpacked_size(path: Path, enough: int) -> int:
+    """How many bytes can be unpacked, counted up to `enough`; used for files that look wrong at their end."""
+    count = 0
+    try:
+        with gzip.open(path) as file:
+            while count < enough and (block := file.read(2**20)):
+                count += len(block)
+    except (OSError, EOFError, zlib.error):
+        pass  # what comes before the damage is the answer
+    return count

@@ -1,0 +1,133 @@
+"""What a reader is asked for, and what it gives."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat.errors import ArgumentError, FileError, WavesplatError
+
+if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
+__all__ = ["Grid", "Request", "choose", "first_line", "index_unnamed_axes", "quiet", "reading"]
+
+
+class Grid(NamedTuple):
+    """Samples [z, y, x] and the affine from their index (x, y, z) to the world."""
+
+    samples: NDArray[Any]
+    world_from_index: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Request:
+    """The arguments of `wavesplat.open`."""
+
+    path: str | PathLike[str]
+    series: str | None = None
+    time: int | None = None
+    channel: int | None = None
+    dataset: str | None = None
+    level: int | None = None
+    shape: Sequence[int] | None = None
+    dtype: DTypeLike | None = None
+    spacing: Sequence[float] | None = None
+    byte_order: str | None = None
+    offset: int = 0
+
+    @property
+    def file(self) -> Path:
+        """The path, with ~ resolved."""
+        return Path(self.path).expanduser()
+
+    @property
+    def is_url(self) -> bool:
+        """Whether the path names something on the net, or behind another fsspec protocol."""
+        return "://" in fspath(self.path)
+
+    @property
+    def name(self) -> str:
+        """The last part of the path."""
+        return fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path)
+
+    def given(self) -> set[str]:
+        """Names of the options that were set."""
+        return {f.name for f in fields(self) if f.name != "path" and getattr(self, f.name) != f.default}
+
+
+@contextmanager
+def reading(kind: str, path: object) -> Iterator[None]:
+    """Turn whatever a library raises while it reads into one line that names the kind and the path.
+
+    Parsers of damaged files raise nearly anything (KeyError, struct.error, zlib.error, MemoryError, ...), so this is
+    the one place that catches everything.
+    """
+    try:
+        yield
+    except WavesplatError:
+        raise
+    except Exception as error:
+        raise FileError(
+            f"cannot read as {kind}: {first_line(error)}; the file is truncated, damaged or not {kind}: {path}"
+        ) from error
+
+
+@contextmanager
+def quiet(library: str) -> Iterator[None]:
+    """Keep a library from logging about what we report ourselves."""
+    logger = logging.getLogger(library)
+    before, logger.disabled = logger.disabled, True
+    try:
+        yield
+    finally:
+        logger.disabled = before
+
+
+def first_line(error: BaseException) -> str:
+    """The first line of an error's message that says something, or its type."""
+    lines = (line.strip() for line in str(error).splitlines())
+    return next((line.rstrip(".;") for line in lines if line), type(error).__name__)
+
+
+WHAT = {"time": "time points", "channel": "channels"}
+
+
+def choose(option: str, count: int, number: int | None, path: object) -> int:
+    """The index of a time point or channel: what was asked for, or 0 if there is only one."""
+    if number is None:
+        if count == 1:
+            return 0
+        raise FileError(
+            f"the file holds {count} {WHAT[option]}; choose one with {option}=0..{count - 1} "
+            f"(on the command line --{option} N): {path}"
+        )
+    if not 0 <= number < count:
+        raise ArgumentError(f"{option}={number}, but the file holds {count} {WHAT[option]}, 0..{count - 1}: {path}")
+    return number
+
+
+def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...]:
+    """Index of one volume in an array whose axes have no names: time is the first axis, channel the last."""
+    n_extra = len(shape) - 3
+    wanted = (request.time is not None) + (request.channel is not None)
+    if n_extra > 0 and wanted < n_extra:
+        raise FileError(
+            f"the array is {len(shape)}-D, shape {tuple(shape)}; choose one volume with "
+            f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.path}"
+        )
+    if wanted > max(n_extra, 0):
+        raise ArgumentError(
+            f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.path}"
+        )
+    first = () if request.time is None else (choose("time", shape[0], request.time, request.path),)
+    last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.path),)
+    return (*first, ..., *last)

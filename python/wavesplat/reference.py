@@ -1,0 +1,125 @@
+"""Slow, literal renderers in double precision: what the fast one is measured against."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wavesplat import _native, rendering
+from wavesplat.camera import Camera
+from wavesplat.crop import Crop
+from wavesplat.options import Kernel
+from wavesplat.picture import Picture
+from wavesplat.shading import Shading
+from wavesplat.transfer_function import TransferFunction
+from wavesplat.volume import Volume
+
+__all__ = ["raycast", "splat_literal"]
+
+
+def raycast(
+    volume: Volume,
+    transfer_function: TransferFunction | str | None = None,
+    camera: Camera | str | None = None,
+    *,
+    size: tuple[int, int] = (512, 512),
+    step: float = 0.05,
+    rays_per_pixel: int = 1,
+    kernel: Kernel = "linear",
+    shading: Shading | None = rendering.DEFAULT_SHADING,
+    crop: Crop | None = None,
+    clip_planes: Sequence[rendering.ClipPlane] = (),
+    threads: int | None = None,
+) -> Picture:
+    """The converged picture, by casting rays in small steps (emission and absorption, "over").
+
+    Parameters
+    ----------
+    volume, transfer_function, camera, size, kernel, shading, crop, clip_planes, threads
+        As for `wavesplat.render`.
+    step : float, default 0.05
+        Distance between samples of a ray, in voxels.
+    rays_per_pixel : int, default 1
+        On a regular grid inside the pixel; a square number.
+
+    Returns
+    -------
+    Picture
+        With `rgba`, float32, shape (height, width, 4), associated, transparent background.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.reference.raycast(ws.examples.ripples(8), size=(8, 8), step=0.5).rgba.shape
+    (8, 8, 4)
+    """
+    width, height = rendering.checked_size(size)
+    rgba = _native.raycast(
+        volume._core,
+        rendering.chosen_transfer_function(transfer_function, volume)._core,
+        rendering.chosen_camera(camera, volume, width / max(height, 1))._core,
+        width=width,
+        height=height,
+        kernel=kernel,
+        shading=None if shading is None else shading._core,
+        step=float(step),
+        rays_per_pixel=rendering.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
+        **rendering.region(crop, clip_planes),
+        threads=rendering.checked_count(threads, "threads"),
+    )
+    return Picture(rgba)
+
+
+def splat_literal(
+    volume: Volume,
+    transfer_function: TransferFunction | str | None = None,
+    camera: Camera | str | None = None,
+    *,
+    size: tuple[int, int] = (512, 512),
+    kernel: Kernel = "linear",
+    shading: Shading | None = rendering.DEFAULT_SHADING,
+    sheets_per_slice: float = 1.0,
+    threads: int | None = None,
+) -> Picture:
+    """The picture of the method's own pseudo-code, sample by sample and sheet by sheet.
+
+    Parameters
+    ----------
+    volume, transfer_function, camera, size, kernel, shading, threads
+        As for `wavesplat.render`.
+    sheets_per_slice : float, default 1
+        Sheets per slice distance.
+
+    Returns
+    -------
+    Picture
+        With `rgba`, float32, shape (height, width, 4), associated, transparent background.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.reference.splat_literal(ws.examples.ripples(8), size=(8, 8)).rgba.shape
+    (8, 8, 4)
+    """
+    width, height = rendering.checked_size(size)
+    rgba = _native.splat_literal(
+        volume._core,
+        rendering.chosen_transfer_function(transfer_function, volume)._core,
+        rendering.chosen_camera(camera, volume, width / max(height, 1))._core,
+        width=width,
+        height=height,
+        kernel=kernel,
+        shading=None if shading is None else shading._core,
+        sheets_per_slice=float(sheets_per_slice),
+        threads=rendering.checked_count(threads, "threads"),
+    )
+    return Picture(rgba)

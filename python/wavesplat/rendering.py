@@ -1,0 +1,202 @@
+"""The renderer's front door: takes what a user has, calls the compiled splatter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from operator import index
+from typing import Any, TypeAlias
+
+from wavesplat import _native, colors
+from wavesplat.camera import Camera
+from wavesplat.crop import Crop
+from wavesplat.errors import ArgumentError
+from wavesplat.options import Composite, Kernel, Quality
+from wavesplat.picture import Picture
+from wavesplat.shading import Shading
+from wavesplat.transfer_function import TransferFunction
+from wavesplat.vectors import Vector, vector
+from wavesplat.volume import Volume
+
+__all__ = ["render"]
+
+ClipPlane: TypeAlias = tuple[Iterable[float], Iterable[float]]
+
+DEFAULT_SHADING = Shading()
+
+
+def render(
+    volume: Volume,
+    transfer_function: TransferFunction | str | None = None,
+    camera: Camera | str | None = None,
+    *,
+    size: tuple[int, int] = (512, 512),
+    kernel: Kernel = "linear",
+    composite: Composite = "over",
+    iso_value: float | None = None,
+    shading: Shading | None = DEFAULT_SHADING,
+    quality: Quality = "normal",
+    sheets_per_slice: float | None = None,
+    oversampling: float | None = None,
+    crop: Crop | None = None,
+    clip_planes: Sequence[ClipPlane] = (),
+    background: str | Sequence[float] | None = None,
+    threads: int | None = None,
+    depth: bool = False,
+    progress: Callable[[float], object] | None = None,
+) -> Picture:
+    """A picture of the volume, by high-resolution splatting.
+
+    Parameters
+    ----------
+    volume : Volume
+        What to draw, from `wavesplat.open` or an array.
+    transfer_function : TransferFunction or str, optional
+        Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`).
+    camera : Camera or str, optional
+        Or the name of a view, such as "left"; None is the anterior view.
+    size : (width, height), default (512, 512)
+        Pixels.
+    kernel : str
+        Reconstruction between samples: "linear", the sharper "catmull-rom", the smooth interpolating "bspline2" and
+        "bspline3", or the blurring "gaussian".
+    composite : str
+        "over": emission and absorption. "maximum", "minimum", "mean", "sum": projections of the value, then coloured.
+        "first-hit": the surface at `iso_value`.
+    iso_value : float, optional
+        Sample value of the surface that "first-hit" shows.
+    shading : Shading or None
+        Phong shading of "over" and "first-hit"; None draws the colours as given.
+    quality : str
+        "draft", "normal" or "high": sets the next two where they are None.
+    sheets_per_slice : float, optional
+        Sheets per slice distance.
+    oversampling : float, optional
+        Texels per pixel, along each side.
+    crop : Crop, optional
+        Draw only this box.
+    clip_planes : sequence of (point, normal)
+        World units; what lies on the side that the normal points to is kept.
+    background : colour, optional
+        (r, g, b), (r, g, b, a), "#rrggbb" or a name; None is transparent.
+    threads : int, optional
+        Worker threads; None uses all cores. The picture does not depend on it.
+    depth : bool
+        Also give `Picture.depth`.
+    progress : callable, optional
+        Called with the part done, 0..1; returning False stops.
+
+    Returns
+    -------
+    Picture
+        With `rgba`, float32, shape (height, width, 4), associated.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work; the message says which, and how to mend it.
+    LimitError
+        If the picture needs more memory than there may be.
+    CancelledError
+        If `progress` returned False.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> volume = ws.examples.ripples(16)
+    >>> picture = ws.render(volume, camera=ws.Camera.orbit(volume, 30, 20), size=(64, 48))
+    >>> picture.rgba.shape
+    (48, 64, 4)
+
+    Notes
+    -----
+    DESIGN.md section 3 describes the method; Mueller, Moeller and Crawfis (1999) its idea.
+    """
+    width, height = checked_size(size)
+    default_sheets, default_oversampling = _native.quality_settings(quality)
+    result = _native.render(
+        volume._core,
+        chosen_transfer_function(transfer_function, volume, composite)._core,
+        chosen_camera(camera, volume, width / max(height, 1))._core,
+        width=width,
+        height=height,
+        kernel=kernel,
+        composite=composite,
+        iso_value=None if iso_value is None else float(iso_value),
+        shading=None if shading is None else shading._core,
+        sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
+        oversampling=default_oversampling if oversampling is None else float(oversampling),
+        **region(crop, clip_planes),
+        background=colors.parse(background),
+        threads=checked_count(threads, "threads"),
+        depth=bool(depth),
+        progress=progress,
+    )
+    return Picture(result["rgba"], result["depth"], result["value"], result["report"])
+
+
+def chosen_transfer_function(
+    given: TransferFunction | str | None, volume: Volume, composite: str = "over"
+) -> TransferFunction:
+    """The transfer function itself, or the one that a preset name or None stands for."""
+    if isinstance(given, TransferFunction):
+        return given
+    if given is None or given == "auto":
+        return TransferFunction.auto(volume, composite)
+    if isinstance(given, str):
+        return TransferFunction.preset(given, volume)
+    raise ArgumentError(
+        f"transfer_function is a {type(given).__name__}; give a TransferFunction or the name of a preset"
+    )
+
+
+def chosen_camera(given: Camera | str | None, volume: Volume, aspect: float) -> Camera:
+    """The camera itself, or the one that a view's name or None stands for."""
+    if isinstance(given, Camera):
+        return given
+    if given is None or isinstance(given, str):
+        # A picture without pixels has no aspect; the compiled module refuses it.
+        return Camera.view(volume, given or "anterior", aspect=aspect if aspect > 0 else 1.0)
+    raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
+
+
+def checked_size(size: Sequence[int]) -> tuple[int, int]:
+    """Width and height as plain integers, 0 or more."""
+    try:
+        width, height = (index(number) for number in size)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"size is {size!r}; give (width, height), two whole numbers of pixels") from None
+    if width < 0 or height < 0:
+        raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
+    return width, height
+
+
+def checked_count(number: int | None, name: str) -> int | None:
+    """The number as a plain integer, 0 or more, or None."""
+    if number is None:
+        return None
+    try:
+        count = index(number)
+    except TypeError:
+        raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
+    if count < 0:
+        raise ArgumentError(f"{name} is {count}; give a whole number of at least 1")
+    return count
+
+
+def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:
+    """Crop and clip planes as the compiled module takes them."""
+    if crop is not None and not isinstance(crop, Crop):
+        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
+    return {
+        "crop_index": crop.corners_in("index") if crop else None,
+        "crop_world": crop.corners_in("world") if crop else None,
+        "clip_planes": [_plane(plane, number) for number, plane in enumerate(clip_planes)],
+    }
+
+
+def _plane(plane: ClipPlane, number: int) -> tuple[Vector, Vector]:
+    try:
+        point, normal = plane
+    except (TypeError, ValueError):
+        raise ArgumentError(f"clip plane {number} is {plane!r}; give (point, normal), three numbers each") from None
+    return vector(point, f"point of clip plane {number}"), vector(normal, f"normal of clip plane {number}")

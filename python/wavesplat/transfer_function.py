@@ -1,0 +1,214 @@
+"""Transfer functions: sample value -> opacity and colour.
+
+Two piecewise-linear curves, looked up after reconstruction; constant beyond their first and last node.
+Two nodes at the same value make a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wavesplat import _native
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat.volume import Volume
+
+__all__ = ["TransferFunction"]
+
+
+@dataclass(frozen=True, init=False)
+class TransferFunction:
+    """Opacity and colour of each sample value.
+
+    Parameters
+    ----------
+    opacity : sequence of (value, alpha)
+        Nodes in order of value. `alpha`, 0..1, is the opacity of a slab one `opacity_unit` thick; 1 is opaque at any
+        thickness.
+    color : sequence of (value, red, green, blue)
+        Nodes in order of value; 0..1, used as given (no gamma).
+    opacity_unit : float, optional
+        Thickness that the opacities belong to, world units.
+        None takes the geometric mean of the volume's spacings.
+
+    Raises
+    ------
+    ArgumentError
+        If a curve is empty or not in order, or an opacity or colour is outside 0..1.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> tf = ws.TransferFunction(opacity=[(0, 0.0), (100, 1.0)], color=[(0, 1, 0, 0), (100, 1, 1, 1)])
+    >>> tf([50]).tolist()  # red, green, blue, opacity
+    [[1.0, 0.5, 0.5, 0.5]]
+    """
+
+    opacity: tuple[tuple[float, float], ...]
+    color: tuple[tuple[float, float, float, float], ...]
+    opacity_unit: float | None
+    _core: _native.TransferFunction = field(repr=False, compare=False)
+
+    def __init__(
+        self,
+        opacity: Iterable[Iterable[float]],
+        color: Iterable[Iterable[float]],
+        opacity_unit: float | None = None,
+    ) -> None:
+        # Checked at once, so that an error points at the line that made it.
+        unit = None if opacity_unit is None else float(opacity_unit)
+        opacity_nodes = _nodes(opacity, "opacity", ("value", "alpha"))
+        color_nodes = _nodes(color, "color", ("value", "red", "green", "blue"))
+        object.__setattr__(self, "opacity", opacity_nodes)
+        object.__setattr__(self, "color", color_nodes)
+        object.__setattr__(self, "opacity_unit", unit)
+        object.__setattr__(self, "_core", _native.TransferFunction(opacity_nodes, color_nodes, unit))
+
+    def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
+        return self._core.evaluate(np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64).ravel())
+
+    @classmethod
+    def preset(cls, name: str, volume: Volume | None = None) -> TransferFunction:
+        """A transfer function by name: what usually looks good on that kind of data.
+
+        Parameters
+        ----------
+        name : str
+            CT in Hounsfield units: "ct-bone", "ct-soft-tissue", "ct-lung", "ct-vessels".
+            Any units, fitted to the volume's values: "mr-head", "mr-vessels", "grey", and "auto" (see `auto`).
+        volume : Volume, optional
+            Needed for the presets that are fitted to the volume's values.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no preset of that name, or it needs a volume.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.TransferFunction.preset("ct-bone").opacity_unit
+        1.0
+        """
+        from wavesplat import presets
+
+        return presets.preset(name, volume)
+
+    @classmethod
+    def auto(cls, volume: Volume, composite: str = "over") -> TransferFunction:
+        """A transfer function from the volume's histogram, for a first look at any kind of data.
+
+        Parameters
+        ----------
+        volume : Volume
+            CT, MR, microscopy, simulation: any range, any units.
+        composite : str, default "over"
+            The operator it is for; projections ("maximum", "minimum", "mean", "sum") get a grey ramp over the values
+            that they project to.
+
+        Raises
+        ------
+        ArgumentError
+            If all samples are equal: there is nothing to tell apart.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.TransferFunction.auto(ws.examples.ripples(16)).opacity[0][1]
+        0.0
+        """
+        from wavesplat import histogram
+
+        return histogram.auto(volume, composite)
+
+    @classmethod
+    def from_json(cls, text: str, volume: Volume | None = None) -> TransferFunction:
+        """The transfer function that a JSON text describes, as `to_json` writes it.
+
+        Parameters
+        ----------
+        text : str
+            An object with `version` 1, `opacity`, `color` and, optionally, `opacity_unit`.
+            With `"values": "fraction"` its values are fractions of the volume's robust range, 0..1.
+        volume : Volume, optional
+            Needed when the values are fractions.
+
+        Raises
+        ------
+        ArgumentError
+            If it is not such a text; the message names the field.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> tf = ws.TransferFunction([(0, 0), (1, 1)], [(0, 1, 1, 1)])
+        >>> ws.TransferFunction.from_json(tf.to_json()) == tf
+        True
+        """
+        from wavesplat import transfer_function_json
+
+        return transfer_function_json.parse(text, volume)
+
+    def to_json(self) -> str:
+        """The transfer function as a JSON text, which `from_json` reads back exactly."""
+        from wavesplat import transfer_function_json
+
+        return transfer_function_json.write(self)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str], volume: Volume | None = None) -> TransferFunction:
+        """The transfer function in a JSON file; see `from_json`.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        ArgumentError
+            If it does not describe a transfer function.
+        """
+        from wavesplat import transfer_function_json
+
+        return transfer_function_json.load(path, volume)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the transfer function to a JSON file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; nothing is left behind.
+        """
+        from wavesplat import output
+
+        text = self.to_json()
+        output.write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.opacity, self.color, self.opacity_unit)
+
+
+def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -> tuple[Any, ...]:
+    """Tuples of floats from any nested sequence or array."""
+    if not isinstance(nodes, Iterable):
+        raise ArgumentError(f"transfer function: {curve} is {nodes!r}; it must be nodes ({', '.join(names)})")
+    checked = []
+    for index, node in enumerate(nodes):
+        try:
+            numbers = tuple(float(number) for number in node)
+        except (TypeError, ValueError, OverflowError):
+            numbers = ()
+        if len(numbers) != len(names):
+            raise ArgumentError(
+                f"transfer function: {curve} node {index} is {node!r}; "
+                f"it must be {len(names)} numbers ({', '.join(names)})"
+            )
+        checked.append(numbers)
+    return tuple(checked)

@@ -1,0 +1,110 @@
+"""Transfer functions as JSON: one object, with a version, whose errors name the field.
+
+    {"version": 1, "opacity_unit": 1.0,
+     "opacity": [[150, 0], [400, 0.8]],
+     "color": [[150, 0.8, 0.5, 0.3], [400, 1, 1, 0.9]]}
+
+`"values": "fraction"` marks curves whose values are fractions of a volume's robust range (`histogram.robust_range`).
+"""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wavesplat.errors import ArgumentError, FileError
+from wavesplat.transfer_function import TransferFunction
+
+if TYPE_CHECKING:
+    from wavesplat.volume import Volume
+
+__all__ = ["load", "parse", "write"]
+
+VERSION = 1
+FIELDS = {"version", "name", "description", "values", "opacity_unit", "opacity", "color"}
+
+
+def write(transfer_function: TransferFunction) -> str:
+    """JSON text of a transfer function; numbers read back exactly."""
+    curves = {
+        "version": VERSION,
+        "opacity_unit": transfer_function.opacity_unit,
+        "opacity": transfer_function.opacity,
+        "color": transfer_function.color,
+    }
+    return json.dumps(curves, indent=2) + "\n"
+
+
+def load(path: str | PathLike[str], volume: Volume | None) -> TransferFunction:
+    """The transfer function in a file."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise FileError(
+            f"cannot read the transfer function: {error.strerror or error}; check the name: {path}"
+        ) from None
+    except UnicodeDecodeError:
+        raise FileError(f"the transfer function is not text; give a JSON file: {path}") from None
+    try:
+        return parse(text, volume)
+    except ArgumentError as error:
+        raise ArgumentError(f"{error}: {path}") from None
+
+
+def parse(text: str, volume: Volume | None) -> TransferFunction:
+    """The transfer function in a JSON text."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ArgumentError(f"transfer function: not JSON: {error}") from None
+    if not isinstance(document, dict):
+        raise ArgumentError(
+            "transfer function: the JSON text is not an object; it must be {...} with opacity and color"
+        )
+    _check_fields(document)
+    return _build(document, volume)
+
+
+def _check_fields(document: dict[str, Any]) -> None:
+    for name in ("version", "opacity", "color"):
+        if name not in document:
+            raise ArgumentError(
+                f"transfer function: field {name!r} is missing; see TransferFunction.to_json for the form"
+            )
+    if document["version"] != VERSION:
+        raise ArgumentError(
+            f"transfer function: field 'version' is {document['version']!r}; this release reads version {VERSION}"
+        )
+    unknown = sorted(set(document) - FIELDS)
+    if unknown:
+        raise ArgumentError(
+            f"transfer function: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(FIELDS))}"
+        )
+    for name in ("opacity", "color"):
+        if not isinstance(document[name], list):
+            raise ArgumentError(f"transfer function: field {name!r} is not a list of nodes; write [[value, ...], ...]")
+    unit = document.get("opacity_unit")
+    if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
+        raise ArgumentError(f"transfer function: field 'opacity_unit' is {unit!r}; it must be a number or null")
+    if document.get("values", "samples") not in ("samples", "fraction"):
+        raise ArgumentError(
+            f'transfer function: field \'values\' is {document["values"]!r}; it is "samples" or "fraction"'
+        )
+
+
+def _build(document: dict[str, Any], volume: Volume | None) -> TransferFunction:
+    curves = TransferFunction(document["opacity"], document["color"], document.get("opacity_unit"))
+    if document.get("values") != "fraction":
+        return curves
+    if volume is None:
+        name = document.get("name", "these curves")
+        raise ArgumentError(f"transfer function: {name} is relative to a volume's values; pass the volume too")
+    from wavesplat.histogram import robust_range
+
+    low, high = robust_range(volume)
+    opacity = [(low + value * (high - low), alpha) for value, alpha in curves.opacity]
+    color = [(low + value * (high - low), *rgb) for value, *rgb in curves.color]
+    # A fitted curve follows the volume: its opacities are per voxel.
+    return TransferFunction(opacity, color, curves.opacity_unit)

@@ -20,7 +20,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .PHONY: help demo test check fmt quality clean \
-	rust-test python-test rust-lint python-lint stubs spelling licences docs
+	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -31,14 +31,14 @@ demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
 
 test: rust-test python-test ## set up and pass all tests
 
-check: rust-lint docs python-lint stubs spelling licences test ## all that CI asks for
+check: rust-lint docs python-lint stubs spelling licences test readme ## all that CI asks for
 
 fmt: $(STAMPS)/tools ## format Rust and Python
 	cargo fmt --all
 	ruff check --fix .
 	ruff format .
 
-quality: $(STAMPS)/package ## compare with converged pictures (an hour at first, then minutes): QUALITY="--size 128"
+quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
 
 clean: ## remove all that the recipes made
@@ -47,7 +47,7 @@ clean: ## remove all that the recipes made
 # Parts of `test` and `check`; each runs alone.
 
 rust-test: $(STAMPS)/venv
-	cargo test --locked --workspace
+	cargo test --locked --workspace --no-fail-fast
 
 python-test: $(STAMPS)/package $(STAMPS)/tools
 	pytest
@@ -74,6 +74,12 @@ spelling: $(STAMPS)/tools
 
 licences: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
+
+# The Python of the README, as a reader would run it.
+readme: $(STAMPS)/package
+	@mkdir -p .cache/readme
+	awk '/^```python/ { on = 1; next } /^```/ { on = 0 } on' README.md > .cache/readme/quick_start.py
+	cd .cache/readme && python quick_start.py
 
 # What the recipes stand on. A stamp is as old as the thing it stands for.
 

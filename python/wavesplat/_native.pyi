@@ -1,13 +1,27 @@
 """What the compiled module offers; the public package wraps it and holds the docs that users read."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypedDict, final
+from typing import Any, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Camera",
+    "Shading",
+    "TransferFunction",
+    "Volume",
+    "__version__",
+    "encode_png",
+    "quality_settings",
+    "raycast",
+    "render",
+    "splat_literal",
+]
+
 __version__: str
 
+@type_check_only
 class RenderResult(TypedDict):
     """`rgba` [height, width, 4] associated; `depth` and `value` [height, width], NaN where nothing is hit."""
 
@@ -84,6 +98,7 @@ def render(
     background: tuple[float, float, float, float] | None,
     threads: int | None,
     depth: bool,
+    refined: bool,
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def raycast(

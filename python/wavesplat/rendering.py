@@ -42,6 +42,7 @@ def render(
     background: str | Sequence[float] | None = None,
     threads: int | None = None,
     depth: bool = False,
+    refined: bool = True,
     progress: Callable[[float], object] | None = None,
 ) -> Picture:
     """A picture of the volume, by high-resolution splatting.
@@ -82,6 +83,9 @@ def render(
         Worker threads; None uses all cores. The picture does not depend on it.
     depth : bool
         Also give `Picture.depth`.
+    refined : bool
+        Put sheets between sheets where the transfer function is steep, so that hard surfaces are found and shaded where
+        they are. False: plain sheets, as the method has it.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
 
@@ -109,7 +113,7 @@ def render(
 
     Notes
     -----
-    DESIGN.md section 3 describes the method; Mueller, Moeller and Crawfis (1999) its idea.
+    ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
     default_sheets, default_oversampling = _native.quality_settings(quality)
@@ -129,6 +133,7 @@ def render(
         background=colors.parse(background),
         threads=checked_count(threads, "threads"),
         depth=bool(depth),
+        refined=bool(refined),
         progress=progress,
     )
     return Picture(result["rgba"], result["depth"], result["value"], result["report"])

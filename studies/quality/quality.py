@@ -11,15 +11,22 @@ misses its goal.
 Reference pictures take minutes, so they are kept in `.cache/quality`, each under a hash of all that defines it:
 samples, affine, camera, curves, shading, size, step, rays, and a small probe picture, which notices when the reference
 itself changes.
+
+`--record` also writes the table, with date, machine and command, to RESULTS.md beside this file, and its short form
+into the README.
 """
 
 # ruff: noqa: INP001 - a script, not a package
 from __future__ import annotations
 
 import argparse
+import datetime as dt
 import hashlib
 import json
 import math
+import os
+import platform
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -33,7 +40,10 @@ from numpy.typing import NDArray
 
 import wavesplat as ws
 
-CACHE = Path(__file__).resolve().parents[2] / ".cache" / "quality"
+ROOT = Path(__file__).resolve().parents[2]
+CACHE = ROOT / ".cache" / "quality"
+RESULTS = Path(__file__).with_name("RESULTS.md")
+README = ROOT / "README.md"
 
 STEP_VOXELS = 0.05
 QUALITIES = ("normal", "high")
@@ -252,6 +262,38 @@ def as_markdown(lines: list[list[str]]) -> str:
     return "\n".join([heading, "|" + " --- |" * len(lines[0]), *body])
 
 
+def machine() -> str:
+    """Cores and processor."""
+    cpuinfo = Path("/proc/cpuinfo")
+    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
+    found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)
+    widest = next((f", {name}" for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "")
+    return f"{os.cpu_count()} cores, {found[1] if found else platform.machine()}{widest}"
+
+
+def record(scores: dict[Case, dict[str, Score]], size_px: int) -> None:
+    """Keep the tables in the repository."""
+    lines, _ = table(scores, "projection")
+    RESULTS.write_text(
+        f"""# Fast renderer against converged pictures
+
+{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine()}, {size_px} x {size_px} pixels.
+Command: `make quality QUALITY=--record`.
+What is compared, and how, stands at the head of `quality.py`.
+A row shows the lowest PSNR and the largest mean absolute error, in grey levels of 255, of three oblique views.
+
+{as_markdown(lines)}
+""",
+        encoding="utf-8",
+    )
+    lines, _ = table(scores, "volume")
+    readme = README.read_text(encoding="utf-8")
+    block = f"<!-- quality -->\n\n{as_markdown(lines)}\n\n<!-- /quality -->"
+    # A function, so that nothing in the table is taken for a reference to a group.
+    readme = re.sub(r"<!-- quality -->.*<!-- /quality -->", lambda _: block, readme, flags=re.DOTALL)
+    README.write_text(readme, encoding="utf-8")
+
+
 def arguments() -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(description="Compare the fast renderer with the converged picture.")
@@ -265,12 +307,16 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--rows", choices=ROW_FIELDS, default="projection", help="what a row of the table stands for")
     parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
+    parser.add_argument("--record", action="store_true", help="write RESULTS.md and the README's table; all pictures")
     return parser.parse_args()
 
 
 def main() -> int:
     """Print the table; 1 if a goal is missed."""
     options = arguments()
+    if options.record and options.only:
+        print("--record needs all pictures; leave out --only", file=sys.stderr)
+        return 2
     cases = [case for case in all_cases() if not options.only or any(text in case.label for text in options.only)]
     if not cases:
         print(f"no picture matches; the labels look like {next(all_cases()).label}", file=sys.stderr)
@@ -283,6 +329,8 @@ def main() -> int:
         found = ", ".join(f"{quality} {score.psnr_db:.1f} dB" for quality, score in scores[case].items())
         seconds = time.monotonic() - started
         print(f"[{number}/{len(cases)}, {seconds:.0f} s] {case.label}: {found}", file=sys.stderr, flush=True)
+    if options.record:
+        record(scores, options.size)
     lines, met = table(scores, options.rows)
     print(as_markdown(lines) if options.markdown else as_text(lines))
     return 0 if met else 1

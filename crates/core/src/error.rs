@@ -37,7 +37,7 @@ pub enum Error {
         "volume {name:?}: world_from_index {matrix:?} (rows) {problem}; \
          pass an invertible affine with finite numbers and a last row of 0 0 0 1, or a positive spacing"
     )]
-    DegenerateAffine { name: String, matrix: [[f64; 4]; 3], problem: &'static str },
+    DegenerateAffine { name: String, matrix: Box<[[f64; 4]; 3]>, problem: &'static str },
     #[error("{what} is {value}, which is not {allowed}; {mend}")]
     OutOfRange { what: String, value: String, allowed: &'static str, mend: &'static str },
     #[error("transfer function: the {curve} curve has no node; pass at least one (value, ...) node")]
@@ -82,10 +82,10 @@ impl Error {
     /// An [`Error::OutOfRange`] for a number.
     pub fn out_of_range(
         what: impl Into<String>,
-        value: impl ToString,
+        value: impl std::fmt::Display,
         allowed: &'static str,
         mend: &'static str,
     ) -> Self {
-        Self::OutOfRange { what: what.into(), value: value.to_string(), allowed, mend }
+        Self::OutOfRange { what: what.into(), value: format!("{value}"), allowed, mend }
     }
 }

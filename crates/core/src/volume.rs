@@ -167,7 +167,7 @@ impl<'a> Volume<'a> {
             return Err(Error::NoFiniteSample { name: name(), n_samples: samples.len() });
         }
         if let Some(problem) = affine_problem(&world_from_index) {
-            return Err(Error::DegenerateAffine { name: name(), matrix: rows(&world_from_index), problem });
+            return Err(Error::DegenerateAffine { name: name(), matrix: Box::new(rows(&world_from_index)), problem });
         }
         Ok(Self { samples, size, world_from_index, statistics })
     }

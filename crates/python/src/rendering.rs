@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -28,29 +30,68 @@ fn clip_planes(planes: Vec<(Triple, Triple)>) -> Vec<ClipPlane> {
     planes.into_iter().map(|(origin, normal)| ClipPlane { origin: vector(origin), normal: vector(normal) }).collect()
 }
 
-/// Calls a Python function from worker threads, at most every few hundredths of a second.
+/// Tells a Python function about progress, from worker threads, at most every few hundredths of a second; stops when
+/// it says so or when the caller is interrupted.
 struct PyMonitor {
     callback: Option<Py<PyAny>>,
     state: Mutex<MonitorState>,
+    interrupted: AtomicBool,
 }
 
+#[derive(Default)]
 struct MonitorState {
     last: Option<Instant>,
     error: Option<PyErr>,
 }
 
-/// Often enough for a smooth bar, seldom enough to cost nothing.
+/// Often enough for a smooth bar and a prompt Ctrl-C, seldom enough to cost nothing.
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
-impl Monitor for PyMonitor {
-    fn progress(&self, fraction: f32) -> ControlFlow<()> {
-        let Some(callback) = &self.callback else { return ControlFlow::Continue(()) };
+impl PyMonitor {
+    fn new(callback: Option<Py<PyAny>>) -> Self {
+        Self { callback, state: Mutex::default(), interrupted: AtomicBool::new(false) }
+    }
+
+    /// Runs `work` without the interpreter lock on another thread, while this one looks out for signals.
+    fn watch<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+        let mut interrupt = None;
+        let result = py.detach(|| {
+            std::thread::scope(|scope| {
+                let (done, is_done) = std::sync::mpsc::channel();
+                let worker = scope.spawn(move || {
+                    let result = work();
+                    // The receiver waits until this arrives, so it is there.
+                    let _ = done.send(());
+                    result
+                });
+                while is_done.recv_timeout(PROGRESS_EVERY) == Err(RecvTimeoutError::Timeout) {
+                    #[expect(
+                        clippy::redundant_closure_for_method_calls,
+                        reason = "the method alone is not general enough"
+                    )]
+                    let signals = Python::attach(|py| py.check_signals());
+                    if let Err(error) = signals {
+                        interrupt = Some(error);
+                        self.interrupted.store(true, Ordering::Relaxed);
+                    }
+                }
+                worker.join()
+            })
+        });
+        let error = self.state.lock().ok().and_then(|mut state| state.error.take());
+        if let Some(error) = interrupt.or(error) {
+            return Err(error);
+        }
+        result.or_else(|panic| std::panic::resume_unwind(panic))
+    }
+
+    /// Asks the Python function. False stops, anything else goes on; an exception stops and reaches the caller.
+    fn ask(&self, callback: &Py<PyAny>, fraction: f32) -> ControlFlow<()> {
         let Ok(mut state) = self.state.try_lock() else { return ControlFlow::Continue(()) };
         if fraction < 1.0 && state.last.is_some_and(|last| last.elapsed() < PROGRESS_EVERY) {
             return ControlFlow::Continue(());
         }
         state.last = Some(Instant::now());
-        // False stops, anything else goes on; an exception stops and is raised to the caller.
         let answer = Python::attach(|py| {
             let answer = callback.call1(py, (fraction,))?;
             PyResult::Ok(answer.is_none(py) || answer.extract::<bool>(py).unwrap_or(true))
@@ -66,6 +107,15 @@ impl Monitor for PyMonitor {
     }
 }
 
+impl Monitor for PyMonitor {
+    fn progress(&self, fraction: f32) -> ControlFlow<()> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        self.callback.as_ref().map_or(ControlFlow::Continue(()), |callback| self.ask(callback, fraction))
+    }
+}
+
 fn image<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let flat = picture.rgba.as_flattened().to_vec().into_pyarray(py);
     flat.reshape([picture.height_px, picture.width_px, 4])
@@ -74,7 +124,7 @@ fn image<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyArray
 /// See `_native.pyi`.
 #[pyfunction]
 #[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, composite, iso_value, shading,
-    sheets_per_slice, oversampling, crop_index, crop_world, clip_planes, background, threads, depth, progress))]
+    sheets_per_slice, oversampling, crop_index, crop_world, clip_planes, background, threads, depth, refined, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 pub fn render<'py>(
     py: Python<'py>,
@@ -95,6 +145,7 @@ pub fn render<'py>(
     background: Option<[f32; 4]>,
     threads: Option<usize>,
     depth: bool,
+    refined: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let options = RenderOptions {
@@ -109,21 +160,17 @@ pub fn render<'py>(
         clip_planes: self::clip_planes(clip_planes),
         background,
         with_depth: depth,
-        refined: true,
+        refined,
         n_threads: threads,
     };
     options.validate().map_err(to_py)?;
-    let monitor = PyMonitor { callback: progress, state: Mutex::new(MonitorState { last: None, error: None }) };
+    let monitor = PyMonitor::new(progress);
     let result = volume.with_volume(py, |v| {
-        Ok(py.detach(|| {
+        monitor.watch(py, || {
             let slices = volume.slices(v, options.kernel);
             wavesplat_splat::render(v, &slices, &transfer_function.0, &camera.0, &options, &monitor)
-        }))
+        })
     })?;
-    let state = monitor.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if let Some(error) = state.error {
-        return Err(error);
-    }
     let (picture, report) = result.map_err(to_py)?;
     let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
@@ -140,6 +187,7 @@ pub fn render<'py>(
     numbers.set_item("n_sheets", report.n_sheets)?;
     numbers.set_item("n_nonfinite_samples", report.n_nonfinite_samples)?;
     numbers.set_item("n_threads", report.n_threads)?;
+    numbers.set_item("simd", report.simd)?;
     dict.set_item("report", numbers)?;
     Ok(dict)
 }
@@ -178,7 +226,9 @@ pub fn raycast<'py>(
     let sampling = RaycastOptions { step, rays_per_pixel };
     let picture = volume.with_volume(py, |v| {
         let (tf, camera) = (&transfer_function.0, &camera.0);
-        py.detach(|| reference::raycast::raycast(v, tf, camera, &options, sampling)).map_err(to_py)
+        let monitor = PyMonitor::new(None);
+        let cast = || reference::raycast::raycast(v, tf, camera, &options, sampling, &monitor);
+        monitor.watch(py, cast)?.map_err(to_py)
     })?;
     image(py, &picture)
 }

@@ -1,4 +1,4 @@
-//! Samples shared with NumPy.
+//! Samples shared with the Python side's arrays.
 
 use std::sync::{Arc, Mutex};
 
@@ -37,6 +37,7 @@ pub struct PyVolume {
 #[pymethods]
 impl PyVolume {
     #[new]
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     fn new(
         py: Python<'_>,
         samples: &Bound<'_, PyAny>,

@@ -56,13 +56,7 @@ impl Family {
         let d = direction.to_array();
         let a = direction.abs();
         // Ties go to the axis whose slices are contiguous in memory.
-        let w = if a.z >= a.x && a.z >= a.y {
-            2
-        } else if a.y >= a.x {
-            1
-        } else {
-            0
-        };
+        let w = if a.z >= a.x && a.z >= a.y { 2 } else { usize::from(a.y >= a.x) };
         let axes = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][w];
         Self { axes, ascending: d[w] > 0.0 }
     }

@@ -16,6 +16,7 @@ use wavesplat_core::Composite;
 use crate::classify::{Classifier, one_minus_exp_neg};
 use crate::shade::Shader;
 use crate::sheet::{Row, Sheet, SheetGeometry, SheetRow, TILE_U, TILE_V};
+use crate::simd::Level;
 
 /// What a row of a tile knows about its rays; filled once per tile.
 #[derive(Clone)]
@@ -45,6 +46,8 @@ impl RayRow {
 pub struct Slab<'a> {
     /// Positions of the front and the back sheet.
     pub s: [f32; 2],
+    /// Bounds of the densities of both.
+    pub range: [f32; 2],
     /// Whether the back sheet is the tile's last.
     pub is_last: bool,
     /// The two sheets.
@@ -143,6 +146,9 @@ pub trait Compositor {
 /// A ray stops when less than this share of light comes through: an eighth of a 16-bit grey level.
 const OPAQUE_ENOUGH: f32 = 1.0 - 2e-6;
 
+/// Opacity of a slab from which a cut face of the volume is drawn where it is, not at the nearest sheet.
+const VISIBLE_FACE: f32 = 0.03;
+
 /// Change of a slab's opacity or colour between two sheets that are as near as they get from which it is cut.
 const DIFFERENT: f32 = 0.08;
 
@@ -155,10 +161,10 @@ pub struct Over<'a> {
     shader: Option<&'a Shader>,
     /// Change between two sheets from which the space between them is cut; infinite: never.
     steep: f32,
-    rgba: Box<[[Row; 4]; TILE_V]>,
-    s_half: Box<[Row; TILE_V]>,
+    rgba: Vec<[Row; 4]>,
+    s_half: Vec<Row>,
     /// How far each ray has been composited.
-    covered: Box<[Row; TILE_V]>,
+    covered: Vec<Row>,
     done: [bool; TILE_V],
 }
 
@@ -169,28 +175,46 @@ impl<'a> Over<'a> {
             classifier,
             shader,
             steep,
-            rgba: Box::new([[[0.0; TILE_U]; 4]; TILE_V]),
-            s_half: Box::new([[f32::NAN; TILE_U]; TILE_V]),
-            covered: Box::new([[f32::NEG_INFINITY; TILE_U]; TILE_V]),
+            rgba: vec![[[0.0; TILE_U]; 4]; TILE_V],
+            s_half: vec![[f32::NAN; TILE_U]; TILE_V],
+            covered: vec![[f32::NEG_INFINITY; TILE_U]; TILE_V],
             done: [false; TILE_V],
         }
     }
 
-    /// Which rays can see a steep change on their way from one sheet to the next; `None` where none can.
-    #[inline(always)]
-    fn steep(&self, front: &mut Sheet, back: &mut Sheet, row: usize) -> Option<[bool; TILE_U]> {
-        let classifier = self.classifier;
-        let front = front.row_spread(row, |d| classifier.variation(d));
-        let back = back.row_spread(row, |d| classifier.variation(d));
+    /// Which rays can see a steep change on their way from one sheet to the next; `None` where none can. A ray that
+    /// enters the drawn part between the two comes from emptiness, which is a change as well.
+    fn steep(&self, rays: &RayRow, slab: &mut Slab, row: usize) -> Option<[bool; TILE_U]> {
+        let (classifier, geometry, last) = (self.classifier, slab.geometry, slab.last());
+        let [s_front, s_back] = slab.s;
         let mut steep = [false; TILE_U];
+        let mut enters = false;
         for i in 0..TILE_U {
-            steep[i] = front[1][i].max(back[1][i]) - front[0][i].min(back[0][i]) >= self.steep;
+            enters |= rays.interval[0][i] > s_front && rays.interval[0][i] < s_back;
+        }
+        let spread = classifier.variation(slab.range[1]) - classifier.variation(slab.range[0]);
+        let (front, back) = slab.two(0, last);
+        if spread >= self.steep {
+            let ahead = front.row_spread(row, |d| classifier.variation(d));
+            let behind = back.row_spread(row, |d| classifier.variation(d));
+            for i in 0..TILE_U {
+                let spread = ahead[1][i].max(behind[1][i]) - ahead[0][i].min(behind[0][i]);
+                steep[i] = spread >= self.steep;
+            }
+        }
+        if enters {
+            let (front, back) = (front.row(geometry, row), back.row(geometry, row));
+            for i in 0..TILE_U {
+                let depth = classifier.look_up(front.density[i])[3].max(classifier.look_up(back.density[i])[3]);
+                let opacity = one_minus_exp_neg(depth * rays.thickness[i] * (s_back - s_front));
+                let enters_here = rays.interval[0][i] > s_front && rays.interval[0][i] < s_back;
+                steep[i] |= enters_here && opacity >= VISIBLE_FACE;
+            }
         }
         steep.contains(&true).then_some(steep)
     }
 
     /// Which rays meet different densities on two sheets so near each other that the density between is linear.
-    #[inline(always)]
     fn differ(&self, front: &SheetRow, back: &SheetRow) -> [bool; TILE_U] {
         let mut differ = [false; TILE_U];
         let (lo, hi) = (front.range[0].min(back.range[0]), front.range[1].max(back.range[1]));
@@ -205,8 +229,12 @@ impl<'a> Over<'a> {
     }
 
     /// Composites each ray up to `to` as one slab with the densities and gradient of `sheet`.
+    fn add_slab(&mut self, level: Level, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
+        level.run(|| self.add_slab_kernel(row, rays, to, sheet));
+    }
+
     #[inline(always)]
-    fn add_slab(&mut self, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
+    fn add_slab_kernel(&mut self, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
         let from = self.covered[row];
         let extent = rays.extent(&from, to, &sheet.hole);
         let mut rgb = [[0.0; TILE_U]; 3];
@@ -236,7 +264,7 @@ impl<'a> Over<'a> {
             a[i] += weight;
             // Inside the slab opacity is taken to grow evenly.
             let share = (0.5 - before) / weight;
-            let crossed = (before < 0.5) & (a[i] >= 0.5);
+            let crossed = before < 0.5 && a[i] >= 0.5;
             s_half[i] = if crossed { from[i].max(rays.interval[0][i]) + share * extent[i] } else { s_half[i] };
             // Rays that never meet the volume do not keep a row alive.
             let missed = rays.interval[0][i] >= rays.interval[1][i];
@@ -247,13 +275,12 @@ impl<'a> Over<'a> {
     }
 
     /// Composites each ray up to `to` with a sheet as it is.
-    #[inline(always)]
     fn add_sheet(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, k: usize, to: &Row) {
         let geometry = slab.geometry;
         let sheet = slab.sheet(k);
         let [lo, hi] = sheet.row(geometry, row).range;
         if self.classifier.any_opacity(lo, hi) {
-            self.add_slab(row, rays, to, sheet.row_with_gradient(geometry, row));
+            self.add_slab(geometry.level, row, rays, to, sheet.row_with_gradient(geometry, row));
         }
         let covered = &mut self.covered[row];
         for i in 0..TILE_U {
@@ -262,7 +289,6 @@ impl<'a> Over<'a> {
     }
 
     /// Composites the steep rays from a sheet to the next in slabs of linear density.
-    #[inline(always)]
     fn add_cuts(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, near: usize, steep: &[bool; TILE_U]) {
         let geometry = slab.geometry;
         let [s_near, s_far] = [slab.s(near), slab.s(near + 1)];
@@ -276,14 +302,13 @@ impl<'a> Over<'a> {
             for i in 0..TILE_U {
                 to[i] = if steep[i] { end } else { to[i] };
             }
-            self.add_slab(row, rays, &to, &between);
+            self.add_slab(geometry.level, row, rays, &to, &between);
             self.covered[row] = to;
         }
     }
 
     /// From sheet `near` to the next, for the rays of `among`: the near sheet stands for its half, or, where the
     /// change is steep, the space is cut.
-    #[inline(always)]
     fn add_thin(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, near: usize, among: &[bool; TILE_U]) {
         let geometry = slab.geometry;
         let [s_near, s_far] = [slab.s(near), slab.s(near + 1)];
@@ -303,26 +328,24 @@ impl<'a> Over<'a> {
 }
 
 impl Compositor for Over<'_> {
-    #[inline(always)]
     fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
         self.classifier.any_opacity(lo, hi)
     }
 
-    #[inline(always)]
     fn is_done(&self, row: usize) -> bool {
         self.done[row]
     }
 
-    #[inline(always)]
     fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
         let last = slab.last();
         let [s_front, s_back] = slab.s;
         let half_way = 0.5 * (s_front + s_back);
         // Where the slab before was left out as invisible, rays are drawn from half way to it.
         let before = s_front - (half_way - s_front);
-        self.covered[row].iter_mut().for_each(|c| *c = c.max(before));
-        let (front, back) = slab.two(0, last);
-        let steep = if self.steep.is_finite() { self.steep(front, back, row) } else { None };
+        for covered in &mut self.covered[row] {
+            *covered = covered.max(before);
+        }
+        let steep = if self.steep.is_finite() { self.steep(rays, slab, row) } else { None };
         let mut to = [half_way; TILE_U];
         if let Some(steep) = &steep {
             for i in 0..TILE_U {
@@ -377,29 +400,26 @@ fn blend(front: &SheetRow, back: &SheetRow, t: f32, with_gradient: bool) -> Shee
 /// Maximum, minimum, mean and sum of the densities along a ray.
 pub struct Project {
     operator: Composite,
-    value: Box<[Row; TILE_V]>,
-    length: Box<[Row; TILE_V]>,
+    value: Vec<Row>,
+    length: Vec<Row>,
 }
 
 impl Project {
     /// `operator` is one of the projections.
     pub fn new(operator: Composite) -> Self {
-        Self { operator, value: Box::new([[0.0; TILE_U]; TILE_V]), length: Box::new([[0.0; TILE_U]; TILE_V]) }
+        Self { operator, value: vec![[0.0; TILE_U]; TILE_V], length: vec![[0.0; TILE_U]; TILE_V] }
     }
 }
 
 impl Compositor for Project {
-    #[inline(always)]
     fn wants(&self, _: [f32; 2]) -> bool {
         true
     }
 
-    #[inline(always)]
     fn is_done(&self, _: usize) -> bool {
         false
     }
 
-    #[inline(always)]
     fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
         let [front, back] = &mut slab.sheets;
         let (front, back) = (front.row(slab.geometry, row), back.row(slab.geometry, row));
@@ -413,7 +433,7 @@ impl Compositor for Project {
             let slope = back.density[i] - front.density[i];
             let near = front.density[i] + from * slope;
             let far = if to == 1.0 { back.density[i] } else { front.density[i] + to * slope };
-            let drawn = (to > from) & (front.hole[i] <= 0.0) & (back.hole[i] <= 0.0);
+            let drawn = to > from && front.hole[i] <= 0.0 && back.hole[i] <= 0.0;
             let extent = if drawn { (to - from) * (s_back - s_front) * rays.thickness[i] } else { 0.0 };
             let empty = length[i] == 0.0;
             let new = match self.operator {
@@ -453,7 +473,7 @@ pub struct FirstHit<'a> {
     iso: f32,
     rgb: [f32; 3],
     shader: Option<&'a Shader>,
-    texels: Box<[[Texel; TILE_U]; TILE_V]>,
+    texels: Vec<[Texel; TILE_U]>,
 }
 
 impl<'a> FirstHit<'a> {
@@ -461,23 +481,20 @@ impl<'a> FirstHit<'a> {
     pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>) -> Self {
         let [r, g, b, _] = classifier.look_up(iso);
         let empty = Texel { rgba: [0.0; 4], w_half: f32::NAN };
-        Self { iso, rgb: [r, g, b], shader, texels: Box::new([[empty; TILE_U]; TILE_V]) }
+        Self { iso, rgb: [r, g, b], shader, texels: vec![[empty; TILE_U]; TILE_V] }
     }
 }
 
 impl Compositor for FirstHit<'_> {
     /// A surface needs densities on both sides.
-    #[inline(always)]
     fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
         lo < self.iso && hi >= self.iso
     }
 
-    #[inline(always)]
     fn is_done(&self, _: usize) -> bool {
         false
     }
 
-    #[inline(always)]
     fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
         let [s_front, s_back] = slab.s;
         let mut s_hit = [f32::NAN; TILE_U];

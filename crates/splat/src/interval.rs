@@ -49,7 +49,7 @@ impl Region {
             };
             let inside = lo.is_finite() && hi.is_finite() && lo.cmplt(hi).all();
             let [a, b] = volume_bounds;
-            if !inside || !(lo.cmplt(b).all() && hi.cmpgt(a).all()) {
+            if !(inside && lo.cmplt(b).all() && hi.cmpgt(a).all()) {
                 let (lo, hi) = (lo.to_array(), hi.to_array());
                 return Err(Error::EmptyCrop { lo, hi, volume_lo: a.to_array(), volume_hi: b.to_array() });
             }

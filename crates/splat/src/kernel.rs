@@ -54,20 +54,39 @@ pub fn overshoot_2d(kernel: Kernel) -> f32 {
     if kernel == Kernel::CatmullRom { 9.0 / 32.0 } else { 0.0 }
 }
 
-/// Taps at position `x`: index of the first sample and the weights, which sum to 1.
+/// Taps at position `x ≥ 0`: index of the first sample and the weights, which sum to 1.
+///
+/// The formulas of [`weight`] at the distances that the taps have, written out: tables are rebuilt for every sheet.
 #[inline]
 pub fn taps(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
-    let n = n_taps(kernel);
-    let first = (x - radius(kernel)).floor() as i64 + 1;
-    let mut weights = [0.0; MAX_TAPS];
-    for (t, w) in weights[..n].iter_mut().enumerate() {
-        *w = weight(kernel, x - (first + t as i64) as f64);
+    let below = x as i64;
+    let t = x - below as f64;
+    match kernel {
+        Kernel::Linear => (below, [1.0 - t, t, 0.0, 0.0]),
+        Kernel::CatmullRom => {
+            let w0 = ((-0.5 * t + 1.0) * t - 0.5) * t;
+            let w1 = (1.5 * t - 2.5) * t * t + 1.0;
+            let w3 = (0.5 * t - 0.5) * t * t;
+            (below - 1, [w0, w1, 1.0 - w0 - w1 - w3, w3])
+        }
+        Kernel::Bspline2 => {
+            let nearest = (x + 0.5) as i64;
+            let t = x - nearest as f64;
+            let (w0, w2) = (0.5 * (0.5 - t) * (0.5 - t), 0.5 * (0.5 + t) * (0.5 + t));
+            (nearest - 1, [w0, 0.75 - t * t, w2, 0.0])
+        }
+        Kernel::Bspline3 => {
+            let s = 1.0 - t;
+            let (w0, w3) = (s * s * s / 6.0, t * t * t / 6.0);
+            let w1 = 2.0 / 3.0 + t * t * (0.5 * t - 1.0);
+            (below - 1, [w0, w1, 1.0 - w0 - w1 - w3, w3])
+        }
+        Kernel::Gaussian => {
+            let w = [t + 1.0, t, 1.0 - t, 2.0 - t].map(|d| weight(Kernel::Gaussian, d));
+            let sum: f64 = w.iter().sum();
+            (below - 1, w.map(|w| w / sum))
+        }
     }
-    if kernel == Kernel::Gaussian {
-        let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|w| *w /= sum);
-    }
-    (first, weights)
 }
 
 /// Index of the sample that stands at `index` beyond the faces of an axis of `n` samples.
@@ -99,6 +118,21 @@ mod tests {
                 assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{name} at {x}");
                 let outside = [first - 1, first + n_taps(kernel) as i64];
                 assert!(outside.iter().all(|&i| weight(kernel, x - i as f64) < 1e-12), "{name} at {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn taps_are_the_kernel_at_their_distances() {
+        for (name, kernel) in Kernel::NAMES {
+            for x in positions() {
+                let (first, weights) = taps(kernel, x);
+                let direct: Vec<f64> =
+                    (0..n_taps(kernel)).map(|t| weight(kernel, x - (first + t as i64) as f64)).collect();
+                let sum: f64 = direct.iter().sum();
+                for (w, d) in weights.iter().zip(&direct) {
+                    assert!((w - d / sum).abs() < 1e-12, "{name} at {x}");
+                }
             }
         }
     }

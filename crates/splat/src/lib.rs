@@ -22,8 +22,9 @@ pub mod reference;
 mod render;
 pub mod shade;
 pub mod sheet;
+pub mod simd;
 pub mod slices;
 mod tile;
 pub mod warp;
 
-pub use render::{Monitor, Report, render, render_base_planes};
+pub use render::{Monitor, Report, render, render_base_planes, render_base_planes_at};

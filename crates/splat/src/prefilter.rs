@@ -41,7 +41,9 @@ pub fn prefilter_line(line: &mut [f64], z: f64) {
     for i in (0..n - 1).rev() {
         line[i] = z * (line[i + 1] - line[i]);
     }
-    line.iter_mut().for_each(|c| *c *= gain);
+    for c in line {
+        *c *= gain;
+    }
 }
 
 /// Prefilters a whole `[nx, ny, nz]` grid along its three axes, in place. Recursions run in f64.

@@ -12,6 +12,7 @@ use crate::interval::Region;
 use crate::parallel;
 use crate::shade::Shader;
 use crate::sheet::{SheetGeometry, TILE_U, TILE_V};
+use crate::simd::Level;
 use crate::slices::Slices;
 use crate::tile::{SheetSpacing, TileJob, Work};
 use crate::warp::{BasePicture, warp};
@@ -46,6 +47,8 @@ pub struct Report {
     pub n_nonfinite_samples: usize,
     /// Threads that worked.
     pub n_threads: usize,
+    /// Vectors that were used.
+    pub simd: &'static str,
 }
 
 /// Draws a volume.
@@ -108,15 +111,29 @@ pub fn render_base_planes(
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
+    render_base_planes_at(Level::best(), volume, slices, tf, camera, options, monitor)
+}
+
+/// As [`render_base_planes`], with the vectors of a level; all levels give the same bits.
+pub fn render_base_planes_at(
+    level: Level,
+    volume: &Volume,
+    slices: &Slices,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<BasePicture>, Report)> {
     options.validate()?;
     let region = Region::new(volume, options)?;
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
     let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
-    let scene = Scene::new(volume, slices, tf, camera, options);
+    let scene = Scene::new(level, volume, slices, tf, camera, options);
     let mut report = Report {
         n_nonfinite_samples: volume.statistics().n_nonfinite,
         n_base_planes: planes.len(),
+        simd: level.name(),
         ..Report::default()
     };
     let n_tiles_all: usize = planes.iter().map(|p| p.size[0].div_ceil(TILE_U) * p.size[1].div_ceil(TILE_V)).sum();
@@ -138,10 +155,14 @@ pub fn render_base_planes(
 const STEEP: f32 = 0.25;
 
 /// Slice distances between sheets where the transfer function is steep.
-const REFINED_STEP: f64 = 1.0 / 16.0;
+const REFINED_STEP: f64 = 1.0 / 8.0;
+
+/// Sheets between two sheets at most: with very few sheets a slice the picture is a draft anyway.
+const MAX_BETWEEN: usize = 7;
 
 /// Everything that does not depend on the base plane.
 struct Scene<'a> {
+    level: Level,
     volume: &'a Volume<'a>,
     slices: &'a Slices<'a>,
     camera: &'a Camera,
@@ -152,6 +173,7 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn new(
+        level: Level,
         volume: &'a Volume<'a>,
         slices: &'a Slices<'a>,
         tf: &TransferFunction,
@@ -162,7 +184,7 @@ impl<'a> Scene<'a> {
         let opacity_unit = tf.opacity_unit().unwrap_or_else(|| volume.default_opacity_unit());
         let slab_thickness = volume.default_opacity_unit() / options.sheets_per_slice / opacity_unit;
         let classifier = Classifier::new(tf, map, slices.range(), slab_thickness);
-        Self { volume, slices, camera, options, classifier, opacity_unit }
+        Self { level, volume, slices, camera, options, classifier, opacity_unit }
     }
 
     fn draw_plane(&self, plane: &BasePlane, region: &Region, progress: &Progress) -> Result<(Vec<Texel>, Work, usize)> {
@@ -174,12 +196,15 @@ impl<'a> Scene<'a> {
         let size = self.volume.size();
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
         let job = TileJob {
-            geometry: SheetGeometry::new(plane, self.slices, size, shading.map(|s| s.gradient_offset)),
+            geometry: SheetGeometry {
+                level: self.level,
+                ..SheetGeometry::new(plane, self.slices, size, shading.map(|s| s.gradient_offset))
+            },
             region,
             spacing,
             world_from_index,
             opacity_unit: self.opacity_unit,
-            n_between: ((spacing.step / REFINED_STEP).round() as usize).saturating_sub(1),
+            n_between: ((spacing.step / REFINED_STEP).round() as usize).saturating_sub(1).min(MAX_BETWEEN),
         };
         let (texels, work) = match self.options.composite {
             Composite::Over => {
@@ -213,7 +238,8 @@ fn draw_tiles<C: Compositor>(
         if progress.is_stopped() {
             return (Vec::new(), Work::default());
         }
-        let result = job.run([t % n_tiles_u, t / n_tiles_u], &mut compositor());
+        let tile = [t % n_tiles_u, t / n_tiles_u];
+        let result = job.run(tile, &mut compositor());
         progress.tile_done();
         result
     });

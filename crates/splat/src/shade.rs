@@ -121,7 +121,9 @@ pub fn light_direction(camera: &Camera, light: &wavesplat_core::Light) -> DVec3 
 #[inline(always)]
 fn raise<const N: usize>(x: &mut [f32; N], power: f32) {
     if power.fract() != 0.0 {
-        x.iter_mut().for_each(|x| *x = x.powf(power));
+        for x in x {
+            *x = x.powf(power);
+        }
         return;
     }
     let mut remaining = power as u32;

@@ -4,9 +4,12 @@
 //! kernel costs 4 + 4 + 4 taps per texel at most, and less where texels are denser than samples. The gradient comes
 //! from difference footprints along each axis; through the sheet it needs no neighbouring sheet.
 
+use std::ops::Range;
+
 use crate::base_plane::BasePlane;
 use crate::footprint::{Axis, AxisFootprints, Footprint};
 use crate::kernel::overshoot_2d;
+use crate::simd::Level;
 use crate::slices::{Slices, Window};
 
 /// Texels of a tile along u: a row is the unit of the inner loops.
@@ -26,13 +29,15 @@ pub struct SheetGeometry<'a> {
     pub slices: &'a Slices<'a>,
     /// Axes u, v, w with kernel and gradient offset.
     pub axes: [Axis; 3],
+    /// Vectors to use.
+    pub level: Level,
 }
 
 impl<'a> SheetGeometry<'a> {
     /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
     pub fn new(plane: &'a BasePlane, slices: &'a Slices<'a>, size: [usize; 3], gradient_offset: Option<f64>) -> Self {
         let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], offset: gradient_offset };
-        Self { plane, slices, axes: plane.family.axes.map(axis) }
+        Self { plane, slices, axes: plane.family.axes.map(axis), level: Level::best() }
     }
 }
 
@@ -53,7 +58,10 @@ pub struct Sheet {
     along_u: Vec<Row>,
     through_u: Vec<Row>,
     holes_u: Vec<Row>,
-    is_upsampled: bool,
+    /// Sample rows that have been upsampled: densities, derivatives.
+    has_density_u: Vec<bool>,
+    has_gradient_u: Vec<bool>,
+    has_through: bool,
     /// Variation of the transfer function up to each combined density; see [`Sheet::row_spread`].
     variation: Vec<f32>,
     rows: Vec<SheetRow>,
@@ -91,7 +99,6 @@ impl Sheet {
     /// of the densities its texels can have.
     pub fn combine(&mut self, geometry: &SheetGeometry, w: f64, [i0, j0]: [usize; 2], n_rows: usize) -> [f32; 2] {
         self.w = w;
-        self.is_upsampled = false;
         self.variation.clear();
         self.rows.resize(n_rows, SheetRow::EMPTY);
         for row in &mut self.rows {
@@ -104,15 +111,24 @@ impl Sheet {
         self.v.build(axis_v, v0 + dv * j0 as f64, dv, n_rows);
         let window = Window { u: self.u.window, v: self.v.window };
         self.window = Some(window);
+        let n_v = window.n_v();
+        for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u, &mut self.holes_u] {
+            rows.resize(n_v, [0.0; TILE_U]);
+        }
+        for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
+            flags.clear();
+            flags.resize(n_v, false);
+        }
+        self.has_through = false;
         let axes = geometry.plane.family.axes;
         let taps = axis_w.slice_taps(w);
-        geometry.slices.combine(axes, &taps, window, &mut self.density);
+        geometry.slices.combine(geometry.level, axes, &taps, window, &mut self.density);
         if geometry.slices.has_mask() {
             // A hole counts wherever it has a weight, of either sign.
             let taps: Vec<_> = taps.iter().map(|&(slice, weight)| (slice, weight.abs())).collect();
-            geometry.slices.combine_mask(axes, &taps, window, &mut self.holes);
+            geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes);
         }
-        let [lo, hi] = bounds(&self.density);
+        let [lo, hi] = geometry.level.run(|| bounds(&self.density));
         let over = overshoot_2d(geometry.slices.kernel()) * (hi - lo);
         [lo - over, hi + over]
     }
@@ -145,36 +161,60 @@ impl Sheet {
         spread
     }
 
-    /// Combines the derivative through the sheet and upsamples everything along u.
-    fn upsample_u(&mut self, geometry: &SheetGeometry) {
-        self.is_upsampled = true;
+    /// Upsamples sample rows along u, where that is not done yet.
+    fn upsample_density(&mut self, geometry: &SheetGeometry, rows: Range<usize>) {
         let Some(window) = self.window else { return };
         let n_u = window.n_u();
-        upsample_rows(&self.density, n_u, &self.u.value, &mut self.density_u);
-        if geometry.axes[2].offset.is_some() {
-            let taps = geometry.axes[2].slice_difference_taps(self.w);
-            geometry.slices.combine(geometry.plane.family.axes, &taps, window, &mut self.through);
-            upsample_rows(&self.density, n_u, &self.u.difference, &mut self.along_u);
-            upsample_rows(&self.through, n_u, &self.u.value, &mut self.through_u);
-        }
-        if geometry.slices.has_mask() {
-            let magnitude =
-                Footprint { weights: self.u.value.weights.iter().map(|w| w.abs()).collect(), ..self.u.value.clone() };
-            upsample_rows(&self.holes, n_u, &magnitude, &mut self.holes_u);
+        for r in rows.start..rows.end.min(window.n_v()) {
+            if !self.has_density_u[r] {
+                self.has_density_u[r] = true;
+                let samples = r * n_u..(r + 1) * n_u;
+                upsample(geometry.level, &self.density[samples.clone()], &self.u.value, &mut self.density_u[r]);
+                if geometry.slices.has_mask() {
+                    let value = &self.u.value;
+                    let weights = value.weights.iter().map(|w| w.abs()).collect();
+                    let magnitude = Footprint { weights, ..value.clone() };
+                    upsample(geometry.level, &self.holes[samples], &magnitude, &mut self.holes_u[r]);
+                }
+            }
         }
     }
 
-    /// A row with its densities. After [`Sheet::combine`].
-    #[inline(always)]
-    pub fn row(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
-        if !self.is_upsampled {
-            self.upsample_u(geometry);
+    /// The same for the gradient; combines the derivative through the sheet when it is first asked for.
+    fn upsample_gradient(&mut self, geometry: &SheetGeometry, row: usize) {
+        let Some(window) = self.window else { return };
+        if !self.has_through {
+            self.has_through = true;
+            let taps = geometry.axes[2].slice_difference_taps(self.w);
+            let axes = geometry.plane.family.axes;
+            geometry.slices.combine(geometry.level, axes, &taps, window, &mut self.through);
         }
-        let out = &mut self.rows[row];
-        if !out.has_density {
+        let n_u = window.n_u();
+        let (value, difference) = (&self.v.value, &self.v.difference);
+        for r in value.first[row] as usize..value.first[row] as usize + value.n_taps {
+            if !self.has_gradient_u[r] {
+                self.has_gradient_u[r] = true;
+                let samples = r * n_u..(r + 1) * n_u;
+                upsample(geometry.level, &self.density[samples.clone()], &self.u.difference, &mut self.along_u[r]);
+                upsample(geometry.level, &self.through[samples], &self.u.value, &mut self.through_u[r]);
+            }
+        }
+        // The derivative along v reaches further than the density did.
+        let rows = difference.first[row] as usize..difference.first[row] as usize + difference.n_taps;
+        self.upsample_density(geometry, rows);
+    }
+
+    /// A row with its densities. After [`Sheet::combine`].
+    pub fn row(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
+        if !self.rows[row].has_density {
+            let first = self.v.value.first[row] as usize;
+            self.upsample_density(geometry, first..first + self.v.value.n_taps);
+            let out = &mut self.rows[row];
             out.has_density = true;
-            blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
-            out.range = bounds(&out.density);
+            geometry.level.run(|| {
+                blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
+                out.range = bounds(&out.density);
+            });
             if geometry.slices.has_mask() {
                 out.hole = [0.0; TILE_U];
                 for t in 0..self.v.value.n_taps {
@@ -186,22 +226,24 @@ impl Sheet {
                 }
             }
         }
-        out
+        &self.rows[row]
     }
 
     /// A row with its densities and gradient, where the geometry has a gradient offset.
-    #[inline(always)]
     pub fn row_with_gradient(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
         self.row(geometry, row);
-        let out = &mut self.rows[row];
-        if !out.has_gradient && geometry.axes[2].offset.is_some() {
+        if !self.rows[row].has_gradient && geometry.axes[2].offset.is_some() {
+            self.upsample_gradient(geometry, row);
+            let out = &mut self.rows[row];
             out.has_gradient = true;
             let [along_u, along_v, through] = &mut out.gradient;
-            blend_rows(&self.along_u, &self.v.value, row, along_u);
-            blend_rows(&self.density_u, &self.v.difference, row, along_v);
-            blend_rows(&self.through_u, &self.v.value, row, through);
+            geometry.level.run(|| {
+                blend_rows(&self.along_u, &self.v.value, row, along_u);
+                blend_rows(&self.density_u, &self.v.difference, row, along_v);
+                blend_rows(&self.through_u, &self.v.value, row, through);
+            });
         }
-        out
+        &self.rows[row]
     }
 }
 
@@ -215,20 +257,17 @@ fn bounds(densities: &[f32]) -> [f32; 2] {
     [lo, hi]
 }
 
-/// Each sample row becomes a row of texels.
-#[inline(always)]
-fn upsample_rows(plane: &[f32], n_u: usize, footprint: &Footprint, out: &mut Vec<Row>) {
-    out.clear();
-    for samples in plane.chunks_exact(n_u) {
-        let mut row = [0.0; TILE_U];
+/// A row of samples becomes a row of texels.
+fn upsample(level: Level, samples: &[f32], footprint: &Footprint, out: &mut Row) {
+    level.run(|| {
+        *out = [0.0; TILE_U];
         for t in 0..footprint.n_taps {
             let weights = footprint.tap(t);
             for i in 0..TILE_U {
-                row[i] += weights[i] * samples[footprint.first[i] as usize + t];
+                out[i] += weights[i] * samples[footprint.first[i] as usize + t];
             }
         }
-        out.push(row);
-    }
+    });
 }
 
 /// One texel row out of the sample rows that reach it.

@@ -8,6 +8,7 @@
 use wavesplat_core::{Kernel, Sample, Samples, Statistics, Volume, with_samples};
 
 use crate::kernel::fold;
+use crate::simd::Level;
 use crate::{parallel, prefilter};
 
 /// Densities of a volume, ready for one kernel.
@@ -121,30 +122,30 @@ impl<'a> Slices<'a> {
     }
 
     /// `out[v][u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
-    pub fn combine(&self, axes: [usize; 3], taps: &[SliceTap], window: Window, out: &mut Vec<f32>) {
+    pub fn combine(&self, level: Level, axes: [usize; 3], taps: &[SliceTap], window: Window, out: &mut Vec<f32>) {
         out.clear();
         out.resize(window.n_u() * window.n_v(), 0.0);
         let region = Region::new(self.kernel, self.size, axes, window);
         match &self.data {
-            Data::Float(grid) => region.accumulate(grid, taps, out, |d| d),
+            Data::Float(grid) => level.run(|| region.accumulate(grid, taps, out, |d| d)),
             Data::Native(samples, (offset, scale)) => {
                 let (offset, scale) = (*offset, *scale);
                 if samples.is_narrow() {
-                    with_samples!(samples, s => region.accumulate(s, taps, out, Sample::to_f32));
+                    with_samples!(samples, s => level.run(|| region.accumulate(s, taps, out, Sample::to_f32)));
                 } else {
-                    with_samples!(samples, s => region.accumulate(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32));
+                    with_samples!(samples, s => level.run(|| region.accumulate(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
                 }
             }
         }
     }
 
     /// As [`Slices::combine`] for the mask: above 0 where a hole is reached.
-    pub fn combine_mask(&self, axes: [usize; 3], taps: &[SliceTap], window: Window, out: &mut Vec<f32>) {
+    pub fn combine_mask(&self, level: Level, axes: [usize; 3], taps: &[SliceTap], window: Window, out: &mut Vec<f32>) {
         out.clear();
         out.resize(window.n_u() * window.n_v(), 0.0);
         if let Some(mask) = &self.mask {
             let region = Region::new(self.kernel, self.size, axes, window);
-            region.accumulate(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 });
+            level.run(|| region.accumulate(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }));
         }
     }
 }
@@ -163,7 +164,7 @@ impl Region {
         Self { kernel, stride: axes.map(|a| all[a]), n: axes.map(|a| size[a]), window }
     }
 
-    #[inline]
+    #[inline(always)]
     fn accumulate<T: Copy>(&self, grid: &[T], taps: &[SliceTap], out: &mut [f32], density: impl Fn(T) -> f32) {
         let Window { u: [u_lo, u_hi], v: [v_lo, _] } = self.window;
         let [su, sv, sw] = self.stride;
@@ -270,8 +271,8 @@ mod tests {
             let window = Window { u: [-2, size[axes[0]] as i64 + 1], v: [-1, size[axes[1]] as i64] };
             let taps = [(0, 0.25), (2, 0.75)];
             let (mut a, mut b) = (Vec::new(), Vec::new());
-            narrow.combine(axes, &taps, window, &mut a);
-            float.combine(axes, &taps, window, &mut b);
+            narrow.combine(Level::best(), axes, &taps, window, &mut a);
+            float.combine(Level::best(), axes, &taps, window, &mut b);
             for (i, (a, b)) in a.iter().zip(&b).enumerate() {
                 let (u, v) = (window.u[0] + (i % window.n_u()) as i64, window.v[0] + (i / window.n_u()) as i64);
                 let mut index = [0; 3];

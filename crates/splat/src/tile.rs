@@ -97,6 +97,7 @@ impl TileJob<'_> {
                 between.reset(self.n_between);
                 let mut slab = Slab {
                     s: [(sign * w(k - 1)) as f32, (sign * w(k)) as f32],
+                    range: both,
                     is_last: k + 1 == range.len(),
                     sheets: [&mut front, &mut back],
                     between: &mut between,
@@ -119,7 +120,9 @@ impl TileJob<'_> {
         for (row, out) in texels.chunks_exact_mut(TILE_U).enumerate() {
             compositor.finish(row, out);
             // Compositors count along the ray; the rest of the world counts along w.
-            out.iter_mut().for_each(|t| t.w_half *= sign as f32);
+            for texel in out {
+                texel.w_half *= sign as f32;
+            }
         }
         (texels, work)
     }

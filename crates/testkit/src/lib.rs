@@ -1,5 +1,7 @@
 //! Phantoms with known answers and picture comparison, for the tests of Wavesplat.
 
+#![expect(clippy::missing_panics_doc, reason = "tests are meant to panic")]
+
 mod compare;
 mod phantom;
 

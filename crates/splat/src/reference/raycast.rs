@@ -5,9 +5,12 @@
 //! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
 //! trilinearly interpolated central difference of the usual ray caster.
 
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
 use glam::{DMat3, DVec3};
 use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
 
+use crate::Monitor;
 use crate::base_plane::IndexRays;
 use crate::interval::Region;
 use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
@@ -37,6 +40,7 @@ pub fn raycast(
     camera: &Camera,
     options: &RenderOptions,
     sampling: RaycastOptions,
+    monitor: &dyn Monitor,
 ) -> Result<Picture> {
     options.validate()?;
     let mend = "pass a step in voxels, 0.05 for a converged picture";
@@ -53,7 +57,12 @@ pub fn raycast(
         let slices = Slices::new(volume, options.kernel);
         let caster = Caster::new(volume, &slices, tf, camera, options.shading.as_ref(), region, sampling.step);
         let rays = IndexRays::new(camera, volume.index_from_world(), options.width_px, options.height_px);
+        let stopped = AtomicBool::new(false);
+        let n_done = AtomicUsize::new(0);
         let rows = parallel::map(options.height_px, |y| {
+            if stopped.load(Ordering::Relaxed) {
+                return Vec::new();
+            }
             let pixel = |x: usize| {
                 let mut sum = [0.0; 4];
                 for s in 0..sampling.rays_per_pixel {
@@ -64,8 +73,16 @@ pub fn raycast(
                 }
                 sum.map(|c| c as f32)
             };
-            (0..options.width_px).map(pixel).collect::<Vec<_>>()
+            let row = (0..options.width_px).map(pixel).collect::<Vec<_>>();
+            let fraction = (n_done.fetch_add(1, Ordering::Relaxed) + 1) as f32 / options.height_px as f32;
+            if monitor.progress(fraction).is_break() {
+                stopped.store(true, Ordering::Relaxed);
+            }
+            row
         });
+        if stopped.load(Ordering::Relaxed) {
+            return Err(Error::Cancelled);
+        }
         let (width_px, height_px) = (options.width_px, options.height_px);
         let mut picture = Picture { width_px, height_px, rgba: rows.concat(), depth: None, value: None };
         if let Some(background) = options.background {

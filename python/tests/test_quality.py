@@ -1,0 +1,66 @@
+"""The fast renderer against the converged ray caster, on small pictures at the magnification of large ones.
+
+The full table at 512 x 512 is printed by `make quality`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+
+# A part of the view, 96 pixels wide, at the scale of 512 pixels for the whole volume.
+SIZE = (96, 96)
+ZOOM = 512 / 96
+
+COLORS = [(0.0, 0.2, 0.3, 0.8), (0.4, 0.9, 0.6, 0.4), (0.6, 1.0, 0.95, 0.85), (1.0, 1.0, 1.0, 1.0)]
+
+
+def colors(low: float, high: float) -> list[tuple[float, float, float, float]]:
+    return [(low + t * (high - low), r, g, b) for t, r, g, b in COLORS]
+
+
+SCENES = {
+    "ct": (ws.examples.ct_pelvis, [(-75, 0), (255, 0.05), (1000, 0.2)], [(199, 0), (200, 1)], colors(-1000, 1000), 38),
+    "mri": (ws.examples.mri_head, [(28, 0), (69, 0.05), (110, 0.2)], [(49, 0), (50, 1)], colors(0, 110), 38),
+    "ripples": (ws.examples.ripples, [(60, 0), (128, 0.05), (255, 0.2)], [(127, 0), (128, 1)], colors(0, 255), 34),
+}
+
+VIEWS = [(45, 35, None), (-60, 20, 30.0), (150, -40, None)]
+
+
+def psnr_db(got: np.ndarray, want: np.ndarray) -> float:
+    return float(-10 * np.log10(np.mean((got[..., :3].astype(float) - want[..., :3]) ** 2)))
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request: pytest.FixtureRequest):
+    make, soft, hard, curve, hard_goal = SCENES[request.param]
+    return make(), ws.TransferFunction(soft, curve), ws.TransferFunction(hard, curve), hard_goal
+
+
+def camera(volume: ws.Volume, azimuth: float, elevation: float, view_angle: float | None) -> ws.Camera:
+    return ws.Camera.orbit(volume, azimuth, elevation, zoom=ZOOM, view_angle=view_angle)
+
+
+@pytest.mark.parametrize(("azimuth", "elevation", "view_angle"), VIEWS)
+@pytest.mark.parametrize(("shading", "goals_db"), [(ws.Shading(), (40, 45)), (None, (45, 50))])
+def test_soft_pictures(scene, azimuth, elevation, view_angle, shading, goals_db):
+    volume, soft, _, _ = scene
+    view = camera(volume, azimuth, elevation, view_angle)
+    want = ws.reference.raycast(volume, soft, view, size=SIZE, step=0.05, shading=shading).rgba
+    for quality, goal_db in zip(("normal", "high"), goals_db, strict=True):
+        got = ws.render(volume, soft, view, size=SIZE, shading=shading, quality=quality).rgba
+        assert psnr_db(got, want) >= goal_db, quality
+    assert want[..., 3].mean() > 0.2, "the view shows the volume"
+
+
+@pytest.mark.parametrize(("azimuth", "elevation", "view_angle"), VIEWS)
+def test_hard_pictures(scene, azimuth, elevation, view_angle):
+    volume, _, hard, goal_db = scene
+    view = camera(volume, azimuth, elevation, view_angle)
+    want = ws.reference.raycast(volume, hard, view, size=SIZE, step=0.05, rays_per_pixel=16).rgba
+    got = ws.render(volume, hard, view, size=SIZE, quality="high").rgba
+    assert psnr_db(got, want) >= goal_db
+    assert want[..., 3].mean() > 0.2, "the view shows the volume"

@@ -230,7 +230,10 @@ impl<'a> Over<'a> {
 
     /// Composites each ray up to `to` as one slab with the densities and gradient of `sheet`.
     fn add_slab(&mut self, level: Level, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
-        level.run(|| self.add_slab_kernel(row, rays, to, sheet));
+        level.run(
+            #[inline(always)]
+            || self.add_slab_kernel(row, rays, to, sheet),
+        );
     }
 
     #[inline(always)]

@@ -128,7 +128,10 @@ impl Sheet {
             let taps: Vec<_> = taps.iter().map(|&(slice, weight)| (slice, weight.abs())).collect();
             geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes);
         }
-        let [lo, hi] = geometry.level.run(|| bounds(&self.density));
+        let [lo, hi] = geometry.level.run(
+            #[inline(always)]
+            || bounds(&self.density),
+        );
         let over = overshoot_2d(geometry.slices.kernel()) * (hi - lo);
         [lo - over, hi + over]
     }
@@ -211,10 +214,13 @@ impl Sheet {
             self.upsample_density(geometry, first..first + self.v.value.n_taps);
             let out = &mut self.rows[row];
             out.has_density = true;
-            geometry.level.run(|| {
-                blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
-                out.range = bounds(&out.density);
-            });
+            geometry.level.run(
+                #[inline(always)]
+                || {
+                    blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
+                    out.range = bounds(&out.density);
+                },
+            );
             if geometry.slices.has_mask() {
                 out.hole = [0.0; TILE_U];
                 for t in 0..self.v.value.n_taps {
@@ -237,11 +243,14 @@ impl Sheet {
             let out = &mut self.rows[row];
             out.has_gradient = true;
             let [along_u, along_v, through] = &mut out.gradient;
-            geometry.level.run(|| {
-                blend_rows(&self.along_u, &self.v.value, row, along_u);
-                blend_rows(&self.density_u, &self.v.difference, row, along_v);
-                blend_rows(&self.through_u, &self.v.value, row, through);
-            });
+            geometry.level.run(
+                #[inline(always)]
+                || {
+                    blend_rows(&self.along_u, &self.v.value, row, along_u);
+                    blend_rows(&self.density_u, &self.v.difference, row, along_v);
+                    blend_rows(&self.through_u, &self.v.value, row, through);
+                },
+            );
         }
         &self.rows[row]
     }
@@ -259,15 +268,18 @@ fn bounds(densities: &[f32]) -> [f32; 2] {
 
 /// A row of samples becomes a row of texels.
 fn upsample(level: Level, samples: &[f32], footprint: &Footprint, out: &mut Row) {
-    level.run(|| {
-        *out = [0.0; TILE_U];
-        for t in 0..footprint.n_taps {
-            let weights = footprint.tap(t);
-            for i in 0..TILE_U {
-                out[i] += weights[i] * samples[footprint.first[i] as usize + t];
+    level.run(
+        #[inline(always)]
+        || {
+            *out = [0.0; TILE_U];
+            for t in 0..footprint.n_taps {
+                let weights = footprint.tap(t);
+                for i in 0..TILE_U {
+                    out[i] += weights[i] * samples[footprint.first[i] as usize + t];
+                }
             }
-        }
-    });
+        },
+    );
 }
 
 /// One texel row out of the sample rows that reach it.

@@ -54,7 +54,8 @@ impl Level {
         }
     }
 
-    /// Runs a kernel with the vectors of the level. What the kernel calls must be `#[inline(always)]`.
+    /// Runs a kernel with the vectors of the level. The closure, and what it calls, must be `#[inline(always)]`,
+    /// else they are compiled for the baseline.
     #[inline]
     pub fn run<T>(self, kernel: impl FnOnce() -> T) -> T {
         match self.0 {

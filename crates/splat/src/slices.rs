@@ -127,13 +127,16 @@ impl<'a> Slices<'a> {
         out.resize(window.n_u() * window.n_v(), 0.0);
         let region = Region::new(self.kernel, self.size, axes, window);
         match &self.data {
-            Data::Float(grid) => level.run(|| region.accumulate(grid, taps, out, |d| d)),
+            Data::Float(grid) => level.run(
+                #[inline(always)]
+                || region.accumulate(grid, taps, out, |d| d),
+            ),
             Data::Native(samples, (offset, scale)) => {
                 let (offset, scale) = (*offset, *scale);
                 if samples.is_narrow() {
-                    with_samples!(samples, s => level.run(|| region.accumulate(s, taps, out, Sample::to_f32)));
+                    with_samples!(samples, s => level.run(#[inline(always)] || region.accumulate(s, taps, out, Sample::to_f32)));
                 } else {
-                    with_samples!(samples, s => level.run(|| region.accumulate(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
+                    with_samples!(samples, s => level.run(#[inline(always)] || region.accumulate(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
                 }
             }
         }
@@ -145,7 +148,10 @@ impl<'a> Slices<'a> {
         out.resize(window.n_u() * window.n_v(), 0.0);
         if let Some(mask) = &self.mask {
             let region = Region::new(self.kernel, self.size, axes, window);
-            level.run(|| region.accumulate(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }));
+            level.run(
+                #[inline(always)]
+                || region.accumulate(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }),
+            );
         }
     }
 }

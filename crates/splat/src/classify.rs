@@ -99,7 +99,7 @@ impl Classifier {
     /// Whether any density of the range has an opacity.
     pub fn any_opacity(&self, lo: f32, hi: f32) -> bool {
         let first = self.position(lo) as usize;
-        let last = self.position(hi) as usize + 1;
+        let last = self.position(hi).ceil() as usize;
         self.visible[last + 1] > self.visible[first]
     }
 
@@ -185,6 +185,7 @@ mod tests {
         }
         assert_eq!(classifier.look_up(99.0)[3], 0.0);
         assert!(!classifier.any_opacity(-10.0, 98.9) && classifier.any_opacity(98.0, 99.5));
+        assert!(!classifier.any_opacity(-10.0, -5.0) && !classifier.any_opacity(99.0, 99.0));
     }
 
     #[test]

@@ -150,7 +150,7 @@ const OPAQUE_ENOUGH: f32 = 1.0 - 2e-6;
 const VISIBLE_FACE: f32 = 0.03;
 
 /// Change of a slab's opacity or colour between two sheets that are as near as they get from which it is cut.
-const DIFFERENT: f32 = 0.08;
+const DIFFERENT: f32 = 0.1;
 
 /// Slabs with linear density and gradient between two sheets that are as near as they get.
 const N_CUTS: usize = 4;

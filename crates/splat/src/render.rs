@@ -155,7 +155,7 @@ pub fn render_base_planes_at(
 const STEEP: f32 = 0.25;
 
 /// Slice distances between sheets where the transfer function is steep.
-const REFINED_STEP: f64 = 1.0 / 8.0;
+const REFINED_STEP: f64 = 1.0 / 16.0;
 
 /// Sheets between two sheets at most: with very few sheets a slice the picture is a draft anyway.
 const MAX_BETWEEN: usize = 7;

@@ -21,10 +21,10 @@ def colors(low: float, high: float) -> list[tuple[float, float, float, float]]:
     return [(low + t * (high - low), r, g, b) for t, r, g, b in COLORS]
 
 
-# Goals for whole pictures are 38 dB on CT and MRI with a hard step; this part of the CT is all bone, without the
-# background that a whole picture has (43.5 dB there), so it is held to 37.
+# With a hard step the converged picture has finer steps than 0.05 voxels: a ray that samples so far apart meets the
+# surface 0.025 voxels late, and misses grazing ones.
 SCENES = {
-    "ct": (ws.examples.ct_pelvis, [(-75, 0), (255, 0.05), (1000, 0.2)], [(199, 0), (200, 1)], colors(-1000, 1000), 37),
+    "ct": (ws.examples.ct_pelvis, [(-75, 0), (255, 0.05), (1000, 0.2)], [(199, 0), (200, 1)], colors(-1000, 1000), 38),
     "mri": (ws.examples.mri_head, [(28, 0), (69, 0.05), (110, 0.2)], [(49, 0), (50, 1)], colors(0, 110), 38),
     "ripples": (ws.examples.ripples, [(60, 0), (128, 0.05), (255, 0.2)], [(127, 0), (128, 1)], colors(0, 255), 34),
 }
@@ -64,7 +64,7 @@ def test_soft_pictures(scene, view, shading, goals_db):
 def test_hard_pictures(scene, view):
     volume, _, hard, goal_db = scene
     view = camera(volume, view)
-    want = ws.reference.raycast(volume, hard, view, size=SIZE, step=0.05, rays_per_pixel=16).rgba
+    want = ws.reference.raycast(volume, hard, view, size=SIZE, step=0.01, rays_per_pixel=16).rgba
     got = ws.render(volume, hard, view, size=SIZE, quality="high").rgba
     assert psnr_db(got, want) >= goal_db
     assert want[..., 3].mean() > 0.2, "the view shows the volume"

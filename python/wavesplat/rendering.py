@@ -68,7 +68,8 @@ def render(
     shading : Shading or None
         Phong shading of "over" and "first-hit"; None draws the colours as given.
     quality : str
-        "draft", "normal" or "high": sets the next two where they are None.
+        "draft", "normal" or "high": sets the next two where they are None, "high" by how steep the transfer function
+        is; the report holds what was used.
     sheets_per_slice : float, optional
         Sheets per slice distance.
     oversampling : float, optional
@@ -84,8 +85,8 @@ def render(
     depth : bool
         Also give `Picture.depth`.
     refined : bool
-        Put sheets between sheets where the transfer function is steep, so that hard surfaces are found and shaded where
-        they are. False: plain sheets, as the method has it.
+        Pre-integrate the space between sheets where the transfer function is steep, so that hard surfaces are found and
+        shaded where they are, and stop rays that are opaque. False: plain sheets, as the method has it.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
 
@@ -116,10 +117,11 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
-    default_sheets, default_oversampling = _native.quality_settings(quality)
+    curves = chosen_transfer_function(transfer_function, volume, composite)._core
+    default_sheets, default_oversampling = _native.quality_settings(quality, volume._core, curves)
     result = _native.render(
         volume._core,
-        chosen_transfer_function(transfer_function, volume, composite)._core,
+        curves,
         chosen_camera(camera, volume, width / max(height, 1))._core,
         width=width,
         height=height,

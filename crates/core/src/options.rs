@@ -235,7 +235,8 @@ pub struct RenderOptions {
     pub sheets_per_slice: f64,
     /// Texels of the base plane per pixel, along each axis.
     pub oversampling: f64,
-    /// Cut slabs in which the transfer function is steep into thinner ones; off: plain sheets, as the method has it.
+    /// Pre-integrate slabs where the transfer function is steep, and stop rays that are opaque; off: plain sheets, as the
+    /// method has it.
     pub refined: bool,
     /// Box that is drawn.
     pub crop: Option<Crop>,
@@ -251,7 +252,7 @@ pub struct RenderOptions {
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        let (sheets_per_slice, oversampling) = QUALITIES[1].1;
+        let (sheets_per_slice, oversampling) = QUALITIES[1].1[0];
         Self {
             width_px: 512,
             height_px: 512,
@@ -327,12 +328,15 @@ impl RenderOptions {
     }
 }
 
-/// Sheets per slice and oversampling of each named quality; the errors they reach are measured by `studies/quality`.
-const QUALITIES: [(&str, (f64, f64)); 3] = [("draft", (0.5, 0.5)), ("normal", (2.0, 1.0)), ("high", (3.0, 3.0))];
+/// Sheets per slice and oversampling of each named quality, for transfer functions that are smooth and for those that
+/// are steep; the errors they reach are measured by `studies/quality`.
+const QUALITIES: [(&str, [(f64, f64); 2]); 3] =
+    [("draft", [(0.5, 0.5), (0.5, 0.5)]), ("normal", [(2.0, 1.0), (2.0, 1.0)]), ("high", [(3.0, 2.0), (6.0, 3.0)])];
 
-/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`.
-pub fn quality_settings(name: &str) -> Result<(f64, f64)> {
-    find("quality", name, &QUALITIES)
+/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
+/// can change opacity or colour by a visible amount within a voxel.
+pub fn quality_settings(name: &str, is_steep: bool) -> Result<(f64, f64)> {
+    find("quality", name, &QUALITIES).map(|settings| settings[usize::from(is_steep)])
 }
 
 #[cfg(test)]
@@ -346,7 +350,7 @@ mod tests {
         }
         let message = Kernel::from_name("cubic").unwrap_err().to_string();
         assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
-        assert!(quality_settings("best").unwrap_err().to_string().contains("draft, normal, high"));
+        assert!(quality_settings("best", false).unwrap_err().to_string().contains("draft, normal, high"));
     }
 
     #[test]

@@ -116,9 +116,9 @@ impl Monitor for PyMonitor {
     }
 }
 
-fn image<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let flat = picture.rgba.as_flattened().to_vec().into_pyarray(py);
-    flat.reshape([picture.height_px, picture.width_px, 4])
+fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>> {
+    let Picture { width_px, height_px, rgba, .. } = picture;
+    rgba.into_flattened().into_pyarray(py).reshape([height_px, width_px, 4])
 }
 
 /// See `_native.pyi`.
@@ -171,15 +171,17 @@ pub fn render<'py>(
             wavesplat_splat::render(v, &slices, &transfer_function.0, &camera.0, &options, &monitor)
         })
     })?;
-    let (picture, report) = result.map_err(to_py)?;
+    let (mut picture, report) = result.map_err(to_py)?;
     let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
     };
     let dict = PyDict::new(py);
-    dict.set_item("rgba", image(py, &picture)?)?;
-    dict.set_item("depth", plane(picture.depth)?)?;
-    dict.set_item("value", plane(picture.value)?)?;
+    dict.set_item("depth", plane(picture.depth.take())?)?;
+    dict.set_item("value", plane(picture.value.take())?)?;
+    dict.set_item("rgba", image(py, picture)?)?;
     let numbers = PyDict::new(py);
+    numbers.set_item("sheets_per_slice", sheets_per_slice)?;
+    numbers.set_item("oversampling", oversampling)?;
     numbers.set_item("n_texels", report.n_texels)?;
     numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;
     numbers.set_item("n_base_planes", report.n_base_planes)?;
@@ -230,7 +232,7 @@ pub fn raycast<'py>(
         let cast = || reference::raycast::raycast(v, tf, camera, &options, sampling, &monitor);
         monitor.watch(py, cast)?.map_err(to_py)
     })?;
-    image(py, &picture)
+    image(py, picture)
 }
 
 /// See `_native.pyi`.
@@ -263,13 +265,21 @@ pub fn splat_literal<'py>(
         let (tf, camera) = (&transfer_function.0, &camera.0);
         py.detach(|| reference::splat::image(v, tf, camera, &options)).map_err(to_py)
     })?;
-    image(py, &picture)
+    image(py, picture)
 }
 
 /// See `_native.pyi`.
 #[pyfunction]
-pub fn quality_settings(name: &str) -> PyResult<(f64, f64)> {
-    wavesplat_core::quality_settings(name).map_err(to_py)
+pub fn quality_settings(
+    py: Python<'_>,
+    name: &str,
+    volume: &PyVolume,
+    transfer_function: &PyTransferFunction,
+) -> PyResult<(f64, f64)> {
+    volume.with_volume(py, |v| {
+        let is_steep = wavesplat_splat::is_steep(v, &transfer_function.0);
+        wavesplat_core::quality_settings(name, is_steep).map_err(to_py)
+    })
 }
 
 /// Associated float RGBA to the bytes of an unassociated 8- or 16-bit PNG; colours are used as given.

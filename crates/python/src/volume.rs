@@ -7,7 +7,7 @@ use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayM
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use wavesplat_core::{Kernel, Samples, Statistics, Volume};
-use wavesplat_splat::slices::Slices;
+use wavesplat_splat::slices::{Prepared, Slices};
 
 use crate::errors::to_py;
 
@@ -30,8 +30,8 @@ pub struct PyVolume {
     array: Array,
     world_from_index: DAffine3,
     statistics: Statistics,
-    /// Spline coefficients or filled densities, per kernel.
-    prepared: Mutex<Vec<(Kernel, Arc<Slices<'static>>)>>,
+    /// Bounds of bricks, spline coefficients or filled densities, per kernel.
+    prepared: Mutex<Vec<(Kernel, Arc<Prepared>)>>,
 }
 
 #[pymethods]
@@ -96,24 +96,16 @@ impl PyVolume {
         })?
     }
 
-    /// Slices for a kernel, from the last picture where they took work to make.
-    pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Arc<Slices<'a>> {
+    /// Slices for a kernel; what they need is prepared with the first picture and kept.
+    pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Slices<'a> {
         let mut prepared = self.prepared.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some((_, slices)) = prepared.iter().find(|(k, _)| *k == kernel) {
-            return slices.clone();
-        }
-        let slices = Slices::new(volume, kernel);
-        if slices.n_bytes() == 0 {
-            return Arc::new(slices);
-        }
-        match slices.into_owned() {
-            Some(owned) => {
-                let owned = Arc::new(owned);
-                prepared.push((kernel, owned.clone()));
-                owned
-            }
-            None => Arc::new(Slices::new(volume, kernel)),
-        }
+        let known = prepared.iter().find(|(k, _)| *k == kernel).map(|(_, known)| known.clone());
+        let known = known.unwrap_or_else(|| {
+            let new = Arc::new(Prepared::new(volume, kernel));
+            prepared.push((kernel, new.clone()));
+            new
+        });
+        Slices::with_prepared(volume, known)
     }
 }
 

@@ -3,7 +3,7 @@
 //! A ray belongs to the index axis `w` it runs most along. For parallel rays there is one such axis and the base
 //! coordinates `(p, q)` are the index position where the ray crosses the slice `w = 0`; sheet `w` is that grid shifted
 //! by the shear `w · (du/dw, dv/dw)`. For perspective the rays form up to six families (three axes, two signs) and
-//! `(p, q)` are the slopes `(du/dw, dv/dw)`, at most 1 in magnitude; sheet `w` is that grid scaled by `w − eye.w`
+//! `(p, q)` are the slopes `(du/dw, dv/dw)`, at most 1.1 in magnitude; sheet `w` is that grid scaled by `w − eye.w`
 //! about the eye. Either way a sheet's texels stay axis-aligned and uniform, so the kernel stays separable.
 //!
 //! Source: the shear-warp factorisation (Lacroute & Levoy 1994), here with the sheets reconstructed, not resampled.
@@ -41,6 +41,10 @@ impl IndexRays {
     }
 }
 
+/// Largest slope of a ray in its family: rays that run along two axes nearly alike take the one whose slices are
+/// contiguous.
+const MUCH: f64 = 1.1;
+
 /// Which axis rays run along, and which way: one of six.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Family {
@@ -51,12 +55,13 @@ pub struct Family {
 }
 
 impl Family {
-    /// The family of a ray by its index-space direction.
+    /// The family of a ray by its index-space direction: the axis that it runs most along, or one that it runs nearly as
+    /// much along and whose slices lie better in memory.
     pub fn of(direction: DVec3) -> Self {
         let d = direction.to_array();
         let a = direction.abs();
-        // Ties go to the axis whose slices are contiguous in memory.
-        let w = if a.z >= a.x && a.z >= a.y { 2 } else { usize::from(a.y >= a.x) };
+        let much = a.max_element() / MUCH;
+        let w = if a.z >= much { 2 } else { usize::from(a.y >= much) };
         let axes = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][w];
         Self { axes, ascending: d[w] > 0.0 }
     }

@@ -5,8 +5,15 @@
 //! 2006, ch. 1). For a sheet crossed at angle θ the thickness is `dz / cos θ`: the view-angle correction of
 //! high-resolution splatting. The exponential is ours, in plain f32 operations, so that every SIMD width gives the
 //! same bits; it keeps its relative precision for thin slabs, which `1 − (1 − a)^s` loses.
+//!
+//! Between two sheets the density is taken as linear, so all that a ray meets there lies between two densities: the
+//! mean optical depth is a difference of the integral `T(d) = ∫ τ` ([`Passage`]; the integral form of
+//! pre-integration, Engel, Kraus, Ertl 2001). Tables of one dimension build in the time that it takes to read them.
 
 use wavesplat_core::TransferFunction;
+
+pub use crate::simd::Entry;
+use crate::simd::{Math, ROUND};
 
 /// Optical depth that stands for opacity 1: opaque at any thickness above 1e-28 units.
 const OPAQUE: f64 = 1e30;
@@ -16,15 +23,21 @@ const MIN_ENTRIES: usize = 2048;
 const MAX_ENTRIES: usize = 1 << 16;
 const ENTRIES_PER_SEGMENT: f64 = 16.0;
 
-/// One table entry: red, green, blue, optical depth per `opacity_unit`.
-pub type Entry = [f32; 4];
+/// Optical depth of a typical slab that counts as opaque where densities pass it.
+const OPAQUE_SLAB: f64 = 32.0;
 
 /// A transfer function tabulated over densities.
 #[derive(Clone, Debug)]
 pub struct Classifier {
+    /// Red, green, blue, optical depth per `opacity_unit`.
     table: Vec<Entry>,
+    /// Integral of the optical depth; nearest visible density above and below.
+    passage: Vec<Entry>,
     lo: f32,
+    hi: f32,
     per_density: f32,
+    /// Densities beyond which nothing is visible.
+    visible_range: [f32; 2],
     /// `visible[i]`: how many of the entries before `i` have an opacity.
     visible: Vec<u32>,
     /// Total variation of a slab's associated colour and opacity up to each entry.
@@ -67,7 +80,7 @@ impl Classifier {
             visible.push(visible[i] + u32::from(entry[3] > 0.0));
         }
         let slab = |[r, g, b, depth]: Entry| {
-            let opacity = one_minus_exp_neg(depth * slab_thickness as f32);
+            let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
             [r * opacity, g * opacity, b * opacity, opacity]
         };
         let mut variation = vec![0.0_f32];
@@ -76,17 +89,31 @@ impl Classifier {
             let change = (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
             variation.push(variation[i] + change);
         }
-        Self { table, lo: lo as f32, per_density: (1.0 / step) as f32, visible, variation }
+        let density = |i: usize| (lo + i.min(n) as f64 * step) as f32;
+        let first = table.iter().position(|entry| entry[3] > 0.0);
+        let last = table.iter().rposition(|entry| entry[3] > 0.0);
+        let visible_range = match (first, last) {
+            (Some(first), Some(last)) => [
+                if first == 0 { f32::NEG_INFINITY } else { density(first - 1) },
+                if last >= n { f32::INFINITY } else { density(last + 1) },
+            ],
+            _ => [f32::INFINITY, f32::NEG_INFINITY],
+        };
+        let passage = passage_table(&table, density, step, OPAQUE_SLAB / slab_thickness);
+        let (lo, hi) = (lo as f32, hi as f32);
+        Self { table, passage, lo, hi, per_density: (1.0 / step) as f32, visible_range, visible, variation }
     }
 
-    /// How much a slab's colour and opacity change in all on the way up to a density: between two densities, the
-    /// difference bounds how wrong one of them is for the other.
+    /// How much a slab's colour and opacity change in all on the way from one density up to another: bounds how wrong
+    /// one of them is for the other.
     #[inline(always)]
-    pub fn variation(&self, density: f32) -> f32 {
-        let position = self.position(density);
-        let cell = position as u32 as usize;
-        let t = position - cell as f32;
-        self.variation[cell] + (self.variation[cell + 1] - self.variation[cell]) * t
+    pub fn variation(&self, lo: f32, hi: f32) -> f32 {
+        self.variation[self.position(hi) as usize + 1] - self.variation[self.position(lo) as usize]
+    }
+
+    /// Densities beyond which nothing is visible.
+    pub fn visible_range(&self) -> [f32; 2] {
+        self.visible_range
     }
 
     /// Position in the table, `0..=n`.
@@ -104,14 +131,122 @@ impl Classifier {
     }
 
     /// Colour and optical depth of one density.
-    #[inline(always)]
-    pub fn look_up(&self, density: f32) -> Entry {
+    pub fn look_up_one(&self, density: f32) -> Entry {
         let position = self.position(density);
         let cell = position as u32 as usize;
         let t = position - cell as f32;
         let (a, b) = (&self.table[cell], &self.table[cell + 1]);
         [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t, a[3] + (b[3] - a[3]) * t]
     }
+
+    /// Colour and optical depth of densities.
+    #[inline(always)]
+    pub fn look_up<S: Math>(&self, s: S, density: S::F) -> [S::F; 4] {
+        s.look_up(&self.table, self.position_of(s, density))
+    }
+
+    #[inline(always)]
+    fn position_of<S: Math>(&self, s: S, density: S::F) -> S::F {
+        s.mul(s.sub(density, s.splat(self.lo)), s.splat(self.per_density))
+    }
+
+    /// How far densities are below and above the table: at most 0, at least 0.
+    #[inline(always)]
+    fn beyond<S: Math>(&self, s: S, density: S::F) -> [S::F; 2] {
+        let zero = s.splat(0.0);
+        [s.min(s.sub(density, s.splat(self.lo)), zero), s.max(s.sub(density, s.splat(self.hi)), zero)]
+    }
+
+    /// Integral of the optical depth up to a density, and the nearest visible densities above and below it.
+    #[inline(always)]
+    fn integral<S: Math>(&self, s: S, density: S::F) -> [S::F; 3] {
+        let [integral, above, below, _] = s.look_up(&self.passage, self.position_of(s, density));
+        // Beyond the table the optical depth is constant.
+        let [depth_lo, depth_hi] = [self.passage[0][3], self.passage[self.passage.len() - 1][3]];
+        let [under, over] = self.beyond(s, density);
+        let integral = s.add_mul(s.add_mul(integral, under, s.splat(depth_lo)), over, s.splat(depth_hi));
+        let above = if depth_lo > 0.0 { s.add(above, under) } else { above };
+        let below = if depth_hi > 0.0 { s.add(below, over) } else { below };
+        [integral, above, below]
+    }
+
+    /// What rays meet between two densities, where the density is linear in between.
+    #[inline(always)]
+    pub fn pass<S: Math>(&self, s: S, from: S::F, to: S::F) -> Passage<S> {
+        let [integral_from, above_from, below_from] = self.integral(s, from);
+        let [integral_to, above_to, below_to] = self.integral(s, to);
+        let change = s.sub(to, from);
+        let rises = s.lt(s.splat(0.0), change);
+        let inverse = s.div(s.splat(1.0), change);
+        // What is seen first and last: the nearest visible densities inwards from both ends.
+        let first = s.select(rises, above_from, below_from);
+        let last = s.select(rises, below_to, above_to);
+        let (zero, one) = (s.splat(0.0), s.splat(1.0));
+        let first = s.min(s.max(s.mul(s.sub(first, from), inverse), zero), one);
+        let last = s.min(s.max(s.mul(s.sub(last, from), inverse), zero), one);
+        // Densities as good as equal: the optical depth in the middle.
+        let is_level = s.lt(s.abs(change), s.splat(LEVEL / self.per_density));
+        let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
+        let level = s.mul(level, s.splat(1.0 / N_PARTS as f32));
+        let first = s.select(is_level, zero, first);
+        let last = s.select(is_level, one, last);
+        let part = s.mul(s.mul(s.sub(last, first), s.splat(1.0 / N_PARTS as f32)), change);
+        let begin = s.add_mul(from, first, change);
+        let mut before = integral_from;
+        let mut depths = [level; N_PARTS];
+        for (k, depth) in depths.iter_mut().enumerate() {
+            let integral = if k + 1 == N_PARTS {
+                integral_to
+            } else {
+                let [integral, _, _] = self.integral(s, s.add_mul(begin, part, s.splat((k + 1) as f32)));
+                integral
+            };
+            *depth = s.select(is_level, level, s.max(s.mul(s.sub(integral, before), inverse), zero));
+            before = integral;
+        }
+        Passage { first, last, depths }
+    }
+}
+
+/// Difference of densities, in table entries, below which a difference of integrals is mostly rounding.
+const LEVEL: f32 = 0.25;
+
+/// Equal parts that the visible part of a passage is cut into, to see where its light comes from.
+pub const N_PARTS: usize = 2;
+
+/// What rays meet on their way from one density to another.
+pub struct Passage<S: Math> {
+    /// Share of the way where the first visible density is met.
+    pub first: S::F,
+    /// Share of the way where the last visible density is left.
+    pub last: S::F,
+    /// Optical depth per `opacity_unit` of the whole way's length, of each of the visible part's equal parts.
+    pub depths: [S::F; N_PARTS],
+}
+
+/// `(∫ τ, nearest visible density above, nearest below, τ)` at each entry of a table.
+fn passage_table(table: &[Entry], density: impl Fn(usize) -> f32, step: f64, opaque: f64) -> Vec<Entry> {
+    let depth = |i: usize| f64::from(table[i][3]).min(opaque);
+    let n = table.len();
+    let mut integral = 0.0;
+    let mut passage: Vec<Entry> = Vec::with_capacity(n);
+    let mut below = f32::NEG_INFINITY;
+    for i in 0..n {
+        // The last entry doubles the one before it.
+        if i > 0 && i + 1 < n {
+            integral += 0.5 * step * (depth(i - 1) + depth(i));
+        }
+        let is_visible = depth(i) > 0.0 || (i > 0 && depth(i - 1) > 0.0);
+        below = if is_visible || i == 0 { density(i) } else { below };
+        passage.push([integral as f32, 0.0, below, depth(i) as f32]);
+    }
+    let mut above = density(n - 1);
+    for i in (0..n).rev() {
+        let is_visible = depth(i) > 0.0 || (i + 1 < n && depth(i + 1) > 0.0);
+        above = if is_visible { density(i) } else { above };
+        passage[i][1] = above;
+    }
+    passage
 }
 
 /// `1 − exp(−x)` for `x ≥ 0`, to about 1e-7 relative.
@@ -119,28 +254,36 @@ impl Classifier {
 /// Split `x = n ln 2 + r`, `|r| ≤ ln 2 / 2`; then `exp(−x) − 1 = 2^−n (exp(−r) − 1) + (2^−n − 1)`, the bracket by its
 /// Taylor series.
 #[inline(always)]
-pub fn one_minus_exp_neg(x: f32) -> f32 {
-    // Adding and taking away 1.5 · 2^23 rounds to an integer, which then stands in the low bits.
-    const ROUND: f32 = 12_582_912.0;
+pub fn one_minus_exp_neg<S: Math>(s: S, x: S::F) -> S::F {
     // ln 2 in two parts, so that n · high is exact.
     const LN2_HIGH: f32 = 0.693_359_4;
     const LN2_LOW: f32 = -2.121_944_4e-4;
-    let x = x.min(80.0);
-    let shifted = x * std::f32::consts::LOG2_E + ROUND;
-    let n = shifted - ROUND;
-    let y = -((x - n * LN2_HIGH) - n * LN2_LOW);
-    let series = 1.0 / 720.0 + y * (1.0 / 5040.0);
-    let series = 1.0 / 24.0 + y * (1.0 / 120.0 + y * series);
-    let series = y + y * y * (0.5 + y * (1.0 / 6.0 + y * series));
-    let exponent = 127_u32.wrapping_sub(shifted.to_bits().wrapping_sub(ROUND.to_bits()));
-    let power = f32::from_bits(exponent << 23);
-    (1.0 - power) - power * series
+    macro_rules! c {
+        ($x:expr) => {
+            s.splat($x)
+        };
+    }
+    let x = s.min(x, c!(80.0));
+    let shifted = s.add(s.mul(x, c!(std::f32::consts::LOG2_E)), c!(ROUND));
+    let n = s.sub(shifted, c!(ROUND));
+    let y = s.sub(s.mul(n, c!(LN2_LOW)), s.sub(x, s.mul(n, c!(LN2_HIGH))));
+    let series = s.add_mul(c!(1.0 / 720.0), y, c!(1.0 / 5040.0));
+    let series = s.add_mul(c!(1.0 / 24.0), y, s.add_mul(c!(1.0 / 120.0), y, series));
+    let series = s.add_mul(c!(0.5), y, s.add_mul(c!(1.0 / 6.0), y, series));
+    let series = s.add_mul(y, s.mul(y, y), series);
+    let power = s.exp2_neg(shifted);
+    s.sub(s.sub(c!(1.0), power), s.mul(power, series))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{LANES, Plain};
     use wavesplat_core::{ColorNode, OpacityNode};
+
+    fn one_minus_exp_neg(x: f32) -> f32 {
+        super::one_minus_exp_neg(Plain, [x; LANES])[0]
+    }
 
     fn classifier(nodes: &[(f64, f64)], range: [f32; 2]) -> (TransferFunction, Classifier) {
         let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
@@ -169,7 +312,7 @@ mod tests {
         let (tf, classifier) = classifier(&[(20.0, 0.0), (60.0, 0.3), (61.0, 0.9), (180.0, 0.1)], [0.0, 255.0]);
         for i in 0..5100 {
             let density = i as f32 * 0.05;
-            let [r, _, b, depth] = classifier.look_up(density);
+            let [r, _, b, depth] = classifier.look_up_one(density);
             let opacity = 1.0 - f64::from(-depth).exp();
             assert!((opacity - tf.opacity(f64::from(density))).abs() < 4e-3, "{density}: {opacity}");
             let [want_r, _, want_b] = tf.color(f64::from(density));
@@ -181,11 +324,44 @@ mod tests {
     fn opacity_1_is_opaque_at_any_thickness() {
         let (_, classifier) = classifier(&[(99.0, 0.0), (100.0, 1.0)], [0.0, 255.0]);
         for density in [100.0, 100.5, 255.0, 1e9] {
-            assert_eq!(one_minus_exp_neg(classifier.look_up(density)[3] * 1e-6), 1.0, "{density}");
+            assert_eq!(one_minus_exp_neg(classifier.look_up_one(density)[3] * 1e-6), 1.0, "{density}");
         }
-        assert_eq!(classifier.look_up(99.0)[3], 0.0);
+        assert_eq!(classifier.look_up_one(99.0)[3], 0.0);
         assert!(!classifier.any_opacity(-10.0, 98.9) && classifier.any_opacity(98.0, 99.5));
         assert!(!classifier.any_opacity(-10.0, -5.0) && !classifier.any_opacity(99.0, 99.0));
+    }
+
+    /// A passage is the mean of many look-ups, and begins and ends where they see something.
+    #[test]
+    fn a_passage_is_the_mean_of_its_densities() {
+        for nodes in [
+            &[(20.0, 0.0), (60.0, 0.3), (61.0, 0.9), (180.0, 0.1)][..],
+            &[(99.0, 0.0), (100.0, 0.5), (120.0, 0.5), (121.0, 0.0), (200.0, 0.0), (220.0, 0.7)],
+            &[(100.0, 0.4)],
+        ] {
+            let (_, classifier) = classifier(nodes, [0.0, 255.0]);
+            for (from, to) in
+                [(0.0, 255.0), (255.0, 0.0), (90.0, 110.0), (118.0, 260.0), (-60.0, 130.0), (50.0, 50.001)]
+            {
+                let passage = classifier.pass(Plain, [from; LANES], [to; LANES]);
+                let n = 100_000;
+                let at = |k: usize| from + (to - from) * (k as f32 + 0.5) / n as f32;
+                let depths: Vec<f32> = (0..n).map(|k| classifier.look_up_one(at(k))[3]).collect();
+                let mean = depths.iter().map(|d| f64::from(*d)).sum::<f64>() / n as f64;
+                let depth: f32 = passage.depths.iter().map(|d| d[0]).sum();
+                assert!(
+                    (f64::from(depth) - mean).abs() < 2e-3 * (1.0 + mean),
+                    "{nodes:?} {from} {to}: {depth}, {mean}"
+                );
+                if let (Some(first), Some(last)) =
+                    (depths.iter().position(|d| *d > 0.0), depths.iter().rposition(|d| *d > 0.0))
+                {
+                    // To a table entry.
+                    assert!((passage.first[0] - first as f32 / n as f32).abs() < 0.01, "{nodes:?} {from} {to}");
+                    assert!((passage.last[0] - last as f32 / n as f32).abs() < 0.01, "{nodes:?} {from} {to}");
+                }
+            }
+        }
     }
 
     #[test]
@@ -194,7 +370,7 @@ mod tests {
             let opacity = vec![OpacityNode { value: node, opacity: 0.7 }];
             let tf = TransferFunction::new(opacity, vec![ColorNode { value: node, rgb: [0.2; 3] }], None).unwrap();
             let classifier = Classifier::new(&tf, (0.0, 1.0), [7.0, 7.0], 1.0);
-            let depth = classifier.look_up(7.0)[3];
+            let depth = classifier.look_up_one(7.0)[3];
             assert!((1.0 - (-depth).exp() - expected as f32).abs() < 1e-6);
             assert!(classifier.any_opacity(7.0, 7.0));
         }

@@ -1,10 +1,10 @@
 //! Composite operators: how the sheets of a tile become one value per ray.
 //!
 //! *over*, front to back with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`. Each sheet
-//! stands for the slab half way to its neighbours. Where the transfer function is steep between two sheets, so that
-//! the slab's opacity or colour would change by a visible amount, the space between them is cut into thinner slabs
-//! with density and gradient linear from sheet to sheet: a hard surface is found, and shaded, where it is, and few
-//! sheets give what many did (the quadrature form of pre-integration: Engel, Kraus, Ertl 2001).
+//! stands for the slab half way to its neighbours. Where the transfer function is steep, so that opacity or colour can
+//! change by a visible amount from sheet to sheet, the space between two sheets is one slab of linear density instead,
+//! pre-integrated (Engel, Kraus, Ertl 2001), with colour and gradient from where most of its light comes from: a hard
+//! surface is found, and shaded, where it is, and few sheets give what many did.
 //!
 //! Projections keep one density per ray, *first hit* looks for the first crossing of an iso-value and shades there;
 //! both take the density as linear between sheets.
@@ -13,461 +13,389 @@
 
 use wavesplat_core::Composite;
 
-use crate::classify::{Classifier, one_minus_exp_neg};
+use crate::classify::{Classifier, N_PARTS, one_minus_exp_neg};
+use crate::panel::Panel;
+use crate::rays::Rays;
 use crate::shade::Shader;
-use crate::sheet::{Row, Sheet, SheetGeometry, SheetRow, TILE_U, TILE_V};
-use crate::simd::Level;
+use crate::sheet::{Block, Chunk, Sheet, SheetGeometry};
+use crate::simd::{LANES, Lanes, Pair, Simd, Wide};
 
-/// What a row of a tile knows about its rays; filled once per tile.
-#[derive(Clone)]
-pub struct RayRow {
-    /// Interval of s that is drawn; empty where equal.
-    pub interval: [Row; 2],
-    /// Thickness of one slice distance along the ray, in `opacity_unit`s.
-    pub thickness: Row,
-    /// Unit world vectors towards the eye.
-    pub to_eye: [Row; 3],
-}
-
-impl RayRow {
-    /// Length of the part of each ray's `[from, to]` that is drawn.
-    #[inline(always)]
-    fn extent(&self, from: &Row, to: &Row, hole: &Row) -> Row {
-        let mut extent = [0.0; TILE_U];
-        for i in 0..TILE_U {
-            let inside = to[i].min(self.interval[1][i]) - from[i].max(self.interval[0][i]);
-            extent[i] = if hole[i] > 0.0 { 0.0 } else { inside.max(0.0) };
-        }
-        extent
-    }
-}
-
-/// The space between two consecutive sheets of a tile, and sheets further between them, made when asked for.
+/// The space between two consecutive sheets of a tile.
 pub struct Slab<'a> {
     /// Positions of the front and the back sheet.
     pub s: [f32; 2],
-    /// Bounds of the densities of both.
-    pub range: [f32; 2],
-    /// Whether the back sheet is the tile's last.
+    /// Whether nothing follows the back sheet.
     pub is_last: bool,
-    /// The two sheets.
-    pub sheets: [&'a mut Sheet; 2],
-    /// Evenly spaced sheets between them.
-    pub between: &'a mut Between,
-    /// For reconstructing rows.
+    /// The sheet in front.
+    pub front: &'a mut Sheet,
+    /// The sheet behind.
+    pub back: &'a mut Sheet,
+    /// For reconstructing chunks.
     pub geometry: &'a SheetGeometry<'a>,
-    /// First texel and rows of the tile.
-    pub place: ([usize; 2], usize),
+    /// Samples that both sheets are made of.
+    pub panel: &'a Panel,
 }
 
-/// Sheets between two sheets.
-#[derive(Default)]
-pub struct Between {
-    sheets: Vec<Sheet>,
-    is_made: Vec<bool>,
-}
-
-impl Between {
-    /// Forgets the sheets of the slab before; the next slab has room for `n`.
-    pub fn reset(&mut self, n: usize) {
-        self.sheets.resize_with(n, Sheet::default);
-        self.is_made.clear();
-        self.is_made.resize(n, false);
-    }
-}
-
-impl Slab<'_> {
-    /// Number of the back sheet; the front one is 0, those between have the numbers between.
-    fn last(&self) -> usize {
-        self.between.sheets.len() + 1
-    }
-
-    /// Position of a sheet.
-    fn s(&self, k: usize) -> f32 {
-        let t = k as f32 / self.last() as f32;
-        if k == self.last() { self.s[1] } else { self.s[0] + t * (self.s[1] - self.s[0]) }
-    }
-
-    /// One of the sheets.
-    fn sheet(&mut self, k: usize) -> &mut Sheet {
-        let last = self.last();
-        if k == 0 || k == last {
-            return self.sheets[usize::from(k == last)];
-        }
-        let sheet = &mut self.between.sheets[k - 1];
-        if !self.between.is_made[k - 1] {
-            self.between.is_made[k - 1] = true;
-            let (w_front, w_back) = (self.sheets[0].w(), self.sheets[1].w());
-            let w = w_front + (w_back - w_front) * k as f64 / last as f64;
-            sheet.combine(self.geometry, w, self.place.0, self.place.1);
-        }
-        sheet
-    }
-
-    /// Two of the sheets, `near < far`.
-    fn two(&mut self, near: usize, far: usize) -> (&mut Sheet, &mut Sheet) {
-        self.sheet(near);
-        self.sheet(far);
-        let last = self.last();
-        let [front, back] = &mut self.sheets;
-        match (near, far) {
-            (0, f) if f == last => (front, back),
-            (0, f) => (front, &mut self.between.sheets[f - 1]),
-            (n, f) if f == last => (&mut self.between.sheets[n - 1], back),
-            (n, f) => {
-                let (a, b) = self.between.sheets.split_at_mut(f - 1);
-                (&mut a[n - 1], &mut b[0])
-            }
-        }
-    }
-}
-
-/// One ray's result: associated RGBA (or density and coverage for projections), and where half the opacity is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Texel {
+/// The result of a chunk of rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Texels {
     /// Associated RGBA; projections: density, length of the path, 0, coverage.
-    pub rgba: [f32; 4],
-    /// w of opacity ½, NaN where it is not reached.
-    pub w_half: f32,
+    pub rgba: [[f32; 4]; LANES],
+    /// Position of opacity ½, NaN where it is not reached; only of operators that have a surface, where it is wanted.
+    pub s_half: Option<[f32; LANES]>,
+}
+
+impl Texels {
+    fn new(rgba: &[Lanes; 4], s_half: Option<&Lanes>) -> Self {
+        let [r, g, b, a] = rgba;
+        Self { rgba: std::array::from_fn(|i| [r.0[i], g.0[i], b.0[i], a.0[i]]), s_half: s_half.map(|s| s.0) }
+    }
 }
 
 /// An operator at work on one tile.
 pub trait Compositor {
-    /// Whether sheets with densities in this range change anything.
-    fn wants(&self, range: [f32; 2]) -> bool;
-    /// Whether the row is finished.
-    fn is_done(&self, row: usize) -> bool;
-    /// Adds one row of the space between two sheets, front to back.
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab);
-    /// The result of a row; `w_half` along s.
-    fn finish(&self, row: usize, out: &mut [Texel]);
+    /// Whether no ray of the chunk can change any more.
+    fn is_done(&self, chunk: Chunk) -> bool;
+    /// Adds the space between two sheets, front to back, to those chunks of a block that are neither done nor missed.
+    /// Spaces in which nothing is visible may be left out. `#[inline(always)]`.
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab);
+    /// The result of a chunk.
+    fn finish(&self, chunk: Chunk) -> Texels;
 }
-
-/// A ray stops when less than this share of light comes through: an eighth of a 16-bit grey level.
-const OPAQUE_ENOUGH: f32 = 1.0 - 2e-6;
-
-/// Opacity of a slab from which a cut face of the volume is drawn where it is, not at the nearest sheet.
-const VISIBLE_FACE: f32 = 0.03;
-
-/// Change of a slab's opacity or colour between two sheets that are as near as they get from which it is cut.
-const DIFFERENT: f32 = 0.1;
-
-/// Slabs with linear density and gradient between two sheets that are as near as they get.
-const N_CUTS: usize = 4;
 
 /// Emission and absorption.
 pub struct Over<'a> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
-    /// Change between two sheets from which the space between them is cut; infinite: never.
-    steep: f32,
-    rgba: Vec<[Row; 4]>,
-    s_half: Vec<Row>,
-    /// How far each ray has been composited.
-    covered: Vec<Row>,
-    done: [bool; TILE_V],
+    /// Whether slabs are pre-integrated.
+    is_steep: bool,
+    opaque: f32,
+    with_depth: bool,
+    rgba: Vec<[Lanes; 4]>,
+    s_half: Vec<Lanes>,
+    done: Vec<bool>,
+}
+
+/// One chunk, or two; then both are of one block.
+type Chunks = [Chunk; 2];
+
+/// A piece of the chunks' rays, ready to be composited.
+struct Piece<W: Wide> {
+    rgb: [W::F; 3],
+    alpha: W::F,
+    /// Where opacity begins and how far it extends along s.
+    from: W::F,
+    extent: W::F,
 }
 
 impl<'a> Over<'a> {
-    /// Nothing drawn yet. `steep`: change of a slab's opacity or colour from which it is cut, `∞` for plain sheets.
-    pub fn new(classifier: &'a Classifier, shader: Option<&'a Shader>, steep: f32) -> Self {
+    /// Nothing drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
+    /// `with_depth`: whether `s_half` is wanted.
+    pub fn new(
+        classifier: &'a Classifier,
+        shader: Option<&'a Shader>,
+        is_steep: bool,
+        opaque: f32,
+        with_depth: bool,
+    ) -> Self {
         Self {
             classifier,
             shader,
-            steep,
-            rgba: vec![[[0.0; TILE_U]; 4]; TILE_V],
-            s_half: vec![[f32::NAN; TILE_U]; TILE_V],
-            covered: vec![[f32::NEG_INFINITY; TILE_U]; TILE_V],
-            done: [false; TILE_V],
+            is_steep,
+            opaque,
+            with_depth,
+            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
+            s_half: vec![Lanes::splat(f32::NAN); if with_depth { Chunk::N } else { 0 }],
+            done: vec![false; Chunk::N],
         }
     }
 
-    /// Which rays can see a steep change on their way from one sheet to the next; `None` where none can. A ray that
-    /// enters the drawn part between the two comes from emptiness, which is a change as well.
-    fn steep(&self, rays: &RayRow, slab: &mut Slab, row: usize) -> Option<[bool; TILE_U]> {
-        let (classifier, geometry, last) = (self.classifier, slab.geometry, slab.last());
+    /// Composites a sheet as it is from one position to another.
+    #[inline(always)]
+    fn add_sheet<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        rays: &Rays,
+        (sheet, geometry, panel): (&mut Sheet, &SheetGeometry, &Panel),
+        [from, to]: [f32; 2],
+    ) {
+        let density = sheet.density(w, chunks);
+        if !self.see(w, chunks, rays, density, density) {
+            return;
+        }
+        let (from, mut extent) = extent(w, chunks, rays, [from, to]);
+        if geometry.slices.has_mask() {
+            extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
+        }
+        let [r, g, b, depth] = self.classifier.look_up(w, density);
+        let alpha = one_minus_exp_neg(w, w.mul(depth, w.mul(extent, rays.thickness(w, chunks))));
+        let mut rgb = [r, g, b];
+        if let Some(shader) = self.shader {
+            let gradient = sheet.gradient(w, geometry, panel, chunks);
+            rgb = shader.shade(w, rgb, gradient, rays.to_eye(w, chunks));
+        }
+        self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
+    }
+
+    /// Composites the space between two sheets with a density that is linear in between.
+    #[inline(always)]
+    fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
+        let geometry = slab.geometry;
         let [s_front, s_back] = slab.s;
-        let mut steep = [false; TILE_U];
-        let mut enters = false;
-        for i in 0..TILE_U {
-            enters |= rays.interval[0][i] > s_front && rays.interval[0][i] < s_back;
+        let front = slab.front.density(w, chunks);
+        let back = slab.back.density(w, chunks);
+        if !self.see(w, chunks, rays, w.min(front, back), w.max(front, back)) {
+            return;
         }
-        let spread = classifier.variation(slab.range[1]) - classifier.variation(slab.range[0]);
-        let (front, back) = slab.two(0, last);
-        if spread >= self.steep {
-            let ahead = front.row_spread(row, |d| classifier.variation(d));
-            let behind = back.row_spread(row, |d| classifier.variation(d));
-            for i in 0..TILE_U {
-                let spread = ahead[1][i].max(behind[1][i]) - ahead[0][i].min(behind[0][i]);
-                steep[i] = spread >= self.steep;
-            }
+        let (from, mut extent) = extent(w, chunks, rays, slab.s);
+        if geometry.slices.has_mask() {
+            let hole = w.or(slab.front.hole(w, chunks), slab.back.hole(w, chunks));
+            extent = w.select(hole, w.splat(0.0), extent);
         }
-        if enters {
-            let (front, back) = (front.row(geometry, row), back.row(geometry, row));
-            for i in 0..TILE_U {
-                let depth = classifier.look_up(front.density[i])[3].max(classifier.look_up(back.density[i])[3]);
-                let opacity = one_minus_exp_neg(depth * rays.thickness[i] * (s_back - s_front));
-                let enters_here = rays.interval[0][i] > s_front && rays.interval[0][i] < s_back;
-                steep[i] |= enters_here && opacity >= VISIBLE_FACE;
-            }
+        // The densities where the drawn part begins and ends.
+        let per_s = w.splat(1.0 / (s_back - s_front));
+        let change = w.sub(back, front);
+        let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
+        let end = w.add_mul(begin, extent, per_s);
+        let passage = self.classifier.pass(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
+        // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
+        // the front of an opaque one.
+        let length = w.mul(extent, rays.thickness(w, chunks));
+        let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
+        for (k, depth) in passage.depths.into_iter().enumerate() {
+            let depth = w.mul(depth, length);
+            let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
+            let mean = w.div(w.splat(1.0), w.add_mul(w.splat(2.0), w.splat(0.75), depth));
+            moment = w.add_mul(moment, share, w.mul(w.add(w.splat(k as f32), mean), w.splat(1.0 / N_PARTS as f32)));
+            alpha = w.add(alpha, share);
         }
-        steep.contains(&true).then_some(steep)
-    }
-
-    /// Which rays meet different densities on two sheets so near each other that the density between is linear.
-    fn differ(&self, front: &SheetRow, back: &SheetRow) -> [bool; TILE_U] {
-        let mut differ = [false; TILE_U];
-        let (lo, hi) = (front.range[0].min(back.range[0]), front.range[1].max(back.range[1]));
-        if self.classifier.variation(hi) - self.classifier.variation(lo) < DIFFERENT {
-            return differ;
+        let is_seen = w.lt(w.splat(0.0), alpha);
+        let mean = w.select(is_seen, w.div(moment, alpha), w.splat(0.5));
+        let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
+        let at = w.add_mul(begin, within, w.mul(extent, per_s));
+        let [r, g, b, _] = self.classifier.look_up(w, w.add_mul(front, at, change));
+        let mut rgb = [r, g, b];
+        if let Some(shader) = self.shader {
+            let front = slab.front.gradient(w, geometry, slab.panel, chunks);
+            let back = slab.back.gradient(w, geometry, slab.panel, chunks);
+            rgb = shader.shade(w, rgb, between(w, front, back, at), rays.to_eye(w, chunks));
         }
-        for i in 0..TILE_U {
-            let change = self.classifier.variation(front.density[i]) - self.classifier.variation(back.density[i]);
-            differ[i] = change.abs() >= DIFFERENT;
-        }
-        differ
-    }
-
-    /// Composites each ray up to `to` as one slab with the densities and gradient of `sheet`.
-    fn add_slab(&mut self, level: Level, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
-        level.run(
-            #[inline(always)]
-            || self.add_slab_kernel(row, rays, to, sheet),
+        let (from, extent) = (
+            w.add_mul(from, passage.first, extent),
+            w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
         );
+        self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
     }
 
     #[inline(always)]
-    fn add_slab_kernel(&mut self, row: usize, rays: &RayRow, to: &Row, sheet: &SheetRow) {
-        let from = self.covered[row];
-        let extent = rays.extent(&from, to, &sheet.hole);
-        let mut rgb = [[0.0; TILE_U]; 3];
-        let mut alpha = [0.0; TILE_U];
-        for i in 0..TILE_U {
-            let [r, g, b, depth] = self.classifier.look_up(sheet.density[i]);
-            rgb[0][i] = r;
-            rgb[1][i] = g;
-            rgb[2][i] = b;
-            alpha[i] = depth;
+    fn add_piece<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, piece: &Piece<W>) {
+        let places = chunks.map(Chunk::index);
+        let s = w.one();
+        let ([r, g, b, a], [r2, g2, b2, a2]) = (&self.rgba[places[0]], &self.rgba[places[1]]);
+        let before = w.join(s.load(&a.0), s.load(&a2.0));
+        let weight = w.mul(w.sub(w.splat(1.0), before), piece.alpha);
+        let [red, green, blue] = piece.rgb;
+        let red = w.part(w.add_mul(w.join(s.load(&r.0), s.load(&r2.0)), weight, red));
+        let green = w.part(w.add_mul(w.join(s.load(&g.0), s.load(&g2.0)), weight, green));
+        let blue = w.part(w.add_mul(w.join(s.load(&b.0), s.load(&b2.0)), weight, blue));
+        let after = w.add(before, weight);
+        let alpha = w.part(after);
+        for k in 0..W::N {
+            let [r, g, b, a] = &mut self.rgba[places[k]];
+            s.store(red[k], &mut r.0);
+            s.store(green[k], &mut g.0);
+            s.store(blue[k], &mut b.0);
+            s.store(alpha[k], &mut a.0);
         }
-        for i in 0..TILE_U {
-            alpha[i] = one_minus_exp_neg(alpha[i] * (extent[i] * rays.thickness[i]));
+        if self.with_depth {
+            // Inside the piece opacity is taken to grow evenly.
+            let half = w.splat(0.5);
+            let share = w.div(w.sub(half, before), weight);
+            let crossed = w.and(w.lt(before, half), w.le(half, after));
+            let place = w.add_mul(piece.from, share, piece.extent);
+            let s_half = w.load_from(&self.s_half, places);
+            w.store_to(w.select(crossed, place, s_half), &mut self.s_half, places);
         }
-        if let Some(shader) = self.shader {
-            shader.shade(&mut rgb, &sheet.gradient, &rays.to_eye);
-        }
-        let [r, g, b, a] = &mut self.rgba[row];
-        let s_half = &mut self.s_half[row];
-        let mut least = 1.0_f32;
-        for i in 0..TILE_U {
-            let weight = (1.0 - a[i]) * alpha[i];
-            r[i] += weight * rgb[0][i];
-            g[i] += weight * rgb[1][i];
-            b[i] += weight * rgb[2][i];
-            let before = a[i];
-            a[i] += weight;
-            // Inside the slab opacity is taken to grow evenly.
-            let share = (0.5 - before) / weight;
-            let crossed = before < 0.5 && a[i] >= 0.5;
-            s_half[i] = if crossed { from[i].max(rays.interval[0][i]) + share * extent[i] } else { s_half[i] };
-            // Rays that never meet the volume do not keep a row alive.
-            let missed = rays.interval[0][i] >= rays.interval[1][i];
-            let opacity = if missed { 1.0 } else { a[i] };
-            least = if opacity < least { opacity } else { least };
-        }
-        self.done[row] = least >= OPAQUE_ENOUGH;
-    }
-
-    /// Composites each ray up to `to` with a sheet as it is.
-    fn add_sheet(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, k: usize, to: &Row) {
-        let geometry = slab.geometry;
-        let sheet = slab.sheet(k);
-        let [lo, hi] = sheet.row(geometry, row).range;
-        if self.classifier.any_opacity(lo, hi) {
-            self.add_slab(geometry.level, row, rays, to, sheet.row_with_gradient(geometry, row));
-        }
-        let covered = &mut self.covered[row];
-        for i in 0..TILE_U {
-            covered[i] = covered[i].max(to[i]);
+        // Rays that never meet the volume do not keep a chunk alive.
+        let opaque = w.all_bits(w.le(w.splat(self.opaque), after));
+        for k in 0..W::N {
+            self.done[places[k]] = opaque[k] | rays.missed(chunks[k]) == u16::MAX;
         }
     }
 
-    /// Composites the steep rays from a sheet to the next in slabs of linear density.
-    fn add_cuts(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, near: usize, steep: &[bool; TILE_U]) {
-        let geometry = slab.geometry;
-        let [s_near, s_far] = [slab.s(near), slab.s(near + 1)];
-        let (near_sheet, far_sheet) = slab.two(near, near + 1);
-        let near_row = near_sheet.row_with_gradient(geometry, row);
-        let far_row = far_sheet.row_with_gradient(geometry, row);
-        for k in 1..=N_CUTS {
-            let between = blend(near_row, far_row, (k as f32 - 0.5) / N_CUTS as f32, self.shader.is_some());
-            let end = if k == N_CUTS { s_far } else { s_near + k as f32 * ((s_far - s_near) / N_CUTS as f32) };
-            let mut to = self.covered[row];
-            for i in 0..TILE_U {
-                to[i] = if steep[i] { end } else { to[i] };
-            }
-            self.add_slab(geometry.level, row, rays, &to, &between);
-            self.covered[row] = to;
-        }
+    /// Whether any ray that is not done can see something of densities between `lo` and `hi`.
+    #[inline(always)]
+    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, lo: W::F, hi: W::F) -> bool {
+        let [least, most] = self.classifier.visible_range();
+        let alpha = chunks.map(|chunk| w.one().load(&self.rgba[chunk.index()][3].0));
+        let is_open = w.lt(w.join(alpha[0], alpha[1]), w.splat(self.opaque));
+        let visible = w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most)));
+        let [first, second] = w.all_bits(w.and(visible, is_open));
+        (first & !rays.missed(chunks[0])) | (second & !rays.missed(chunks[1])) != 0
     }
+}
 
-    /// From sheet `near` to the next, for the rays of `among`: the near sheet stands for its half, or, where the
-    /// change is steep, the space is cut.
-    fn add_thin(&mut self, row: usize, rays: &RayRow, slab: &mut Slab, near: usize, among: &[bool; TILE_U]) {
-        let geometry = slab.geometry;
-        let [s_near, s_far] = [slab.s(near), slab.s(near + 1)];
-        let (near_sheet, far_sheet) = slab.two(near, near + 1);
-        let mut cut = self.differ(near_sheet.row(geometry, row), far_sheet.row(geometry, row));
-        let mut to = self.covered[row];
-        for i in 0..TILE_U {
-            cut[i] &= among[i];
-            let end = if cut[i] { s_near } else { 0.5 * (s_near + s_far) };
-            to[i] = if among[i] { end } else { to[i] };
+/// Part of the way from one vector to another.
+#[inline(always)]
+fn between<W: Wide>(w: W, from: [W::F; 3], to: [W::F; 3], share: W::F) -> [W::F; 3] {
+    let ([a, b, c], [d, e, f]) = (from, to);
+    [w.add_mul(a, share, w.sub(d, a)), w.add_mul(b, share, w.sub(e, b)), w.add_mul(c, share, w.sub(f, c))]
+}
+
+/// Where the drawn part of each ray's `[from, to]` begins, and its length.
+#[inline(always)]
+fn extent<W: Wide>(w: W, chunks: Chunks, rays: &Rays, [from, to]: [f32; 2]) -> (W::F, W::F) {
+    if rays.all_draw(chunks[0], from, to) && rays.all_draw(chunks[1], from, to) {
+        return (w.splat(from), w.splat(to - from));
+    }
+    let [lo, hi] = rays.interval(w, chunks);
+    let from = w.max(w.splat(from), lo);
+    let to = w.min(w.splat(to), hi);
+    (from, w.max(w.sub(to, from), w.splat(0.0)))
+}
+
+impl Over<'_> {
+    /// Adds a slab to one chunk or two.
+    #[inline(always)]
+    fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
+        if self.is_steep {
+            return self.add_slab(w, chunks, rays, slab);
         }
-        self.add_sheet(row, rays, slab, near, &to);
-        if cut.contains(&true) {
-            self.add_cuts(row, rays, slab, near, &cut);
+        let [s_front, s_back] = slab.s;
+        let half = 0.5 * (s_back - s_front);
+        let front = (&mut *slab.front, slab.geometry, slab.panel);
+        self.add_sheet(w, chunks, rays, front, [s_front - half, s_front + half]);
+        if slab.is_last {
+            // No slab follows whose front this sheet would be.
+            let behind = (&mut *slab.back, slab.geometry, slab.panel);
+            self.add_sheet(w, chunks, rays, behind, [s_back - half, s_back]);
         }
     }
 }
 
 impl Compositor for Over<'_> {
-    fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
-        self.classifier.any_opacity(lo, hi)
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
     }
 
-    fn is_done(&self, row: usize) -> bool {
-        self.done[row]
-    }
-
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
-        let last = slab.last();
-        let [s_front, s_back] = slab.s;
-        let half_way = 0.5 * (s_front + s_back);
-        // Where the slab before was left out as invisible, rays are drawn from half way to it.
-        let before = s_front - (half_way - s_front);
-        for covered in &mut self.covered[row] {
-            *covered = covered.max(before);
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        slab.front.prepare(s, slab.geometry, block);
+        if self.is_steep || slab.is_last {
+            slab.back.prepare(s, slab.geometry, block);
         }
-        let steep = if self.steep.is_finite() { self.steep(rays, slab, row) } else { None };
-        let mut to = [half_way; TILE_U];
-        if let Some(steep) = &steep {
-            for i in 0..TILE_U {
-                to[i] = if steep[i] { s_front } else { half_way };
+        for [first, second] in block.pairs() {
+            let alive = [first, second].map(|chunk| !rays.none(chunk) && !self.is_done(chunk));
+            match alive {
+                [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab),
+                [true, false] => self.add_chunks(s, [first; 2], rays, slab),
+                [false, true] => self.add_chunks(s, [second; 2], rays, slab),
+                [false, false] => {}
             }
-        }
-        self.add_sheet(row, rays, slab, 0, &to);
-        if let Some(steep) = &steep {
-            for near in 0..last {
-                if self.done[row] {
-                    return;
-                }
-                self.add_thin(row, rays, slab, near, steep);
-            }
-        }
-        // The back sheet stands for the rest of rays that were drawn in thinner slabs, and of all in the last slab.
-        if steep.is_some() || slab.is_last {
-            let mut to = self.covered[row];
-            for i in 0..TILE_U {
-                let all = slab.is_last || steep.is_some_and(|steep| steep[i]);
-                to[i] = if all { s_back } else { to[i] };
-            }
-            self.add_sheet(row, rays, slab, last, &to);
         }
     }
 
-    fn finish(&self, row: usize, out: &mut [Texel]) {
-        for (i, texel) in out.iter_mut().enumerate() {
-            *texel = Texel { rgba: std::array::from_fn(|c| self.rgba[row][c][i]), w_half: self.s_half[row][i] };
-        }
+    fn finish(&self, chunk: Chunk) -> Texels {
+        Texels::new(&self.rgba[chunk.index()], self.s_half.get(chunk.index()))
     }
 }
 
-/// Density and gradient at `t` of the way from one sheet to the next.
-#[inline(always)]
-fn blend(front: &SheetRow, back: &SheetRow, t: f32, with_gradient: bool) -> SheetRow {
-    let mut row = SheetRow::EMPTY;
-    for i in 0..TILE_U {
-        row.density[i] = front.density[i] + t * (back.density[i] - front.density[i]);
-        row.hole[i] = front.hole[i].max(back.hole[i]);
+/// Densities of a chunk on both sheets, where neither reaches a hole (bits), and the drawn interval.
+struct Ends {
+    front: [f32; LANES],
+    back: [f32; LANES],
+    whole: u16,
+}
+
+impl Ends {
+    #[inline(always)]
+    fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
+        let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
+        s.store(slab.front.density(s, [chunk; 2]), &mut front);
+        s.store(slab.back.density(s, [chunk; 2]), &mut back);
+        let whole = if slab.geometry.slices.has_mask() {
+            !s.bits(s.or(slab.front.hole(s, [chunk; 2]), slab.back.hole(s, [chunk; 2])))
+        } else {
+            u16::MAX
+        };
+        Self { front, back, whole }
     }
-    if with_gradient {
-        for c in 0..3 {
-            for i in 0..TILE_U {
-                row.gradient[c][i] = front.gradient[c][i] + t * (back.gradient[c][i] - front.gradient[c][i]);
-            }
-        }
-    }
-    row
 }
 
 /// Maximum, minimum, mean and sum of the densities along a ray.
 pub struct Project {
     operator: Composite,
-    value: Vec<Row>,
-    length: Vec<Row>,
+    value: Vec<Lanes>,
+    length: Vec<Lanes>,
 }
 
 impl Project {
     /// `operator` is one of the projections.
     pub fn new(operator: Composite) -> Self {
-        Self { operator, value: vec![[0.0; TILE_U]; TILE_V], length: vec![[0.0; TILE_U]; TILE_V] }
+        Self { operator, value: vec![Lanes::splat(0.0); Chunk::N], length: vec![Lanes::splat(0.0); Chunk::N] }
     }
 }
 
-impl Compositor for Project {
-    fn wants(&self, _: [f32; 2]) -> bool {
-        true
-    }
-
-    fn is_done(&self, _: usize) -> bool {
-        false
-    }
-
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
-        let [front, back] = &mut slab.sheets;
-        let (front, back) = (front.row(slab.geometry, row), back.row(slab.geometry, row));
-        let (value, length) = (&mut self.value[row], &mut self.length[row]);
+impl Project {
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
+        let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
+        let [lo, hi] = rays.lanes(chunk);
+        let thickness = &rays.directions(chunk).thickness.0;
         let [s_front, s_back] = slab.s;
         let per_s = 1.0 / (s_back - s_front);
-        for i in 0..TILE_U {
+        let operator = self.operator;
+        for i in 0..LANES {
             // The part of the slab that is drawn, and the densities at its ends.
-            let from = ((rays.interval[0][i] - s_front) * per_s).max(0.0);
-            let to = ((rays.interval[1][i] - s_front) * per_s).min(1.0);
-            let slope = back.density[i] - front.density[i];
-            let near = front.density[i] + from * slope;
-            let far = if to == 1.0 { back.density[i] } else { front.density[i] + to * slope };
-            let drawn = to > from && front.hole[i] <= 0.0 && back.hole[i] <= 0.0;
-            let extent = if drawn { (to - from) * (s_back - s_front) * rays.thickness[i] } else { 0.0 };
+            let from = ((lo.0[i] - s_front) * per_s).max(0.0);
+            let to = ((hi.0[i] - s_front) * per_s).min(1.0);
+            let slope = back[i] - front[i];
+            let near = front[i] + from * slope;
+            let far = if to == 1.0 { back[i] } else { front[i] + to * slope };
+            let drawn = to > from && whole >> i & 1 == 1;
+            let extent = if drawn { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
             let empty = length[i] == 0.0;
-            let new = match self.operator {
-                Composite::Maximum => {
-                    if empty {
-                        near.max(far)
-                    } else {
-                        value[i].max(near.max(far))
-                    }
-                }
-                Composite::Minimum => {
-                    if empty {
-                        near.min(far)
-                    } else {
-                        value[i].min(near.min(far))
-                    }
-                }
+            let new = match operator {
+                Composite::Maximum if empty => near.max(far),
+                Composite::Maximum => value[i].max(near.max(far)),
+                Composite::Minimum if empty => near.min(far),
+                Composite::Minimum => value[i].min(near.min(far)),
                 _ => value[i] + 0.5 * (near + far) * extent,
             };
             value[i] = if drawn { new } else { value[i] };
             length[i] += extent;
         }
     }
+}
 
-    fn finish(&self, row: usize, out: &mut [Texel]) {
-        for (i, texel) in out.iter_mut().enumerate() {
-            let (value, length) = (self.value[row][i], self.length[row][i]);
+impl Compositor for Project {
+    #[inline(always)]
+    fn is_done(&self, _: Chunk) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        slab.front.prepare(s, slab.geometry, block);
+        slab.back.prepare(s, slab.geometry, block);
+        for chunk in block.chunks() {
+            if !rays.none(chunk) && !self.is_done(chunk) {
+                self.add_chunk(s, chunk, rays, slab);
+            }
+        }
+    }
+
+    fn finish(&self, chunk: Chunk) -> Texels {
+        let rgba = std::array::from_fn(|i| {
+            let (value, length) = (self.value[chunk.index()].0[i], self.length[chunk.index()].0[i]);
             let covered = if length > 0.0 { 1.0 } else { 0.0 };
             let value = if self.operator == Composite::Mean && length > 0.0 { value / length } else { value };
-            *texel = Texel { rgba: [value * covered, length * covered, 0.0, covered], w_half: f32::NAN };
-        }
+            [value * covered, length * covered, 0.0, covered]
+        });
+        Texels { rgba, s_half: None }
     }
 }
 
@@ -476,71 +404,91 @@ pub struct FirstHit<'a> {
     iso: f32,
     rgb: [f32; 3],
     shader: Option<&'a Shader>,
-    texels: Vec<[Texel; TILE_U]>,
+    rgba: Vec<[Lanes; 4]>,
+    s_hit: Vec<Lanes>,
+    hit: Vec<u16>,
+    done: Vec<bool>,
 }
 
 impl<'a> FirstHit<'a> {
     /// `iso` is a density.
     pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>) -> Self {
-        let [r, g, b, _] = classifier.look_up(iso);
-        let empty = Texel { rgba: [0.0; 4], w_half: f32::NAN };
-        Self { iso, rgb: [r, g, b], shader, texels: vec![[empty; TILE_U]; TILE_V] }
+        let [r, g, b, _] = classifier.look_up_one(iso);
+        Self {
+            iso,
+            rgb: [r, g, b],
+            shader,
+            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
+            s_hit: vec![Lanes::splat(f32::NAN); Chunk::N],
+            hit: vec![0; Chunk::N],
+            done: vec![false; Chunk::N],
+        }
+    }
+}
+
+impl FirstHit<'_> {
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        let [s_front, s_back] = slab.s;
+        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
+        let [lo, hi] = rays.lanes(chunk);
+        let mut at = [0.0; LANES];
+        let mut new = 0;
+        for i in 0..LANES {
+            let (a, b) = (front[i] - self.iso, back[i] - self.iso);
+            // A surface is crossed, from either side; a ray that starts inside has met a cut face, not a surface.
+            let crosses = (a < 0.0) != (b < 0.0);
+            at[i] = a / (a - b);
+            let place = s_front + (s_back - s_front) * at[i];
+            let inside = place >= lo.0[i] && place <= hi.0[i];
+            new |= u16::from(crosses && inside) << i;
+        }
+        new &= whole & !self.hit[chunk.index()] & !rays.missed(chunk);
+        if new == 0 {
+            return;
+        }
+        let mut rgb = self.rgb.map(|c| s.splat(c));
+        if let Some(shader) = self.shader {
+            let front = slab.front.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
+            let back = slab.back.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
+            let at = s.load(&at);
+            let gradient = between(s, front, back, at);
+            rgb = shader.shade(s, rgb, gradient, rays.to_eye(s, [chunk; 2]));
+        }
+        let rgba = &mut self.rgba[chunk.index()];
+        let mut shaded = [[1.0; LANES]; 4];
+        for c in 0..3 {
+            s.store(rgb[c], &mut shaded[c]);
+        }
+        for i in (0..LANES).filter(|i| new >> i & 1 == 1) {
+            for c in 0..4 {
+                rgba[c].0[i] = shaded[c][i];
+            }
+            self.s_hit[chunk.index()].0[i] = s_front + (s_back - s_front) * at[i];
+        }
+        self.hit[chunk.index()] |= new;
+        self.done[chunk.index()] = self.hit[chunk.index()] | rays.missed(chunk) == u16::MAX;
     }
 }
 
 impl Compositor for FirstHit<'_> {
-    /// A surface needs densities on both sides.
-    fn wants(&self, [lo, hi]: [f32; 2]) -> bool {
-        lo < self.iso && hi >= self.iso
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
     }
 
-    fn is_done(&self, _: usize) -> bool {
-        false
-    }
-
-    fn add(&mut self, row: usize, rays: &RayRow, slab: &mut Slab) {
-        let [s_front, s_back] = slab.s;
-        let mut s_hit = [f32::NAN; TILE_U];
-        let mut any = false;
-        let [front, back] = &mut slab.sheets;
-        {
-            let (front, back) = (front.row(slab.geometry, row), back.row(slab.geometry, row));
-            for i in 0..TILE_U {
-                let (a, b) = (front.density[i] - self.iso, back.density[i] - self.iso);
-                // A surface is crossed, from either side; a ray that starts inside has met a cut face, not a surface.
-                let crosses = (a < 0.0) != (b < 0.0) && front.hole[i] <= 0.0 && back.hole[i] <= 0.0;
-                let s = s_front + (s_back - s_front) * (a / (a - b));
-                let inside = s >= rays.interval[0][i] && s <= rays.interval[1][i];
-                if crosses && inside && self.texels[row][i].rgba[3] == 0.0 {
-                    s_hit[i] = s;
-                    any = true;
-                }
-            }
-        }
-        if !any {
-            return;
-        }
-        let mut rgb = self.rgb.map(|c| [c; TILE_U]);
-        if let Some(shader) = self.shader {
-            let front = front.row_with_gradient(slab.geometry, row);
-            let back = back.row_with_gradient(slab.geometry, row);
-            let mut gradient = [[0.0; TILE_U]; 3];
-            for (c, gradient) in gradient.iter_mut().enumerate() {
-                for i in 0..TILE_U {
-                    let t = (s_hit[i] - s_front) / (s_back - s_front);
-                    gradient[i] = front.gradient[c][i] + t * (back.gradient[c][i] - front.gradient[c][i]);
-                }
-            }
-            shader.shade(&mut rgb, &gradient, &rays.to_eye);
-        }
-        for i in 0..TILE_U {
-            if !s_hit[i].is_nan() {
-                self.texels[row][i] = Texel { rgba: [rgb[0][i], rgb[1][i], rgb[2][i], 1.0], w_half: s_hit[i] };
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        slab.front.prepare(s, slab.geometry, block);
+        slab.back.prepare(s, slab.geometry, block);
+        for chunk in block.chunks() {
+            if !rays.none(chunk) && !self.is_done(chunk) {
+                self.add_chunk(s, chunk, rays, slab);
             }
         }
     }
 
-    fn finish(&self, row: usize, out: &mut [Texel]) {
-        out.copy_from_slice(&self.texels[row][..out.len()]);
+    fn finish(&self, chunk: Chunk) -> Texels {
+        Texels::new(&self.rgba[chunk.index()], Some(&self.s_hit[chunk.index()]))
     }
 }

@@ -7,34 +7,68 @@
 
 use wavesplat_core::Kernel;
 
-use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
+use crate::kernel::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
+use crate::simd::{LANES, Lanes};
 use crate::slices::SliceTap;
 
-/// Weights of every position of one axis, tap by tap: `weights[t · n + i]` belongs to sample `first[i] + t`.
+/// Weights of a run of positions, in groups of [`LANES`].
 #[derive(Clone, Debug, Default)]
 pub struct Footprint {
-    /// First sample of each position, counted from the window's first sample.
-    pub first: Vec<u32>,
-    /// Weights, one run of `n` per tap.
-    pub weights: Vec<f32>,
     /// Taps per position.
     pub n_taps: usize,
+    /// Lowest first sample of each group, counted from the window's first sample.
+    base: Vec<u32>,
+    /// First sample of each position, counted from its group's base.
+    index: Vec<Lanes<u32>>,
+    /// Whether all of a group's `index` are below [`LANES`].
+    dense: Vec<bool>,
+    /// `n_taps` of them per group.
+    weights: Vec<Lanes>,
 }
 
 impl Footprint {
-    fn reset(&mut self, n: usize, n_taps: usize) {
+    fn reset(&mut self, n_groups: usize, n_taps: usize) {
         self.n_taps = n_taps;
-        self.first.clear();
-        self.first.resize(n, 0);
-        self.weights.clear();
-        self.weights.resize(n * n_taps, 0.0);
+        self.base.resize(n_groups, 0);
+        self.index.resize(n_groups, Lanes::default());
+        self.dense.resize(n_groups, false);
+        self.weights.resize(n_groups * n_taps, Lanes::default());
     }
 
-    /// Weights of tap `t`.
-    pub fn tap(&self, t: usize) -> &[f32] {
-        let n = self.first.len();
-        &self.weights[t * n..(t + 1) * n]
+    /// First sample of a position.
+    pub fn first(&self, i: usize) -> usize {
+        (self.base[i / LANES] + self.index[i / LANES].0[i % LANES]) as usize
     }
+
+    /// Weight of tap `t` of a position.
+    #[inline(always)]
+    pub fn weight(&self, i: usize, t: usize) -> f32 {
+        self.weights[i / LANES * self.n_taps + t].0[i % LANES]
+    }
+
+    /// The table of a group of positions.
+    #[inline(always)]
+    pub fn group(&self, g: usize) -> Group<'_> {
+        Group {
+            base: self.base[g] as usize,
+            index: &self.index[g],
+            is_dense: self.dense[g],
+            weights: &self.weights[g * self.n_taps..(g + 1) * self.n_taps],
+        }
+    }
+}
+
+/// The table of [`LANES`] neighbouring positions.
+#[derive(Clone, Copy)]
+pub struct Group<'a> {
+    /// Lowest first sample.
+    pub base: usize,
+    /// First sample of each lane, counted from `base`.
+    pub index: &'a Lanes<u32>,
+    /// Whether all of `index` are below [`LANES`].
+    pub is_dense: bool,
+    /// Weights, tap by tap.
+    pub weights: &'a [Lanes],
 }
 
 /// The tables of one axis for a run of positions.
@@ -46,7 +80,6 @@ pub struct AxisFootprints {
     pub difference: Footprint,
     /// First and last sample that is reached, before folding.
     pub window: [i64; 2],
-    firsts: Vec<[i64; 2]>,
 }
 
 /// What a footprint is built from.
@@ -103,39 +136,137 @@ impl Axis {
 }
 
 impl AxisFootprints {
-    /// Rebuilds the tables for the `n` positions `origin + i · step`, in samples.
-    pub fn build(&mut self, axis: &Axis, origin: f64, step: f64, n: usize) {
-        let position = |i: usize| (origin + step * i as f64).clamp(0.0, axis.last());
-        self.value.reset(n, n_taps(axis.kernel));
+    /// Rebuilds the tables for the positions `origin + i · step`, in samples, in `n_groups` groups. Runs at the level
+    /// of the caller.
+    #[inline(always)]
+    pub fn build(&mut self, axis: &Axis, origin: f64, step: f64, n_groups: usize) {
+        let n_value = n_taps(axis.kernel);
+        self.value.reset(n_groups, n_value);
+        let (offset, n_difference) = (axis.offset.unwrap_or(0.0), axis.offset.map_or(0, |d| axis.n_difference_taps(d)));
+        self.difference.reset(if n_difference > 0 { n_groups } else { 0 }, n_difference);
+        let end = origin + step * (n_groups * LANES - 1) as f64;
+        let (lo, hi) = (origin.min(end), origin.max(end));
+        // A whole offset moves the taps by whole samples, and away from the faces nothing stops there. With the linear
+        // kernel stopping at a face is the same as going on with its sample repeated.
+        let inside = axis.kernel == Kernel::Linear || (lo >= offset && hi + offset <= axis.last());
+        let window = if inside && offset.fract() == 0.0 && near_taps(axis.kernel, 0.0).is_some() {
+            self.build_inside(axis, [origin, step], n_groups, offset as usize)
+        } else {
+            self.build_anywhere(axis, [origin, step], n_groups)
+        };
+        self.window = window;
+    }
+
+    /// f32 positions, counted from a sample near each group, so that the compiler can use whole vectors. Firsts are
+    /// counted from the window's first sample, which is returned with the last one.
+    #[inline(always)]
+    fn build_inside(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, offset: usize) -> [i64; 2] {
+        let group_span = step * (LANES - 1) as f64;
+        let last = axis.last();
+        let group_base = |g: usize| {
+            let first = origin + step * (g * LANES) as f64;
+            let base = first.min(first + group_span).clamp(0.0, last).floor();
+            (base, (first - base) as f32)
+        };
+        let (reach, offset) = (reach(axis.kernel) as i64, offset as i64);
+        let lowest = group_base(0).0.min(group_base(n_groups - 1).0) as i64 - reach - offset;
+        let mut highest = lowest;
+        for g in 0..n_groups {
+            let (base, start) = group_base(g);
+            let (begin, end) = (-base as f32, (last - base) as f32);
+            let base = base as i64 - lowest;
+            let mut first = Lanes::<u32>::default();
+            let mut weights = [Lanes::default(); MAX_TAPS];
+            let step = step as f32;
+            macro_rules! fill {
+                ($kernel:expr) => {
+                    for i in 0..LANES {
+                        let x = start + i as f32 * step;
+                        let x = if x > begin { x } else { begin };
+                        let x = if x < end { x } else { end };
+                        if let Some((tap, w)) = near_taps($kernel, x) {
+                            first.0[i] = tap;
+                            for t in 0..MAX_TAPS {
+                                weights[t].0[i] = w[t];
+                            }
+                        }
+                    }
+                };
+            }
+            // One loop per kernel, so that none of them branches inside.
+            match axis.kernel {
+                Kernel::Linear => fill!(Kernel::Linear),
+                Kernel::CatmullRom => fill!(Kernel::CatmullRom),
+                Kernel::Bspline2 => fill!(Kernel::Bspline2),
+                _ => fill!(Kernel::Bspline3),
+            }
+            let last_index = first.0[0].max(first.0[LANES - 1]);
+            let is_dense = last_index < LANES as u32;
+            let n = self.value.n_taps;
+            self.value.base[g] = (base - reach) as u32;
+            self.value.index[g] = first;
+            self.value.dense[g] = is_dense;
+            self.value.weights[g * n..(g + 1) * n].copy_from_slice(&weights[..n]);
+            highest = highest.max(lowest + base - reach + i64::from(last_index) + n as i64 - 1 + offset);
+            let n_difference = self.difference.n_taps;
+            if n_difference > 0 {
+                self.difference.base[g] = (base - reach - offset) as u32;
+                self.difference.index[g] = first;
+                self.difference.dense[g] = is_dense;
+                let difference = &mut self.difference.weights[g * n_difference..(g + 1) * n_difference];
+                let share = 1.0 / (2 * offset) as f32;
+                let shift = 2 * offset as usize;
+                for t in 0..n_difference {
+                    for i in 0..LANES {
+                        let lo = if t < n { weights[t].0[i] } else { 0.0 };
+                        let hi = if t >= shift { weights[t - shift].0[i] } else { 0.0 };
+                        difference[t].0[i] = (hi - lo) * share;
+                    }
+                }
+            }
+        }
+        [lowest, highest]
+    }
+
+    /// Any position, kernel and offset.
+    fn build_anywhere(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize) -> [i64; 2] {
         let offset = axis.offset;
-        self.difference.reset(if offset.is_some() { n } else { 0 }, offset.map_or(0, |d| axis.n_difference_taps(d)));
-        self.firsts.clear();
+        let n = n_groups * LANES;
         let mut window = [i64::MAX, i64::MIN];
+        let mut firsts = Vec::with_capacity(n);
         for i in 0..n {
-            let x = position(i);
+            let (g, lane) = (i / LANES, i % LANES);
+            let x = (origin + step * i as f64).clamp(0.0, axis.last());
             let (first, weights) = taps(axis.kernel, x);
             for t in 0..self.value.n_taps {
-                self.value.weights[t * n + i] = weights[t] as f32;
+                self.value.weights[g * self.value.n_taps + t].0[lane] = weights[t] as f32;
             }
             let mut first_difference = first;
             if let Some(offset) = offset {
                 let (first, weights) = axis.difference(x, offset);
                 for t in 0..self.difference.n_taps {
-                    self.difference.weights[t * n + i] = weights[t] as f32;
+                    self.difference.weights[g * self.difference.n_taps + t].0[lane] = weights[t] as f32;
                 }
                 first_difference = first;
             }
             let end = (first + self.value.n_taps as i64).max(first_difference + self.difference.n_taps as i64);
             window = [window[0].min(first).min(first_difference), window[1].max(end - 1)];
-            self.firsts.push([first, first_difference]);
+            firsts.push([first, first_difference]);
         }
-        self.window = window;
-        for (i, [first, first_difference]) in self.firsts.iter().enumerate() {
-            self.value.first[i] = (first - window[0]) as u32;
-            if offset.is_some() {
-                self.difference.first[i] = (first_difference - window[0]) as u32;
+        let fill = |which: usize, footprint: &mut Footprint| {
+            for g in 0..n_groups {
+                let group = &firsts[g * LANES..(g + 1) * LANES];
+                let base = group.iter().map(|f| f[which]).fold(i64::MAX, i64::min);
+                footprint.base[g] = (base - window[0]) as u32;
+                footprint.index[g] = Lanes(std::array::from_fn(|i| (group[i][which] - base) as u32));
+                footprint.dense[g] = footprint.index[g].0.iter().all(|i| *i < LANES as u32);
             }
+        };
+        fill(0, &mut self.value);
+        if offset.is_some() {
+            fill(1, &mut self.difference);
         }
+        window
     }
 }
 
@@ -153,10 +284,10 @@ mod tests {
         for (name, kernel) in Kernel::NAMES {
             for offset in [0.1, 0.5, 0.75, 1.0, 1.7, 4.0] {
                 let mut tables = AxisFootprints::default();
-                tables.build(&axis(kernel, offset), -1.0, 0.037, 400);
+                tables.build(&axis(kernel, offset), -1.0, 0.037, 25);
                 for i in 0..400 {
-                    let value: f32 = (0..tables.value.n_taps).map(|t| tables.value.tap(t)[i]).sum();
-                    let difference: f32 = (0..tables.difference.n_taps).map(|t| tables.difference.tap(t)[i]).sum();
+                    let value: f32 = (0..tables.value.n_taps).map(|t| tables.value.weight(i, t)).sum();
+                    let difference: f32 = (0..tables.difference.n_taps).map(|t| tables.difference.weight(i, t)).sum();
                     assert!((value - 1.0).abs() < 1e-6, "{name} offset {offset} texel {i}: {value}");
                     assert!(difference.abs() < 1e-5, "{name} offset {offset} texel {i}: {difference}");
                 }
@@ -169,11 +300,42 @@ mod tests {
         for (name, kernel) in Kernel::NAMES.into_iter().filter(|(_, k)| *k != Kernel::Gaussian) {
             let mut tables = AxisFootprints::default();
             // Away from the faces, where the ramp goes on; B-spline coefficients of a ramp are the ramp.
-            tables.build(&axis(kernel, 1.0), 4.0, 0.1, 30);
+            tables.build(&axis(kernel, 1.0), 4.0, 0.1, 2);
             for i in 0..30 {
-                let sample = |t: usize| (tables.window[0] + i64::from(tables.difference.first[i]) + t as i64) as f32;
-                let slope: f32 = (0..tables.difference.n_taps).map(|t| tables.difference.tap(t)[i] * sample(t)).sum();
+                let sample = |t: usize| (tables.window[0] + (tables.difference.first(i) + t) as i64) as f32;
+                let slope: f32 =
+                    (0..tables.difference.n_taps).map(|t| tables.difference.weight(i, t) * sample(t)).sum();
                 assert!((slope - 1.0).abs() < 1e-5, "{name} texel {i}: {slope}");
+            }
+        }
+    }
+
+    /// Both ways of building reach the same samples with the same weights.
+    #[test]
+    fn tables_inside_are_the_tables_anywhere() {
+        for (_, kernel) in Kernel::NAMES {
+            for (origin, step) in [(3.1, 0.11), (2.0, 0.25), (8.9, -0.15), (3.0, 0.5)] {
+                let axis = Axis { kernel, n_samples: 40, offset: Some(1.0) };
+                let (mut fast, mut slow) = (AxisFootprints::default(), AxisFootprints::default());
+                fast.build(&axis, origin, step, 2);
+                slow.value.reset(2, n_taps(kernel));
+                slow.difference.reset(2, n_taps(kernel) + 2);
+                slow.window = slow.build_anywhere(&axis, [origin, step], 2);
+                for i in 0..2 * LANES {
+                    for (fast_table, slow_table) in [(&fast.value, &slow.value), (&fast.difference, &slow.difference)] {
+                        let dense = |tables: &AxisFootprints, table: &Footprint| {
+                            let mut dense = [0.0_f32; 50];
+                            for t in 0..table.n_taps {
+                                let sample = tables.window[0] + (table.first(i) + t) as i64;
+                                assert!(sample <= tables.window[1]);
+                                dense[(sample + 4) as usize] += table.weight(i, t);
+                            }
+                            dense
+                        };
+                        let (a, b) = (dense(&fast, fast_table), dense(&slow, slow_table));
+                        assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5), "{kernel:?} {origin} {i}");
+                    }
+                }
             }
         }
     }

@@ -6,6 +6,7 @@ use glam::{DAffine3, DVec3};
 use wavesplat_core::{Crop, Error, RenderOptions, Result, Volume};
 
 use crate::base_plane::{BasePlane, TexelRay};
+use crate::simd::LANES;
 
 /// `normal · position + offset ≥ 0`, in index coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +90,7 @@ impl Region {
         [lo, hi]
     }
 
-    /// Interval of w of a texel's ray that is inside; empty where lo ≥ hi.
+    /// Interval of w of one texel's ray; empty where lo ≥ hi.
     pub fn texel_interval(&self, plane: &BasePlane, ray: &TexelRay) -> [f64; 2] {
         let [mut lo, mut hi] = [f64::NEG_INFINITY, f64::INFINITY];
         if let Some(eye_w) = plane.eye_w() {
@@ -102,21 +103,44 @@ impl Region {
         }
         [lo, hi]
     }
+
+    /// Intervals of w of the rays of a run of texels that begins at `(i, j)`; empty where lo ≥ hi.
+    #[inline(always)]
+    pub fn texel_intervals(&self, plane: &BasePlane, i: f64, j: f64) -> [[f64; LANES]; 2] {
+        let (mut lo, mut hi) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
+        if let Some(eye_w) = plane.eye_w() {
+            *if plane.family.ascending { &mut lo } else { &mut hi } = [eye_w; LANES];
+        }
+        // Along a row of texels, rays change evenly.
+        let (ray, next) = (plane.ray(i, j), plane.ray(i + 1.0, j));
+        for h in &self.half_spaces {
+            let [nu, nv, nw] = plane.family.uvw(h.normal);
+            let at_zero = |ray: &TexelRay| nu * ray.at_zero[0] + nv * ray.at_zero[1] + h.offset;
+            let slope = |ray: &TexelRay| nu * ray.slope[0] + nv * ray.slope[1] + nw;
+            let (at_zero, slope) = ([at_zero(&ray), at_zero(&next)], [slope(&ray), slope(&next)]);
+            for k in 0..LANES {
+                let along = |[first, next]: [f64; 2]| first + (next - first) * k as f64;
+                narrow(along(at_zero), along(slope), &mut lo[k], &mut hi[k]);
+            }
+        }
+        [lo, hi]
+    }
 }
 
 /// Keeps the `t` with `at_zero + slope · t ≥ 0`.
-#[inline]
+#[inline(always)]
 fn narrow(at_zero: f64, slope: f64, lo: &mut f64, hi: &mut f64) {
     // Below this slope the plane is parallel to the ray, in index units.
     const PARALLEL: f64 = 1e-12;
     let t = -at_zero / slope;
-    if slope > PARALLEL {
-        *lo = lo.max(t);
-    } else if slope < -PARALLEL {
-        *hi = hi.min(t);
-    } else if at_zero < -PARALLEL {
-        *hi = f64::NEG_INFINITY;
-    }
+    // Written as selections, so that loops over texels become vectors.
+    let (rises, falls) = (slope > PARALLEL, slope < -PARALLEL);
+    let from = if rises { t } else { f64::NEG_INFINITY };
+    let outside = if rises || falls { false } else { at_zero < -PARALLEL };
+    let to = if outside { f64::NEG_INFINITY } else { f64::INFINITY };
+    let to = if falls { t } else { to };
+    *lo = if from > *lo { from } else { *lo };
+    *hi = if to < *hi { to } else { *hi };
 }
 
 fn box_bounds(transform: DAffine3, lo: DVec3, hi: DVec3) -> [DVec3; 2] {

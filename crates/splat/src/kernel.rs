@@ -46,12 +46,12 @@ pub fn weight(kernel: Kernel, x: f64) -> f64 {
     }
 }
 
-/// How much a reconstructed value can leave the range of its samples in a plane, as a share of that range.
+/// How much a reconstructed value can leave the range of its samples, as a share of that range.
 ///
 /// Non-negative weights of sum 1 stay inside. Catmull-Rom has absolute sum at most 5/4 per axis, so at most
-/// (25/16 − 1) / 2 on either side for two axes.
-pub fn overshoot_2d(kernel: Kernel) -> f32 {
-    if kernel == Kernel::CatmullRom { 9.0 / 32.0 } else { 0.0 }
+/// (125/64 − 1) / 2 on either side for three axes.
+pub fn overshoot(kernel: Kernel) -> f32 {
+    if kernel == Kernel::CatmullRom { 61.0 / 128.0 } else { 0.0 }
 }
 
 /// Taps at position `x ≥ 0`: index of the first sample and the weights, which sum to 1.
@@ -86,6 +86,41 @@ pub fn taps(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
             let sum: f64 = w.iter().sum();
             (below - 1, w.map(|w| w / sum))
         }
+    }
+}
+
+/// Samples between a position and the first tap.
+pub fn reach(kernel: Kernel) -> usize {
+    (n_taps(kernel) - 1) / 2
+}
+
+/// Taps at position `x ≥ 0` in f32, for loops over neighbouring positions: the first sample plus [`reach`], and the
+/// weights. `None` for kernels that have no polynomial.
+#[inline(always)]
+pub fn near_taps(kernel: Kernel, x: f32) -> Option<(u32, [f32; MAX_TAPS])> {
+    let below = x as u32;
+    let t = x - below as f32;
+    match kernel {
+        Kernel::Linear => Some((below, [1.0 - t, t, 0.0, 0.0])),
+        Kernel::CatmullRom => {
+            let w0 = ((-0.5 * t + 1.0) * t - 0.5) * t;
+            let w1 = (1.5 * t - 2.5) * t * t + 1.0;
+            let w3 = (0.5 * t - 0.5) * t * t;
+            Some((below, [w0, w1, 1.0 - w0 - w1 - w3, w3]))
+        }
+        Kernel::Bspline2 => {
+            let nearest = (x + 0.5) as u32;
+            let t = x - nearest as f32;
+            let (w0, w2) = (0.5 * (0.5 - t) * (0.5 - t), 0.5 * (0.5 + t) * (0.5 + t));
+            Some((nearest, [w0, 1.0 - w0 - w2, w2, 0.0]))
+        }
+        Kernel::Bspline3 => {
+            let s = 1.0 - t;
+            let (w0, w3) = (s * s * s / 6.0, t * t * t / 6.0);
+            let w1 = 2.0 / 3.0 + t * t * (0.5 * t - 1.0);
+            Some((below, [w0, w1, 1.0 - w0 - w1 - w3, w3]))
+        }
+        Kernel::Gaussian => None,
     }
 }
 
@@ -154,7 +189,7 @@ mod tests {
         for (name, kernel) in Kernel::NAMES {
             for x in positions() {
                 let sum: f64 = taps(kernel, x).1.iter().map(|w| w.abs()).sum();
-                assert!((sum * sum - 1.0) / 2.0 <= f64::from(overshoot_2d(kernel)) + 1e-12, "{name} at {x}");
+                assert!((sum.powi(3) - 1.0) / 2.0 <= f64::from(overshoot(kernel)) + 1e-12, "{name} at {x}");
             }
         }
     }

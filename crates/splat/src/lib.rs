@@ -11,13 +11,16 @@
 //! Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 pub mod base_plane;
+pub mod bricks;
 pub mod classify;
 pub mod composite;
 pub mod footprint;
 pub mod interval;
 pub mod kernel;
+pub mod panel;
 mod parallel;
 pub mod prefilter;
+pub mod rays;
 pub mod reference;
 mod render;
 pub mod shade;
@@ -27,4 +30,4 @@ pub mod slices;
 mod tile;
 pub mod warp;
 
-pub use render::{Monitor, Report, render, render_base_planes, render_base_planes_at};
+pub use render::{Monitor, Report, is_steep, render, render_base_planes, render_base_planes_at};

@@ -13,6 +13,19 @@ pub fn map<T: Send>(n: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T>
     }
 }
 
+/// Calls `work` for every index of `0..n`.
+pub fn for_each(n: usize, work: impl Fn(usize) + Sync + Send) {
+    #[cfg(feature = "threads")]
+    {
+        use rayon::prelude::*;
+        (0..n).into_par_iter().with_max_len(1).for_each(work);
+    }
+    #[cfg(not(feature = "threads"))]
+    {
+        (0..n).for_each(work);
+    }
+}
+
 /// Calls `work` with the index and the contents of each chunk of `chunk_len` elements.
 pub fn for_each_chunk<T: Send>(data: &mut [T], chunk_len: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
     #[cfg(feature = "threads")]

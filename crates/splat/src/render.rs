@@ -2,17 +2,22 @@
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
+use wavesplat_core::{
+    Camera, Composite, Error, Picture, RenderOptions, Result, Shading, Statistics, TransferFunction, Volume,
+};
 
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
+use crate::bricks::Occupied;
 use crate::classify::Classifier;
-use crate::composite::{Compositor, FirstHit, Over, Project, Texel};
+use crate::composite::{Compositor, FirstHit, Over, Project};
 use crate::interval::Region;
 use crate::parallel;
+use crate::rays::RayGeometry;
 use crate::shade::Shader;
-use crate::sheet::{SheetGeometry, TILE_U, TILE_V};
-use crate::simd::Level;
+use crate::sheet::{Chunk, N_STRIPS, SheetGeometry, TILE_U, TILE_V};
+use crate::simd::{LANES, Level};
 use crate::slices::Slices;
 use crate::tile::{SheetSpacing, TileJob, Work};
 use crate::warp::{BasePicture, warp};
@@ -74,7 +79,7 @@ pub fn render(
         } else {
             options.shading.as_ref().map_or(1.0, brightest)
         };
-        let warped = warp(&pictures, &rays, size, reads, peak, options.with_depth);
+        let warped = warp(Level::best(), &pictures, &rays, size, reads, peak, options.with_depth);
         let mut picture =
             Picture { width_px: size[0], height_px: size[1], rgba: warped.rgba, depth: None, value: None };
         if options.composite.is_projection() {
@@ -141,24 +146,35 @@ pub fn render_base_planes_at(
         Progress { monitor, n_done: AtomicUsize::new(0), n_all: n_tiles_all, stopped: AtomicBool::new(false) };
     let mut pictures = Vec::new();
     for plane in planes {
-        let (texels, work, n_sheets) = scene.draw_plane(&plane, &region, &progress)?;
+        let (picture, work, n_sheets) = scene.draw_plane(&plane, &region, &progress)?;
         report.n_texels += work.n_texels;
         report.n_skipped_sheets += work.n_skipped;
         report.n_sheets.push(n_sheets);
-        report.n_base_texels += texels.len() as u64;
-        pictures.push(BasePicture { plane, texels });
+        report.n_base_texels += picture.texels.len() as u64;
+        pictures.push(picture);
     }
     Ok((pictures, report))
 }
 
-/// Change of a slab's opacity or colour between two sheets from which the space between them is cut.
-const STEEP: f32 = 0.25;
+/// Change of a slab's opacity or colour, over all densities, from which slabs are pre-integrated.
+const STEEP: f32 = 0.35;
 
-/// Slice distances between sheets where the transfer function is steep.
-const REFINED_STEP: f64 = 1.0 / 16.0;
+/// A ray stops when less than this share of light comes through: a tenth of a grey level of 1024.
+const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 
-/// Sheets between two sheets at most: with very few sheets a slice the picture is a draft anyway.
-const MAX_BETWEEN: usize = 7;
+/// The same where the picture is to be that of the method's plain sheets: an eighth of a 16-bit grey level.
+const OPAQUE: f32 = 1.0 - 2e-6;
+
+/// Whether a transfer function can change opacity or colour by a visible amount within a voxel of the volume.
+pub fn is_steep(volume: &Volume, tf: &TransferFunction) -> bool {
+    let map = volume.density_from_sample();
+    let Statistics { min, max, .. } = volume.statistics();
+    let range = [min, max].map(|s| ((s - map.0) * map.1) as f32);
+    let unit = volume.default_opacity_unit();
+    // As thick as the slabs of two sheets a slice.
+    let thickness = 0.5 * unit / tf.opacity_unit().unwrap_or(unit);
+    Classifier::new(tf, map, range, thickness).variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP
+}
 
 /// Everything that does not depend on the base plane.
 struct Scene<'a> {
@@ -187,7 +203,12 @@ impl<'a> Scene<'a> {
         Self { level, volume, slices, camera, options, classifier, opacity_unit }
     }
 
-    fn draw_plane(&self, plane: &BasePlane, region: &Region, progress: &Progress) -> Result<(Vec<Texel>, Work, usize)> {
+    fn draw_plane(
+        &self,
+        plane: &BasePlane,
+        region: &Region,
+        progress: &Progress,
+    ) -> Result<(BasePicture, Work, usize)> {
         let world_from_index = self.volume.world_from_index();
         let shaded = !self.options.composite.is_projection();
         let shading = self.options.shading.as_ref().filter(|_| shaded);
@@ -195,34 +216,38 @@ impl<'a> Scene<'a> {
             shading.map(|s| Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range()));
         let size = self.volume.size();
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
-        let job = TileJob {
-            geometry: SheetGeometry {
-                level: self.level,
-                ..SheetGeometry::new(plane, self.slices, size, shading.map(|s| s.gradient_offset))
-            },
-            region,
+        let axes = plane.family.axes;
+        let bricks = self.slices.bricks();
+        let job = |opacity_unit: f64, occupied: Option<Occupied>| TileJob {
+            geometry: SheetGeometry::new(self.level, plane, self.slices, size, shading.map(|s| s.gradient_offset)),
+            rays: RayGeometry { plane, region, world_from_index, opacity_unit },
             spacing,
-            world_from_index,
-            opacity_unit: self.opacity_unit,
-            n_between: ((spacing.step / REFINED_STEP).round() as usize).saturating_sub(1).min(MAX_BETWEEN),
+            occupied,
         };
-        let (texels, work) = match self.options.composite {
+        let with_depth = self.options.with_depth;
+        let (picture, work) = match self.options.composite {
             Composite::Over => {
-                let steep = if self.options.refined { STEEP } else { f32::INFINITY };
-                draw_tiles(&job, progress, || Over::new(&self.classifier, shader.as_ref(), steep))
+                let plain = !self.options.refined;
+                let is_steep = !plain && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP;
+                let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
+                let occupied = bricks.occupied(axes, |[lo, hi]| self.classifier.any_opacity(lo, hi));
+                let over = || Over::new(&self.classifier, shader.as_ref(), is_steep, opaque, with_depth);
+                draw_tiles(&job(self.opacity_unit, Some(occupied)), progress, with_depth, over)
             }
             Composite::FirstHit { iso_value } => {
                 let (offset, scale) = self.volume.density_from_sample();
                 let iso = ((iso_value - offset) * scale) as f32;
-                draw_tiles(&job, progress, || FirstHit::new(iso, &self.classifier, shader.as_ref()))
+                // A surface needs densities on both sides.
+                let occupied = bricks.occupied(axes, |[lo, hi]| lo < iso && hi >= iso);
+                let first_hit = || FirstHit::new(iso, &self.classifier, shader.as_ref());
+                draw_tiles(&job(self.opacity_unit, Some(occupied)), progress, with_depth, first_hit)
             }
             Composite::Maximum | Composite::Minimum | Composite::Mean | Composite::Sum => {
                 // Lengths of projections are world lengths.
-                let job = TileJob { opacity_unit: 1.0, ..job };
-                draw_tiles(&job, progress, || Project::new(self.options.composite))
+                draw_tiles(&job(1.0, None), progress, with_depth, || Project::new(self.options.composite))
             }
         }?;
-        Ok((texels, work, spacing.n_slabs + 1))
+        Ok((picture, work, spacing.n_slabs + 1))
     }
 }
 
@@ -230,34 +255,44 @@ impl<'a> Scene<'a> {
 fn draw_tiles<C: Compositor>(
     job: &TileJob,
     progress: &Progress,
+    with_depth: bool,
     compositor: impl Fn() -> C + Sync + Send,
-) -> Result<(Vec<Texel>, Work)> {
+) -> Result<(BasePicture, Work)> {
+    let plane = job.geometry.plane;
     let [n_tiles_u, n_tiles_v] = job.n_tiles();
-    let BasePlane { size: [n_u, n_v], .. } = *job.geometry.plane;
-    let tiles = parallel::map(n_tiles_u * n_tiles_v, |t| {
+    // Positions along rays and along w differ by this sign.
+    let sign = if plane.family.ascending { 1.0 } else { -1.0 };
+    let all = Mutex::new((BasePicture::new(plane.clone(), with_depth), Work::default()));
+    parallel::for_each(n_tiles_u * n_tiles_v, |t| {
         if progress.is_stopped() {
-            return (Vec::new(), Work::default());
+            return;
         }
-        let tile = [t % n_tiles_u, t / n_tiles_u];
-        let result = job.run(tile, &mut compositor());
+        let mut tile_work = Work::default();
+        let (tile_u, tile_v) = (t % n_tiles_u, t / n_tiles_u);
+        let drawn = job.run([tile_u, tile_v], &compositor, &mut tile_work);
+        let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+        let (picture, work) = &mut *all;
+        work.n_texels += tile_work.n_texels;
+        work.n_skipped += tile_work.n_skipped;
+        if let Some(compositor) = drawn {
+            for strip in 0..N_STRIPS {
+                for row in 0..TILE_V {
+                    let (i, j) = (tile_u * TILE_U + strip * LANES, tile_v * TILE_V + row);
+                    if i < plane.size[0] && j < plane.size[1] {
+                        let texels = compositor.finish(Chunk { strip, row });
+                        let w_half = texels.s_half.map(|s| s.map(|s| s * sign));
+                        picture.put(i, j, &texels.rgba, w_half.as_ref());
+                    }
+                }
+            }
+        }
+        drop(all);
         progress.tile_done();
-        result
     });
     if progress.is_stopped() {
         return Err(Error::Cancelled);
     }
-    let mut texels = vec![Texel::default(); n_u * n_v];
-    let mut work = Work::default();
-    for (t, (tile, tile_work)) in tiles.into_iter().enumerate() {
-        work.n_texels += tile_work.n_texels;
-        work.n_skipped += tile_work.n_skipped;
-        let (i0, j0) = (t % n_tiles_u * TILE_U, t / n_tiles_u * TILE_V);
-        let n = TILE_U.min(n_u - i0);
-        for (row, from) in tile.chunks_exact(TILE_U).enumerate() {
-            texels[(j0 + row) * n_u + i0..][..n].copy_from_slice(&from[..n]);
-        }
-    }
-    Ok((texels, work))
+    Ok(all.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 struct Progress<'a> {

@@ -6,9 +6,10 @@
 //! The world gradient is the index-space difference times the inverse transpose of `world_from_index`.
 
 use glam::{DMat3, DVec3};
-use wavesplat_core::{Camera, LightFrame, Shading};
+use wavesplat_core::{Camera, LightFrame, Projection, Shading};
 
 use crate::base_plane::Family;
+use crate::simd::{LANES, Simd, Wide};
 
 /// Lights and coefficients with everything turned into world space and f32.
 #[derive(Clone, Debug)]
@@ -18,16 +19,21 @@ pub struct Shader {
     specular: f32,
     specular_power: f32,
     lights: Vec<WorldLight>,
-    /// World gradient from the index gradient along u, v, w; columns.
-    world_from_gradient: [[f32; 3]; 3],
+    /// `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
+    metric: [f32; 6],
     /// Squared world gradients below this are rounding noise.
     vanishing: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct WorldLight {
-    to_light: [f32; 3],
+    /// The light's direction as a form on index gradients: `n · l`.
+    on_gradient: [f32; 3],
+    /// The same on view directions as [`Shader::on_gradient`] gives them: `v · l`.
+    on_view: [f32; 3],
     rgb: [f32; 3],
+    /// Whether all rays run along it.
+    is_at_eye: bool,
 }
 
 /// Densities are f32 sums of a few products: differences below this share of their magnitude are rounding.
@@ -43,69 +49,108 @@ pub fn vanishing_gradient_squared(world_from_index: DMat3, range: [f32; 2]) -> f
 impl Shader {
     /// `range` bounds the densities.
     pub fn new(shading: &Shading, camera: &Camera, world_from_index: DMat3, family: &Family, range: [f32; 2]) -> Self {
-        let gradient = world_from_index.inverse().transpose();
-        let lights = shading
-            .lights
-            .iter()
-            .map(|light| WorldLight { to_light: light_direction(camera, light).as_vec3().to_array(), rgb: light.rgb });
+        let on_gradient = on_gradient(world_from_index, family);
+        let metric = on_gradient.transpose() * on_gradient;
+        let is_parallel = matches!(camera.projection(), Projection::Orthographic { .. });
+        let lights = shading.lights.iter().map(|light| {
+            let to_light = light_direction(camera, light);
+            WorldLight {
+                on_gradient: (on_gradient.transpose() * to_light).as_vec3().to_array(),
+                on_view: (on_gradient.inverse() * to_light).as_vec3().to_array(),
+                rgb: light.rgb,
+                is_at_eye: is_parallel && (to_light + camera.forward()).length() < 1e-9,
+            }
+        });
+        let twice = |a: usize, b: usize| 2.0 * metric.col(a)[b];
         Self {
             ambient: shading.ambient,
             diffuse: shading.diffuse,
             specular: shading.specular,
             specular_power: shading.specular_power,
             lights: lights.collect(),
-            world_from_gradient: family.axes.map(|a| gradient.col(a).as_vec3().to_array()),
+            metric: [metric.x_axis.x, metric.y_axis.y, metric.z_axis.z, twice(0, 1), twice(0, 2), twice(1, 2)]
+                .map(|m| m as f32),
             vanishing: vanishing_gradient_squared(world_from_index, range) as f32,
         }
     }
 
-    /// Shades `N` texels. `gradient`: per index along u, v, w; `to_eye`: unit world vectors.
+    /// Shades. `gradient`: per index along u, v, w; `to_eye`: unit world vectors towards the eye, as a form on
+    /// gradients ([`on_gradient`]).
     #[inline(always)]
-    pub fn shade<const N: usize>(&self, rgb: &mut [[f32; N]; 3], gradient: &[[f32; N]; 3], to_eye: &[[f32; N]; 3]) {
-        let [cu, cv, cw] = &self.world_from_gradient;
-        let mut normal = [[0.0_f32; N]; 3];
-        for i in 0..N {
-            let [gu, gv, gw] = [gradient[0][i], gradient[1][i], gradient[2][i]];
-            let gx = cu[0] * gu + cv[0] * gv + cw[0] * gw;
-            let gy = cu[1] * gu + cv[1] * gv + cw[1] * gw;
-            let gz = cu[2] * gu + cv[2] * gv + cw[2] * gw;
-            let squared = gx * gx + gy * gy + gz * gz;
-            let inverse = if squared > self.vanishing { 1.0 / squared.sqrt() } else { 0.0 };
-            normal[0][i] = gx * inverse;
-            normal[1][i] = gy * inverse;
-            normal[2][i] = gz * inverse;
+    pub fn shade<S: Wide>(&self, s: S, rgb: [S::F; 3], gradient: [S::F; 3], to_eye: [S::F; 3]) -> [S::F; 3] {
+        let [gu, gv, gw] = gradient;
+        let [uu, vv, ww, uv, uw, vw] = self.metric;
+        let squared = s.mul(gu, dot(s, [uu, uv, uw], gradient));
+        let squared = s.add_mul(squared, gv, s.add(s.mul(s.splat(vv), gv), s.mul(s.splat(vw), gw)));
+        let squared = s.add_mul(squared, s.mul(s.splat(ww), gw), gw);
+        let exists = s.lt(s.splat(self.vanishing), squared);
+        let inverse = s.select(exists, s.rsqrt(squared), s.splat(0.0));
+        let n_v = s.mul(s.add(s.add(s.mul(gu, to_eye[0]), s.mul(gv, to_eye[1])), s.mul(gw, to_eye[2])), inverse);
+        if let [light] = &self.lights[..]
+            && light.rgb == [1.0; 3]
+        {
+            // The usual light, the same for all colours.
+            let (diffuse, specular) = if light.is_at_eye {
+                let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_v));
+                let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_v), n_v), s.splat(1.0));
+                let reflected = s.max(reflected, s.splat(0.0));
+                (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)))
+            } else {
+                self.terms(s, light, gradient, to_eye, (exists, inverse, n_v))
+            };
+            let lit = s.add(s.splat(self.ambient), diffuse);
+            let [r, g, b] = rgb;
+            return [s.add(s.mul(r, lit), specular), s.add(s.mul(g, lit), specular), s.add(s.mul(b, lit), specular)];
         }
-        let mut lit = [[self.ambient; N]; 3];
-        let mut highlight = [[0.0_f32; N]; 3];
+        let mut lit = [s.splat(self.ambient); 3];
+        let mut highlight = [s.splat(0.0); 3];
         for light in &self.lights {
-            let [lx, ly, lz] = light.to_light;
-            let mut diffuse = [0.0_f32; N];
-            let mut specular = [0.0_f32; N];
-            for i in 0..N {
-                let [nx, ny, nz] = [normal[0][i], normal[1][i], normal[2][i]];
-                let [vx, vy, vz] = [to_eye[0][i], to_eye[1][i], to_eye[2][i]];
-                let n_l = nx * lx + ny * ly + nz * lz;
-                let n_v = nx * vx + ny * vy + nz * vz;
-                let l_v = lx * vx + ly * vy + lz * vz;
-                diffuse[i] = self.diffuse * n_l.abs();
-                // Without a normal there is no reflection: r·v would be −l·v.
-                let exists = nx * nx + ny * ny + nz * nz > 0.0;
-                specular[i] = if exists { (2.0 * n_l * n_v - l_v).max(0.0) } else { 0.0 };
-            }
-            raise(&mut specular, self.specular_power);
+            let (diffuse, specular) = self.terms(s, light, gradient, to_eye, (exists, inverse, n_v));
             for c in 0..3 {
-                for i in 0..N {
-                    lit[c][i] += diffuse[i] * light.rgb[c];
-                    highlight[c][i] += self.specular * specular[i] * light.rgb[c];
-                }
+                lit[c] = s.add_mul(lit[c], diffuse, s.splat(light.rgb[c]));
+                highlight[c] = s.add_mul(highlight[c], specular, s.splat(light.rgb[c]));
             }
         }
+        let mut shaded = rgb;
         for c in 0..3 {
-            for i in 0..N {
-                rgb[c][i] = rgb[c][i] * lit[c][i] + highlight[c][i];
-            }
+            shaded[c] = s.add(s.mul(rgb[c], lit[c]), highlight[c]);
         }
+        shaded
     }
+}
+
+impl Shader {
+    /// Diffuse and specular term of a light.
+    #[inline(always)]
+    fn terms<S: Wide>(
+        &self,
+        s: S,
+        light: &WorldLight,
+        gradient: [S::F; 3],
+        to_eye: [S::F; 3],
+        (exists, inverse, n_v): (S::M, S::F, S::F),
+    ) -> (S::F, S::F) {
+        let n_l = s.mul(dot(s, light.on_gradient, gradient), inverse);
+        let l_v = dot(s, light.on_view, to_eye);
+        let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_l));
+        let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_l), n_v), l_v);
+        // Without a normal there is no reflection: r·v would be −l·v.
+        let reflected = s.select(exists, s.max(reflected, s.splat(0.0)), s.splat(0.0));
+        (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)))
+    }
+}
+
+#[inline(always)]
+fn dot<S: Wide>(s: S, form: [f32; 3], x: [S::F; 3]) -> S::F {
+    s.add(s.add(s.mul(s.splat(form[0]), x[0]), s.mul(s.splat(form[1]), x[1])), s.mul(s.splat(form[2]), x[2]))
+}
+
+/// World gradient from the index gradient along u, v, w; its transpose turns world vectors into forms on index
+/// gradients.
+pub fn on_gradient(world_from_index: DMat3, family: &Family) -> DMat3 {
+    let gradient = world_from_index.inverse().transpose();
+    let [u, v, w] = family.axes.map(|a| gradient.col(a));
+    DMat3::from_cols(u, v, w)
 }
 
 /// World direction to a light, unit length.
@@ -117,44 +162,47 @@ pub fn light_direction(camera: &Camera, light: &wavesplat_core::Light) -> DVec3 
     }
 }
 
-/// Raises numbers of `0..=1` to one power: repeated squaring where it is a whole number, the library's power else.
+/// Raises numbers to one power: repeated squaring where it is a whole number, the library's power else.
 #[inline(always)]
-fn raise<const N: usize>(x: &mut [f32; N], power: f32) {
+fn raise<S: Wide>(s: S, mut x: S::F, power: f32) -> S::F {
     if power.fract() != 0.0 {
-        for x in x {
-            *x = x.powf(power);
-        }
-        return;
+        let [mut first, mut second] = [[0.0; LANES]; 2];
+        let parts = s.part(x);
+        s.one().store(parts[0], &mut first);
+        s.one().store(parts[1], &mut second);
+        let powers = [first.map(|x| x.powf(power)), second.map(|x| x.powf(power))];
+        return s.join(s.one().load(&powers[0]), s.one().load(&powers[1]));
     }
+    // From the lowest bit that is set; the square after the highest is not needed.
     let mut remaining = power as u32;
-    let mut result = [1.0_f32; N];
-    while remaining > 0 {
-        if remaining & 1 == 1 {
-            for i in 0..N {
-                result[i] *= x[i];
-            }
-        }
+    while remaining & 1 == 0 {
         remaining >>= 1;
-        for x in x.iter_mut() {
-            *x *= *x;
+        x = s.mul(x, x);
+    }
+    let mut result = x;
+    while remaining > 1 {
+        remaining >>= 1;
+        x = s.mul(x, x);
+        if remaining & 1 == 1 {
+            result = s.mul(result, x);
         }
     }
-    *x = result;
+    result
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wavesplat_core::{Light, Projection};
+    use crate::simd::Plain;
+    use wavesplat_core::Light;
 
     fn shade_one(shading: &Shading, gradient: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {
         let projection = Projection::Orthographic { parallel_scale: 1.0 };
         let camera = Camera::new(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
         let family = Family::of(camera.forward());
         let shader = Shader::new(shading, &camera, DMat3::IDENTITY, &family, [0.0, 255.0]);
-        let mut rgb = [[0.5_f32; 1]; 3];
-        shader.shade(&mut rgb, &gradient.map(|g| [g]), &to_eye.map(|v| [v]));
-        rgb.map(|c| c[0])
+        let all = |x: [f32; 3]| x.map(|x| [x; LANES]);
+        shader.shade(Plain, all([0.5; 3]), all(gradient), all(to_eye)).map(|c| c[0])
     }
 
     #[test]

@@ -3,23 +3,101 @@
 //! Separable: slices are combined along w at sample resolution, then rows along u, then columns along v, so a tricubic
 //! kernel costs 4 + 4 + 4 taps per texel at most, and less where texels are denser than samples. The gradient comes
 //! from difference footprints along each axis; through the sheet it needs no neighbouring sheet.
+//!
+//! A tile is cut into strips of [`LANES`] texels along u; a strip's row is what kernels work on at once, a *chunk*.
+//! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
 
 use std::ops::Range;
 
 use crate::base_plane::BasePlane;
-use crate::footprint::{Axis, AxisFootprints, Footprint};
-use crate::kernel::overshoot_2d;
-use crate::simd::Level;
+use crate::footprint::{Axis, AxisFootprints, Footprint, Group};
+use crate::panel::Panel;
+use crate::simd::{LANES, Lanes, Level, Math, Simd, Wide};
 use crate::slices::{Slices, Window};
 
-/// Texels of a tile along u: a row is the unit of the inner loops.
-pub const TILE_U: usize = 64;
+/// Strips of a tile.
+pub const N_STRIPS: usize = 4;
+
+/// Texels of a tile along u.
+pub const TILE_U: usize = N_STRIPS * LANES;
 
 /// Texels of a tile along v.
 pub const TILE_V: usize = 32;
 
-/// Numbers of one row of texels.
-pub type Row = [f32; TILE_U];
+/// Rows of a block: a strip's rows are looked at, and left out, in blocks.
+pub const BLOCK_V: usize = 8;
+
+/// Blocks of a tile, strip by strip, as bits.
+pub type BlockMask = u16;
+
+/// Blocks along v.
+pub const N_BLOCKS_V: usize = TILE_V / BLOCK_V;
+
+/// A strip's row.
+#[derive(Clone, Copy, Debug)]
+pub struct Chunk {
+    /// Strip of the tile.
+    pub strip: usize,
+    /// Row of the tile.
+    pub row: usize,
+}
+
+impl Chunk {
+    /// Chunks of a tile.
+    pub const N: usize = N_STRIPS * TILE_V;
+
+    /// The block that it belongs to.
+    #[inline(always)]
+    fn block(self) -> Block {
+        Block { strip: self.strip, row: self.row / BLOCK_V * BLOCK_V }
+    }
+
+    /// Place among the chunks of a tile.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        self.strip * TILE_V + self.row
+    }
+}
+
+/// Rows of a strip that are looked at together.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Strip of the tile.
+    pub strip: usize,
+    /// First row of the tile.
+    pub row: usize,
+}
+
+impl Block {
+    /// A block by its place among the blocks of a tile.
+    pub fn new(place: usize) -> Self {
+        Self { strip: place / N_BLOCKS_V, row: place % N_BLOCKS_V * BLOCK_V }
+    }
+
+    /// Place among the blocks of a tile.
+    #[inline(always)]
+    pub fn place(self) -> usize {
+        self.strip * N_BLOCKS_V + self.row / BLOCK_V
+    }
+
+    /// Its chunks.
+    #[inline(always)]
+    pub fn chunks(self) -> impl Iterator<Item = Chunk> {
+        (self.row..self.row + BLOCK_V).map(move |row| Chunk { strip: self.strip, row })
+    }
+
+    /// Its chunks, two by two.
+    #[inline(always)]
+    pub fn pairs(self) -> impl Iterator<Item = [Chunk; 2]> {
+        let chunk = move |row| Chunk { strip: self.strip, row };
+        (self.row..self.row + BLOCK_V).step_by(2).map(move |row| [chunk(row), chunk(row + 1)])
+    }
+
+    #[inline(always)]
+    fn rows(self) -> Range<usize> {
+        self.row..self.row + BLOCK_V
+    }
+}
 
 /// Sheet-wide facts of one base plane.
 pub struct SheetGeometry<'a> {
@@ -35,105 +113,109 @@ pub struct SheetGeometry<'a> {
 
 impl<'a> SheetGeometry<'a> {
     /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
-    pub fn new(plane: &'a BasePlane, slices: &'a Slices<'a>, size: [usize; 3], gradient_offset: Option<f64>) -> Self {
+    pub fn new(
+        level: Level,
+        plane: &'a BasePlane,
+        slices: &'a Slices<'a>,
+        size: [usize; 3],
+        gradient_offset: Option<f64>,
+    ) -> Self {
         let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], offset: gradient_offset };
-        Self { plane, slices, axes: plane.family.axes.map(axis), level: Level::best() }
+        Self { plane, slices, axes: plane.family.axes.map(axis), level }
     }
 }
 
-/// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets; rows are reconstructed
-/// when they are first asked for.
+/// Numbers that combined slices are padded with, so that whole vectors can be read from any sample on.
+const PADDING: usize = LANES + 12;
+
+/// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
 #[derive(Default)]
 pub struct Sheet {
     w: f64,
     u: AxisFootprints,
     v: AxisFootprints,
-    window: Option<Window>,
+    /// The part of the tile's samples that is combined.
+    part: Option<Part>,
+    stride: usize,
+    n_v: usize,
     /// Combined slices at sample resolution: density, derivative through the sheet, holes.
     density: Vec<f32>,
     through: Vec<f32>,
     holes: Vec<f32>,
-    /// The same upsampled along u: density, derivative along u, derivative through the sheet, holes.
-    density_u: Vec<Row>,
-    along_u: Vec<Row>,
-    through_u: Vec<Row>,
-    holes_u: Vec<Row>,
+    has_through: bool,
+    /// The same upsampled along u, strip by strip: density, derivative along u, derivative through the sheet, holes.
+    density_u: Vec<Lanes>,
+    along_u: Vec<Lanes>,
+    through_u: Vec<Lanes>,
+    holes_u: Vec<Lanes>,
     /// Sample rows that have been upsampled: densities, derivatives.
     has_density_u: Vec<bool>,
     has_gradient_u: Vec<bool>,
-    has_through: bool,
-    /// Variation of the transfer function up to each combined density; see [`Sheet::row_spread`].
-    variation: Vec<f32>,
-    rows: Vec<SheetRow>,
+    /// Blocks whose sample rows have been upsampled.
+    has_density: BlockMask,
+    has_gradient: BlockMask,
 }
 
-/// One row of a sheet.
+/// Rows and columns of combined slices, counted from the tile's first sample.
 #[derive(Clone)]
-pub struct SheetRow {
-    /// Densities.
-    pub density: Row,
-    /// Smallest and largest of them.
-    pub range: [f32; 2],
-    /// Derivatives along u, v, w per index step.
-    pub gradient: [Row; 3],
-    /// Above 0 where a hole is reached.
-    pub hole: Row,
-    has_density: bool,
-    has_gradient: bool,
-}
-
-impl SheetRow {
-    /// Nothing reconstructed yet.
-    pub const EMPTY: Self = Self {
-        density: [0.0; TILE_U],
-        range: [0.0; 2],
-        gradient: [[0.0; TILE_U]; 3],
-        hole: [0.0; TILE_U],
-        has_density: false,
-        has_gradient: false,
-    };
+struct Part {
+    u: Range<usize>,
+    v: Range<usize>,
 }
 
 impl Sheet {
-    /// Combines the slices that reach the sheet at `w` for the tile whose first texel is `(i0, j0)`, and returns bounds
-    /// of the densities its texels can have.
-    pub fn combine(&mut self, geometry: &SheetGeometry, w: f64, [i0, j0]: [usize; 2], n_rows: usize) -> [f32; 2] {
+    /// Combines the slices that reach the sheet at `w` for those `blocks` of the tile whose first texel is `(i0, j0)`.
+    pub fn combine(
+        &mut self,
+        geometry: &SheetGeometry,
+        panel: &Panel,
+        w: f64,
+        [i0, j0]: [usize; 2],
+        blocks: BlockMask,
+    ) {
         self.w = w;
-        self.variation.clear();
-        self.rows.resize(n_rows, SheetRow::EMPTY);
-        for row in &mut self.rows {
-            row.has_density = false;
-            row.has_gradient = false;
-        }
+        self.has_density = 0;
+        self.has_gradient = 0;
         let [(u0, du), (v0, dv)] = geometry.plane.sheet(w);
         let [axis_u, axis_v, axis_w] = &geometry.axes;
-        self.u.build(axis_u, u0 + du * i0 as f64, du, TILE_U);
-        self.v.build(axis_v, v0 + dv * j0 as f64, dv, n_rows);
-        let window = Window { u: self.u.window, v: self.v.window };
-        self.window = Some(window);
-        let n_v = window.n_v();
-        for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u, &mut self.holes_u] {
-            rows.resize(n_v, [0.0; TILE_U]);
+        geometry.level.run(
+            #[inline(always)]
+            || {
+                self.u.build(axis_u, u0 + du * i0 as f64, du, N_STRIPS);
+                self.v.build(axis_v, v0 + dv * j0 as f64, dv, TILE_V / LANES);
+            },
+        );
+        let n_u = (self.u.window[1] - self.u.window[0] + 1) as usize;
+        self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
+        self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);
+        for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u] {
+            rows.resize(N_STRIPS * self.n_v, Lanes::default());
         }
         for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
             flags.clear();
-            flags.resize(n_v, false);
+            flags.resize(N_STRIPS * self.n_v, false);
         }
+        self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
-        let axes = geometry.plane.family.axes;
+        let strips = (0..N_STRIPS).filter(|s| blocks >> (s * N_BLOCKS_V) & ((1 << N_BLOCKS_V) - 1) != 0);
+        let rows = (0..TILE_V).filter(|r| blocks & (rows_mask() << (r / BLOCK_V)) != 0);
+        let columns = strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
+        let part = Part { u: reached(&self.u, columns), v: reached(&self.v, rows) };
         let taps = axis_w.slice_taps(w);
-        geometry.slices.combine(geometry.level, axes, &taps, window, &mut self.density);
+        let axes = geometry.plane.family.axes;
+        let (first, window) = self.place(&part);
+        let density = &mut self.density[first..];
+        if !panel.combine(geometry.level, &taps, window, density, self.stride) {
+            geometry.slices.combine(geometry.level, axes, &taps, window, density, self.stride);
+        }
         if geometry.slices.has_mask() {
+            self.holes.resize(self.stride * self.n_v, 0.0);
+            self.holes_u.resize(N_STRIPS * self.n_v, Lanes::default());
             // A hole counts wherever it has a weight, of either sign.
             let taps: Vec<_> = taps.iter().map(|&(slice, weight)| (slice, weight.abs())).collect();
-            geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes);
+            geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
         }
-        let [lo, hi] = geometry.level.run(
-            #[inline(always)]
-            || bounds(&self.density),
-        );
-        let over = overshoot_2d(geometry.slices.kernel()) * (hi - lo);
-        [lo - over, hi + over]
+        self.part = Some(part);
     }
 
     /// Where the sheet lies.
@@ -141,160 +223,228 @@ impl Sheet {
         self.w
     }
 
-    /// For each texel of a row the least and the largest `variation` (a growing function of the density) among the four
-    /// samples around it: what the density can do on the ray's way to the next sheet, not only where sheets lie.
-    pub fn row_spread(&mut self, row: usize, variation: impl Fn(f32) -> f32) -> [Row; 2] {
-        let Some(window) = self.window else { return [[0.0; TILE_U]; 2] };
-        let n_u = window.n_u();
-        if self.variation.len() != self.density.len() {
-            self.variation.clear();
-            self.variation.extend(self.density.iter().map(|d| variation(*d)));
-        }
-        // The samples on either side of the texel are the middle ones of its taps.
-        let middle = self.v.value.n_taps / 2 - usize::from(self.v.value.n_taps > 1);
-        let first = (self.v.value.first[row] as usize + middle) * n_u;
-        let (upper, lower) = (&self.variation[first..first + n_u], &self.variation[first + n_u..first + 2 * n_u]);
-        let mut spread = [[0.0; TILE_U]; 2];
-        for i in 0..TILE_U {
-            let u = self.u.value.first[i] as usize + middle;
-            let corners = [upper[u], upper[u + 1], lower[u], lower[u + 1]];
-            spread[0][i] = corners[0].min(corners[1]).min(corners[2].min(corners[3]));
-            spread[1][i] = corners[0].max(corners[1]).max(corners[2].max(corners[3]));
-        }
-        spread
+    /// First number and samples of a part.
+    fn place(&self, part: &Part) -> (usize, Window) {
+        let window = |axis: &AxisFootprints, range: &Range<usize>| {
+            [axis.window[0] + range.start as i64, axis.window[0] + range.end as i64 - 1]
+        };
+        let first = part.v.start * self.stride + part.u.start;
+        (first, Window { u: window(&self.u, &part.u), v: window(&self.v, &part.v) })
     }
 
-    /// Upsamples sample rows along u, where that is not done yet.
-    fn upsample_density(&mut self, geometry: &SheetGeometry, rows: Range<usize>) {
-        let Some(window) = self.window else { return };
-        let n_u = window.n_u();
-        for r in rows.start..rows.end.min(window.n_v()) {
-            if !self.has_density_u[r] {
-                self.has_density_u[r] = true;
-                let samples = r * n_u..(r + 1) * n_u;
-                upsample(geometry.level, &self.density[samples.clone()], &self.u.value, &mut self.density_u[r]);
+    /// Upsamples sample rows of a strip along u, where that is not done yet.
+    #[inline(always)]
+    fn upsample_density<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, strip: usize, rows: Range<usize>) {
+        let group = self.u.value.group(strip);
+        for r in rows {
+            let place = strip * self.n_v + r;
+            if !self.has_density_u[place] {
+                self.has_density_u[place] = true;
+                let samples = &self.density[r * self.stride..(r + 1) * self.stride];
+                s.store(upsample(s, samples, &group), &mut self.density_u[place].0);
                 if geometry.slices.has_mask() {
-                    let value = &self.u.value;
-                    let weights = value.weights.iter().map(|w| w.abs()).collect();
-                    let magnitude = Footprint { weights, ..value.clone() };
-                    upsample(geometry.level, &self.holes[samples], &magnitude, &mut self.holes_u[r]);
+                    let samples = &self.holes[r * self.stride..(r + 1) * self.stride];
+                    s.store(upsample_magnitude(s, samples, &group), &mut self.holes_u[place].0);
                 }
             }
         }
     }
 
-    /// The same for the gradient; combines the derivative through the sheet when it is first asked for.
-    fn upsample_gradient(&mut self, geometry: &SheetGeometry, row: usize) {
-        let Some(window) = self.window else { return };
-        if !self.has_through {
-            self.has_through = true;
-            let taps = geometry.axes[2].slice_difference_taps(self.w);
-            let axes = geometry.plane.family.axes;
-            geometry.slices.combine(geometry.level, axes, &taps, window, &mut self.through);
+    /// Makes the densities of a block ready. After [`Sheet::combine`] for it.
+    #[inline(always)]
+    pub fn prepare<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, block: Block) {
+        if self.has_density >> block.place() & 1 == 0 {
+            self.has_density |= 1 << block.place();
+            self.upsample_density(s, geometry, block.strip, reached_by(&self.v.value, block.rows()));
         }
-        let n_u = window.n_u();
-        let (value, difference) = (&self.v.value, &self.v.difference);
-        for r in value.first[row] as usize..value.first[row] as usize + value.n_taps {
-            if !self.has_gradient_u[r] {
-                self.has_gradient_u[r] = true;
-                let samples = r * n_u..(r + 1) * n_u;
-                upsample(geometry.level, &self.density[samples.clone()], &self.u.difference, &mut self.along_u[r]);
-                upsample(geometry.level, &self.through[samples], &self.u.value, &mut self.through_u[r]);
+    }
+
+    /// Makes the gradient of a block ready. After [`Sheet::prepare`].
+    #[inline(always)]
+    fn prepare_gradient<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, panel: &Panel, block: Block) {
+        if self.has_gradient >> block.place() & 1 == 1 {
+            return;
+        }
+        self.has_gradient |= 1 << block.place();
+        if !self.has_through {
+            self.combine_through(geometry, panel);
+        }
+        let strip = block.strip;
+        let (of_value, of_difference) = (self.u.value.group(strip), self.u.difference.group(strip));
+        for r in reached_by(&self.v.value, block.rows()) {
+            let place = strip * self.n_v + r;
+            if !self.has_gradient_u[place] {
+                self.has_gradient_u[place] = true;
+                let samples = r * self.stride..(r + 1) * self.stride;
+                let along = upsample(s, &self.density[samples.clone()], &of_difference);
+                let through = upsample(s, &self.through[samples], &of_value);
+                s.store(along, &mut self.along_u[place].0);
+                s.store(through, &mut self.through_u[place].0);
             }
         }
         // The derivative along v reaches further than the density did.
-        let rows = difference.first[row] as usize..difference.first[row] as usize + difference.n_taps;
-        self.upsample_density(geometry, rows);
+        let rows = reached_by(&self.v.difference, block.rows());
+        self.upsample_density(s, geometry, strip, rows);
     }
 
-    /// A row with its densities. After [`Sheet::combine`].
-    pub fn row(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
-        if !self.rows[row].has_density {
-            let first = self.v.value.first[row] as usize;
-            self.upsample_density(geometry, first..first + self.v.value.n_taps);
-            let out = &mut self.rows[row];
-            out.has_density = true;
-            geometry.level.run(
-                #[inline(always)]
-                || {
-                    blend_rows(&self.density_u, &self.v.value, row, &mut out.density);
-                    out.range = bounds(&out.density);
-                },
-            );
-            if geometry.slices.has_mask() {
-                out.hole = [0.0; TILE_U];
-                for t in 0..self.v.value.n_taps {
-                    let holes = &self.holes_u[self.v.value.first[row] as usize + t];
-                    let weight = self.v.value.tap(t)[row].abs();
-                    for i in 0..TILE_U {
-                        out.hole[i] += weight * holes[i];
-                    }
-                }
+    /// Densities of one chunk or two. After [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn density<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
+        blend_rows(w, &self.density_u[chunks[0].strip * self.n_v..], &self.v.value, chunks)
+    }
+
+    /// Where chunks reach a hole. After [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn hole<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::M {
+        let s = w.one();
+        let [mut first, mut second] = [s.splat(0.0); 2];
+        let rows = &self.holes_u[chunks[0].strip * self.n_v..];
+        for t in 0..self.v.value.n_taps {
+            for (sum, chunk) in [(&mut first, chunks[0]), (&mut second, chunks[1])] {
+                let weight = s.splat(self.v.value.weight(chunk.row, t).abs());
+                *sum = s.add_mul(*sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
             }
         }
-        &self.rows[row]
+        w.lt(w.splat(0.0), w.join(first, second))
     }
 
-    /// A row with its densities and gradient, where the geometry has a gradient offset.
-    pub fn row_with_gradient(&mut self, geometry: &SheetGeometry, row: usize) -> &SheetRow {
-        self.row(geometry, row);
-        if !self.rows[row].has_gradient && geometry.axes[2].offset.is_some() {
-            self.upsample_gradient(geometry, row);
-            let out = &mut self.rows[row];
-            out.has_gradient = true;
-            let [along_u, along_v, through] = &mut out.gradient;
-            geometry.level.run(
-                #[inline(always)]
-                || {
-                    blend_rows(&self.along_u, &self.v.value, row, along_u);
-                    blend_rows(&self.density_u, &self.v.difference, row, along_v);
-                    blend_rows(&self.through_u, &self.v.value, row, through);
-                },
-            );
+    /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient offset. After
+    /// [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn gradient<W: Wide>(
+        &mut self,
+        w: W,
+        geometry: &SheetGeometry,
+        panel: &Panel,
+        chunks: [Chunk; 2],
+    ) -> [W::F; 3] {
+        self.prepare_gradient(w.one(), geometry, panel, chunks[0].block());
+        let first = chunks[0].strip * self.n_v;
+        [
+            blend_rows(w, &self.along_u[first..], &self.v.value, chunks),
+            blend_rows(w, &self.density_u[first..], &self.v.difference, chunks),
+            blend_rows(w, &self.through_u[first..], &self.v.value, chunks),
+        ]
+    }
+
+    /// The derivative through the sheet at sample resolution.
+    fn combine_through(&mut self, geometry: &SheetGeometry, panel: &Panel) {
+        let Some(part) = self.part.clone() else { return };
+        self.has_through = true;
+        self.through.resize(self.stride * self.n_v, 0.0);
+        let taps = geometry.axes[2].slice_difference_taps(self.w);
+        let axes = geometry.plane.family.axes;
+        let (first, window) = self.place(&part);
+        let through = &mut self.through[first..];
+        if !panel.combine(geometry.level, &taps, window, through, self.stride) {
+            geometry.slices.combine(geometry.level, axes, &taps, window, through, self.stride);
         }
-        &self.rows[row]
+    }
+}
+
+/// The first block row of every strip.
+const fn rows_mask() -> BlockMask {
+    let mut mask = 0;
+    let mut strip = 0;
+    while strip < N_STRIPS {
+        mask |= 1 << (strip * N_BLOCKS_V);
+        strip += 1;
+    }
+    mask
+}
+
+/// Samples that the value and the difference of any of the positions reach.
+fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Range<usize> {
+    let (mut start, mut end) = (usize::MAX, 0);
+    for i in positions {
+        for footprint in [&axis.value, &axis.difference] {
+            if footprint.n_taps > 0 {
+                let first = footprint.first(i);
+                start = start.min(first);
+                end = end.max(first + footprint.n_taps);
+            }
+        }
+    }
+    start.min(end)..end
+}
+
+/// A row of samples becomes a chunk.
+#[inline(always)]
+fn upsample<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let mut sum = s.splat(0.0);
+    for (t, weights) in group.weights.iter().enumerate() {
+        sum = s.add_mul(sum, s.load(&weights.0), take(s, &samples[group.base + t..], group));
+    }
+    sum
+}
+
+/// The same with the weights' magnitudes.
+#[inline(always)]
+fn upsample_magnitude<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let mut sum = s.splat(0.0);
+    for (t, weights) in group.weights.iter().enumerate() {
+        sum = s.add_mul(sum, s.abs(s.load(&weights.0)), take(s, &samples[group.base + t..], group));
+    }
+    sum
+}
+
+/// `samples[index]`, in registers where the lanes lie near each other.
+#[inline(always)]
+fn take<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    if group.is_dense
+        && let Some(row) = samples.first_chunk::<LANES>()
+    {
+        return s.take(row, group.index);
+    }
+    let mut out = [0.0; LANES];
+    for i in 0..LANES {
+        out[i] = samples[group.index.0[i] as usize];
+    }
+    s.load(&out)
+}
+
+/// Sample rows that the texel rows reach.
+#[inline(always)]
+fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usize> {
+    // Positions rise or fall with the row.
+    let (a, b) = (footprint.first(rows.start), footprint.first(rows.end - 1));
+    a.min(b)..a.max(b) + footprint.n_taps
+}
+
+/// One chunk or two out of the sample rows that reach them.
+#[inline(always)]
+fn blend_rows<W: Wide>(w: W, rows: &[Lanes], footprint: &Footprint, chunks: [Chunk; 2]) -> W::F {
+    let first = blend_row(w.one(), rows, footprint, chunks[0].row);
+    let second = if W::N == 2 { blend_row(w.one(), rows, footprint, chunks[1].row) } else { first };
+    w.join(first, second)
+}
+
+#[inline(always)]
+fn blend_row<S: Simd>(s: S, rows: &[Lanes], footprint: &Footprint, row: usize) -> S::F {
+    let rows = &rows[footprint.first(row)..];
+    let group = footprint.group(row / LANES);
+    // The usual numbers of taps, unrolled.
+    match footprint.n_taps {
+        2 => blend_taps::<S, 2>(s, rows, group.weights, row),
+        4 => blend_taps::<S, 4>(s, rows, group.weights, row),
+        6 => blend_taps::<S, 6>(s, rows, group.weights, row),
+        _ => {
+            let mut sum = s.splat(0.0);
+            for (samples, weights) in rows.iter().zip(group.weights) {
+                sum = s.add_mul(sum, s.splat(weights.0[row % LANES]), s.load(&samples.0));
+            }
+            sum
+        }
     }
 }
 
 #[inline(always)]
-fn bounds(densities: &[f32]) -> [f32; 2] {
-    let (mut lo, mut hi) = (f32::INFINITY, f32::NEG_INFINITY);
-    for &d in densities {
-        lo = if d < lo { d } else { lo };
-        hi = if d > hi { d } else { hi };
-    }
-    [lo, hi]
-}
-
-/// A row of samples becomes a row of texels.
-fn upsample(level: Level, samples: &[f32], footprint: &Footprint, out: &mut Row) {
-    level.run(
-        #[inline(always)]
-        || {
-            *out = [0.0; TILE_U];
-            for t in 0..footprint.n_taps {
-                let weights = footprint.tap(t);
-                for i in 0..TILE_U {
-                    out[i] += weights[i] * samples[footprint.first[i] as usize + t];
-                }
-            }
-        },
-    );
-}
-
-/// One texel row out of the sample rows that reach it.
-#[inline(always)]
-fn blend_rows(rows: &[Row], footprint: &Footprint, row: usize, out: &mut Row) {
-    let first = footprint.first[row] as usize;
-    *out = [0.0; TILE_U];
-    for t in 0..footprint.n_taps {
-        let weight = footprint.tap(t)[row];
-        if weight == 0.0 {
-            continue;
-        }
-        let samples = &rows[first + t];
-        for i in 0..TILE_U {
-            out[i] += weight * samples[i];
+fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], weights: &[Lanes], row: usize) -> S::F {
+    let mut sum = s.splat(0.0);
+    if let (Some(rows), Some(weights)) = (rows.first_chunk::<N>(), weights.first_chunk::<N>()) {
+        for t in 0..N {
+            sum = s.add_mul(sum, s.splat(weights[t].0[row % LANES]), s.load(&rows[t].0));
         }
     }
+    sum
 }

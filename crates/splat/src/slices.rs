@@ -5,26 +5,67 @@
 //! are filled from their neighbours, so that the surroundings keep an honest gradient, and a mask says where they
 //! are: what a masked sample reaches is drawn as empty.
 
+use std::sync::Arc;
+
 use wavesplat_core::{Kernel, Sample, Samples, Statistics, Volume, with_samples};
 
+use crate::bricks::{Bricks, Rows};
 use crate::kernel::fold;
-use crate::simd::Level;
+use crate::simd::{Kernel as Work, LANES, Lanes, Level, Simd};
 use crate::{parallel, prefilter};
 
 /// Densities of a volume, ready for one kernel.
 pub struct Slices<'a> {
-    kernel: Kernel,
-    data: Data<'a>,
-    size: [usize; 3],
-    mask: Option<Vec<bool>>,
-    range: [f32; 2],
+    samples: Samples<'a>,
+    /// `(offset, scale)` of the density map.
+    map: (f64, f64),
+    prepared: Arc<Prepared>,
 }
 
-enum Data<'a> {
-    /// Samples in their own type and the density map `(offset, scale)`.
-    Native(Samples<'a>, (f64, f64)),
-    /// Densities or spline coefficients.
-    Float(Vec<f32>),
+/// What is computed once from the samples for a kernel; worth keeping between pictures.
+pub struct Prepared {
+    kernel: Kernel,
+    size: [usize; 3],
+    /// Densities or spline coefficients, where the samples are not used as they are.
+    grid: Option<Vec<f32>>,
+    mask: Option<Vec<bool>>,
+    range: [f32; 2],
+    bricks: Bricks,
+}
+
+impl Prepared {
+    /// Coefficients where the kernel needs them, and the bounds of every brick.
+    pub fn new(volume: &Volume, kernel: Kernel) -> Self {
+        let map = volume.density_from_sample();
+        let size = volume.size();
+        let Statistics { min, max, n_nonfinite } = volume.statistics();
+        let range = [min, max].map(|s| ((s - map.0) * map.1) as f32);
+        let pole = prefilter::pole(kernel);
+        let level = Level::best();
+        if pole.is_none() && n_nonfinite == 0 {
+            let samples = *volume.samples();
+            let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range);
+            return Self { kernel, size, grid: None, mask: None, range, bricks };
+        }
+        let mut grid = densities(volume.samples(), map);
+        let mask = (n_nonfinite > 0).then(|| grid.iter().map(|d| !d.is_finite()).collect());
+        if mask.is_some() {
+            fill_holes(&mut grid, size);
+        }
+        if let Some(z) = pole {
+            prefilter::prefilter_volume(&mut grid, size, z);
+        }
+        // Spline coefficients leave the range of the samples.
+        let (lo, hi) = grid.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), d| (lo.min(*d), hi.max(*d)));
+        let bricks = Bricks::new(&FloatRows { grid: &grid, level }, size, kernel, [lo, hi]);
+        Self { kernel, size, grid: Some(grid), mask, range, bricks }
+    }
+
+    /// Bytes held beside the caller's samples.
+    pub fn n_bytes(&self) -> usize {
+        let grid = self.grid.as_ref().map_or(0, |g| 4 * g.len());
+        grid + self.mask.as_ref().map_or(0, Vec::len) + self.bricks.n_bytes()
+    }
 }
 
 /// One tap along the sheet axis: folded slice index and weight.
@@ -52,107 +93,158 @@ impl Window {
 }
 
 impl<'a> Slices<'a> {
-    /// Prepares a volume for a kernel: nothing for narrow samples and a kernel without prefilter.
+    /// Prepares a volume for a kernel.
     pub fn new(volume: &Volume<'a>, kernel: Kernel) -> Self {
-        let map = volume.density_from_sample();
-        let size = volume.size();
-        let Statistics { min, max, n_nonfinite } = volume.statistics();
-        let range = [min, max].map(|s| ((s - map.0) * map.1) as f32);
-        let pole = prefilter::pole(kernel);
-        if pole.is_none() && n_nonfinite == 0 {
-            return Self { kernel, data: Data::Native(*volume.samples(), map), size, mask: None, range };
-        }
-        let mut grid = densities(volume.samples(), map);
-        let mask = (n_nonfinite > 0).then(|| grid.iter().map(|d| !d.is_finite()).collect());
-        if mask.is_some() {
-            fill_holes(&mut grid, size);
-        }
-        if let Some(z) = pole {
-            prefilter::prefilter_volume(&mut grid, size, z);
-        }
-        Self { kernel, data: Data::Float(grid), size, mask, range }
+        Self::with_prepared(volume, Arc::new(Prepared::new(volume, kernel)))
     }
 
-    /// The same without a borrow, where a float copy was made: what is worth keeping between pictures.
-    pub fn into_owned(self) -> Option<Slices<'static>> {
-        let Data::Float(grid) = self.data else { return None };
-        Some(Slices {
-            kernel: self.kernel,
-            data: Data::Float(grid),
-            size: self.size,
-            mask: self.mask,
-            range: self.range,
-        })
+    /// The same, with what was prepared before from the same samples.
+    pub fn with_prepared(volume: &Volume<'a>, prepared: Arc<Prepared>) -> Self {
+        Self { samples: *volume.samples(), map: volume.density_from_sample(), prepared }
     }
 
     /// The kernel that the densities are for.
     pub fn kernel(&self) -> Kernel {
-        self.kernel
+        self.prepared.kernel
     }
 
     /// Smallest and largest finite density.
     pub fn range(&self) -> [f32; 2] {
-        self.range
+        self.prepared.range
+    }
+
+    /// Bounds of the densities, brick by brick.
+    pub fn bricks(&self) -> &Bricks {
+        &self.prepared.bricks
     }
 
     /// Whether there are samples that are drawn as empty.
     pub fn has_mask(&self) -> bool {
-        self.mask.is_some()
+        self.prepared.mask.is_some()
     }
 
-    /// Bytes held beside the caller's samples.
-    pub fn n_bytes(&self) -> usize {
-        let float = if let Data::Float(grid) = &self.data { 4 * grid.len() } else { 0 };
-        float + self.mask.as_ref().map_or(0, Vec::len)
+    fn linear_index(&self, index: [usize; 3]) -> usize {
+        let size = self.prepared.size;
+        index[0] + size[0] * (index[1] + size[1] * index[2])
     }
 
     /// Density (or coefficient) at an index position, in f64: the slow door for the reference.
     pub fn at(&self, index: [usize; 3]) -> f64 {
-        let i = index[0] + self.size[0] * (index[1] + self.size[1] * index[2]);
-        match &self.data {
-            Data::Native(samples, (offset, scale)) => (samples.get(i) - offset) * scale,
-            Data::Float(grid) => f64::from(grid[i]),
+        let i = self.linear_index(index);
+        match &self.prepared.grid {
+            Some(grid) => f64::from(grid[i]),
+            None => (self.samples.get(i) - self.map.0) * self.map.1,
         }
     }
 
     /// Whether the sample at an index position is drawn as empty.
     pub fn is_hole(&self, index: [usize; 3]) -> bool {
-        let i = index[0] + self.size[0] * (index[1] + self.size[1] * index[2]);
-        self.mask.as_ref().is_some_and(|m| m[i])
+        self.prepared.mask.as_ref().is_some_and(|m| m[self.linear_index(index)])
     }
 
-    /// `out[v][u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
-    pub fn combine(&self, level: Level, axes: [usize; 3], taps: &[SliceTap], window: Window, out: &mut Vec<f32>) {
-        out.clear();
-        out.resize(window.n_u() * window.n_v(), 0.0);
-        let region = Region::new(self.kernel, self.size, axes, window);
-        match &self.data {
-            Data::Float(grid) => level.run(
+    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
+    pub fn combine(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        taps: &[SliceTap],
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
+        if let Some(grid) = &self.prepared.grid {
+            return level.run(
                 #[inline(always)]
-                || region.accumulate(grid, taps, out, |d| d),
-            ),
-            Data::Native(samples, (offset, scale)) => {
-                let (offset, scale) = (*offset, *scale);
-                if samples.is_narrow() {
-                    with_samples!(samples, s => level.run(#[inline(always)] || region.accumulate(s, taps, out, Sample::to_f32)));
-                } else {
-                    with_samples!(samples, s => level.run(#[inline(always)] || region.accumulate(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
-                }
-            }
+                || region.combine(grid, taps, out, |d| d),
+            );
+        }
+        let (offset, scale) = self.map;
+        if self.samples.is_narrow() {
+            with_samples!(self.samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, Sample::to_f32)));
+        } else {
+            with_samples!(self.samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
+        }
+    }
+
+    /// `out[slice · plane + v · stride + u] = density` for the [`LANES`] slices from `first` on, which lie across x; u
+    /// and v are y and z. Slices behind the last one repeat it. `stride` is a multiple of [`LANES`].
+    pub fn turn(&self, level: Level, axes: [usize; 3], first: usize, window: Window, out: &mut [f32], stride: usize) {
+        let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
+        if let Some(grid) = &self.prepared.grid {
+            return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
+        }
+        let (offset, scale) = self.map;
+        if self.samples.is_narrow() {
+            with_samples!(self.samples, grid => {
+                level.dispatch(Turn { region, grid, first, out, density: Sample::to_f32 });
+            });
+        } else {
+            with_samples!(self.samples, grid => {
+                let density = |s| (Sample::to_f64(s) - offset) * scale;
+                level.dispatch(Turn { region, grid, first, out, density: |s| density(s) as f32 });
+            });
         }
     }
 
     /// As [`Slices::combine`] for the mask: above 0 where a hole is reached.
-    pub fn combine_mask(&self, level: Level, axes: [usize; 3], taps: &[SliceTap], window: Window, out: &mut Vec<f32>) {
-        out.clear();
-        out.resize(window.n_u() * window.n_v(), 0.0);
-        if let Some(mask) = &self.mask {
-            let region = Region::new(self.kernel, self.size, axes, window);
+    pub fn combine_mask(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        taps: &[SliceTap],
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        if let Some(mask) = &self.prepared.mask {
+            let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
             level.run(
                 #[inline(always)]
-                || region.accumulate(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }),
+                || region.combine(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }),
             );
         }
+    }
+}
+
+/// Rows of the samples, for the bounds of bricks.
+struct NativeRows<'a> {
+    samples: Samples<'a>,
+    map: (f64, f64),
+    level: Level,
+}
+
+impl Rows for NativeRows<'_> {
+    fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
+        let (offset, scale) = self.map;
+        if self.samples.is_narrow() {
+            with_samples!(self.samples, s => self.level.run(#[inline(always)] || widen(&s[start..], lo, hi, Sample::to_f32)));
+        } else {
+            with_samples!(self.samples, s => self.level.run(#[inline(always)] || widen(&s[start..], lo, hi, |s| ((s.to_f64() - offset) * scale) as f32)));
+        }
+    }
+}
+
+struct FloatRows<'a> {
+    grid: &'a [f32],
+    level: Level,
+}
+
+impl Rows for FloatRows<'_> {
+    fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
+        self.level.run(
+            #[inline(always)]
+            || widen(&self.grid[start..], lo, hi, |d| d),
+        );
+    }
+}
+
+#[inline(always)]
+fn widen<T: Copy>(row: &[T], lo: &mut [f32], hi: &mut [f32], density: impl Fn(T) -> f32) {
+    for ((lo, hi), s) in lo.iter_mut().zip(hi).zip(row) {
+        let d = density(*s);
+        *lo = if d < *lo { d } else { *lo };
+        *hi = if d > *hi { d } else { *hi };
     }
 }
 
@@ -162,16 +254,17 @@ struct Region {
     stride: [usize; 3],
     n: [usize; 3],
     window: Window,
+    out_stride: usize,
 }
 
 impl Region {
-    fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window) -> Self {
+    fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window, out_stride: usize) -> Self {
         let all = [1, size[0], size[0] * size[1]];
-        Self { kernel, stride: axes.map(|a| all[a]), n: axes.map(|a| size[a]), window }
+        Self { kernel, stride: axes.map(|a| all[a]), n: axes.map(|a| size[a]), window, out_stride }
     }
 
     #[inline(always)]
-    fn accumulate<T: Copy>(&self, grid: &[T], taps: &[SliceTap], out: &mut [f32], density: impl Fn(T) -> f32) {
+    fn combine<T: Copy>(&self, grid: &[T], taps: &[SliceTap], out: &mut [f32], density: impl Fn(T) -> f32) {
         let Window { u: [u_lo, u_hi], v: [v_lo, _] } = self.window;
         let [su, sv, sw] = self.stride;
         let last = self.n[0] as i64 - 1;
@@ -180,27 +273,120 @@ impl Region {
         let inner_hi = u_hi.clamp(0, last);
         let n_left = (inner_lo - u_lo) as usize;
         let n_inner = (inner_hi - inner_lo + 1) as usize;
-        for (r, row) in out.chunks_exact_mut(self.window.n_u()).enumerate() {
-            let v = fold(self.kernel, v_lo + r as i64, self.n[1]);
+        let n_u = self.window.n_u();
+        for r in 0..self.window.n_v() {
+            let row = &mut out[r * self.out_stride..][..n_u];
+            let line = fold(self.kernel, v_lo + r as i64, self.n[1]) * sv;
+            let sum = |i: i64| {
+                let place = line + fold(self.kernel, i, self.n[0]) * su;
+                taps.iter().fold(0.0, |sum, &(slice, weight)| sum + weight * density(grid[slice * sw + place]))
+            };
+            for c in 0..n_left {
+                row[c] = sum(u_lo + c as i64);
+            }
+            for c in n_left + n_inner..n_u {
+                row[c] = sum(u_lo + c as i64);
+            }
+            let inner = &mut row[n_left..n_left + n_inner];
+            let from = |slice: usize| slice * sw + line + inner_lo as usize * su;
+            if su == 1 {
+                sum_slices(grid, taps, from, inner, &density);
+            } else {
+                inner.fill(0.0);
+                for &(slice, weight) in taps {
+                    for (o, s) in inner.iter_mut().zip(grid[from(slice)..].iter().step_by(su)) {
+                        *o += weight * density(*s);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `out = Σ weight · density` over slices whose samples lie side by side, each from its own place on.
+#[inline(always)]
+pub fn sum_slices<T: Copy>(
+    grid: &[T],
+    taps: &[SliceTap],
+    from: impl Fn(usize) -> usize,
+    out: &mut [f32],
+    density: &impl Fn(T) -> f32,
+) {
+    // The usual numbers of slices, unrolled.
+    match taps.len() {
+        1 => sum_rows::<1, _>(grid, taps, from, out, density),
+        2 => sum_rows::<2, _>(grid, taps, from, out, density),
+        4 => sum_rows::<4, _>(grid, taps, from, out, density),
+        6 => sum_rows::<6, _>(grid, taps, from, out, density),
+        _ => {
+            out.fill(0.0);
             for &(slice, weight) in taps {
-                let start = slice * sw + v * sv;
-                let at = |i: i64| weight * density(grid[start + fold(self.kernel, i, self.n[0]) * su]);
-                for (c, o) in row[..n_left].iter_mut().enumerate() {
-                    *o += at(u_lo + c as i64);
+                for (o, s) in out.iter_mut().zip(&grid[from(slice)..]) {
+                    *o += weight * density(*s);
                 }
-                for (c, o) in row[n_left + n_inner..].iter_mut().enumerate() {
-                    *o += at(inner_hi + 1 + c as i64);
+            }
+        }
+    }
+}
+
+/// `out = Σ weight · density` over `N` slices, one pass.
+#[inline(always)]
+fn sum_rows<const N: usize, T: Copy>(
+    grid: &[T],
+    taps: &[SliceTap],
+    from: impl Fn(usize) -> usize,
+    out: &mut [f32],
+    density: &impl Fn(T) -> f32,
+) {
+    let Some(taps) = taps.first_chunk::<N>() else { return };
+    let n = out.len();
+    let rows: [&[T]; N] = std::array::from_fn(|k| &grid[from(taps[k].0)..][..n]);
+    for i in 0..n {
+        let mut sum = 0.0;
+        for k in 0..N {
+            sum += taps[k].1 * density(rows[k][i]);
+        }
+        out[i] = sum;
+    }
+}
+
+/// Turns [`LANES`] slices by as many samples at a time.
+struct Turn<'a, T, F> {
+    region: Region,
+    grid: &'a [T],
+    first: usize,
+    out: &'a mut [f32],
+    density: F,
+}
+
+impl<T: Copy, F: Fn(T) -> f32> Work for Turn<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Region { kernel, n: [n_u, n_v, n_w], window, out_stride, stride: [stride_u, stride_v, _] } = self.region;
+        let plane = out_stride * window.n_v();
+        let n_here = LANES.min(n_w - self.first);
+        let mut block = [Lanes::splat(0.0); LANES];
+        for (r, v) in (window.v[0]..=window.v[1]).enumerate() {
+            let start = fold(kernel, v, n_v) * stride_v + self.first;
+            for c in (0..window.n_u()).step_by(LANES) {
+                for k in 0..LANES {
+                    let u = (window.u[0] + (c + k) as i64).min(window.u[1]);
+                    let row = &self.grid[start + fold(kernel, u, n_u) * stride_u..];
+                    if let Some(row) = row.first_chunk::<LANES>() {
+                        for i in 0..LANES {
+                            block[k].0[i] = (self.density)(row[i]);
+                        }
+                    } else {
+                        for i in 0..LANES {
+                            block[k].0[i] = (self.density)(row[i.min(n_here - 1)]);
+                        }
+                    }
                 }
-                let inner = &mut row[n_left..n_left + n_inner];
-                let from = start + inner_lo as usize * su;
-                if su == 1 {
-                    for (o, s) in inner.iter_mut().zip(&grid[from..from + n_inner]) {
-                        *o += weight * density(*s);
-                    }
-                } else {
-                    for (o, s) in inner.iter_mut().zip(grid[from..].iter().step_by(su)) {
-                        *o += weight * density(*s);
-                    }
+                s.transpose(&mut block);
+                for k in 0..n_here {
+                    self.out[k * plane + r * out_stride + c..][..LANES].copy_from_slice(&block[k].0);
                 }
             }
         }
@@ -276,9 +462,10 @@ mod tests {
         for axes in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
             let window = Window { u: [-2, size[axes[0]] as i64 + 1], v: [-1, size[axes[1]] as i64] };
             let taps = [(0, 0.25), (2, 0.75)];
-            let (mut a, mut b) = (Vec::new(), Vec::new());
-            narrow.combine(Level::best(), axes, &taps, window, &mut a);
-            float.combine(Level::best(), axes, &taps, window, &mut b);
+            let n = window.n_u() * window.n_v();
+            let (mut a, mut b) = (vec![9.0; n], vec![9.0; n]);
+            narrow.combine(Level::best(), axes, &taps, window, &mut a, window.n_u());
+            float.combine(Level::best(), axes, &taps, window, &mut b, window.n_u());
             for (i, (a, b)) in a.iter().zip(&b).enumerate() {
                 let (u, v) = (window.u[0] + (i % window.n_u()) as i64, window.v[0] + (i / window.n_u()) as i64);
                 let mut index = [0; 3];

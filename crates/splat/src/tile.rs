@@ -1,12 +1,16 @@
 //! One tile of a base plane, all its sheets front to back, without leaving the cache.
+//!
+//! Bricks of the volume that nothing is seen of are left out: first whole layers of the tile, then blocks of a strip
+//! between two sheets. What is left is reconstructed chunk by chunk as the compositor asks for it.
 
 use std::ops::Range;
 
-use glam::DAffine3;
-
-use crate::composite::{Between, Compositor, RayRow, Slab, Texel};
-use crate::interval::Region;
-use crate::sheet::{Row, Sheet, SheetGeometry, TILE_U, TILE_V};
+use crate::bricks::{BRICK, Occupied};
+use crate::composite::{Compositor, Slab};
+use crate::panel::Panel;
+use crate::rays::{RayGeometry, Rays};
+use crate::sheet::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, Sheet, SheetGeometry, TILE_U, TILE_V};
+use crate::simd::{Kernel, LANES, Simd};
 
 /// Where the sheets of a family lie: `n + 1` sheets from the first slice to the last, evenly spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,21 +49,27 @@ impl SheetSpacing {
 /// What all tiles of a base plane share.
 pub struct TileJob<'a> {
     pub geometry: SheetGeometry<'a>,
-    pub region: &'a Region,
+    pub rays: RayGeometry<'a>,
     pub spacing: SheetSpacing,
-    pub world_from_index: DAffine3,
-    pub opacity_unit: f64,
-    /// Sheets that a compositor may ask for between two sheets.
-    pub n_between: usize,
+    /// Bricks that change anything; `None`: all.
+    pub occupied: Option<Occupied>,
 }
 
 /// Numbers for the report.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
-    /// Texels that were reconstructed.
+    /// Texels that were looked at, all sheets.
     pub n_texels: u64,
-    /// Sheets of tiles left out because nothing in them is visible.
+    /// Slabs of tiles left out because nothing in them is visible.
     pub n_skipped: u64,
+}
+
+/// A slab of a tile and the blocks that are looked at in it.
+#[derive(Clone, Copy, Debug)]
+struct ActiveSlab {
+    /// The sheets in front of it and behind it, as the rays meet them.
+    sheets: [usize; 2],
+    blocks: BlockMask,
 }
 
 impl TileJob<'_> {
@@ -69,97 +79,191 @@ impl TileJob<'_> {
         [n_u.div_ceil(TILE_U), n_v.div_ceil(TILE_V)]
     }
 
-    /// Runs one tile and returns its texels, row by row, `TILE_U` wide.
-    pub fn run(&self, tile: [usize; 2], compositor: &mut impl Compositor) -> (Vec<Texel>, Work) {
+    /// Runs one tile; `None` where nothing is seen.
+    pub fn run<C: Compositor>(&self, tile: [usize; 2], compositor: impl FnOnce() -> C, work: &mut Work) -> Option<C> {
         let first = [tile[0] * TILE_U, tile[1] * TILE_V];
-        let n_rows = TILE_V.min(self.geometry.plane.size[1] - first[1]);
-        let (rays, span) = self.rays(first, n_rows);
-        let mut work = Work::default();
-        let range = self.spacing.range(span);
-        let sign = self.sign();
-        let w = |k: usize| {
-            // Front to back: the k-th sheet a ray meets.
-            let sheet_idx = if sign > 0.0 { range.start + k } else { range.end - 1 - k };
-            self.spacing.w(sheet_idx)
-        };
-        // Reconstruction runs one sheet ahead of shading.
+        let layers = self.active_layers(first);
+        if !layers.contains(&true) {
+            work.n_skipped += self.spacing.n_slabs as u64;
+            return None;
+        }
+        let level = self.geometry.level;
+        let (rays, span) = Rays::new(&self.rays, level, first);
+        let mut alive = alive_blocks(|chunk| rays.missed(chunk) != u16::MAX);
+        let slabs = self.active_slabs(first, self.spacing.range(span), &layers, alive);
+        work.n_skipped += (self.spacing.n_slabs - slabs.len()) as u64;
+        if slabs.is_empty() {
+            return None;
+        }
+        let mut compositor = compositor();
+        let sign = if self.geometry.plane.family.ascending { 1.0 } else { -1.0 };
         let (mut front, mut back) = (Sheet::default(), Sheet::default());
-        let mut between = Between::default();
-        let mut front_range =
-            if range.is_empty() { [0.0; 2] } else { front.combine(&self.geometry, w(0), first, n_rows) };
-        for k in 1..range.len() {
-            if (0..n_rows).all(|row| compositor.is_done(row)) {
-                break;
+        let mut in_front = None;
+        let mut panel = Panel::default();
+        for (k, slab) in slabs.iter().enumerate() {
+            let blocks = slab.blocks & alive;
+            if blocks == 0 {
+                continue;
             }
-            let back_range = back.combine(&self.geometry, w(k), first, n_rows);
-            let both = [front_range[0].min(back_range[0]), front_range[1].max(back_range[1])];
-            if compositor.wants(both) {
-                between.reset(self.n_between);
-                let mut slab = Slab {
-                    s: [(sign * w(k - 1)) as f32, (sign * w(k)) as f32],
-                    range: both,
-                    is_last: k + 1 == range.len(),
-                    sheets: [&mut front, &mut back],
-                    between: &mut between,
-                    geometry: &self.geometry,
-                    place: (first, n_rows),
-                };
-                for (row, rays) in rays.iter().enumerate() {
-                    if !compositor.is_done(row) {
-                        compositor.add(row, rays, &mut slab);
-                        work.n_texels += TILE_U as u64;
-                    }
+            let w = slab.sheets.map(|sheet| self.spacing.w(sheet));
+            panel.cover(&self.geometry, w, |serves| {
+                let ahead = slabs[k..].iter().take_while(|slab| slab.sheets.iter().all(|s| serves(self.spacing.w(*s))));
+                // The sheet in front may still be that of the slab before.
+                let before = if k > 0 { slabs[k - 1].blocks } else { 0 };
+                let blocks = before | ahead.fold(0, |all, slab| all | slab.blocks) & alive;
+                let strips = bits(blocks).map(|b| b / N_BLOCKS_V);
+                let rows = bits(blocks).map(|b| b % N_BLOCKS_V);
+                let from = [strips.clone().min(), rows.clone().min()].map(Option::unwrap_or_default);
+                let to = [strips.max(), rows.max()].map(Option::unwrap_or_default);
+                [
+                    [first[0] + from[0] * LANES, first[1] + from[1] * BLOCK_V],
+                    [first[0] + (to[0] + 1) * LANES - 1, first[1] + (to[1] + 1) * BLOCK_V - 1],
+                ]
+            });
+            if in_front != Some(slab.sheets[0]) {
+                front.combine(&self.geometry, &panel, w[0], first, blocks);
+            }
+            // What is behind this slab is in front of the next.
+            let next = slabs.get(k + 1).filter(|next| next.sheets[0] == slab.sheets[1]);
+            let next = next.map_or(0, |next| next.blocks & alive);
+            back.combine(&self.geometry, &panel, w[1], first, blocks | next);
+            for block in bits(blocks) {
+                let done = level.dispatch(AddBlock {
+                    compositor: &mut compositor,
+                    rays: &rays,
+                    slab: Slab {
+                        s: w.map(|w| (sign * w) as f32),
+                        is_last: next >> block & 1 == 0,
+                        front: &mut front,
+                        back: &mut back,
+                        geometry: &self.geometry,
+                        panel: &panel,
+                    },
+                    block: Block::new(block),
+                });
+                work.n_texels += (LANES * BLOCK_V) as u64;
+                if done {
+                    alive &= !(1 << block);
                 }
-            } else {
-                work.n_skipped += 1;
             }
             std::mem::swap(&mut front, &mut back);
-            front_range = back_range;
+            in_front = Some(slab.sheets[1]);
         }
-        let mut texels = vec![Texel::default(); TILE_U * n_rows];
-        for (row, out) in texels.chunks_exact_mut(TILE_U).enumerate() {
-            compositor.finish(row, out);
-            // Compositors count along the ray; the rest of the world counts along w.
-            for texel in out {
-                texel.w_half *= sign as f32;
-            }
-        }
-        (texels, work)
+        Some(compositor)
     }
 
-    fn sign(&self) -> f64 {
-        if self.geometry.plane.family.ascending { 1.0 } else { -1.0 }
-    }
-
-    /// The rays of a tile, and the interval of w that any of them needs.
-    fn rays(&self, [i0, j0]: [usize; 2], n_rows: usize) -> (Vec<RayRow>, [f64; 2]) {
-        let plane = self.geometry.plane;
-        let sign = self.sign();
-        let columns = plane.family.axes.map(|a| self.world_from_index.matrix3.col(a));
-        let empty: Row = [0.0; TILE_U];
-        let blank = RayRow { interval: [empty; 2], thickness: empty, to_eye: [empty; 3] };
-        let mut span = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut rows = vec![blank; n_rows];
-        for (j, row) in rows.iter_mut().enumerate() {
-            for i in 0..TILE_U {
-                let ray = plane.ray((i0 + i) as f64, (j0 + j) as f64);
-                let [lo, hi] = self.region.texel_interval(plane, &ray);
-                if lo < hi {
-                    span = [span[0].min(lo), span[1].max(hi)];
-                    let (near, far) = if sign > 0.0 { (lo, hi) } else { (-hi, -lo) };
-                    row.interval[0][i] = near as f32;
-                    row.interval[1][i] = far as f32;
-                }
-                let per_slice = columns[0] * ray.slope[0] + columns[1] * ray.slope[1] + columns[2];
-                let length = per_slice.length();
-                row.thickness[i] = (length / self.opacity_unit) as f32;
-                let to_eye = per_slice * (-sign / length);
-                for c in 0..3 {
-                    row.to_eye[c][i] = to_eye[c] as f32;
-                }
+    /// Where texels `from..=to` of an axis (0: u, 1: v) lie on two sheets.
+    fn hull(&self, axis: usize, [from, to]: [usize; 2], w: [f64; 2]) -> [f64; 2] {
+        let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
+        for w in w {
+            let (origin, step) = self.geometry.plane.sheet(w)[axis];
+            for i in [from, to] {
+                let x = origin + step * i as f64;
+                hull = [hull[0].min(x), hull[1].max(x)];
             }
         }
-        (rows, span)
+        hull
+    }
+
+    /// Which layers of bricks have something below the tile.
+    fn active_layers(&self, [i0, j0]: [usize; 2]) -> Vec<bool> {
+        let n_cells = self.geometry.axes[2].n_samples - 1;
+        let layer_is_active = |layer: usize| {
+            let Some(occupied) = &self.occupied else { return true };
+            let cells = [layer * BRICK, (layer * BRICK + BRICK - 1).min(n_cells - 1)];
+            let w = [cells[0] as f64, cells[1] as f64 + 1.0];
+            let u = occupied.touched(0, self.hull(0, [i0, i0 + TILE_U - 1], w));
+            let v = occupied.touched(1, self.hull(1, [j0, j0 + TILE_V - 1], w));
+            matches!((u, v), (Some(u), Some(v)) if occupied.any(u, v, [layer; 2]))
+        };
+        (0..n_cells.div_ceil(BRICK)).map(layer_is_active).collect()
+    }
+
+    /// The slabs between the sheets of a range, in the order of the rays, that have something in blocks that are alive.
+    fn active_slabs(
+        &self,
+        [i0, j0]: [usize; 2],
+        range: Range<usize>,
+        layers: &[bool],
+        alive: BlockMask,
+    ) -> Vec<ActiveSlab> {
+        let ascending = self.geometry.plane.family.ascending;
+        let mut slabs = Vec::new();
+        for k in 1..range.len() {
+            let near = if ascending { range.start + k - 1 } else { range.end - k };
+            let sheets = if ascending { [near, near + 1] } else { [near, near - 1] };
+            let w = sheets.map(|sheet| self.spacing.w(sheet));
+            let [lo, hi] = [w[0].min(w[1]), w[0].max(w[1])];
+            // The slab lies in these cells; a sheet on a slice belongs to the cells on both sides.
+            let last = self.geometry.axes[2].n_samples - 2;
+            let cells = [(lo as usize).min(last), (hi.ceil() as usize).saturating_sub(1).min(last)];
+            if !layers[cells[0] / BRICK..=cells[1] / BRICK].contains(&true) {
+                continue;
+            }
+            let mut blocks = alive;
+            if let Some(occupied) = &self.occupied {
+                let u: [_; N_STRIPS] = std::array::from_fn(|strip| {
+                    let i = i0 + strip * LANES;
+                    occupied.touched(0, self.hull(0, [i, i + LANES - 1], w))
+                });
+                let v: [_; N_BLOCKS_V] = std::array::from_fn(|block| {
+                    let j = j0 + block * BLOCK_V;
+                    occupied.touched(1, self.hull(1, [j, j + BLOCK_V - 1], w))
+                });
+                let layers = [cells[0] / BRICK, cells[1] / BRICK];
+                for block in bits(alive) {
+                    let is_active = match (u[block / N_BLOCKS_V], v[block % N_BLOCKS_V]) {
+                        (Some(u), Some(v)) => occupied.any(u, v, layers),
+                        _ => false,
+                    };
+                    if !is_active {
+                        blocks &= !(1 << block);
+                    }
+                }
+            }
+            if blocks != 0 {
+                slabs.push(ActiveSlab { sheets, blocks });
+            }
+        }
+        slabs
+    }
+}
+
+/// The blocks of a mask.
+fn bits(mut mask: BlockMask) -> impl Iterator<Item = usize> + Clone {
+    std::iter::from_fn(move || {
+        let next = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        next
+    })
+}
+
+/// The blocks that have a chunk that is alive.
+fn alive_blocks(is_alive: impl Fn(Chunk) -> bool) -> BlockMask {
+    let mut blocks = 0;
+    for strip in 0..N_STRIPS {
+        for row in 0..TILE_V {
+            blocks |= BlockMask::from(is_alive(Chunk { strip, row })) << (strip * N_BLOCKS_V + row / BLOCK_V);
+        }
+    }
+    blocks
+}
+
+/// Adds the space between two sheets to the rays of a block; whether all of them are done.
+struct AddBlock<'a, 'b, C> {
+    compositor: &'a mut C,
+    rays: &'a Rays,
+    slab: Slab<'b>,
+    block: Block,
+}
+
+impl<C: Compositor> Kernel for AddBlock<'_, '_, C> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, s: S) -> bool {
+        self.compositor.add(s, self.block, self.rays, &mut self.slab);
+        self.block.chunks().all(|chunk| self.rays.none(chunk) || self.compositor.is_done(chunk))
     }
 }
 

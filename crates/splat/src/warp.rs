@@ -4,75 +4,108 @@
 //! which keeps what the base plane resolves, clamped to the texels around the position so that edges do not ring, and
 //! to the brightest colour that its opacity can have.
 //! Where the base plane is denser than the pixels, a pixel is the mean of several such reads: a box filter, as many
-//! rays per pixel would give.
+//! rays per pixel would give. Where nothing was drawn, nothing is read.
 
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 
 use crate::base_plane::{BasePlane, Family, IndexRays};
-use crate::composite::Texel;
 use crate::parallel;
+use crate::simd::{LANES, Level};
+
+/// Rows of texels that share an entry of [`BasePicture::drawn`]; along u they are [`LANES`].
+const CELL_V: usize = 8;
 
 /// A finished base plane.
 pub struct BasePicture {
     /// Its layout.
     pub plane: BasePlane,
-    /// Rows of texels.
-    pub texels: Vec<Texel>,
+    /// Rows of texels: associated RGBA; projections: density, length of the path, 0, coverage.
+    pub texels: Vec<[f32; 4]>,
+    /// w of opacity ½ of each texel, NaN where it is not reached; empty where no depth is wanted.
+    pub w_half: Vec<f32>,
+    /// Cells of texels that have been drawn in, or have a neighbour that was.
+    drawn: Vec<bool>,
 }
 
 impl BasePicture {
-    fn texel(&self, i: i64, j: i64) -> Option<&Texel> {
-        let [n_u, n_v] = self.plane.size;
-        let inside = i >= 0 && j >= 0 && (i as usize) < n_u && (j as usize) < n_v;
-        inside.then(|| &self.texels[j as usize * n_u + i as usize])
+    /// Nothing drawn.
+    pub fn new(plane: BasePlane, with_depth: bool) -> Self {
+        let [n_u, n_v] = plane.size;
+        let cells = Self::cells(&plane);
+        Self {
+            plane,
+            texels: vec![[0.0; 4]; n_u * n_v],
+            w_half: vec![f32::NAN; if with_depth { n_u * n_v } else { 0 }],
+            drawn: vec![false; cells[0] * cells[1]],
+        }
     }
 
-    /// Colour at a texel position.
-    fn sample(&self, position: DVec2) -> [f32; 4] {
-        let floor = position.floor();
-        let [i, j] = [floor.x as i64, floor.y as i64];
+    fn cells(plane: &BasePlane) -> [usize; 2] {
+        [plane.size[0].div_ceil(LANES), plane.size[1].div_ceil(CELL_V)]
+    }
+
+    /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out.
+    pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
+        let [n_u, _] = self.plane.size;
+        let n = LANES.min(n_u - i);
+        self.texels[j * n_u + i..][..n].copy_from_slice(&chunk[..n]);
+        if let (Some(w_half), false) = (w_half, self.w_half.is_empty()) {
+            self.w_half[j * n_u + i..][..n].copy_from_slice(&w_half[..n]);
+        }
+        // The filter reaches two texels further.
+        let [n_cells_u, n_cells_v] = Self::cells(&self.plane);
+        let (u, v) = (i / LANES, j / CELL_V);
+        for v in v.saturating_sub(1)..(v + 2).min(n_cells_v) {
+            self.drawn[v * n_cells_u + u.saturating_sub(1)..v * n_cells_u + (u + 2).min(n_cells_u)].fill(true);
+        }
+    }
+
+    fn texel(&self, i: i64, j: i64) -> Option<usize> {
+        let [n_u, n_v] = self.plane.size;
+        let inside = i >= 0 && j >= 0 && (i as usize) < n_u && (j as usize) < n_v;
+        inside.then(|| j as usize * n_u + i as usize)
+    }
+
+    /// Colour at a texel position; `None` where nothing is.
+    #[inline(always)]
+    fn sample(&self, u: f64, v: f64) -> Option<Vec4> {
         let [n_u, n_v] = self.plane.size.map(|n| n as i64);
+        // Truncation rounds down, since positions are kept above 0.
+        let (i, j) = ((u + 2.0) as i64 - 2, (v + 2.0) as i64 - 2);
+        if !(u >= -1.0 && v >= -1.0) || i >= n_u || j >= n_v {
+            return None;
+        }
+        let (fu, fv) = ((u - i as f64) as f32, (v - j as f64) as f32);
+        let cell = (j.max(0) as usize / CELL_V) * (n_u as usize).div_ceil(LANES) + i.max(0) as usize / LANES;
+        if !self.drawn[cell] {
+            return None;
+        }
         if i < 1 || j < 1 || i + 2 >= n_u || j + 2 >= n_v {
-            return self.sample_near_border(i, j, position - floor);
+            return Some(self.sample_near_border(i, j, fu, fv));
         }
-        let (wu, wv) = (catmull_rom(position.x - floor.x), catmull_rom(position.y - floor.y));
+        let (wu, wv) = (catmull_rom(fu), catmull_rom(fv));
         let start = (j - 1) as usize * n_u as usize + (i - 1) as usize;
-        let mut sum = [0.0_f32; 4];
-        let mut lo = [f32::INFINITY; 4];
-        let mut hi = [f32::NEG_INFINITY; 4];
-        for (r, wv) in wv.iter().enumerate() {
-            let row = &self.texels[start + r * n_u as usize..][..4];
-            let mut line = [0.0_f32; 4];
-            for (texel, wu) in row.iter().zip(wu) {
-                for c in 0..4 {
-                    line[c] += wu * texel.rgba[c];
-                }
-            }
-            for c in 0..4 {
-                sum[c] += wv * line[c];
-            }
+        let mut sum = Vec4::ZERO;
+        let (mut lo, mut hi) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
+        for r in 0..4 {
+            let row = self.texels[start + r * n_u as usize..].first_chunk::<4>()?.map(Vec4::from_array);
+            let line = wu[0] * row[0] + wu[1] * row[1] + (wu[2] * row[2] + wu[3] * row[3]);
+            sum += wv[r] * line;
             if r == 1 || r == 2 {
-                for texel in &row[1..3] {
-                    for c in 0..4 {
-                        lo[c] = lo[c].min(texel.rgba[c]);
-                        hi[c] = hi[c].max(texel.rgba[c]);
-                    }
-                }
+                lo = lo.min(row[1].min(row[2]));
+                hi = hi.max(row[1].max(row[2]));
             }
         }
-        std::array::from_fn(|c| sum[c].max(lo[c]).min(hi[c]))
+        Some(sum.max(lo).min(hi))
     }
 
     /// Linear, with emptiness beyond the grid.
-    fn sample_near_border(&self, i: i64, j: i64, fraction: DVec2) -> [f32; 4] {
-        let (fu, fv) = (fraction.x as f32, fraction.y as f32);
-        let mut sum = [0.0_f32; 4];
+    fn sample_near_border(&self, i: i64, j: i64, fu: f32, fv: f32) -> Vec4 {
+        let mut sum = Vec4::ZERO;
         for (dj, wv) in [(0, 1.0 - fv), (1, fv)] {
             for (di, wu) in [(0, 1.0 - fu), (1, fu)] {
                 if let Some(texel) = self.texel(i + di, j + dj) {
-                    for c in 0..4 {
-                        sum[c] += wu * wv * texel.rgba[c];
-                    }
+                    sum += wu * wv * Vec4::from_array(self.texels[texel]);
                 }
             }
         }
@@ -85,7 +118,7 @@ impl BasePicture {
         const ONE_SURFACE: f32 = 2.0;
         let floor = position.floor();
         let (i, j) = (floor.x as i64, floor.y as i64);
-        let at = |i: i64, j: i64| self.texel(i, j).map_or(f32::NAN, |t| t.w_half);
+        let at = |i: i64, j: i64| self.texel(i, j).map_or(f32::NAN, |t| self.w_half[t]);
         let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
         let lo = corners.iter().copied().fold(f32::INFINITY, f32::min);
         let hi = corners.iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -100,14 +133,18 @@ impl BasePicture {
     }
 }
 
-fn catmull_rom(t: f64) -> [f32; 4] {
-    let w = |x: f64| crate::kernel::weight(wavesplat_core::Kernel::CatmullRom, x) as f32;
-    [w(t + 1.0), w(t), w(1.0 - t), w(2.0 - t)]
+/// Weights of the four texels around a position `t` of the way from the second to the third.
+#[inline(always)]
+fn catmull_rom(t: f32) -> [f32; 4] {
+    let w0 = ((-0.5 * t + 1.0) * t - 0.5) * t;
+    let w1 = (1.5 * t - 2.5) * t * t + 1.0;
+    let w3 = (0.5 * t - 0.5) * t * t;
+    [w0, w1, 1.0 - w0 - w1 - w3, w3]
 }
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
 pub struct Warped {
-    /// As [`Texel::rgba`].
+    /// As [`BasePicture::texels`].
     pub rgba: Vec<[f32; 4]>,
     /// Index-space position along the pixel's ray of opacity ½, as the ray's parameter; NaN where not reached.
     pub ray_parameter: Option<Vec<f32>>,
@@ -115,6 +152,7 @@ pub struct Warped {
 
 /// Draws the picture. `reads_per_axis`: reads per pixel along x and along y. `peak`: largest unassociated colour.
 pub fn warp(
+    level: Level,
     pictures: &[BasePicture],
     rays: &IndexRays,
     [width_px, height_px]: [usize; 2],
@@ -122,40 +160,73 @@ pub fn warp(
     peak: f32,
     with_depth: bool,
 ) -> Warped {
-    let rows = parallel::map(height_px, |y| {
-        let mut rgba = vec![[0.0_f32; 4]; width_px];
-        let mut parameter = vec![f32::NAN; if with_depth { width_px } else { 0 }];
-        let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
-        let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
-        for (x, pixel) in rgba.iter_mut().enumerate() {
-            for dy in &offsets {
-                for dx in &offsets {
-                    let (px, py) = (x as f64 + dx, y as f64 + dy);
-                    if let Some(picture) = serving(pictures, rays, px, py) {
-                        let colour = picture.sample(picture.plane.texel_from_pixel(rays, px, py));
-                        for c in 0..3 {
-                            pixel[c] += share * colour[c].min(peak * colour[3]);
-                        }
-                        pixel[3] += share * colour[3];
+    let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
+    let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
+    let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
+    parallel::for_each_chunk(&mut rgba, width_px, |y, row| {
+        for dy in &offsets {
+            for dx in &offsets {
+                read_row(level, pictures, rays, [*dx, y as f64 + dy], (share, peak), row);
+            }
+        }
+    });
+    let parameters = with_depth.then(|| {
+        let mut parameter = vec![f32::NAN; width_px * height_px];
+        parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
+            for (x, parameter) in row.iter_mut().enumerate() {
+                *parameter = ray_parameter(pictures, rays, x as f64 + 0.5, y as f64 + 0.5);
+            }
+        });
+        parameter
+    });
+    Warped { rgba, ray_parameter: parameters }
+}
+
+/// Adds one read of every pixel of a row; the first is at picture position `[x, y]`.
+fn read_row(
+    level: Level,
+    pictures: &[BasePicture],
+    rays: &IndexRays,
+    [x0, y]: [f64; 2],
+    (share, peak): (f32, f32),
+    row: &mut [[f32; 4]],
+) {
+    level.run(
+        #[inline(always)]
+        || match pictures {
+            // Parallel rays: positions are affine in the pixel.
+            [only] if only.plane.eye_w().is_none() => {
+                let first = only.plane.texel_from_pixel(rays, x0, y);
+                let step = only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first;
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    let (u, v) = (first.x + step.x * x as f64, first.y + step.y * x as f64);
+                    if let Some(color) = only.sample(u, v) {
+                        add(pixel, color, share, peak);
                     }
                 }
             }
-            if with_depth {
-                parameter[x] = ray_parameter(pictures, rays, x as f64 + 0.5, y as f64 + 0.5);
+            _ => {
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    let x = x as f64 + x0;
+                    if let Some(picture) = serving(pictures, rays, x, y) {
+                        let position = picture.plane.texel_from_pixel(rays, x, y);
+                        if let Some(color) = picture.sample(position.x, position.y) {
+                            add(pixel, color, share, peak);
+                        }
+                    }
+                }
             }
-        }
-        (rgba, parameter)
-    });
-    let mut warped = Warped { rgba: Vec::with_capacity(width_px * height_px), ray_parameter: None };
-    let mut parameters = Vec::new();
-    for (rgba, parameter) in rows {
-        warped.rgba.extend(rgba);
-        parameters.extend(parameter);
-    }
-    warped.ray_parameter = with_depth.then_some(parameters);
-    warped
+        },
+    );
 }
 
+#[inline(always)]
+fn add(pixel: &mut [f32; 4], color: Vec4, share: f32, peak: f32) {
+    let brightest = Vec4::new(peak, peak, peak, 1.0) * color.w;
+    *pixel = (Vec4::from_array(*pixel) + share * color.min(brightest)).to_array();
+}
+
+#[inline(always)]
 fn serving<'a>(pictures: &'a [BasePicture], rays: &IndexRays, x: f64, y: f64) -> Option<&'a BasePicture> {
     match pictures {
         [] => None,

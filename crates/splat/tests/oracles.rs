@@ -65,7 +65,7 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
             let per_slice = columns[0] * ray.slope[0] + columns[1] * ray.slope[1] + columns[2];
             let depth = -(-opacity_per_unit).ln_1p() * (hi - lo).max(0.0) * per_slice.length() / 1.5;
             let want = -(-depth).exp_m1();
-            let got = f64::from(texel.rgba[3]);
+            let got = f64::from(texel[3]);
             assert!((got - want).abs() < 1e-6, "texel {t}: {got} for {want}, {options:?}");
             n_hit += usize::from(want > 0.01);
         }
@@ -196,7 +196,7 @@ fn front_slab_over_back_slab_is_the_whole() {
                     let offset = (whole[0].plane.origin - p.origin) / p.step;
                     let (i, j) = (i as f64 + offset.x.round(), j as f64 + offset.y.round());
                     let inside = i >= 0.0 && j >= 0.0 && i < p.size[0] as f64 && j < p.size[1] as f64;
-                    if inside { picture.texels[j as usize * p.size[0] + i as usize].rgba } else { [0.0; 4] }
+                    if inside { picture.texels[j as usize * p.size[0] + i as usize] } else { [0.0; 4] }
                 };
                 let (w, f, b) = (at(&whole[0]), at(&front[0]), at(&back[0]));
                 for c in 0..4 {

@@ -7,7 +7,7 @@ use wavesplat_splat::reference::splat;
 use wavesplat_splat::simd::Level;
 use wavesplat_splat::slices::Slices;
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
-use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp, psnr_db};
+use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 9.0 };
 const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
@@ -55,7 +55,7 @@ fn the_fast_path_equals_the_literal_splatter() {
                     let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
                     for (t, (texel, want)) in picture.texels.iter().zip(&want).enumerate() {
                         for c in 0..4 {
-                            let (got, want) = (f64::from(texel.rgba[c]), want[c]);
+                            let (got, want) = (f64::from(texel[c]), want[c]);
                             assert!((got - want).abs() < 1e-4, "{kernel:?} {from} texel {t}: {got} for {want}");
                         }
                         n_compared += usize::from(want[3] > 0.1);
@@ -134,7 +134,8 @@ const SOFT: [(f64, f64); 3] = [(60.0, 0.0), (128.0, 0.05), (255.0, 0.2)];
 
 #[test]
 fn soft_pictures_approach_the_converged_ray_caster() {
-    let (normal, high) = (wavesplat_core::quality_settings("normal"), wavesplat_core::quality_settings("high"));
+    let (normal, high) =
+        (wavesplat_core::quality_settings("normal", false), wavesplat_core::quality_settings("high", false));
     check_against_raycast(Kernel::Linear, &SOFT, normal.unwrap(), (96, 1), 40.0);
     check_against_raycast(Kernel::Linear, &SOFT, high.unwrap(), (96, 1), 45.0);
 }
@@ -148,7 +149,7 @@ fn smooth_kernels_agree_with_the_ray_caster_too() {
 
 #[test]
 fn hard_pictures_approach_the_converged_ray_caster() {
-    let high = wavesplat_core::quality_settings("high").unwrap();
+    let high = wavesplat_core::quality_settings("high", true).unwrap();
     check_against_raycast(Kernel::Linear, &[(127.0, 0.0), (128.0, 1.0)], high, (64, 16), 34.0);
 }
 
@@ -166,8 +167,8 @@ fn every_simd_level_gives_the_same_bits() {
             let options = RenderOptions { width_px: 90, height_px: 60, kernel, composite, ..RenderOptions::default() };
             let draw = |level| {
                 let pictures = render_base_planes_at(level, &volume, &slices, &tf, &camera, &options, &()).unwrap().0;
-                let texels = pictures.iter().flat_map(|p| &p.texels);
-                texels.flat_map(|t| [t.rgba[0], t.rgba[1], t.rgba[2], t.rgba[3], t.w_half].map(f32::to_bits)).collect()
+                let texels = pictures.iter().flat_map(|p| p.texels.as_flattened().iter().chain(&p.w_half));
+                texels.map(|x| x.to_bits()).collect()
             };
             let baseline: Vec<u32> = draw(Level::all()[0]);
             for level in Level::all() {
@@ -175,4 +176,49 @@ fn every_simd_level_gives_the_same_bits() {
             }
         }
     }
+}
+
+/// Rays stop when they are nearly opaque; plain sheets do not.
+#[test]
+fn stopping_changes_no_channel_by_a_grey_level_of_1024() {
+    let phantom = scene();
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(40.0, 0.0), (100.0, 0.1)], Some(0.03));
+    let slices = Slices::new(&volume, Kernel::Linear);
+    for projection in [ORTHOGRAPHIC, PERSPECTIVE] {
+        let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 30.0, projection);
+        let draw = |refined| {
+            let options = RenderOptions {
+                width_px: 90,
+                height_px: 70,
+                refined,
+                sheets_per_slice: 32.0,
+                ..RenderOptions::default()
+            };
+            render(&volume, &slices, &tf, &camera, &options, &()).unwrap().0
+        };
+        let (stopped, whole) = (draw(true), draw(false));
+        assert!(whole.rgba.iter().any(|pixel| pixel[3] > 0.9999), "some rays are opaque");
+        let difference = max_difference(&stopped.rgba, &whole.rgba);
+        assert!(difference > 0.0 && difference < 1.0 / 1024.0, "{difference}");
+    }
+}
+
+/// Few pre-integrated slabs give the picture of very many plain sheets, and the more the nearer.
+#[test]
+fn pre_integrated_slabs_converge_to_plain_sheets() {
+    let phantom = Phantom::ripples(24);
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(120.0, 0.0), (136.0, 1.0)], None);
+    let slices = Slices::new(&volume, Kernel::Linear);
+    let camera = camera_towards(phantom.centre(), DVec3::new(0.7, 0.7, 0.55), 60.0, ORTHOGRAPHIC);
+    let draw = |refined, sheets_per_slice| {
+        let options =
+            RenderOptions { width_px: 90, height_px: 90, refined, sheets_per_slice, ..RenderOptions::default() };
+        render(&volume, &slices, &tf, &camera, &options, &()).unwrap().0
+    };
+    let want = draw(false, 64.0);
+    let psnr = |refined, sheets| psnr_db(&draw(refined, sheets).rgba, &want.rgba);
+    let (two, eight, plain) = (psnr(true, 2.0), psnr(true, 8.0), psnr(false, 2.0));
+    assert!(two > plain + 4.0 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
 }

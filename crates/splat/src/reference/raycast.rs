@@ -330,7 +330,7 @@ impl Blocks {
                 }
             }
         }
-        let over = if kernel::overshoot_2d(sampler.slices.kernel()) > 0.0 { 0.48 * (hi - lo) } else { 0.0 };
+        let over = f64::from(kernel::overshoot(sampler.slices.kernel())) * (hi - lo);
         let (offset, scale) = sampler.density_map;
         let [lo, hi] = [lo - over, hi + over].map(|d| d / scale + offset);
         // A piecewise-linear curve is 0 over an interval if it is 0 at its ends and at the nodes inside.

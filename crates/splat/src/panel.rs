@@ -1,0 +1,104 @@
+//! Samples of a tile for a run of slices, turned so that they lie side by side along u.
+//!
+//! Slices across x have their samples a whole row apart in memory; read sheet by sheet, every sample costs a cache
+//! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it.
+
+use crate::footprint::Axis;
+use crate::kernel::{n_taps, reach};
+use crate::sheet::SheetGeometry;
+use crate::simd::{LANES, Level};
+use crate::slices::{SliceTap, Window, sum_slices};
+
+/// Densities of a box of samples, slice by slice.
+pub struct Panel {
+    /// Positions of sheets that it serves; none at first.
+    run: [f64; 2],
+    /// The first of [`LANES`] slices.
+    first: usize,
+    window: Option<Window>,
+    stride: usize,
+    densities: Vec<f32>,
+}
+
+impl Default for Panel {
+    fn default() -> Self {
+        Self { run: [f64::INFINITY, f64::NEG_INFINITY], first: 0, window: None, stride: 0, densities: Vec::new() }
+    }
+}
+
+impl Panel {
+    /// Makes sure that the slices that reach the sheets at `w` are there, if the slices lie across the rows of samples.
+    /// `texels` tells the first and the last texel that is wanted of all sheets that the panel will serve.
+    pub fn cover(
+        &mut self,
+        geometry: &SheetGeometry,
+        w: [f64; 2],
+        texels: impl FnOnce(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2],
+    ) {
+        let [axis_u, axis_v, axis_w] = &geometry.axes;
+        if geometry.plane.family.axes[0] == 0 {
+            return;
+        }
+        if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {
+            return;
+        }
+        // As far ahead as the slices of a panel serve.
+        let spare = reached(axis_w, [0.0, 0.0]);
+        let served = (LANES as i64 - 1 - (spare[1] - spare[0])) as f64;
+        let needed = (w[1] - w[0]).abs();
+        if served < needed.ceil() {
+            // Sheets too far apart, or kernels too wide: every slice would be turned several times.
+            self.window = None;
+            return;
+        }
+        let (lo, hi) = (w[0].min(w[1]), w[0].max(w[1]));
+        let run = if w[0] < w[1] { [lo, (lo.floor() + served).max(hi)] } else { [(hi.ceil() - served).min(lo), hi] };
+        self.run = run;
+        self.first = reached(axis_w, run)[0].max(0) as usize;
+        let [from, to] = texels(&|w| run[0] <= w && w <= run[1]);
+        let window = |axis: &Axis, k: usize| {
+            let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
+            for w in run {
+                let (origin, step) = geometry.plane.sheet(w)[k];
+                for i in [from[k], to[k]] {
+                    let x = (origin + step * i as f64).clamp(0.0, (axis.n_samples - 1) as f64);
+                    hull = [hull[0].min(x), hull[1].max(x)];
+                }
+            }
+            reached(axis, hull)
+        };
+        let window = Window { u: window(axis_u, 0), v: window(axis_v, 1) };
+        self.window = Some(window);
+        self.stride = window.n_u().next_multiple_of(LANES);
+        self.densities.resize(self.stride * window.n_v() * LANES, 0.0);
+        let axes = geometry.plane.family.axes;
+        geometry.slices.turn(geometry.level, axes, self.first, window, &mut self.densities, self.stride);
+    }
+
+    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`, or `false` if they are not here.
+    pub fn combine(&self, level: Level, taps: &[SliceTap], window: Window, out: &mut [f32], stride: usize) -> bool {
+        let Some(all) = self.window else { return false };
+        let first = [window.u[0] - all.u[0], window.v[0] - all.v[0]].map(|i| i as usize);
+        let plane = self.stride * all.n_v();
+        level.run(
+            #[inline(always)]
+            || {
+                for r in 0..window.n_v() {
+                    let row = &mut out[r * stride..][..window.n_u()];
+                    let from = |slice: usize| (slice - self.first) * plane + (first[1] + r) * self.stride + first[0];
+                    sum_slices(&self.densities, taps, from, row, &|d| d);
+                }
+            },
+        );
+        true
+    }
+}
+
+/// First and last sample that values and differences at the positions of an interval reach, with one to spare for
+/// positions in f32.
+fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
+    let offset = axis.offset.map_or(0, |offset| offset.ceil() as i64);
+    let before = reach(axis.kernel) as i64 + offset + 1;
+    let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
+    [lo.floor() as i64 - before, hi.floor() as i64 + after]
+}

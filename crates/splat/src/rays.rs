@@ -1,0 +1,179 @@
+//! What a tile knows about its rays; filled once per tile.
+//!
+//! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
+
+use glam::DAffine3;
+
+use crate::base_plane::BasePlane;
+use crate::interval::Region;
+use crate::shade::on_gradient;
+use crate::sheet::{Chunk, N_STRIPS, TILE_V};
+use crate::simd::{LANES, Lanes, Level, Simd, Wide};
+
+/// Rays of the texels of a tile, chunk by chunk.
+pub struct Rays {
+    /// Interval of s that is drawn; empty where lo ≥ hi.
+    intervals: Vec<[Lanes; 2]>,
+    /// The part of s that all rays of a chunk draw.
+    common: Vec<[f32; 2]>,
+    /// Rays that draw nothing, as bits.
+    missed: Vec<u16>,
+    /// Directions; one for all where rays are parallel.
+    directions: Vec<Directions>,
+}
+
+/// Directions of the rays of a chunk.
+#[derive(Clone, Copy)]
+pub struct Directions {
+    /// Length of one slice distance along the ray, in `opacity_unit`s.
+    pub thickness: Lanes,
+    /// Unit world vectors towards the eye, as forms on index gradients ([`on_gradient`]).
+    pub to_eye: [Lanes; 3],
+}
+
+/// What the rays of all tiles of a base plane share.
+pub struct RayGeometry<'a> {
+    /// Texel layout.
+    pub plane: &'a BasePlane,
+    /// What is drawn.
+    pub region: &'a Region,
+    /// World position of an index position.
+    pub world_from_index: DAffine3,
+    /// World length that opacities belong to.
+    pub opacity_unit: f64,
+}
+
+impl Rays {
+    /// The rays of a tile whose first texel is `(i0, j0)`, and the interval of w that any of them draws.
+    pub fn new(geometry: &RayGeometry, level: Level, [i0, j0]: [usize; 2]) -> (Self, [f64; 2]) {
+        let plane = geometry.plane;
+        let mut rays = Self {
+            intervals: vec![[Lanes::splat(0.0); 2]; Chunk::N],
+            common: vec![[0.0; 2]; Chunk::N],
+            missed: vec![u16::MAX; Chunk::N],
+            directions: Vec::new(),
+        };
+        let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+        level.run(
+            #[inline(always)]
+            || {
+                for strip in 0..N_STRIPS {
+                    for row in 0..TILE_V.min(plane.size[1] - j0) {
+                        let i = i0 + strip * LANES;
+                        if i < plane.size[0] {
+                            let intervals = geometry.region.texel_intervals(plane, i as f64, (j0 + row) as f64);
+                            rays.set(Chunk { strip, row }, plane, intervals, plane.size[0] - i, &mut span);
+                        }
+                    }
+                }
+            },
+        );
+        if plane.eye_w().is_none() {
+            rays.directions.push(geometry.directions(i0, j0));
+        } else if span[0] < span[1] {
+            for strip in 0..N_STRIPS {
+                rays.directions.extend((0..TILE_V).map(|row| geometry.directions(i0 + strip * LANES, j0 + row)));
+            }
+        }
+        (rays, span)
+    }
+
+    /// `n`: texels of the chunk that belong to the base plane.
+    #[inline(always)]
+    fn set(&mut self, chunk: Chunk, plane: &BasePlane, [lo, hi]: [[f64; LANES]; 2], n: usize, span: &mut [f64; 2]) {
+        let (mut near, mut far) = (Lanes::splat(0.0), Lanes::splat(0.0));
+        let mut common = [f64::NEG_INFINITY, f64::INFINITY];
+        let mut missed = 0;
+        for i in 0..LANES {
+            let drawn = lo[i] < hi[i] && i < n;
+            missed |= u16::from(!drawn) << i;
+            let (from, to) = if plane.family.ascending { (lo[i], hi[i]) } else { (-hi[i], -lo[i]) };
+            near.0[i] = if drawn { from as f32 } else { 0.0 };
+            far.0[i] = if drawn { to as f32 } else { 0.0 };
+            *span = if drawn { [span[0].min(lo[i]), span[1].max(hi[i])] } else { *span };
+            common = if drawn { [common[0].max(from), common[1].min(to)] } else { [f64::INFINITY, f64::NEG_INFINITY] };
+        }
+        self.intervals[chunk.index()] = [near, far];
+        self.common[chunk.index()] = if missed == 0 { common.map(|s| s as f32) } else { [0.0; 2] };
+        self.missed[chunk.index()] = missed;
+    }
+
+    /// Interval of s that is drawn; empty where lo ≥ hi.
+    #[inline(always)]
+    pub fn lanes(&self, chunk: Chunk) -> &[Lanes; 2] {
+        &self.intervals[chunk.index()]
+    }
+
+    /// Interval of s that is drawn; empty where lo ≥ hi.
+    #[inline(always)]
+    pub fn interval<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 2] {
+        let ([lo_a, hi_a], [lo_b, hi_b]) = (self.lanes(chunks[0]), self.lanes(chunks[1]));
+        let s = w.one();
+        [w.join(s.load(&lo_a.0), s.load(&lo_b.0)), w.join(s.load(&hi_a.0), s.load(&hi_b.0))]
+    }
+
+    /// Length of one slice distance along the rays, in `opacity_unit`s.
+    #[inline(always)]
+    pub fn thickness<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
+        let [a, b] = chunks.map(|chunk| self.directions(chunk));
+        w.join(w.one().load(&a.thickness.0), w.one().load(&b.thickness.0))
+    }
+
+    /// Unit world vectors towards the eye, as forms on index gradients ([`on_gradient`]).
+    #[inline(always)]
+    pub fn to_eye<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
+        let [[ax, ay, az], [bx, by, bz]] = chunks.map(|chunk| &self.directions(chunk).to_eye);
+        let s = w.one();
+        [
+            w.join(s.load(&ax.0), s.load(&bx.0)),
+            w.join(s.load(&ay.0), s.load(&by.0)),
+            w.join(s.load(&az.0), s.load(&bz.0)),
+        ]
+    }
+
+    /// Whether all rays of a chunk draw all between two positions.
+    #[inline(always)]
+    pub fn all_draw(&self, chunk: Chunk, from: f32, to: f32) -> bool {
+        let [lo, hi] = self.common[chunk.index()];
+        lo <= from && to <= hi
+    }
+
+    /// Rays that draw nothing, as bits.
+    #[inline(always)]
+    pub fn missed(&self, chunk: Chunk) -> u16 {
+        self.missed[chunk.index()]
+    }
+
+    /// Whether no ray of a chunk draws anything.
+    #[inline(always)]
+    pub fn none(&self, chunk: Chunk) -> bool {
+        self.missed(chunk) == u16::MAX
+    }
+
+    /// Directions of a chunk's rays.
+    #[inline(always)]
+    pub fn directions(&self, chunk: Chunk) -> &Directions {
+        &self.directions[if self.directions.len() == 1 { 0 } else { chunk.index() }]
+    }
+}
+
+impl RayGeometry<'_> {
+    fn directions(&self, i: usize, j: usize) -> Directions {
+        let family = &self.plane.family;
+        let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
+        let form = on_gradient(self.world_from_index.matrix3, family).transpose();
+        let sign = if family.ascending { 1.0 } else { -1.0 };
+        let mut directions = Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] };
+        for k in 0..LANES {
+            let slope = self.plane.ray((i + k) as f64, j as f64).slope;
+            let per_slice = columns[0] * slope[0] + columns[1] * slope[1] + columns[2];
+            let length = per_slice.length();
+            directions.thickness.0[k] = (length / self.opacity_unit) as f32;
+            let to_eye = form * (per_slice * (-sign / length));
+            for c in 0..3 {
+                directions.to_eye[c].0[k] = to_eye[c] as f32;
+            }
+        }
+        directions
+    }
+}

@@ -3,6 +3,7 @@
 
 PYTHON ?= python3
 OUT ?= out
+BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
 
 BIN := .venv/bin
@@ -19,7 +20,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality clean \
+.PHONY: help demo test check fmt quality bench instructions clean \
 	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -40,6 +41,13 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
+
+bench: $(STAMPS)/bench ## time frames, ours and VTK's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
+	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
+
+instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
+	cargo build --locked --release -p wavesplat-splat --example frames
+	python3 benches/instructions.py $(INSTRUCTIONS)
 
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out python/wavesplat/_native*.so
@@ -98,6 +106,11 @@ $(STAMPS)/package: $(NATIVE_SOURCES) $(STAMPS)/venv
 
 $(STAMPS)/tools: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras dev
+	@touch $@
+
+# VTK is what the renderer is measured against.
+$(STAMPS)/bench: pyproject.toml | $(STAMPS)/package
+	maturin develop --release --locked --extras bench
 	@touch $@
 
 # Built without optimisation: it runs for a second and would take twice as long to build.

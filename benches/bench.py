@@ -1,0 +1,202 @@
+"""Time and quality of the frames of `cases.toml`, ours and VTK's in turn; `make bench` runs this.
+
+Every row is a fresh process: one frame is thrown away, then the camera turns by 0.3 degrees from frame to frame. CPU
+milliseconds are those of the whole process per frame, the median over the frames; the picture that is compared is the
+view itself. PSNR (peak 1) and mean absolute error (grey levels of 255) are over all pixels and channels, over black,
+against `wavesplat.reference.raycast` (double precision, a step of 0.05 voxels, 16 rays a pixel where the transfer
+function is a hard step), which is kept in `.cache/bench`. Noise: engines take turns, `--rounds` times, and the table
+shows the lowest median of the rounds.
+
+`--record` writes the table, with date, machine, command and commit, to `records/` beside this file and, of the group
+"goals", its short form into the README.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import datetime as dt
+import json
+import os
+import platform
+import re
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import scenes
+
+ROOT = scenes.ROOT
+RECORDS = ROOT / "benches" / "records"
+N_FRAMES = 7
+
+
+def measure(draw: Callable[[float], Any]) -> dict[str, float]:
+    """CPU and wall milliseconds per frame of a function that draws the scene turned by some degrees."""
+    draw(0.3)
+    cpu, wall = [], []
+    for frame in range(N_FRAMES):
+        cpu_0, wall_0 = time.process_time(), time.perf_counter()
+        draw(0.3 * (frame + 2))
+        cpu.append(1e3 * (time.process_time() - cpu_0))
+        wall.append(1e3 * (time.perf_counter() - wall_0))
+    return {"cpu_ms": statistics.median(cpu), "wall_ms": statistics.median(wall)}
+
+
+def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
+    """Our renderer."""
+    result = measure(lambda turn: scenes.render(case, turn, **settings))
+    picture = scenes.render(case, **settings)
+    if case.composite == "over":
+        result["psnr_db"], result["levels"] = scenes.errors(scenes.over_black(picture.rgba), scenes.converged(case))
+    return result
+
+
+def run_vtk(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
+    """VTK's ray caster for CPUs."""
+    import vtk_peer
+
+    peer = vtk_peer.Scene(case, **settings)
+    result = measure(peer.draw)
+    result["psnr_db"], result["levels"] = scenes.errors(peer.picture(), scenes.converged(case))
+    return result
+
+
+ENGINES = {"wavesplat": run_wavesplat, "vtk": run_vtk}
+
+
+def one_row(request: str) -> None:
+    """What the fresh process does."""
+    asked = json.loads(request)
+    result = ENGINES[asked["engine"]](scenes.Case(**asked["case"]), asked["settings"])
+    result["rss_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(json.dumps(result))
+
+
+def fresh_process(engine: str, case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
+    """A row by a process of its own."""
+    request = json.dumps({"engine": engine, "case": dataclasses.asdict(case), "settings": settings})
+    done = subprocess.run([sys.executable, __file__, "--row", request], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"{engine}, {case.label}, {settings}:\n{done.stderr}")
+    result: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+    return result
+
+
+def has_vtk() -> bool:
+    """Whether VTK is installed."""
+    return subprocess.run([sys.executable, "-c", "import vtkmodules"], capture_output=True, check=False).returncode == 0
+
+
+def describe(engine: str, settings: dict[str, Any]) -> str:
+    """An engine and its settings in a few words."""
+    words = [f"{name.replace('_', ' ')} {value}" for name, value in settings.items()]
+    return ", ".join([engine, *words])
+
+
+def table(rows: list[tuple[scenes.Case, str, dict[str, Any], dict[str, float]]]) -> str:
+    """A Markdown table."""
+    lines = [
+        "| case | engine | CPU ms | goal | wall ms | PSNR, dB | goal | levels | peak RSS, MiB |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for case, engine, settings, result in rows:
+        ours = engine == "wavesplat"
+        goals = [case.goal_cpu_ms if ours else None, case.goal_psnr if ours else None]
+        cpu_goal, psnr_goal = ["" if goal is None else f"{goal:g}" for goal in goals]
+        psnr = f"{result['psnr_db']:.1f}" if "psnr_db" in result else ""
+        levels = f"{result['levels']:.2f}" if "levels" in result else ""
+        cells = [case.label, describe(engine, settings), f"{result['cpu_ms']:.1f}", cpu_goal]
+        cells += [f"{result['wall_ms']:.1f}", psnr, psnr_goal, levels, f"{result['rss_mib']:.0f}"]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def machine() -> str:
+    """Cores and processor."""
+    cpuinfo = Path("/proc/cpuinfo")
+    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
+    found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)
+    widest = next((f", {name}" for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "")
+    return f"{os.cpu_count()} cores, {found[1] if found else platform.machine()}{widest}"
+
+
+def record(text: str) -> None:
+    """Keep the table, and a short form in the README."""
+    commit = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=False, cwd=ROOT
+    ).stdout.strip()
+    day = f"{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}"
+    RECORDS.mkdir(exist_ok=True)
+    (RECORDS / f"{day}.md").write_text(
+        f"# Frames\n\n{day}, {machine()}, commit {commit}.\n"
+        f'Command: `make bench BENCH="{" ".join(sys.argv[1:])}"`.\n'
+        f"How it is measured stands at the head of `bench.py`, what is drawn in `cases.toml`.\n\n{text}\n",
+        encoding="utf-8",
+    )
+    readme = ROOT / "README.md"
+    goals = {case.label for case in scenes.cases() if case.group == "goals"}
+    lines = text.splitlines()
+    short = lines[:2] + [line for line in lines[2:] if line.split("|")[1].strip() in goals]
+    block = "<!-- bench -->\n\n" + "\n".join(short) + "\n\n<!-- /bench -->"
+    content = readme.read_text(encoding="utf-8")
+    content = re.sub(r"<!-- bench -->.*<!-- /bench -->", lambda _: block, content, flags=re.DOTALL)
+    readme.write_text(content, encoding="utf-8")
+
+
+def main() -> int:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="Time and quality of frames, ours and VTK's.")
+    parser.add_argument(
+        "--only", action="append", default=[], metavar="TEXT", help="cases whose label or group holds it"
+    )
+    parser.add_argument("--rounds", type=int, default=2, help="turns of all engines; 2 if not given")
+    parser.add_argument("--record", action="store_true", help="keep the table in benches/records and the README")
+    parser.add_argument("--row", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.row:
+        one_row(options.row)
+        return 0
+    chosen = [
+        case
+        for case in scenes.cases()
+        if not options.only or any(text in case.label or text == case.group for text in options.only)
+    ]
+    left_out = sorted({case.volume for case in chosen if not scenes.is_available(case.volume)})
+    if left_out:
+        print(f"not here, left out: {', '.join(left_out)}; BENCH_DATA names the folder of the files", file=sys.stderr)
+    vtk = has_vtk()
+    if not vtk:
+        print("VTK is not installed, its rows are left out: pip install vtk", file=sys.stderr)
+    jobs: list[tuple[scenes.Case, str, dict[str, Any]]] = []
+    for case in chosen:
+        if case.volume in left_out:
+            continue
+        jobs += [(case, "wavesplat", settings) for settings in case.settings]
+        if vtk and case.rival and case.composite == "over" and case.kernel == "linear":
+            jobs.append((case, "vtk", {"sample_distance": 1.0 if case.curve == "soft" else 0.5}))
+    results: list[list[dict[str, float]]] = [[] for _ in jobs]
+    for round_idx in range(options.rounds):
+        for job_idx, (case, engine, settings) in enumerate(jobs):
+            results[job_idx].append(fresh_process(engine, case, settings))
+            found = results[job_idx][-1]
+            progress = f"[{round_idx + 1}/{options.rounds}, {job_idx + 1}/{len(jobs)}]"
+            print(f"{progress} {case.label}: {describe(engine, settings)}: {found}", file=sys.stderr, flush=True)
+    rows = [
+        (case, engine, settings, min(found, key=lambda result: result["cpu_ms"]))
+        for (case, engine, settings), found in zip(jobs, results, strict=True)
+    ]
+    text = table(rows)
+    print(text)
+    if options.record:
+        record(text)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

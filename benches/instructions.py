@@ -1,0 +1,62 @@
+"""Instructions per texel of the renderer, counted by callgrind; `make instructions` runs this.
+
+Times on shared machines vary by a factor, counts do not. The frames are those of `crates/splat/examples/frames.rs` on
+one thread; the count of one frame is that of three frames less that of one, halved, so that set-up falls out. Valgrind
+knows no AVX-512, so these are the counts of the AVX2 kernels. Exit code 1 if a count is more than 10 % above the one
+in `instructions.json`; `--record` writes that file.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FRAMES = ROOT / "target" / "release" / "examples" / "frames"
+RECORD = Path(__file__).with_name("instructions.json")
+ALLOWED = 1.10
+
+
+def run(scene: str, n_frames: int) -> tuple[int, int]:
+    """Instructions of the whole program, and texels of a frame."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [
+            "valgrind",
+            "--tool=callgrind",
+            f"--callgrind-out-file={folder}/out",
+            str(FRAMES),
+            scene,
+            str(n_frames),
+        ]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+    collected = re.search(r"Collected : (\d+)", done.stderr)
+    if collected is None:
+        raise SystemExit(f"valgrind told no count:\n{done.stderr}")
+    return int(collected[1]), int(done.stdout)
+
+
+def main() -> int:
+    """Count, print, compare."""
+    counts = {}
+    for scene in ("soft", "hard"):
+        (once, n_texels), (thrice, _) = run(scene, 1), run(scene, 3)
+        counts[scene] = round((thrice - once) / 2 / n_texels, 2)
+    if "--record" in sys.argv[1:]:
+        RECORD.write_text(json.dumps(counts, indent=1) + "\n", encoding="utf-8")
+    recorded = json.loads(RECORD.read_text(encoding="utf-8"))
+    status = 0
+    for scene, count in counts.items():
+        change = count / recorded[scene]
+        print(f"{scene}: {count} instructions per texel, {recorded[scene]} recorded, {change - 1:+.1%}")
+        if change > ALLOWED:
+            print(f"{scene}: more than {ALLOWED - 1:.0%} above the record; mend it, or record why it is worth it")
+            status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,171 @@
+"""The scenes of `cases.toml` as Wavesplat objects, and their converged pictures."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import math
+import os
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomllib
+from numpy.typing import NDArray
+
+import wavesplat as ws
+
+ROOT = Path(__file__).resolve().parents[1]
+DEFINITIONS: dict[str, Any] = tomllib.loads((ROOT / "benches" / "cases.toml").read_text(encoding="utf-8"))
+
+#: Where the volumes' files lie; volumes that are not there fall back on bundled ones, or are left out.
+DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
+CACHE = ROOT / ".cache" / "bench"
+
+#: Half the height of the picture, as a share of the volume's largest side.
+FILL = 0.62
+VIEW_ANGLE_DEG = 30.0
+
+#: Of the converged picture.
+STEP_VOXELS = 0.05
+
+
+@dataclass(frozen=True)
+class Case:
+    """One picture, drawn many times."""
+
+    group: str
+    volume: str
+    curve: str
+    view: str
+    projection: str
+    size: int
+    threads: int
+    kernel: str
+    composite: str
+    settings: tuple[dict[str, Any], ...]
+    rival: bool = True
+    goal_cpu_ms: float | None = None
+    goal_psnr: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Volume and curve, and what departs from the defaults."""
+        names = ("view", "projection", "size", "threads", "kernel", "composite")
+        parts = [str(getattr(self, n)) for n in names if getattr(self, n) != DEFINITIONS["defaults"][n]]
+        return " ".join([self.volume, self.curve, *parts])
+
+    @property
+    def rays_per_pixel(self) -> int:
+        """Of the converged picture: the edges of a hard step alias with one."""
+        return 16 if self.curve == "hard" else 1
+
+
+def cases() -> list[Case]:
+    """All cases, in order."""
+    return [Case(**{**DEFINITIONS["defaults"], **case}) for case in DEFINITIONS["cases"]]
+
+
+def is_available(volume: str) -> bool:
+    """Whether the volume can be had here."""
+    definition = DEFINITIONS["volumes"][volume]
+    return "file" not in definition or (DATA / definition["file"]).exists() or "bundled" in definition
+
+
+@cache
+def load(name: str) -> ws.Volume:
+    """A volume, windowed to 8 bits, its first sample at the origin and its axes along the world's."""
+    definition = DEFINITIONS["volumes"][name]
+    if "ripples" in definition:
+        source = ws.examples.ripples(definition["ripples"])
+        spacing = (1.0, 1.0, 1.0)
+    else:
+        path = DATA / definition["file"]
+        source = ws.open(path) if path.exists() else getattr(ws.examples, definition["bundled"])()
+        spacing = source.spacing
+    lo, hi = definition["window"]
+    levels = np.rint((source.samples.astype(np.float64) - lo) / (hi - lo) * 255)
+    return ws.Volume(np.clip(levels, 0, 255).astype(np.uint8), spacing=spacing, name=name)
+
+
+def transfer_function(case: Case) -> ws.TransferFunction:
+    """The curves of a case."""
+    definition, curves = DEFINITIONS["volumes"][case.volume], DEFINITIONS["curves"]
+    unit = min(load(case.volume).spacing)
+    if case.curve == "hard":
+        t = definition["threshold"]
+        return ws.TransferFunction(
+            [(0, 0), (t - 1, 0), (t, 1), (255, 1)], [tuple(c) for c in curves["hard_colors"]], opacity_unit=unit
+        )
+    lo, hi = definition["ramp"]
+    opacity = [(0, 0), (lo, 0), (hi, 0.05), (255, 0.2)]
+    return ws.TransferFunction(opacity, [tuple(c) for c in curves["soft_colors"]], opacity_unit=unit)
+
+
+def camera(case: Case, turn_deg: float = 0.0) -> ws.Camera:
+    """The view of a case, turned about the vertical."""
+    volume = load(case.volume)
+    extent = (np.array(volume.samples.shape[::-1]) - 1) * volume.spacing
+    azimuth, elevation = DEFINITIONS["views"][case.view]
+    az, el = math.radians(azimuth + turn_deg), math.radians(elevation)
+    to_eye = np.array([math.sin(az) * math.cos(el), -math.cos(az) * math.cos(el), math.sin(el)])
+    half_height = FILL * float(extent.max())
+    distance = half_height / math.tan(math.radians(VIEW_ANGLE_DEG) / 2)
+    eye = extent / 2 + distance * to_eye
+    if case.projection == "perspective":
+        return ws.Camera(eye, extent / 2, (0, 0, 1), view_angle=VIEW_ANGLE_DEG)
+    return ws.Camera(eye, extent / 2, (0, 0, 1), parallel_scale=half_height)
+
+
+def render(case: Case, turn_deg: float = 0.0, **settings: Any) -> ws.Picture:
+    """The picture by the fast renderer."""
+    return ws.render(
+        load(case.volume),
+        transfer_function(case),
+        camera(case, turn_deg),
+        size=(case.size, case.size),
+        kernel=case.kernel,
+        composite=case.composite,
+        threads=case.threads,
+        **{"shading": ws.Shading(), **settings},
+    )
+
+
+def converged(case: Case) -> NDArray[np.float64]:
+    """The converged picture over black, from the cache where it is there."""
+    plain = {"threads": 0, "group": "", "settings": (), "rival": True, "goal_cpu_ms": None, "goal_psnr": None}
+    case = dataclasses.replace(case, **plain)
+    digest = hashlib.sha256(repr((case, transfer_function(case), camera(case), STEP_VOXELS)).encode())
+    digest.update(load(case.volume).samples.tobytes())
+    path = CACHE / f"{case.volume}-{case.curve}-{digest.hexdigest()[:16]}.npy"
+    if not path.exists():
+        picture = ws.reference.raycast(
+            load(case.volume),
+            transfer_function(case),
+            camera(case),
+            size=(case.size, case.size),
+            step=STEP_VOXELS,
+            rays_per_pixel=case.rays_per_pixel,
+            kernel=case.kernel,
+            shading=ws.Shading(),
+        )
+        CACHE.mkdir(parents=True, exist_ok=True)
+        part = path.with_suffix(".part")
+        with part.open("wb") as file:
+            np.save(file, picture.rgba)
+        part.replace(path)
+    return over_black(np.load(path))
+
+
+def over_black(rgba: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    """What a viewer sees: associated colour over black is the colour itself."""
+    return np.clip(rgba[..., :3].astype(np.float64), 0.0, 1.0)
+
+
+def errors(picture: NDArray[np.float64], wanted: NDArray[np.float64]) -> tuple[float, float]:
+    """PSNR in dB (peak 1) and mean absolute error in grey levels of 255."""
+    difference = picture - wanted
+    mean_square = max(float(np.mean(difference**2)), 1e-20)
+    return 10 * math.log10(1 / mean_square), 255 * float(np.mean(np.abs(difference)))

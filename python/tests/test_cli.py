@@ -217,7 +217,8 @@ def test_the_bar_shows_on_a_terminal_and_respects_no_color(ramp_file, tmp_path, 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_ctrl_c_exits_with_130_and_leaves_nothing(tmp_path):
     np.save(tmp_path / "a.npy", np.random.default_rng(1).random((96, 96, 96), np.float32))
-    options = ["--size", "4000x4000", "--quality", "high", "--kernel", "bspline3"]
+    # Minutes of work, so that it is still drawing whenever the signal comes.
+    options = ["--size", "4000x4000", "--oversampling", "3", "--sheets-per-slice", "64", "--kernel", "bspline3"]
     command = [sys.executable, "-m", "wavesplat", "render", tmp_path / "a.npy", "-o", tmp_path / "a.png", *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         for attempt in range(6):

@@ -6,10 +6,10 @@
 //! reaches from there, widened where the kernel overshoots. They are kept in 4096 levels of the volume's range, rounded
 //! outwards.
 
+use wavesplat_compute::parallel;
 use wavesplat_core::Kernel;
 
 use crate::kernel::{n_taps, overshoot, reach};
-use crate::parallel;
 
 /// Cells of a brick along each axis.
 pub const BRICK: usize = 4;

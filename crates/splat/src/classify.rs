@@ -10,10 +10,10 @@
 //! mean optical depth is a difference of the integral `T(d) = ∫ τ` ([`Passage`]; the integral form of
 //! pre-integration, Engel, Kraus, Ertl 2001). Tables of one dimension build in the time that it takes to read them.
 
+use wavesplat_compute::simd::{Math, ROUND};
 use wavesplat_core::TransferFunction;
 
-pub use crate::simd::Entry;
-use crate::simd::{Math, ROUND};
+pub use wavesplat_compute::simd::Entry;
 
 /// Optical depth that stands for opacity 1: opaque at any thickness above 1e-28 units.
 const OPAQUE: f64 = 1e30;
@@ -278,7 +278,7 @@ pub fn one_minus_exp_neg<S: Math>(s: S, x: S::F) -> S::F {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::{LANES, Plain};
+    use wavesplat_compute::simd::{LANES, Plain};
     use wavesplat_core::{ColorNode, OpacityNode};
 
     fn one_minus_exp_neg(x: f32) -> f32 {

@@ -11,6 +11,7 @@
 //!
 //! Positions here are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
+use wavesplat_compute::simd::{LANES, Lanes, Pair, Simd, Wide};
 use wavesplat_core::Composite;
 
 use crate::classify::{Classifier, N_PARTS, one_minus_exp_neg};
@@ -18,7 +19,6 @@ use crate::panel::Panel;
 use crate::rays::Rays;
 use crate::shade::Shader;
 use crate::sheet::{Block, Chunk, Sheet, SheetGeometry};
-use crate::simd::{LANES, Lanes, Pair, Simd, Wide};
 
 /// The space between two consecutive sheets of a tile.
 pub struct Slab<'a> {

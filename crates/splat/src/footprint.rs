@@ -5,10 +5,10 @@
 //! the linear kernel and d = 1 that is the trilinearly interpolated central difference. Positions beyond the first
 //! and last sample stop there: the outside is empty, not zero density.
 
+use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::Kernel;
 
 use crate::kernel::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
-use crate::simd::{LANES, Lanes};
 use crate::slices::SliceTap;
 
 /// Weights of a run of positions, in groups of [`LANES`].

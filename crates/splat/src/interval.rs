@@ -3,10 +3,10 @@
 //! position and makes thickness exact (Beer-Lambert) where rays enter through the side of the volume.
 
 use glam::{DAffine3, DVec3};
+use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Crop, Error, RenderOptions, Result, Volume};
 
 use crate::base_plane::{BasePlane, TexelRay};
-use crate::simd::LANES;
 
 /// `normal · position + offset ≥ 0`, in index coordinates.
 #[derive(Clone, Copy, Debug)]

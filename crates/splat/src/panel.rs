@@ -3,10 +3,11 @@
 //! Slices across x have their samples a whole row apart in memory; read sheet by sheet, every sample costs a cache
 //! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it.
 
+use wavesplat_compute::simd::{LANES, Level};
+
 use crate::footprint::Axis;
 use crate::kernel::{n_taps, reach};
 use crate::sheet::SheetGeometry;
-use crate::simd::{LANES, Level};
 use crate::slices::{SliceTap, Window, sum_slices};
 
 /// Densities of a box of samples, slice by slice.

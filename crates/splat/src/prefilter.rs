@@ -3,9 +3,8 @@
 //! One causal and one anticausal first-order recursion per axis with pole `z` (degree 2: `√8 − 3`, degree 3: `√3 − 2`)
 //! and whole-sample mirror boundaries. Source: Unser, Aldroubi, Eden, "B-spline signal processing", 1993.
 
+use wavesplat_compute::parallel;
 use wavesplat_core::Kernel;
-
-use crate::parallel;
 
 /// Pole of the recursion; `None` for kernels that need no prefilter.
 pub fn pole(kernel: Kernel) -> Option<f64> {

@@ -3,12 +3,12 @@
 //! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
 
 use glam::DAffine3;
+use wavesplat_compute::simd::{LANES, Lanes, Level, Simd, Wide};
 
 use crate::base_plane::BasePlane;
 use crate::interval::Region;
 use crate::shade::on_gradient;
 use crate::sheet::{Chunk, N_STRIPS, TILE_V};
-use crate::simd::{LANES, Lanes, Level, Simd, Wide};
 
 /// Rays of the texels of a tile, chunk by chunk.
 pub struct Rays {

@@ -4,6 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{
     Camera, Composite, Error, Picture, RenderOptions, Result, Shading, Statistics, TransferFunction, Volume,
 };
@@ -13,11 +15,9 @@ use crate::bricks::Occupied;
 use crate::classify::Classifier;
 use crate::composite::{Compositor, FirstHit, Over, Project};
 use crate::interval::Region;
-use crate::parallel;
 use crate::rays::RayGeometry;
 use crate::shade::Shader;
 use crate::sheet::{Chunk, N_STRIPS, SheetGeometry, TILE_U, TILE_V};
-use crate::simd::{LANES, Level};
 use crate::slices::Slices;
 use crate::tile::{SheetSpacing, TileJob, Work};
 use crate::warp::{BasePicture, warp};

@@ -6,10 +6,10 @@
 //! The world gradient is the index-space difference times the inverse transpose of `world_from_index`.
 
 use glam::{DMat3, DVec3};
+use wavesplat_compute::simd::{LANES, Simd, Wide};
 use wavesplat_core::{Camera, LightFrame, Projection, Shading};
 
 use crate::base_plane::Family;
-use crate::simd::{LANES, Simd, Wide};
 
 /// Lights and coefficients with everything turned into world space and f32.
 #[derive(Clone, Debug)]
@@ -193,7 +193,7 @@ fn raise<S: Wide>(s: S, mut x: S::F, power: f32) -> S::F {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::Plain;
+    use wavesplat_compute::simd::Plain;
     use wavesplat_core::Light;
 
     fn shade_one(shading: &Shading, gradient: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {

@@ -8,11 +8,11 @@
 //! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
 
 use std::ops::Range;
+use wavesplat_compute::simd::{LANES, Lanes, Level, Math, Simd, Wide};
 
 use crate::base_plane::BasePlane;
 use crate::footprint::{Axis, AxisFootprints, Footprint, Group};
 use crate::panel::Panel;
-use crate::simd::{LANES, Lanes, Level, Math, Simd, Wide};
 use crate::slices::{Slices, Window};
 
 /// Strips of a tile.

@@ -7,12 +7,13 @@
 
 use std::sync::Arc;
 
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Level, Simd};
 use wavesplat_core::{Kernel, Sample, Samples, Statistics, Volume, with_samples};
 
 use crate::bricks::{Bricks, Rows};
 use crate::kernel::fold;
-use crate::simd::{Kernel as Work, LANES, Lanes, Level, Simd};
-use crate::{parallel, prefilter};
+use crate::prefilter;
 
 /// Densities of a volume, ready for one kernel.
 pub struct Slices<'a> {

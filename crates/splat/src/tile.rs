@@ -4,13 +4,13 @@
 //! between two sheets. What is left is reconstructed chunk by chunk as the compositor asks for it.
 
 use std::ops::Range;
+use wavesplat_compute::simd::{Kernel, LANES, Simd};
 
 use crate::bricks::{BRICK, Occupied};
 use crate::composite::{Compositor, Slab};
 use crate::panel::Panel;
 use crate::rays::{RayGeometry, Rays};
 use crate::sheet::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, Sheet, SheetGeometry, TILE_U, TILE_V};
-use crate::simd::{Kernel, LANES, Simd};
 
 /// Where the sheets of a family lie: `n + 1` sheets from the first slice to the last, evenly spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]

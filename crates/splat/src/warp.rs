@@ -7,10 +7,10 @@
 //! rays per pixel would give. Where nothing was drawn, nothing is read.
 
 use glam::{DVec2, Vec4};
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::{LANES, Level};
 
 use crate::base_plane::{BasePlane, Family, IndexRays};
-use crate::parallel;
-use crate::simd::{LANES, Level};
 
 /// Rows of texels that share an entry of [`BasePicture::drawn`]; along u they are [`LANES`].
 const CELL_V: usize = 8;

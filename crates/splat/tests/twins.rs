@@ -1,10 +1,10 @@
 //! The fast path against its literal twins in double precision.
 
 use glam::{DAffine3, DMat3, DVec3};
+use wavesplat_compute::simd::Level;
 use wavesplat_core::{Composite, Kernel, Light, LightFrame, Projection, RenderOptions, Shading};
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_splat::reference::splat;
-use wavesplat_splat::simd::Level;
 use wavesplat_splat::slices::Slices;
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};

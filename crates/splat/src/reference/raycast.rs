@@ -8,15 +8,16 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use glam::{DMat3, DVec3};
+use wavesplat_compute::parallel;
 use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
 
 use crate::Monitor;
 use crate::base_plane::IndexRays;
 use crate::interval::Region;
+use crate::kernel;
 use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
 use crate::shade::{light_direction, vanishing_gradient_squared};
 use crate::slices::Slices;
-use crate::{kernel, parallel};
 
 /// How finely the reference samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

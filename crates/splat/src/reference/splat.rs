@@ -17,13 +17,13 @@
 //! way to the picture as a texture on its polygon. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 use glam::DVec3;
+use wavesplat_compute::parallel;
 use wavesplat_core::{Camera, Picture, RenderOptions, Result, TransferFunction, Volume};
 
 use super::raycast::Sampler;
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
 use crate::interval::Region;
 use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
-use crate::parallel;
 use crate::slices::Slices;
 use crate::tile::SheetSpacing;
 

@@ -1,0 +1,6 @@
+//! How kernels are run: on vectors ([`simd`]) and on threads ([`parallel`]).
+//!
+//! Both are chosen at run time, and neither changes a bit of the result.
+
+pub mod parallel;
+pub mod simd;

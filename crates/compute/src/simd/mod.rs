@@ -1,0 +1,381 @@
+//! Sixteen numbers at a time, by the widest vectors that this machine has.
+//!
+//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2, SSE2, and
+//! plain arrays for other processors. Every level gives the same bits: lanes never mix, nothing is fused, no operation
+//! is an approximation of the processor's own, and the order of operations is the source's. The level is chosen once
+//! per picture and passed as a value. This is the only module with `unsafe`.
+//!
+//! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::take`], the
+//! permutation that spreads samples over texels, and [`Math::look_up`], which reads one table entry per lane as two
+//! neighbouring runs of four numbers and transposes them.
+#![allow(unsafe_code, reason = "intrinsics, and functions that may only be called where the machine has them")]
+
+mod pair;
+mod plain;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use pair::Pair;
+pub use plain::Plain;
+
+/// Numbers that a kernel works on at once, on every level.
+pub const LANES: usize = 16;
+
+/// Sixteen numbers in memory, aligned to a cache line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct Lanes<T = f32>(pub [T; LANES]);
+
+impl<T: Copy> Lanes<T> {
+    /// The same number in every lane.
+    pub const fn splat(value: T) -> Self {
+        Self([value; LANES])
+    }
+}
+
+impl<T: Copy + Default> Default for Lanes<T> {
+    fn default() -> Self {
+        Self::splat(T::default())
+    }
+}
+
+/// Four numbers that are looked up together.
+pub type Entry = [f32; 4];
+
+/// Arithmetic on many numbers at a time. A value is proof that the machine has the instructions.
+pub trait Math: Copy {
+    /// Many f32.
+    type F: Copy;
+    /// As many truths.
+    type M: Copy;
+
+    /// The same number in every lane.
+    fn splat(self, x: f32) -> Self::F;
+    /// a + b
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a − b
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a · b
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a / b
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The smaller; b if one is NaN.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger; b if one is NaN.
+    fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    /// |a|
+    fn abs(self, a: Self::F) -> Self::F;
+
+    /// a < b
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M;
+    /// a ≤ b
+    fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    /// Both.
+    fn and(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Either.
+    fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// a where true, b where not.
+    fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
+
+    /// The table at a position, linear between entries, number by number. Positions are held inside the table.
+    fn look_up(self, table: &[Entry], position: Self::F) -> [Self::F; 4];
+    /// 2^−n where `n + 1.5 · 2^23` is given, `0 ≤ n ≤ 126`.
+    fn exp2_neg(self, shifted: Self::F) -> Self::F;
+    /// A number near 1/√a for a > 0: half of its exponent, and a linear guess of the rest.
+    fn rsqrt_guess(self, a: Self::F) -> Self::F;
+
+    /// a + b · c, rounded twice.
+    #[inline(always)]
+    fn add_mul(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        self.add(a, self.mul(b, c))
+    }
+
+    /// 1/√a to 1e-6 relative, for a > 0: a guess, a step of Newton's form with constants that make the most of the
+    /// guess (Kadlec, *Improving the fast inverse square root*, 2010), and one of Newton's iteration.
+    #[inline(always)]
+    fn rsqrt(self, a: Self::F) -> Self::F {
+        let y = self.rsqrt_guess(a);
+        let y = self
+            .mul(self.mul(y, self.splat(0.703_952_25)), self.sub(self.splat(2.389_244_6), self.mul(self.mul(a, y), y)));
+        let half = self.mul(a, self.splat(0.5));
+        self.mul(y, self.sub(self.splat(1.5), self.mul(self.mul(half, y), y)))
+    }
+}
+
+/// The operations of a level, on sixteen numbers.
+pub trait Simd: Math {
+    /// From memory.
+    fn load(self, from: &[f32; LANES]) -> Self::F;
+    /// To memory.
+    fn store(self, x: Self::F, to: &mut [f32; LANES]);
+    /// Lane `i` as bit `i`.
+    fn bits(self, m: Self::M) -> u16;
+    /// `row[index]` for each lane, indices taken modulo 16.
+    fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F;
+    /// Rows become columns.
+    fn transpose(self, rows: &mut [Lanes; LANES]);
+}
+
+/// One or two sixteens. Two take little more time than one: while one waits for its results, the other computes.
+pub trait Wide: Math {
+    /// The operations on one.
+    type One: Simd;
+    /// How many.
+    const N: usize;
+    /// The operations on one.
+    fn one(self) -> Self::One;
+    /// Puts them together; the second is left out where there is one.
+    fn join(self, a: <Self::One as Math>::F, b: <Self::One as Math>::F) -> Self::F;
+    /// Takes them apart; the second is the first where there is one.
+    fn part(self, x: Self::F) -> [<Self::One as Math>::F; 2];
+    /// As [`Simd::bits`].
+    fn all_bits(self, m: Self::M) -> [u16; 2];
+
+    /// From two places in memory.
+    #[inline(always)]
+    fn load_from(self, from: &[Lanes], places: [usize; 2]) -> Self::F {
+        let first = self.one().load(&from[places[0]].0);
+        self.join(first, if Self::N == 2 { self.one().load(&from[places[1]].0) } else { first })
+    }
+
+    /// To two places in memory.
+    #[inline(always)]
+    fn store_to(self, x: Self::F, to: &mut [Lanes], places: [usize; 2]) {
+        let [first, second] = self.part(x);
+        self.one().store(first, &mut to[places[0]].0);
+        if Self::N == 2 {
+            self.one().store(second, &mut to[places[1]].0);
+        }
+    }
+}
+
+impl<S: Simd> Wide for S {
+    type One = S;
+    const N: usize = 1;
+
+    #[inline(always)]
+    fn one(self) -> S {
+        self
+    }
+    #[inline(always)]
+    fn join(self, a: S::F, _: S::F) -> S::F {
+        a
+    }
+    #[inline(always)]
+    fn part(self, x: S::F) -> [S::F; 2] {
+        [x, x]
+    }
+    #[inline(always)]
+    fn all_bits(self, m: S::M) -> [u16; 2] {
+        [self.bits(m); 2]
+    }
+}
+
+/// 1.5 · 2^23: adding and taking it away rounds to an integer, which then stands in the low bits.
+pub const ROUND: f32 = 12_582_912.0;
+
+/// First guess of 1/√a: this less half the bits of a (Kadlec 2010).
+const RSQRT_MAGIC: u32 = 0x5f1f_fff9;
+
+/// A piece of work over the operations of a level.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+    /// Must be `#[inline(always)]`, and so must all that it calls, else it is compiled for the baseline.
+    fn run<S: Simd>(self, s: S) -> Self::Output;
+}
+
+/// What the compiler may use. A value is proof that the machine has it: they are only made by [`Level::all`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level(Width);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Width {
+    Plain,
+    #[cfg(target_arch = "x86_64")]
+    Sse2,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Level {
+    /// All levels that this machine has, the widest last.
+    pub fn all() -> Vec<Self> {
+        #[allow(unused_mut, reason = "only x86-64 has more than one")]
+        let mut levels = vec![Self(Width::Plain)];
+        #[cfg(target_arch = "x86_64")]
+        {
+            levels.push(Self(Width::Sse2));
+            if is_x86_feature_detected!("avx2") {
+                levels.push(Self(Width::Avx2));
+            }
+            if has_avx512() {
+                levels.push(Self(Width::Avx512));
+            }
+        }
+        levels
+    }
+
+    /// The widest level that this machine has; `WAVESPLAT_SIMD` = `plain`, `sse2`, `avx2` or `avx512` asks for less.
+    pub fn best() -> Self {
+        let wanted = std::env::var("WAVESPLAT_SIMD").unwrap_or_default();
+        let levels = Self::all();
+        let named = levels.iter().find(|level| level.name() == wanted);
+        *named.or(levels.last()).unwrap_or(&Self(Width::Plain))
+    }
+
+    /// For reports.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Width::Plain => "plain",
+            #[cfg(target_arch = "x86_64")]
+            Width::Sse2 => "sse2",
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx512 => "avx512",
+        }
+    }
+
+    /// Runs a kernel with the vectors of the level.
+    #[inline]
+    pub fn dispatch<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Width::Plain => kernel.run(Plain),
+            // SAFETY: `self` exists, so `all` has found the instructions on this machine.
+            #[cfg(target_arch = "x86_64")]
+            Width::Sse2 => kernel.run(x86::Sse2(())),
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx2 => unsafe {
+                x86::run_avx2(
+                    #[inline(always)]
+                    || kernel.run(x86::Avx2(())),
+                )
+            },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx512 => unsafe {
+                x86::run_avx512(
+                    #[inline(always)]
+                    || kernel.run(x86::Avx512(())),
+                )
+            },
+        }
+    }
+
+    /// Runs plain loops, which the compiler turns into vectors of the level. The closure, and what it calls, must be
+    /// `#[inline(always)]`.
+    #[inline]
+    pub fn run<T>(self, kernel: impl FnOnce() -> T) -> T {
+        match self.0 {
+            Width::Plain => kernel(),
+            #[cfg(target_arch = "x86_64")]
+            Width::Sse2 => kernel(),
+            // SAFETY: `self` exists, so `all` has found the instructions on this machine.
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx2 => unsafe { x86::run_avx2(kernel) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx512 => unsafe { x86::run_avx512(kernel) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_avx512() -> bool {
+    is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operation, on numbers with both signs, large and small.
+    struct Everything<'a> {
+        a: &'a Lanes,
+        b: &'a Lanes,
+        index: &'a Lanes<u32>,
+        table: &'a [Entry],
+    }
+
+    impl Kernel for Everything<'_> {
+        type Output = Vec<u32>;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Vec<u32> {
+            let (a, b) = (s.load(&self.a.0), s.load(&self.b.0));
+            let [lt, le] = [s.lt(a, b), s.le(b, a)];
+            let mut numbers = vec![
+                s.splat(0.25),
+                s.add(a, b),
+                s.sub(a, b),
+                s.mul(a, b),
+                s.div(a, b),
+                s.min(a, b),
+                s.max(a, b),
+                s.abs(a),
+                s.select(lt, a, b),
+                s.select(s.or(lt, le), a, b),
+                s.select(s.and(lt, le), a, b),
+                s.take(&self.a.0, self.index),
+                s.exp2_neg(s.add(s.min(s.abs(a), s.splat(100.0)), s.splat(ROUND))),
+                s.rsqrt(s.abs(b)),
+                s.add_mul(a, a, b),
+            ];
+            numbers.extend(s.look_up(self.table, a));
+            let mut rows: [Lanes; LANES] = std::array::from_fn(|r| Lanes(std::array::from_fn(|c| (16 * r + c) as f32)));
+            s.transpose(&mut rows);
+            assert!((0..LANES).all(|r| (0..LANES).all(|c| rows[c].0[r] == (16 * r + c) as f32)));
+            let mut bits = vec![u32::from(s.bits(lt)), u32::from(s.bits(le))];
+            for number in numbers {
+                let mut out = [0.0; LANES];
+                s.store(number, &mut out);
+                bits.extend(out.map(f32::to_bits));
+            }
+            bits
+        }
+    }
+
+    #[test]
+    fn every_level_gives_the_same_bits() {
+        let number = |i: usize| (i as f32 * 12.9898).sin() * 10.0_f32.powi(i as i32 % 5 - 1);
+        let table: Vec<Entry> = (0..40).map(|i| std::array::from_fn(|c| number(4 * i + c))).collect();
+        for round in 0..200 {
+            let a = Lanes(std::array::from_fn(|i| number(round * 31 + i)));
+            let b = Lanes(std::array::from_fn(|i| if i == 3 { a.0[3] } else { number(round * 17 + 500 + i) }));
+            let index = Lanes(std::array::from_fn(|i| ((round + 7 * i) % LANES) as u32));
+            let everything = || Everything { a: &a, b: &b, index: &index, table: &table };
+            let plain = everything().run(Plain);
+            for level in Level::all() {
+                assert!(level.dispatch(everything()) == plain, "{level:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn reciprocal_square_roots_are_precise() {
+        let kernel = |a: f32| Plain.rsqrt([a; LANES])[0];
+        for i in 0..4000 {
+            let a = 1e-12_f32 * 1.02_f32.powi(i % 3000);
+            let want = 1.0 / f64::from(a).sqrt();
+            assert!((f64::from(kernel(a)) - want).abs() < 1e-6 * want, "{a}");
+        }
+    }
+
+    #[test]
+    fn look_up_is_linear_and_stays_inside() {
+        let table: Vec<Entry> = (0..10).map(|i| [i as f32, -(i as f32), 0.5, 2.0 * i as f32]).collect();
+        let positions = [-5.0, 0.0, 0.25, 3.5, 7.75, 8.0, 9.0, 1e9, f32::NAN, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+        let [x, negative, constant, double] = Plain.look_up(&table, positions);
+        for i in 0..LANES {
+            let want = if positions[i] > 0.0 { positions[i].min(8.0) } else { 0.0 };
+            assert_eq!([x[i], negative[i], constant[i], double[i]], [want, -want, 0.5, 2.0 * want]);
+        }
+    }
+}

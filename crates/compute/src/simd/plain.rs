@@ -1,0 +1,170 @@
+//! Arrays: what the other levels are held to, and what processors without a level of their own use.
+//!
+//! Where it serves tests only, each operation is a call: inlined everywhere, its loops over lanes take the compiler four
+//! minutes.
+
+use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
+
+/// Arrays: what the others are held to, and what processors without a level of their own use.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain;
+
+type Array = [f32; LANES];
+
+#[inline(always)]
+fn each(a: Array, b: Array, operation: impl Fn(f32, f32) -> f32) -> Array {
+    let mut out = [0.0; LANES];
+    for i in 0..LANES {
+        out[i] = operation(a[i], b[i]);
+    }
+    out
+}
+
+#[inline(always)]
+fn truths(a: Array, b: Array, test: impl Fn(f32, f32) -> bool) -> u16 {
+    let mut out = 0;
+    for i in 0..LANES {
+        out |= u16::from(test(a[i], b[i])) << i;
+    }
+    out
+}
+
+impl Math for Plain {
+    type F = Array;
+    type M = u16;
+
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn splat(self, x: f32) -> Array {
+        [x; LANES]
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn add(self, a: Array, b: Array) -> Array {
+        each(a, b, |a, b| a + b)
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn sub(self, a: Array, b: Array) -> Array {
+        each(a, b, |a, b| a - b)
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn mul(self, a: Array, b: Array) -> Array {
+        each(a, b, |a, b| a * b)
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn div(self, a: Array, b: Array) -> Array {
+        each(a, b, |a, b| a / b)
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn min(self, a: Array, b: Array) -> Array {
+        each(a, b, |a, b| if a < b { a } else { b })
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn max(self, a: Array, b: Array) -> Array {
+        each(a, b, |a, b| if a > b { a } else { b })
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn abs(self, a: Array) -> Array {
+        each(a, a, |a, _| a.abs())
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn lt(self, a: Array, b: Array) -> u16 {
+        truths(a, b, |a, b| a < b)
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn le(self, a: Array, b: Array) -> u16 {
+        truths(a, b, |a, b| a <= b)
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn and(self, a: u16, b: u16) -> u16 {
+        a & b
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn or(self, a: u16, b: u16) -> u16 {
+        a | b
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn select(self, m: u16, a: Array, b: Array) -> Array {
+        let mut out = b;
+        for i in 0..LANES {
+            out[i] = if m >> i & 1 == 1 { a[i] } else { b[i] };
+        }
+        out
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn look_up(self, table: &[Entry], position: Array) -> [Array; 4] {
+        let last = (table.len() - 2) as f32;
+        let mut out = [[0.0; LANES]; 4];
+        for i in 0..LANES {
+            let position = if position[i] > 0.0 { position[i] } else { 0.0 };
+            let position = if position < last { position } else { last };
+            let cell = position as usize;
+            let t = position - cell as f32;
+            for c in 0..4 {
+                out[c][i] = table[cell][c] + (table[cell + 1][c] - table[cell][c]) * t;
+            }
+        }
+        out
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn exp2_neg(self, shifted: Array) -> Array {
+        let bits = |x: f32| (127 << 23_u32) - (x.to_bits().wrapping_sub(ROUND.to_bits()) << 23);
+        each(shifted, shifted, |x, _| f32::from_bits(bits(x)))
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn rsqrt_guess(self, a: Array) -> Array {
+        each(a, a, |a, _| f32::from_bits(RSQRT_MAGIC.wrapping_sub(a.to_bits() >> 1)))
+    }
+}
+
+impl Simd for Plain {
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn load(self, from: &Array) -> Array {
+        *from
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn store(self, x: Array, to: &mut Array) {
+        *to = x;
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn bits(self, m: u16) -> u16 {
+        m
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn take(self, row: &Array, index: &Lanes<u32>) -> Array {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = row[index.0[i] as usize % LANES];
+        }
+        out
+    }
+    #[cfg_attr(target_arch = "x86_64", inline(never))]
+    #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+    fn transpose(self, rows: &mut [Lanes; LANES]) {
+        for r in 0..LANES {
+            for c in 0..r {
+                let above = rows[c].0[r];
+                rows[c].0[r] = rows[r].0[c];
+                rows[r].0[c] = above;
+            }
+        }
+    }
+}

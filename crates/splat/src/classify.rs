@@ -10,7 +10,7 @@
 //! mean optical depth is a difference of the integral `T(d) = ∫ τ` ([`Passage`]; the integral form of
 //! pre-integration, Engel, Kraus, Ertl 2001). Tables of one dimension build in the time that it takes to read them.
 
-use wavesplat_compute::simd::{Math, ROUND};
+use wavesplat_compute::simd::{Math, ROUND, Wide};
 use wavesplat_core::TransferFunction;
 
 pub use wavesplat_compute::simd::Entry;
@@ -38,6 +38,8 @@ pub struct Classifier {
     per_density: f32,
     /// Densities beyond which nothing is visible.
     visible_range: [f32; 2],
+    /// The colour of all that is visible, where there is only one.
+    only_color: Option<[f32; 3]>,
     /// `visible[i]`: how many of the entries before `i` have an opacity.
     visible: Vec<u32>,
     /// Total variation of a slab's associated colour and opacity up to each entry.
@@ -79,6 +81,7 @@ impl Classifier {
         for (i, entry) in table.iter().enumerate() {
             visible.push(visible[i] + u32::from(entry[3] > 0.0));
         }
+        let only_color = only_color(&table);
         let slab = |[r, g, b, depth]: Entry| {
             let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
             [r * opacity, g * opacity, b * opacity, opacity]
@@ -101,7 +104,7 @@ impl Classifier {
         };
         let passage = passage_table(&table, density, step, OPAQUE_SLAB / slab_thickness);
         let (lo, hi) = (lo as f32, hi as f32);
-        Self { table, passage, lo, hi, per_density: (1.0 / step) as f32, visible_range, visible, variation }
+        Self { table, passage, lo, hi, per_density: (1.0 / step) as f32, visible_range, only_color, visible, variation }
     }
 
     /// How much a slab's colour and opacity change in all on the way from one density up to another: bounds how wrong
@@ -145,6 +148,16 @@ impl Classifier {
         s.look_up(&self.table, self.position_of(s, density))
     }
 
+    /// Colour of densities; that of an invisible one is any.
+    #[inline(always)]
+    pub fn color<S: Math>(&self, s: S, density: S::F) -> [S::F; 3] {
+        if let Some(color) = self.only_color {
+            return color.map(|c| s.splat(c));
+        }
+        let [r, g, b, _] = self.look_up(s, density);
+        [r, g, b]
+    }
+
     #[inline(always)]
     fn position_of<S: Math>(&self, s: S, density: S::F) -> S::F {
         s.mul(s.sub(density, s.splat(self.lo)), s.splat(self.per_density))
@@ -172,7 +185,7 @@ impl Classifier {
 
     /// What rays meet between two densities, where the density is linear in between.
     #[inline(always)]
-    pub fn pass<S: Math>(&self, s: S, from: S::F, to: S::F) -> Passage<S> {
+    pub fn pass<S: Wide>(&self, s: S, from: S::F, to: S::F) -> Passage<S> {
         let [integral_from, above_from, below_from] = self.integral(s, from);
         let [integral_to, above_to, below_to] = self.integral(s, to);
         let change = s.sub(to, from);
@@ -186,8 +199,12 @@ impl Classifier {
         let last = s.min(s.max(s.mul(s.sub(last, from), inverse), zero), one);
         // Densities as good as equal: the optical depth in the middle.
         let is_level = s.lt(s.abs(change), s.splat(LEVEL / self.per_density));
-        let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
-        let level = s.mul(level, s.splat(1.0 / N_PARTS as f32));
+        let level = if s.all_bits(is_level) == [0; 2] {
+            zero
+        } else {
+            let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
+            s.mul(level, s.splat(1.0 / N_PARTS as f32))
+        };
         let first = s.select(is_level, zero, first);
         let last = s.select(is_level, one, last);
         let part = s.mul(s.mul(s.sub(last, first), s.splat(1.0 / N_PARTS as f32)), change);
@@ -222,6 +239,19 @@ pub struct Passage<S: Math> {
     pub last: S::F,
     /// Optical depth per `opacity_unit` of the whole way's length, of each of the visible part's equal parts.
     pub depths: [S::F; N_PARTS],
+}
+
+/// The colour that all visible parts of a table have.
+fn only_color(table: &[Entry]) -> Option<[f32; 3]> {
+    let mut only = None;
+    for pair in table.windows(2).filter(|pair| pair[0][3] > 0.0 || pair[1][3] > 0.0) {
+        for &[r, g, b, _] in pair {
+            if *only.get_or_insert([r, g, b]) != [r, g, b] {
+                return None;
+            }
+        }
+    }
+    only
 }
 
 /// `(∫ τ, nearest visible density above, nearest below, τ)` at each entry of a table.

@@ -174,8 +174,7 @@ impl<'a> Over<'a> {
         let mean = w.select(is_seen, w.div(moment, alpha), w.splat(0.5));
         let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
         let at = w.add_mul(begin, within, w.mul(extent, per_s));
-        let [r, g, b, _] = self.classifier.look_up(w, w.add_mul(front, at, change));
-        let mut rgb = [r, g, b];
+        let mut rgb = self.classifier.color(w, w.add_mul(front, at, change));
         if let Some(shader) = self.shader {
             let front = slab.front.gradient(w, geometry, slab.panel, chunks);
             let back = slab.back.gradient(w, geometry, slab.panel, chunks);

@@ -8,7 +8,7 @@
 
 use glam::{DVec2, Vec4};
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::{LANES, Level};
+use wavesplat_compute::simd::{Kernel, LANES, Lanes, Level, Simd};
 
 use crate::base_plane::{BasePlane, Family, IndexRays};
 
@@ -68,7 +68,7 @@ impl BasePicture {
 
     /// Colour at a texel position; `None` where nothing is.
     #[inline(always)]
-    fn sample(&self, u: f64, v: f64) -> Option<Vec4> {
+    fn sample<S: Simd>(&self, s: S, u: f64, v: f64) -> Option<Vec4> {
         let [n_u, n_v] = self.plane.size.map(|n| n as i64);
         // Truncation rounds down, since positions are kept above 0.
         let (i, j) = ((u + 2.0) as i64 - 2, (v + 2.0) as i64 - 2);
@@ -83,20 +83,20 @@ impl BasePicture {
         if i < 1 || j < 1 || i + 2 >= n_u || j + 2 >= n_v {
             return Some(self.sample_near_border(i, j, fu, fv));
         }
-        let (wu, wv) = (catmull_rom(fu), catmull_rom(fv));
         let start = (j - 1) as usize * n_u as usize + (i - 1) as usize;
-        let mut sum = Vec4::ZERO;
-        let (mut lo, mut hi) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
-        for r in 0..4 {
-            let row = self.texels[start + r * n_u as usize..].first_chunk::<4>()?.map(Vec4::from_array);
-            let line = wu[0] * row[0] + wu[1] * row[1] + (wu[2] * row[2] + wu[3] * row[3]);
-            sum += wv[r] * line;
-            if r == 1 || r == 2 {
-                lo = lo.min(row[1].min(row[2]));
-                hi = hi.max(row[1].max(row[2]));
-            }
-        }
-        Some(sum.max(lo).min(hi))
+        // Four texels of a row are sixteen numbers: first down the columns, then across.
+        let n_row = n_u as usize * 4;
+        let rows = self.texels.as_flattened().get(start * 4..start * 4 + 3 * n_row + LANES)?;
+        let row = |r: usize| rows[r * n_row..].first_chunk::<LANES>();
+        let (first, second, third, fourth) = (s.load(row(0)?), s.load(row(1)?), s.load(row(2)?), s.load(row(3)?));
+        let [w0, w1, w2, w3] = catmull_rom(fv).map(|weight| s.splat(weight));
+        let down = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
+        let [a, b, c, d] = quads(s, down);
+        let wu = catmull_rom(fu);
+        let sum = (wu[0] * a + wu[1] * b) + (wu[2] * c + wu[3] * d);
+        let ([_, lo, lo_next, _], [_, hi, hi_next, _]) =
+            (quads(s, s.min(second, third)), quads(s, s.max(second, third)));
+        Some(sum.max(lo.min(lo_next)).min(hi.max(hi_next)))
     }
 
     /// Linear, with emptiness beyond the grid.
@@ -142,6 +142,14 @@ fn catmull_rom(t: f32) -> [f32; 4] {
     [w0, w1, 1.0 - w0 - w1 - w3, w3]
 }
 
+/// Sixteen numbers as four fours.
+#[inline(always)]
+fn quads<S: Simd>(s: S, numbers: S::F) -> [Vec4; 4] {
+    let mut out = Lanes::default();
+    s.store(numbers, &mut out.0);
+    std::array::from_fn(|k| Vec4::from_slice(&out.0[4 * k..]))
+}
+
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
 pub struct Warped {
     /// As [`BasePicture::texels`].
@@ -166,7 +174,8 @@ pub fn warp(
     parallel::for_each_chunk(&mut rgba, width_px, |y, row| {
         for dy in &offsets {
             for dx in &offsets {
-                read_row(level, pictures, rays, [*dx, y as f64 + dy], (share, peak), row);
+                let position = [*dx, y as f64 + dy];
+                level.dispatch(ReadRow { pictures, rays, position, share, peak, row });
             }
         }
     });
@@ -182,25 +191,33 @@ pub fn warp(
     Warped { rgba, ray_parameter: parameters }
 }
 
-/// Adds one read of every pixel of a row; the first is at picture position `[x, y]`.
-fn read_row(
-    level: Level,
-    pictures: &[BasePicture],
-    rays: &IndexRays,
-    [x0, y]: [f64; 2],
-    (share, peak): (f32, f32),
-    row: &mut [[f32; 4]],
-) {
-    level.run(
-        #[inline(always)]
-        || match pictures {
+/// Adds one read of every pixel of a row.
+struct ReadRow<'a> {
+    pictures: &'a [BasePicture],
+    rays: &'a IndexRays,
+    /// Picture position of the first pixel's read.
+    position: [f64; 2],
+    /// Weight of the read.
+    share: f32,
+    /// Largest unassociated colour.
+    peak: f32,
+    row: &'a mut [[f32; 4]],
+}
+
+impl Kernel for ReadRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { pictures, rays, position: [x0, y], share, peak, row } = self;
+        match pictures {
             // Parallel rays: positions are affine in the pixel.
             [only] if only.plane.eye_w().is_none() => {
                 let first = only.plane.texel_from_pixel(rays, x0, y);
                 let step = only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first;
                 for (x, pixel) in row.iter_mut().enumerate() {
                     let (u, v) = (first.x + step.x * x as f64, first.y + step.y * x as f64);
-                    if let Some(color) = only.sample(u, v) {
+                    if let Some(color) = only.sample(s, u, v) {
                         add(pixel, color, share, peak);
                     }
                 }
@@ -210,14 +227,14 @@ fn read_row(
                     let x = x as f64 + x0;
                     if let Some(picture) = serving(pictures, rays, x, y) {
                         let position = picture.plane.texel_from_pixel(rays, x, y);
-                        if let Some(color) = picture.sample(position.x, position.y) {
+                        if let Some(color) = picture.sample(s, position.x, position.y) {
                             add(pixel, color, share, peak);
                         }
                     }
                 }
             }
-        },
-    );
+        }
+    }
 }
 
 #[inline(always)]

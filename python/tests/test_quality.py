@@ -68,3 +68,40 @@ def test_hard_pictures(scene, view):
     got = ws.render(volume, hard, view, size=SIZE, quality="high").rgba
     assert psnr_db(got, want) >= goal_db
     assert want[..., 3].mean() > 0.2, "the view shows the volume"
+
+
+@pytest.mark.parametrize("view_angle", [None, 25.0])
+def test_a_wanted_psnr_is_reached(scene, view_angle):
+    volume, soft, _, _ = scene
+    view = ws.Camera.orbit(volume, 30, 20, view_angle=view_angle)
+    size = (96, 80)
+    want = ws.reference.raycast(volume, soft, view, size=size, step=0.05, rays_per_pixel=16).rgba
+    effort = []
+    for wanted_db in (38, 44, 50):
+        picture = ws.render(volume, soft, view, size=size, psnr=wanted_db)
+        report = picture.report
+        assert report["expected_psnr_db"] >= wanted_db
+        # On the safe side, since the two errors are added.
+        assert -1.5 < psnr_db(picture.rgba, want) - report["expected_psnr_db"] < 9, report
+        effort.append(report["sheets_per_slice"] * report["oversampling"] ** 2)
+    assert effort[0] < effort[1] < effort[2]
+
+
+def test_a_psnr_costs_nothing_where_nothing_is_seen_and_what_is_out_of_reach_is_said():
+    volume = ws.Volume(np.zeros((8, 8, 8), np.float32))
+    clear = ws.TransferFunction([(0, 0.0), (1, 0.0)], [(0, 1, 1, 1), (1, 1, 1, 1)])
+    report = ws.render(volume, clear, size=(40, 30), psnr=60).report
+    assert report["sheets_per_slice"] == 0.5
+    assert report["oversampling"] == 0.5
+    volume = ws.examples.ripples(16)
+    hard = ws.TransferFunction([(127, 0.0), (128, 1.0)], [(0, 1, 1, 1)])
+    report = ws.render(volume, hard, size=(64, 64), psnr=80).report
+    assert report["expected_psnr_db"] < 80
+
+
+@pytest.mark.parametrize("psnr", [5, 100, float("nan")])
+def test_a_psnr_that_makes_no_sense_is_refused(psnr):
+    with pytest.raises(ws.errors.ArgumentError, match="between 20 and 80 dB"):
+        ws.render(ws.examples.ripples(8), psnr=psnr)
+    with pytest.raises(ws.errors.ArgumentError, match="leave out either"):
+        ws.render(ws.examples.ripples(8), psnr=40, oversampling=2)

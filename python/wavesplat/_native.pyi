@@ -92,6 +92,7 @@ def render(
     shading: Shading | None,
     sheets_per_slice: float,
     oversampling: float,
+    psnr: float | None,
     crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],

@@ -153,6 +153,9 @@ def render(
         float | None, typer.Option(metavar="N", help="Instead of what the quality says.")
     ] = None,
     oversampling: Annotated[float | None, typer.Option(metavar="N", help="Instead of what the quality says.")] = None,
+    psnr: Annotated[
+        float | None, typer.Option(metavar="DB", help="Choose both for this PSNR against the converged picture.")
+    ] = None,
     background: Annotated[
         Any, typer.Option(metavar="COLOR", parser=_color, help="black, white, grey, #rrggbb, r,g,b or transparent.")
     ] = "black",
@@ -212,6 +215,7 @@ def render(
         quality=quality,
         sheets_per_slice=sheets_per_slice,
         oversampling=oversampling,
+        psnr=psnr,
         crop=_crop(crop, crop_index),
         background=background,
         threads=threads,

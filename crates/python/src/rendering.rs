@@ -11,6 +11,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, Crop, Kernel, Picture, RenderOptions};
+use wavesplat_splat::estimate::settings_for_psnr;
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::{Monitor, reference};
 
@@ -107,6 +108,15 @@ impl PyMonitor {
     }
 }
 
+/// Stops with a monitor, and tells nothing.
+struct Quiet<'a>(&'a PyMonitor);
+
+impl Monitor for Quiet<'_> {
+    fn progress(&self, _: f32) -> ControlFlow<()> {
+        if self.0.interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
 impl Monitor for PyMonitor {
     fn progress(&self, fraction: f32) -> ControlFlow<()> {
         if self.interrupted.load(Ordering::Relaxed) {
@@ -124,7 +134,8 @@ fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>>
 /// See `_native.pyi`.
 #[pyfunction]
 #[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, composite, iso_value, shading,
-    sheets_per_slice, oversampling, crop_index, crop_world, clip_planes, background, threads, depth, refined, progress))]
+    sheets_per_slice, oversampling, psnr, crop_index, crop_world, clip_planes, background, threads, depth, refined,
+    progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 pub fn render<'py>(
     py: Python<'py>,
@@ -139,6 +150,7 @@ pub fn render<'py>(
     shading: Option<&PyShading>,
     sheets_per_slice: f64,
     oversampling: f64,
+    psnr: Option<f64>,
     crop_index: Corners,
     crop_world: Corners,
     clip_planes: Vec<(Triple, Triple)>,
@@ -148,7 +160,7 @@ pub fn render<'py>(
     refined: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let options = RenderOptions {
+    let mut options = RenderOptions {
         width_px: width,
         height_px: height,
         kernel: Kernel::from_name(kernel).map_err(to_py)?,
@@ -168,10 +180,20 @@ pub fn render<'py>(
     let result = volume.with_volume(py, |v| {
         monitor.watch(py, || {
             let slices = volume.slices(v, options.kernel);
-            wavesplat_splat::render(v, &slices, &transfer_function.0, &camera.0, &options, &monitor)
+            let (tf, camera) = (&transfer_function.0, &camera.0);
+            let mut expected = None;
+            if let Some(psnr_db) = psnr {
+                // The small pictures are a part of the work that is not told of.
+                let quiet = Quiet(&monitor);
+                let chosen = settings_for_psnr(v, &slices, tf, camera, &options, psnr_db, &quiet)?;
+                options.sheets_per_slice = chosen.sheets_per_slice;
+                options.oversampling = chosen.oversampling;
+                expected = Some(chosen.psnr_db);
+            }
+            wavesplat_splat::render(v, &slices, tf, camera, &options, &monitor).map(|drawn| (drawn, expected))
         })
     })?;
-    let (mut picture, report) = result.map_err(to_py)?;
+    let ((mut picture, report), expected_psnr_db) = result.map_err(to_py)?;
     let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
     };
@@ -180,8 +202,11 @@ pub fn render<'py>(
     dict.set_item("value", plane(picture.value.take())?)?;
     dict.set_item("rgba", image(py, picture)?)?;
     let numbers = PyDict::new(py);
-    numbers.set_item("sheets_per_slice", sheets_per_slice)?;
-    numbers.set_item("oversampling", oversampling)?;
+    numbers.set_item("sheets_per_slice", options.sheets_per_slice)?;
+    numbers.set_item("oversampling", options.oversampling)?;
+    if let Some(expected) = expected_psnr_db {
+        numbers.set_item("expected_psnr_db", expected)?;
+    }
     numbers.set_item("n_texels", report.n_texels)?;
     numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;
     numbers.set_item("n_base_planes", report.n_base_planes)?;

@@ -30,6 +30,14 @@ impl IndexRays {
         Self { origin: [o, ox - o, oy - o], direction: [d, dx - d, dy - d] }
     }
 
+    /// The rays of the part of the picture whose upper left corner is at a pixel position.
+    #[must_use]
+    pub fn part(self, [x_px, y_px]: [usize; 2]) -> Self {
+        let (x_px, y_px) = (x_px as f64, y_px as f64);
+        let Self { origin: [_, ox, oy], direction: [_, dx, dy] } = self;
+        Self { origin: [self.origin(x_px, y_px), ox, oy], direction: [self.direction(x_px, y_px), dx, dy] }
+    }
+
     /// Index-space origin of the ray through a pixel position.
     pub fn origin(&self, x_px: f64, y_px: f64) -> DVec3 {
         self.origin[0] + self.origin[1] * x_px + self.origin[2] * y_px

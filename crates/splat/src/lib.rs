@@ -14,6 +14,7 @@ pub mod base_plane;
 pub mod bricks;
 pub mod classify;
 pub mod composite;
+pub mod estimate;
 pub mod footprint;
 pub mod interval;
 pub mod kernel;

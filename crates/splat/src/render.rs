@@ -67,11 +67,25 @@ pub fn render(
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Picture, Report)> {
+    render_part(volume, slices, tf, camera, options, [[0, 0], [options.width_px, options.height_px]], monitor)
+}
+
+/// Draws a part of the picture: `part` is its first pixel and its size.
+pub(crate) fn render_part(
+    volume: &Volume,
+    slices: &Slices,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    [first_px, size]: [[usize; 2]; 2],
+    monitor: &dyn Monitor,
+) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
-        let (pictures, mut report) = render_base_planes(volume, slices, tf, camera, options, monitor)?;
+        let full = [options.width_px, options.height_px];
+        let rays = IndexRays::new(camera, volume.index_from_world(), full[0], full[1]).part(first_px);
+        let (pictures, mut report) =
+            draw_base_planes(Level::best(), volume, slices, tf, camera, options, (&rays, size), monitor)?;
         report.n_threads = parallel::n_threads();
-        let size = [options.width_px, options.height_px];
-        let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
         // One read per texel that a pixel covers along each axis.
         let reads = if options.composite.is_projection() { 1 } else { options.oversampling.round().max(1.0) as usize };
         let peak = if options.composite.is_projection() {
@@ -88,8 +102,8 @@ pub fn render(
         picture.depth = warped.ray_parameter.map(|parameters| {
             // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
             let world_length = |i: usize| {
-                let (x, y) = ((i % size[0]) as f64 + 0.5, (i / size[0]) as f64 + 0.5);
-                camera.ray(x, y, size[0], size[1]).direction.length()
+                let [x, y] = [i % size[0] + first_px[0], i / size[0] + first_px[1]].map(|px| px as f64 + 0.5);
+                camera.ray(x, y, full[0], full[1]).direction.length()
             };
             parameters.iter().enumerate().map(|(i, t)| (f64::from(*t) * world_length(i)) as f32).collect()
         });
@@ -129,11 +143,25 @@ pub fn render_base_planes_at(
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    options.validate()?;
-    let region = Region::new(volume, options)?;
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
-    let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
+    draw_base_planes(level, volume, slices, tf, camera, options, (&rays, size), monitor)
+}
+
+#[expect(clippy::too_many_arguments, reason = "the scene, and which part of it")]
+fn draw_base_planes(
+    level: Level,
+    volume: &Volume,
+    slices: &Slices,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    (rays, size): (&IndexRays, [usize; 2]),
+    monitor: &dyn Monitor,
+) -> Result<(Vec<BasePicture>, Report)> {
+    options.validate()?;
+    let region = Region::new(volume, options)?;
+    let planes = base_planes(camera, rays, size, options.oversampling, region.bounds)?;
     let scene = Scene::new(level, volume, slices, tf, camera, options);
     let mut report = Report {
         n_nonfinite_samples: volume.statistics().n_nonfinite,

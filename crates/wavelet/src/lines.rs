@@ -1,0 +1,188 @@
+//! Bundles of lines: how a transform of lines runs along x, y and z of a volume.
+//!
+//! A transform along one axis works on many lines at once: row `i` of a bundle holds sample `i` of [`LANES`]
+//! neighbouring lines, so that every operation is one on whole vectors, whatever the axis. Along y and z the rows are
+//! pieces of the volume's own rows; along x they are turned. Bundles are independent, and the arithmetic of a lane does
+//! not depend on its neighbours: the result depends neither on the number of threads nor on the width of the vectors.
+
+use wavesplat_compute::{parallel, simd};
+
+/// Lines in a bundle. Two cache lines of f32; 256 rows just fit into the first cache of today's processors.
+pub const LANES: usize = 32;
+
+/// One sample of each line of a bundle.
+pub type Row<T> = [T; LANES];
+
+/// A bundle, and room for another of its size.
+pub struct Lines<T> {
+    pub rows: Vec<Row<T>>,
+    pub spare: Vec<Row<T>>,
+}
+
+impl<T: Copy + Default> Lines<T> {
+    pub fn new() -> Self {
+        Self { rows: Vec::new(), spare: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn resize(&mut self, n: usize) {
+        self.rows.resize(n, [T::default(); LANES]);
+        self.spare.resize(n, [T::default(); LANES]);
+    }
+}
+
+/// Which way a transform goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Samples -> coefficients, along x, y, then z.
+    Analysis,
+    /// Coefficients -> samples, along z, y, then x.
+    Synthesis,
+}
+
+/// The places of samples and coefficients in a bundle. Transforms work in place with low and detail coefficients
+/// interleaved; in the volume low coefficients come first.
+#[derive(Clone, Copy)]
+struct Places<'a> {
+    load: Option<&'a [usize]>,
+    store: Option<&'a [usize]>,
+}
+
+impl<'a> Places<'a> {
+    fn new(order: &'a [usize], direction: Direction) -> Self {
+        match direction {
+            Direction::Analysis => Self { load: None, store: Some(order) },
+            Direction::Synthesis => Self { load: Some(order), store: None },
+        }
+    }
+}
+
+#[inline(always)]
+fn place(order: Option<&[usize]>, i: usize) -> usize {
+    order.map_or(i, |order| order[i])
+}
+
+/// The box of `size` at the first corner of a volume with rows of `pitch[0]` and slices of `pitch[1]` such rows.
+#[derive(Clone, Copy)]
+pub struct Corner {
+    pub pitch: [usize; 2],
+    pub size: [usize; 3],
+}
+
+/// Runs `work(axis, bundle)` on all lines of a box along all axes that have an order: the row of the bundle in which
+/// each coefficient is found. Axes without one are left alone.
+pub fn transform<T: Copy + Default + Send + Sync>(
+    data: &mut [T],
+    corner: Corner,
+    orders: [Option<&[usize]>; 3],
+    direction: Direction,
+    width: simd::Level,
+    work: impl Fn(usize, &mut Lines<T>) + Sync + Send,
+) {
+    let Corner { pitch: [row_len, n_rows], size: [nx, ny, nz] } = corner;
+    let slice_len = row_len * n_rows;
+    let places = orders.map(|order| order.map(|order| Places::new(order, direction)));
+    let slices = &mut data[..nz * slice_len];
+
+    let in_slice_axes = match direction {
+        Direction::Analysis => [0, 1],
+        Direction::Synthesis => [1, 0],
+    };
+    let in_slices = |slices: &mut [T]| {
+        if places[0].is_none() && places[1].is_none() {
+            return;
+        }
+        parallel::for_each_chunk(slices, slice_len, |_, slice| {
+            width.run(
+                #[inline(always)]
+                || {
+                    let mut rows: Vec<&mut [T]> = slice.chunks_mut(row_len).take(ny).map(|r| &mut r[..nx]).collect();
+                    let lines = &mut Lines::new();
+                    for axis in in_slice_axes {
+                        match places[axis] {
+                            Some(places) if axis == 0 => {
+                                for rows in rows.chunks_mut(LANES) {
+                                    along(rows, nx, places, lines, |lines| work(0, lines));
+                                }
+                            }
+                            Some(places) => across(&mut rows, nx, places, lines, |lines| work(1, lines)),
+                            None => {}
+                        }
+                    }
+                },
+            );
+        });
+    };
+    let across_slices = |slices: &mut [T]| {
+        let Some(places) = places[2] else { return };
+        // The rows of all slices by their y: each list is a piece of work of its own.
+        let mut rows_by_y: Vec<Vec<&mut [T]>> = (0..ny).map(|_| Vec::with_capacity(nz)).collect();
+        for slice in slices.chunks_mut(slice_len) {
+            for (rows, row) in rows_by_y.iter_mut().zip(slice.chunks_mut(row_len)) {
+                rows.push(&mut row[..nx]);
+            }
+        }
+        parallel::for_each_chunk(&mut rows_by_y, 1, |_, rows| {
+            width.run(
+                #[inline(always)]
+                || across(&mut rows[0], nx, places, &mut Lines::new(), |lines| work(2, lines)),
+            );
+        });
+    };
+
+    match direction {
+        Direction::Analysis => {
+            in_slices(slices);
+            across_slices(slices);
+        }
+        Direction::Synthesis => {
+            across_slices(slices);
+            in_slices(slices);
+        }
+    }
+}
+
+/// Lines that run along the given rows, at most [`LANES`] of them.
+#[inline(always)]
+fn along<T: Copy + Default>(
+    rows: &mut [&mut [T]],
+    n: usize,
+    places: Places,
+    lines: &mut Lines<T>,
+    work: impl Fn(&mut Lines<T>),
+) {
+    lines.resize(n);
+    for (lane, row) in rows.iter().enumerate() {
+        for (i, sample) in row.iter().enumerate() {
+            lines.rows[place(places.load, i)][lane] = *sample;
+        }
+    }
+    work(lines);
+    for (lane, row) in rows.iter_mut().enumerate() {
+        for (i, sample) in row.iter_mut().enumerate() {
+            *sample = lines.rows[place(places.store, i)][lane];
+        }
+    }
+}
+
+/// Lines that run across the given rows, of `n_lines` samples each.
+#[inline(always)]
+fn across<T: Copy + Default>(
+    rows: &mut [&mut [T]],
+    n_lines: usize,
+    places: Places,
+    lines: &mut Lines<T>,
+    work: impl Fn(&mut Lines<T>),
+) {
+    lines.resize(rows.len());
+    for first in (0..n_lines).step_by(LANES) {
+        let n_lanes = LANES.min(n_lines - first);
+        for (i, row) in rows.iter().enumerate() {
+            lines.rows[place(places.load, i)][..n_lanes].copy_from_slice(&row[first..first + n_lanes]);
+        }
+        work(lines);
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[first..first + n_lanes].copy_from_slice(&lines.rows[place(places.store, i)][..n_lanes]);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Amplitudes: coefficients made comparable across levels, subbands and families.
+//!
+//! A coefficient `c` stands for `c · f` with f the function that synthesis makes of it. Its size is `|c|` times a norm
+//! of f: [`Norm::L2`], the root of the sum of squares over the finest grid (for B-splines the root of the integral, with
+//! the finest spacing 1), by which an error in a coefficient counts in the mean square; or [`Norm::Peak`], the largest
+//! value of |f|. f is a product over the axes, and so are its norms. They are exact for every coefficient, boundary
+//! functions included, but for peaks of B-splines, which are looked for at every eighth of a knot interval.
+
+use crate::family::Family;
+use crate::plan::Plan;
+use crate::sample::Sample;
+use crate::spline::{Column, MAX_ORDER, gram, values};
+use crate::step::Step;
+
+/// By what a basis function is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Norm {
+    /// Root of the sum (or integral) of squares, finest spacing 1.
+    L2,
+    /// Largest absolute value.
+    Peak,
+}
+
+/// Norms of all functions along one axis.
+#[derive(Clone, Debug, Default)]
+pub struct Factors {
+    l2: Bands,
+    peak: Bands,
+}
+
+/// Norms of scaling functions at levels `0..=n_levels`, of wavelets at levels `0..n_levels`.
+#[derive(Clone, Debug, Default)]
+struct Bands {
+    low: Vec<Vec<f64>>,
+    high: Vec<Vec<f64>>,
+}
+
+impl Plan {
+    /// Norms along one axis, one per coefficient in the order in which they lie: of the wavelets of a level
+    /// (`detail`), or of the scaling functions of its low box. A coefficient's own is the product over its axes: in
+    /// [`Plan::subband`] of `level`, details of `level` where the band's bit is set and scaling functions of
+    /// `level + 1` where not.
+    pub fn norms(&self, norm: Norm, axis: usize, level: usize, detail: bool) -> &[f64] {
+        let factors = &self.axes()[axis].factors;
+        let bands = match norm {
+            Norm::L2 => &factors.l2,
+            Norm::Peak => &factors.peak,
+        };
+        if detail { &bands.high[level] } else { &bands.low[level] }
+    }
+
+    /// The factor from the coefficients in the middle of a subband to their amplitudes; boundary functions differ. 0
+    /// where the band is empty.
+    pub fn band_norm(&self, norm: Norm, level: usize, band: usize) -> f64 {
+        let middle = |norms: &[f64]| norms.get(norms.len() / 2).copied().unwrap_or(0.0);
+        (0..3).map(|axis| middle(self.band_norms(norm, axis, level, band))).product()
+    }
+
+    fn band_norms(&self, norm: Norm, axis: usize, level: usize, band: usize) -> &[f64] {
+        let detail = band >> axis & 1 == 1;
+        self.norms(norm, axis, if detail { level } else { level + 1 }, detail)
+    }
+}
+
+/// Multiplies every coefficient by the norm of its function: `|amplitude|` is what thresholds are compared with.
+pub fn to_amplitudes<T: Sample>(plan: &Plan, norm: Norm, coefficients: &mut [T]) {
+    scale(plan, norm, coefficients, |factor| factor);
+}
+
+/// Undoes [`to_amplitudes`], to rounding.
+pub fn from_amplitudes<T: Sample>(plan: &Plan, norm: Norm, amplitudes: &mut [T]) {
+    scale(plan, norm, amplitudes, f64::recip);
+}
+
+fn scale<T: Sample>(plan: &Plan, norm: Norm, data: &mut [T], factor: impl Fn(f64) -> f64) {
+    assert_eq!(data.len(), plan.n_samples(), "data and plan differ in size");
+    let [nx, ny, _] = plan.size();
+    let mut scale_box = |ranges: [std::ops::Range<usize>; 3], norms: [&[f64]; 3]| {
+        let [xs, ys, zs] = ranges;
+        for (z, norm_z) in zs.zip(norms[2]) {
+            for (y, norm_y) in ys.clone().zip(norms[1]) {
+                let row = &mut data[(z * ny + y) * nx..][xs.clone()];
+                for (c, norm_x) in row.iter_mut().zip(norms[0]) {
+                    *c = *c * T::from_f64(factor(norm_x * norm_y * norm_z));
+                }
+            }
+        }
+    };
+    for level in 0..plan.n_levels() {
+        for band in 1..8 {
+            let norms = [0, 1, 2].map(|axis| plan.band_norms(norm, axis, level, band));
+            scale_box(plan.subband(level, band), norms);
+        }
+    }
+    let coarsest = plan.n_levels();
+    scale_box(plan.low_size(coarsest).map(|n| 0..n), [0, 1, 2].map(|axis| plan.norms(norm, axis, coarsest, false)));
+}
+
+impl Factors {
+    /// Follows every function down to the finest grid.
+    pub fn new(family: Family, n: usize, steps: &[Step]) -> Self {
+        let meter = Meter::new(family, n);
+        let mut factors = Self::default();
+        let mut scaling: Vec<Column> = (0..n).map(|i| Column { first: i, values: vec![1.0] }).collect();
+        factors.push(&meter, &scaling, false);
+        for step in steps {
+            let functions: Vec<Column> = step
+                .functions()
+                .iter()
+                .map(|taps| {
+                    let first = taps.iter().map(|tap| scaling[tap.index].first).min().unwrap_or(0);
+                    let end = taps.iter().map(|tap| scaling[tap.index].end()).max().unwrap_or(0);
+                    let mut values = vec![0.0; end - first];
+                    for tap in taps {
+                        let fine = &scaling[tap.index];
+                        for (value, f) in values[fine.first - first..].iter_mut().zip(&fine.values) {
+                            *value += tap.weight * f;
+                        }
+                    }
+                    Column { first, values }
+                })
+                .collect();
+            let (low, high) = functions.split_at(step.n_low);
+            factors.push(&meter, low, false);
+            factors.push(&meter, high, true);
+            scaling = low.to_vec();
+        }
+        factors
+    }
+
+    fn push(&mut self, meter: &Meter, functions: &[Column], detail: bool) {
+        let l2 = functions.iter().map(|f| meter.l2(f)).collect();
+        let peak = functions.iter().map(|f| meter.peak(f)).collect();
+        let bands = [(&mut self.l2, l2), (&mut self.peak, peak)];
+        for (bands, norms) in bands {
+            if detail { bands.high.push(norms) } else { bands.low.push(norms) }
+        }
+    }
+}
+
+/// How functions on the finest grid are measured: as samples, or as splines.
+enum Meter {
+    Samples,
+    Splines {
+        order: usize,
+        gram: Vec<[f64; MAX_ORDER]>,
+        /// Values of the functions of each interval at its eighths, both ends included.
+        eighths: Vec<[[f64; MAX_ORDER]; 9]>,
+    },
+}
+
+impl Meter {
+    fn new(family: Family, n: usize) -> Self {
+        match family.semi_orthogonal_order() {
+            // Fewer coefficients than one interval needs carry no spline; they are never split.
+            Some(order) if n >= order => {
+                let breaks: Vec<f64> = (0..n + 2 - order).map(|i| i as f64).collect();
+                let at = |interval: usize, eighth: usize| {
+                    values(&breaks, order, interval, interval as f64 + eighth as f64 / 8.0)
+                };
+                let eighths = (0..breaks.len() - 1).map(|i| std::array::from_fn(|eighth| at(i, eighth))).collect();
+                Self::Splines { order, gram: gram(&breaks, order), eighths }
+            }
+            _ => Self::Samples,
+        }
+    }
+
+    fn l2(&self, f: &Column) -> f64 {
+        let sum: f64 = match self {
+            Self::Samples => f.values.iter().map(|x| x * x).sum(),
+            Self::Splines { order, gram, .. } => (f.first..f.end())
+                .map(|i| {
+                    let beside: f64 = (1..*order).map(|d| gram[i].get(d).map_or(0.0, |g| g * f.at(i + d))).sum();
+                    f.at(i) * (gram[i][0] * f.at(i) + 2.0 * beside)
+                })
+                .sum(),
+        };
+        sum.sqrt()
+    }
+
+    fn peak(&self, f: &Column) -> f64 {
+        match self {
+            Self::Samples => f.values.iter().fold(0.0, |a, b| a.max(b.abs())),
+            Self::Splines { order, eighths, .. } => {
+                let touched = f.first.saturating_sub(order - 1)..eighths.len().min(f.end());
+                let value = |i: usize, at: &[f64; MAX_ORDER]| (0..*order).map(|k| at[k] * f.at(i + k)).sum::<f64>();
+                let points = touched.flat_map(|i| eighths[i].iter().map(move |at| value(i, at).abs()));
+                points.fold(0.0, f64::max)
+            }
+        }
+    }
+}

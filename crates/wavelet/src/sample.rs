@@ -1,0 +1,31 @@
+//! The numbers that are transformed: `f32` and `f64`.
+
+use std::ops::{Add, Mul, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// `f32` or `f64`. Weights are made in f64 and rounded once.
+pub trait Sample:
+    sealed::Sealed + Copy + Default + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + 'static
+{
+    /// The nearest number of this type.
+    fn from_f64(x: f64) -> Self;
+}
+
+impl Sample for f32 {
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        x as Self
+    }
+}
+
+impl Sample for f64 {
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+}

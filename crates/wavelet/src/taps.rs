@@ -1,0 +1,62 @@
+//! Weighted sums: the rows of sparse matrices.
+
+use crate::lines::{LANES, Row};
+use crate::sample::Sample;
+
+/// One term of a weighted sum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tap {
+    /// Which number.
+    pub index: usize,
+    /// By how much.
+    pub weight: f64,
+}
+
+/// The rows of a sparse matrix.
+#[derive(Clone, Debug, Default)]
+pub struct Taps {
+    ends: Vec<usize>,
+    taps: Vec<Tap>,
+}
+
+impl Taps {
+    pub fn push(&mut self, row: impl IntoIterator<Item = Tap>) {
+        self.taps.extend(row);
+        self.ends.push(self.taps.len());
+    }
+
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> &[Tap] {
+        let first = if i == 0 { 0 } else { self.ends[i - 1] };
+        &self.taps[first..self.ends[i]]
+    }
+
+    pub fn n_rows(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The columns of the matrix, as the terms in which each number occurs.
+    pub fn columns(&self, n_columns: usize) -> Vec<Vec<Tap>> {
+        let mut columns = vec![Vec::new(); n_columns];
+        for i in 0..self.n_rows() {
+            for tap in self.row(i) {
+                columns[tap.index].push(Tap { index: i, weight: tap.weight });
+            }
+        }
+        columns
+    }
+}
+
+/// `start − Σ weight · row`, or `+` where `weight_sign` is 1.
+#[inline(always)]
+pub fn accumulate<T: Sample>(start: Row<T>, weight_sign: f64, taps: &[Tap], rows: &[Row<T>]) -> Row<T> {
+    let mut sum = start;
+    for tap in taps {
+        let weight = T::from_f64(weight_sign * tap.weight);
+        let row = &rows[tap.index];
+        for lane in 0..LANES {
+            sum[lane] = sum[lane] + weight * row[lane];
+        }
+    }
+    sum
+}

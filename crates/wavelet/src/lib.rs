@@ -4,19 +4,21 @@
 //! coefficients, [`synthesise`] turns them back, in place, exact to rounding at any size from 1 up. Level 0 is the finest
 //! grid and counts up. [`to_amplitudes`] makes coefficients comparable, for thresholds.
 //!
-//! | family | φ | φ, ψ taps | smoothness of φ | moments¹ | boundary rule | analysis, per sample² |
+//! | family | φ | φ, ψ taps | smoothness of φ | moments¹ | boundary rule | cost² |
 //! | --- | --- | --- | --- | --- | --- | --- |
-//! | haar | constant | 2, 2 | jumps | 1 | last odd sample kept | 1 |
-//! | cdf53 | linear B-spline | 3, 5 | C⁰ | 2 | mirrored | 1 |
-//! | cdf97 | no closed form | 7, 9 | C¹ | 4 | mirrored | 3 |
-//! | spline4 | cubic B-spline | 5, 13 | C² | 4 | mirrored | 3 |
-//! | bspline2 | linear B-spline | 3, 5 | C⁰ | 2 | interval | 5 |
-//! | bspline3 | quadratic B-spline | 4, 8 | C¹ | 3 | interval | 8 |
-//! | bspline4 | cubic B-spline | 5, 11 | C² | 4 | interval | 11 |
+//! | haar | constant | 2, 2 | jumps | 1 | last odd sample kept | 1, 1 |
+//! | cdf53 | linear B-spline | 3, 5 | C⁰ | 2 | mirrored | 1, 1 |
+//! | cdf97 | no closed form | 7, 9 | C¹ | 4 | mirrored | 3, 3 |
+//! | spline4 | cubic B-spline | 5, 11 | C² | 4 | mirrored | 3, 3 |
+//! | bspline2 | linear B-spline | 3, 5 | C⁰ | 2 | interval | 4, 4 |
+//! | bspline3 | quadratic B-spline | 4, 8 | C¹ | 3 | interval | 6, 6 |
+//! | bspline4 | cubic B-spline | 5, 11 | C² | 4 | interval | 9, 8 |
 //!
 //! ¹ Polynomials of lower degree leave no details; mirrored families leave some at the ends, unless it is a constant.
-//! ² Multiplications per sample and axis; semi-orthogonal families need about as many to analyse (a banded solve) as
-//! they have taps, by lifting the inverse costs the same.
+//! ² Multiplications per sample and axis in analysis (semi-orthogonal: a banded solve) and in synthesis.
+//!
+//! Normalisation: low coefficients of a constant are that constant, at every level, so the low box of a level is the
+//! volume at that resolution in its own units. [`mod@lifting`] and [`mod@semi_orthogonal`] have the scale of the details.
 //!
 //! Semi-orthogonal wavelets are orthogonal to all coarser functions, so levels can be dropped with the least loss of
 //! energy; within a level they overlap, and per coefficient kept the families by lifting give the smaller error.

@@ -19,7 +19,7 @@
 //! | haar | `[1, 1] / 2` | `[−1, 1]` | |
 //! | cdf53 | `[−1, 2, 6, 2, −1] / 8` | `[−1, 2, −1] / 2` | Le Gall & Tabatabai 1988; ISO/IEC 15444-1 annex F |
 //! | cdf97 | 9 taps | 7 taps | Antonini et al. 1992; ISO/IEC 15444-1 annex F |
-//! | spline4 | 13 taps | `[1, −4, 6, −4, 1] / 8` | Cohen, Daubechies, Feauveau 1992, (4, 4) |
+//! | spline4 | 11 taps | `[1, −4, 6, −4, 1] / 8` | Cohen, Daubechies, Feauveau 1992, (4, 4) |
 //!
 //! Factorisations: Daubechies & Sweldens, "Factoring wavelet transforms into lifting steps", 1998.
 

@@ -9,7 +9,7 @@
 use crate::family::Family;
 use crate::plan::Plan;
 use crate::sample::Sample;
-use crate::spline::{Column, MAX_ORDER, gram, values};
+use crate::spline::{Column, MAX_ORDER, gram, knots, values};
 use crate::step::Step;
 
 /// By what a basis function is measured.
@@ -155,8 +155,9 @@ impl Meter {
             // Fewer coefficients than one interval needs carry no spline; they are never split.
             Some(order) if n >= order => {
                 let breaks: Vec<f64> = (0..n + 2 - order).map(|i| i as f64).collect();
+                let knots = knots(&breaks, order);
                 let at = |interval: usize, eighth: usize| {
-                    values(&breaks, order, interval, interval as f64 + eighth as f64 / 8.0)
+                    values(&knots, order, interval, interval as f64 + eighth as f64 / 8.0)
                 };
                 let eighths = (0..breaks.len() - 1).map(|i| std::array::from_fn(|eighth| at(i, eighth))).collect();
                 Self::Splines { order, gram: gram(&breaks, order), eighths }

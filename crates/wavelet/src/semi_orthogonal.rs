@@ -37,12 +37,13 @@ pub(crate) fn split(breaks: &[f64], order: usize) -> Split {
     let products = products(&scaling, &gram(breaks, order), order);
     let n = n_intervals + order - 1;
     let n_wavelets = n - scaling.len();
-    let wavelets = (0..n_wavelets)
-        .map(|k| wavelet(k, n_wavelets, n, order, n_intervals % 2, &products))
-        .collect::<Option<Vec<_>>>()
-        // On a few intervals the windows overlap in all of them: then any basis has whole support.
-        .unwrap_or_else(|| null_space(&products, 0, n));
-    Split { breaks: coarse, scaling, wavelets: wavelets.into_iter().map(normalise).collect() }
+    let wavelets = (0..n_wavelets).map(|k| {
+        let [first, end] = window(k, n_wavelets, n, order, n_intervals % 2);
+        let mut found = null_space(&products, first, end);
+        assert_eq!(found.len(), 1, "a window of {first}..{end} of {n} B-splines of order {order} holds one wavelet");
+        normalise(found.swap_remove(0))
+    });
+    Split { breaks: coarse, scaling, wavelets: wavelets.collect() }
 }
 
 /// The rows of `Pᵀ G`: integrals of each coarse function with the fine ones.
@@ -60,26 +61,23 @@ fn products(scaling: &[Column], gram: &[[f64; MAX_ORDER]], order: usize) -> Vec<
     scaling.iter().map(row).collect()
 }
 
-/// Wavelet `k` of `n_wavelets`: the one spline in its window that is orthogonal to all coarse functions.
-fn wavelet(k: usize, n_wavelets: usize, n: usize, order: usize, odd: usize, products: &[Column]) -> Option<Column> {
+/// The shortest window of fine functions that holds wavelet `k` of `n_wavelets`, the one spline in it that is orthogonal
+/// to all coarse functions.
+fn window(k: usize, n_wavelets: usize, n: usize, order: usize, odd: usize) -> [usize; 2] {
     // Inside a window starts at 2k − m + 1; towards an end it is as short as the functions there allow.
     let start = |k: usize, odd: usize| k.max((2 * k + 1 + odd).saturating_sub(order));
-    let from_end = n_wavelets - 1 - k;
-    let (first, beyond) = (start(k, 0), start(from_end, odd));
-    let end = n.checked_sub(beyond).filter(|&end| end > first)?;
-    let mut found = null_space(products, first, end);
-    if found.len() == 1 { found.pop() } else { None }
+    [start(k, 0), n - start(n_wavelets - 1 - k, odd)]
 }
 
 /// All vectors on `first..end` whose products with every row are 0: Gauss-Jordan elimination with full pivoting.
 fn null_space(rows: &[Column], first: usize, end: usize) -> Vec<Column> {
     let n = end - first;
+    let rows = &rows[rows.partition_point(|row| row.end() <= first)..rows.partition_point(|row| row.first < end)];
     // Columns at a common size: functions next to a short last interval are small.
     let scale: Vec<f64> =
         (first..end).map(|i| rows.iter().fold(0.0_f64, |a, row| a.max(row.at(i).abs())).recip()).collect();
-    let touching = rows.iter().filter(|row| row.first < end && row.end() > first);
     let mut matrix: Vec<Vec<f64>> =
-        touching.map(|row| (0..n).map(|i| row.at(first + i) * scale[i]).collect()).collect();
+        rows.iter().map(|row| (0..n).map(|i| row.at(first + i) * scale[i]).collect()).collect();
     let mut free: Vec<usize> = (0..n).collect();
     let mut pivots = Vec::new();
     for r in 0..matrix.len() {
@@ -144,7 +142,7 @@ mod tests {
     fn inner_functions_are_those_of_the_papers() {
         for order in 2..=4 {
             let split = split(&integers(40), order);
-            let two_scale: Vec<f64> = (0..=order).map(|k| binomial(order, k) / (1 << (order - 1)) as f64).collect();
+            let two_scale: Vec<f64> = (0..=order).map(|k| binomial(order, k) / f64::from(1 << (order - 1))).collect();
             let inside = &split.scaling[10].values;
             assert!(inside.iter().zip(&two_scale).all(|(a, b)| (a - b).abs() < 1e-14), "order {order}: {inside:?}");
             assert_eq!(inside.len(), order + 1);

@@ -27,7 +27,8 @@ impl Column {
     }
 }
 
-fn knots(breaks: &[f64], order: usize) -> Vec<f64> {
+/// The knots of a space: its break points, the first and the last repeated.
+pub fn knots(breaks: &[f64], order: usize) -> Vec<f64> {
     let ends = |b: f64| std::iter::repeat_n(b, order - 1);
     ends(breaks[0]).chain(breaks.iter().copied()).chain(ends(breaks[breaks.len() - 1])).collect()
 }
@@ -52,9 +53,8 @@ fn recurrence(knots: &[f64], order: usize, span: usize, x: impl Fn(usize) -> f64
 }
 
 /// Values at `x` of the `order` functions that live on a break interval; function `interval` is the first.
-pub fn values(breaks: &[f64], order: usize, interval: usize, x: f64) -> [f64; MAX_ORDER] {
-    let knots = knots(breaks, order);
-    recurrence(&knots, order, interval + order - 1, |_| x)
+pub fn values(knots: &[f64], order: usize, interval: usize, x: f64) -> [f64; MAX_ORDER] {
+    recurrence(knots, order, interval + order - 1, |_| x)
 }
 
 /// Integrals of products: entry `[i][d]` is `∫ B_i B_(i+d)`.
@@ -117,14 +117,15 @@ mod tests {
     fn values_are_those_of_the_cardinal_splines() {
         let breaks: Vec<f64> = (0..10).map(f64::from).collect();
         // At a break and half way between two, well inside.
-        assert_eq!(values(&breaks, 2, 4, 4.5)[..2], [0.5, 0.5]);
-        assert_eq!(values(&breaks, 3, 4, 4.5)[..3], [0.125, 0.75, 0.125]);
-        for (got, want) in values(&breaks, 4, 4, 4.0).into_iter().zip([1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0]) {
+        let values = |order, interval, x| values(&knots(&breaks, order), order, interval, x);
+        assert_eq!(values(2, 4, 4.5)[..2], [0.5, 0.5]);
+        assert_eq!(values(3, 4, 4.5)[..3], [0.125, 0.75, 0.125]);
+        for (got, want) in values(4, 4, 4.0).into_iter().zip([1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0]) {
             assert!((got - want).abs() < 1e-15);
         }
         // At the ends only one function is left.
-        assert_eq!(values(&breaks, 4, 0, 0.0), [1.0, 0.0, 0.0, 0.0]);
-        assert_eq!(values(&breaks, 4, 8, 9.0), [0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(values(4, 0, 0.0), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(values(4, 8, 9.0), [0.0, 0.0, 0.0, 1.0]);
     }
 
     #[test]
@@ -149,8 +150,8 @@ mod tests {
             for x in [0.0, 0.3, 1.7, 2.0, 3.9, 4.1, 4.25] {
                 let interval_of = |breaks: &[f64]| breaks[1..breaks.len() - 1].iter().filter(|b| **b <= x).count();
                 let (i, j) = (interval_of(&coarse), interval_of(&fine));
-                let direct = values(&coarse, order, i, x);
-                let on_fine = values(&fine, order, j, x);
+                let direct = values(&knots(&coarse, order), order, i, x);
+                let on_fine = values(&knots(&fine, order), order, j, x);
                 for (k, column) in columns.iter().enumerate() {
                     let got: f64 = (0..order).map(|f| column.at(j + f) * on_fine[f]).sum();
                     let want = if (i..i + order).contains(&k) { direct[k - i] } else { 0.0 };

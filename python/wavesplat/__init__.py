@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from wavesplat.shading import Light, Shading
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.volume import Volume
+    from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = [
     "Camera",
@@ -32,6 +33,7 @@ __all__ = [
     "Shading",
     "TransferFunction",
     "Volume",
+    "WaveletVolume",
     "__version__",
     "errors",
     "examples",
@@ -49,6 +51,7 @@ _HOMES = {
     "Shading": "shading",
     "TransferFunction": "transfer_function",
     "Volume": "volume",
+    "WaveletVolume": "wavelet_volume",
     "__version__": "_native",
     "open": "readers",
     "render": "rendering",

@@ -11,6 +11,7 @@ __all__ = [
     "Shading",
     "TransferFunction",
     "Volume",
+    "WaveletVolume",
     "__version__",
     "encode_png",
     "quality_settings",
@@ -39,6 +40,25 @@ class Volume:
     def value_range(self) -> tuple[float, float]: ...
     @property
     def n_nonfinite(self) -> int: ...
+
+@final
+class WaveletVolume:
+    """Retained wavelet coefficients; `keep` says what `amount` is: "threshold", "keep" (a share) or "psnr" (dB)."""
+
+    def __new__(
+        cls, samples: NDArray[np.float32], *, family: str, keep: str, amount: float, levels: int | None, peak: bool
+    ) -> WaveletVolume: ...
+    @staticmethod
+    def families() -> list[str]: ...
+    @property
+    def n_levels(self) -> int: ...
+    @property
+    def threshold(self) -> float: ...
+    @property
+    def n_kept_by_level(self) -> list[int]: ...
+    @property
+    def n_bytes(self) -> int: ...
+    def samples(self, weights: Sequence[float]) -> NDArray[np.float32]: ...
 
 @final
 class TransferFunction:

@@ -16,6 +16,7 @@ from wavesplat.shading import Shading
 from wavesplat.transfer_function import TransferFunction
 from wavesplat.vectors import Vector, vector
 from wavesplat.volume import Volume
+from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = ["render"]
 
@@ -25,7 +26,7 @@ DEFAULT_SHADING = Shading()
 
 
 def render(
-    volume: Volume,
+    volume: Volume | WaveletVolume,
     transfer_function: TransferFunction | str | None = None,
     camera: Camera | str | None = None,
     *,
@@ -38,6 +39,8 @@ def render(
     sheets_per_slice: float | None = None,
     oversampling: float | None = None,
     psnr: float | None = None,
+    drop_levels: int = 0,
+    band_weights: Sequence[float] | None = None,
     crop: Crop | None = None,
     clip_planes: Sequence[ClipPlane] = (),
     background: str | Sequence[float] | None = None,
@@ -50,8 +53,8 @@ def render(
 
     Parameters
     ----------
-    volume : Volume
-        What to draw, from `wavesplat.open` or an array.
+    volume : Volume or WaveletVolume
+        What to draw, from `wavesplat.open` or an array, or from wavelet coefficients.
     transfer_function : TransferFunction or str, optional
         Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`).
     camera : Camera or str, optional
@@ -80,6 +83,10 @@ def render(
         80; 40 is good, 50 can hardly be told from it. The choice is by the errors of small parts of the picture, which
         takes as long as a few frames: give what the report holds to the frames that follow. `expected_psnr_db` there is
         mostly less than what is reached, and less than what was asked for where nothing reaches that.
+    drop_levels : int
+        Of a WaveletVolume: leave out the details of this many levels, the finest first.
+    band_weights : sequence of float, optional
+        Of a WaveletVolume: a factor for each level's details, the finest first, and for the coarsest samples.
     crop : Crop, optional
         Draw only this box.
     clip_planes : sequence of (point, normal)
@@ -123,6 +130,10 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
+    if isinstance(volume, WaveletVolume):
+        volume = volume._volume_to_draw(drop_levels, band_weights)
+    elif drop_levels != 0 or band_weights is not None:
+        raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     curves = chosen_transfer_function(transfer_function, volume, composite)._core

@@ -4,6 +4,7 @@ mod arguments;
 mod errors;
 mod rendering;
 mod volume;
+mod wavelet;
 
 use pyo3::prelude::*;
 
@@ -17,6 +18,8 @@ mod _native {
     use crate::rendering::{encode_png, quality_settings, raycast, render, splat_literal};
     #[pymodule_export]
     use crate::volume::PyVolume;
+    #[pymodule_export]
+    use crate::wavelet::PyWaveletVolume;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -50,6 +50,7 @@ mod spline;
 mod step;
 mod taps;
 mod transform;
+mod volume;
 
 pub use family::Family;
 pub use norm::{Norm, from_amplitudes, to_amplitudes};
@@ -59,3 +60,4 @@ pub use sample::Sample;
 pub use step::Step;
 pub use taps::Tap;
 pub use transform::{analyse, analyse_level, synthesise, synthesise_level, synthesise_to};
+pub use volume::{Keep, WaveletVolume};

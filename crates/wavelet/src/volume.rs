@@ -1,0 +1,279 @@
+//! A volume as the wavelet coefficients that matter: those of large amplitude, and no others.
+//!
+//! Each subband is cut into blocks of 8 x 8 x 8. A block that keeps something has one bit per coefficient, a word per
+//! slice, and its kept coefficients in the order of the bits; a block that keeps nothing is an empty entry. So the memory
+//! is proportional to what is kept, and which coefficients a slice of a band has is a look-up.
+//!
+//! What is dropped: coefficients whose amplitude ([`Norm`]) is below a threshold. With [`Norm::L2`] that leaves, for an
+//! orthogonal family, the least mean square error of all choices of as many; the others come near.
+
+use std::ops::Range;
+
+use wavesplat_compute::parallel;
+
+use crate::family::Family;
+use crate::norm::{Norm, from_amplitudes, to_amplitudes};
+use crate::plan::Plan;
+use crate::transform::{analyse, synthesise};
+
+/// Sides of a block.
+const BLOCK: usize = 8;
+
+/// A block without coefficients.
+const EMPTY: u32 = u32::MAX;
+
+/// Most steps of the search for a threshold.
+const N_HALVINGS: usize = 24;
+
+/// Which coefficients stay. Zeros are never stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Keep {
+    /// Those whose amplitude is at least this, in the units of the samples; 0: all.
+    Amplitude(f64),
+    /// The largest amplitudes, this share of all coefficients, `0..=1`; equal ones stay together.
+    Fraction(f64),
+    /// As few as give the samples back with this PSNR, dB; its peak is the range of the samples.
+    Psnr(f64),
+}
+
+/// A volume as retained wavelet coefficients.
+#[derive(Clone, Debug)]
+pub struct WaveletVolume {
+    plan: Plan,
+    threshold: f64,
+    /// Subbands 1 to 7 of each level, the finest first, then the low box of the last level.
+    bands: Vec<Band>,
+}
+
+/// Retained coefficients of a subband.
+#[derive(Clone, Debug)]
+struct Band {
+    /// Where it lies among the coefficients, along x, y, z.
+    ranges: [Range<usize>; 3],
+    /// Its level; the low box has that of the coarsest and one more.
+    level: usize,
+    /// Place in `kept` of each block, `[z][y][x]`, or [`EMPTY`].
+    blocks: Vec<u32>,
+    kept: Vec<Block>,
+    values: Vec<f32>,
+}
+
+/// Coefficients of a block that are kept.
+#[derive(Clone, Debug)]
+struct Block {
+    /// A bit per coefficient, x first; a word per slice.
+    masks: [u64; BLOCK],
+    /// Place of its first value.
+    start: usize,
+}
+
+impl WaveletVolume {
+    /// Analyses samples `[z][y][x]` and keeps what is asked for. `n_levels`: as many as there are where `None`.
+    ///
+    /// # Panics
+    /// Where the samples are not as many as `size` (x, y, z) says, or none.
+    pub fn new(
+        family: Family,
+        size: [usize; 3],
+        samples: &[f32],
+        n_levels: Option<usize>,
+        norm: Norm,
+        keep: Keep,
+    ) -> Self {
+        let plan = Plan::new(family, size, n_levels);
+        let mut coefficients = samples.to_vec();
+        analyse(&plan, &mut coefficients);
+        let mut amplitudes = coefficients.clone();
+        to_amplitudes(&plan, norm, &mut amplitudes);
+        let threshold = match keep {
+            Keep::Amplitude(threshold) => threshold,
+            Keep::Fraction(fraction) => threshold_of_fraction(&amplitudes, fraction),
+            Keep::Psnr(psnr_db) => threshold_of_psnr(&plan, norm, &amplitudes, samples, psnr_db),
+        };
+        for (c, amplitude) in coefficients.iter_mut().zip(&amplitudes) {
+            if f64::from(amplitude.abs()) < threshold {
+                *c = 0.0;
+            }
+        }
+        drop(amplitudes);
+        let places = places(&plan);
+        let bands = parallel::map(places.len(), |b| {
+            let (level, ranges) = &places[b];
+            Band::new(*level, ranges.clone(), &coefficients, size)
+        });
+        Self { plan, threshold, bands }
+    }
+
+    /// The transform.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The amplitude below which coefficients were dropped.
+    pub fn threshold(&self) -> f64 {
+        self.threshold
+    }
+
+    /// Coefficients that are there.
+    pub fn n_kept(&self) -> usize {
+        self.bands.iter().map(|band| band.values.len()).sum()
+    }
+
+    /// Bytes held.
+    pub fn n_bytes(&self) -> usize {
+        let band = |band: &Band| {
+            size_of::<Band>()
+                + band.blocks.len() * size_of::<u32>()
+                + band.kept.len() * size_of::<Block>()
+                + band.values.len() * size_of::<f32>()
+        };
+        self.bands.iter().map(band).sum()
+    }
+
+    /// Coefficients that are kept of each level's details, the finest first, and of the last low box.
+    pub fn n_kept_by_level(&self) -> Vec<usize> {
+        let mut n = vec![0; self.plan.n_levels() + 1];
+        for band in &self.bands {
+            n[band.level] += band.values.len();
+        }
+        n
+    }
+
+    /// All coefficients in the layout of the plan, zeros where nothing is kept. `weights`: a factor for each level's
+    /// details, the finest first, and for the last low box; those beyond the slice are 1.
+    pub fn coefficients(&self, weights: &[f32]) -> Vec<f32> {
+        let mut coefficients = vec![0.0; self.plan.n_samples()];
+        for band in &self.bands {
+            let weight = weights.get(band.level).copied().unwrap_or(1.0);
+            if weight != 0.0 {
+                band.unpack(weight, &mut coefficients, self.plan.size());
+            }
+        }
+        coefficients
+    }
+
+    /// The samples, `[z][y][x]`, that the coefficients stand for, weighted as in [`WaveletVolume::coefficients`].
+    pub fn to_samples(&self, weights: &[f32]) -> Vec<f32> {
+        let mut samples = self.coefficients(weights);
+        synthesise(&self.plan, &mut samples);
+        samples
+    }
+}
+
+/// Level and place of every band.
+fn places(plan: &Plan) -> Vec<(usize, [Range<usize>; 3])> {
+    let bands = |level| (1..8).map(move |band| (level, plan.subband(level, band)));
+    let coarsest = plan.n_levels();
+    let low = plan.low_size(coarsest).map(|n| 0..n);
+    let all = (0..coarsest).flat_map(bands).chain([(coarsest, low)]);
+    all.filter(|(_, ranges)| ranges.iter().all(|range| !range.is_empty())).collect()
+}
+
+/// The first and the following positions of the blocks of a range.
+fn cut(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + Clone {
+    let Range { start, end } = *range;
+    (start..end).step_by(BLOCK).map(move |first| first..(first + BLOCK).min(end))
+}
+
+/// The blocks of a band, `[z][y][x]`.
+fn blocks_of([xs, ys, zs]: &[Range<usize>; 3]) -> impl Iterator<Item = [Range<usize>; 3]> {
+    let (xs, ys) = (cut(xs), cut(ys));
+    cut(zs).flat_map(move |z| {
+        let xs = xs.clone();
+        ys.clone().flat_map(move |y| {
+            let z = z.clone();
+            xs.clone().map(move |x| [x, y.clone(), z.clone()])
+        })
+    })
+}
+
+impl Band {
+    fn new(level: usize, ranges: [Range<usize>; 3], coefficients: &[f32], [nx, ny, _]: [usize; 3]) -> Self {
+        let mut band = Self { ranges, level, blocks: Vec::new(), kept: Vec::new(), values: Vec::new() };
+        for [xs, ys, zs] in blocks_of(&band.ranges) {
+            let mut block = Block { masks: [0; BLOCK], start: band.values.len() };
+            for (k, z) in zs.enumerate() {
+                for (j, y) in ys.clone().enumerate() {
+                    let row = &coefficients[(z * ny + y) * nx..][xs.clone()];
+                    for (i, c) in row.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+                        block.masks[k] |= 1 << (j * BLOCK + i);
+                        band.values.push(*c);
+                    }
+                }
+            }
+            let is_empty = band.values.len() == block.start;
+            band.blocks.push(if is_empty { EMPTY } else { band.kept.len() as u32 });
+            if !is_empty {
+                band.kept.push(block);
+            }
+        }
+        band.values.shrink_to_fit();
+        band.kept.shrink_to_fit();
+        band
+    }
+
+    /// Writes the coefficients, times `weight`, to their places.
+    fn unpack(&self, weight: f32, coefficients: &mut [f32], [nx, ny, _]: [usize; 3]) {
+        for ([xs, ys, zs], place) in blocks_of(&self.ranges).zip(&self.blocks) {
+            let Some(block) = self.kept.get(*place as usize) else { continue };
+            let mut values = self.values[block.start..].iter();
+            for (z, mut mask) in zs.zip(block.masks) {
+                while mask != 0 {
+                    let bit = mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    if let Some(value) = values.next() {
+                        let (x, y) = (xs.start + bit % BLOCK, ys.start + bit / BLOCK);
+                        coefficients[(z * ny + y) * nx + x] = weight * value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The amplitude that this share of the coefficients reaches.
+fn threshold_of_fraction(amplitudes: &[f32], fraction: f64) -> f64 {
+    let n_kept = (fraction * amplitudes.len() as f64).round() as usize;
+    if n_kept == 0 {
+        return f64::INFINITY;
+    }
+    let mut sizes: Vec<f32> = amplitudes.iter().map(|a| a.abs()).collect();
+    let place = n_kept.min(sizes.len()) - 1;
+    let (_, threshold, _) = sizes.select_nth_unstable_by(place, |a, b| b.total_cmp(a));
+    f64::from(*threshold)
+}
+
+/// The largest amplitude, to a thousandth, that may be dropped for a PSNR.
+fn threshold_of_psnr(plan: &Plan, norm: Norm, amplitudes: &[f32], samples: &[f32], psnr_db: f64) -> f64 {
+    let extent =
+        |values: &[f32]| values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
+    let (lo, hi) = extent(samples);
+    let wanted = f64::from(hi - lo).powi(2) * 10.0_f64.powf(-psnr_db / 10.0);
+    let reaches = |threshold: f64| {
+        let mut kept = amplitudes.to_vec();
+        kept.iter_mut().filter(|a| f64::from(a.abs()) < threshold).for_each(|a| *a = 0.0);
+        from_amplitudes(plan, norm, &mut kept);
+        synthesise(plan, &mut kept);
+        let square: f64 = kept.iter().zip(samples).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+        square <= wanted * samples.len() as f64
+    };
+    let largest = amplitudes.iter().fold(0.0_f32, |all, a| all.max(a.abs()));
+    // In the logarithm, since amplitudes span many orders.
+    let (mut below, mut above) = (1e-7_f64.ln(), 2.0_f64.ln());
+    let threshold = |t: f64| f64::from(largest) * t.exp();
+    if !reaches(threshold(below)) {
+        return 0.0;
+    }
+    for _ in 0..N_HALVINGS {
+        let middle = 0.5 * (below + above);
+        if reaches(threshold(middle)) {
+            below = middle;
+        } else {
+            above = middle;
+        }
+        if above - below < 1e-3 {
+            break;
+        }
+    }
+    threshold(below)
+}

@@ -7,6 +7,8 @@ against `wavesplat.reference.raycast` (double precision, a step of 0.05 voxels, 
 function is a hard step), which is kept in `.cache/bench`. Noise: engines take turns, `--rounds` times, and the table
 shows the lowest median of the rounds.
 
+`--against REVISION` adds rows of our renderer as it was at a git revision, built into `.cache/bench`.
+
 `--record` writes the table, with date, machine, command and commit, to `records/` beside this file and, of the group
 "goals", its short form into the README.
 """
@@ -25,6 +27,7 @@ import statistics
 import subprocess
 import sys
 import time
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -79,13 +82,43 @@ def one_row(request: str) -> None:
 
 
 def fresh_process(engine: str, case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
-    """A row by a process of its own."""
-    request = json.dumps({"engine": engine, "case": dataclasses.asdict(case), "settings": settings})
-    done = subprocess.run([sys.executable, __file__, "--row", request], capture_output=True, text=True, check=False)
+    """A row by a process of its own. `engine` may be "wavesplat@REVISION", after `build_revision` of it."""
+    kind, _, revision = engine.partition("@")
+    request = json.dumps({"engine": kind, "case": dataclasses.asdict(case), "settings": settings})
+    environment = dict(os.environ)
+    if revision:
+        environment["PYTHONPATH"] = str(package_of(revision))
+    command = [sys.executable, __file__, "--row", request]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if done.returncode != 0:
         raise SystemExit(f"{engine}, {case.label}, {settings}:\n{done.stderr}")
     result: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
     return result
+
+
+def package_of(revision: str) -> Path:
+    """Where the package of a revision is kept."""
+    return scenes.CACHE / f"package-{revision}"
+
+
+def build_revision(name: str) -> str:
+    """Builds our package as it was at a git revision, unless it is kept; the short form of the revision."""
+    git = ["git", "-C", str(ROOT)]
+    revision = subprocess.check_output([*git, "rev-parse", "--short", f"{name}^{{commit}}"], text=True).strip()
+    package = package_of(revision)
+    if not package.exists():
+        tree = scenes.CACHE / f"tree-{revision}"
+        subprocess.run([*git, "worktree", "add", "--force", "--detach", str(tree), revision], check=True)
+        try:
+            build = ["maturin", "build", "--release", "--locked", "--out", str(tree / "wheel")]
+            subprocess.run(build, check=True, cwd=tree, env={**os.environ, "CARGO_TARGET_DIR": str(ROOT / "target")})
+            (wheel,) = (tree / "wheel").glob("*.whl")
+            unfinished = package.with_suffix(".part")
+            zipfile.ZipFile(wheel).extractall(unfinished)
+            unfinished.rename(package)
+        finally:
+            subprocess.run([*git, "worktree", "remove", "--force", str(tree)], check=True)
+    return revision
 
 
 def has_vtk() -> bool:
@@ -106,7 +139,7 @@ def table(rows: list[tuple[scenes.Case, str, dict[str, Any], dict[str, float]]])
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for case, engine, settings, result in rows:
-        ours = engine == "wavesplat"
+        ours = engine.startswith("wavesplat")
         goals = [case.goal_cpu_ms if ours else None, case.goal_psnr if ours else None]
         cpu_goal, psnr_goal = ["" if goal is None else f"{goal:g}" for goal in goals]
         psnr = f"{result['psnr_db']:.1f}" if "psnr_db" in result else ""
@@ -155,6 +188,9 @@ def main() -> int:
     parser.add_argument(
         "--only", action="append", default=[], metavar="TEXT", help="cases whose label or group holds it"
     )
+    parser.add_argument(
+        "--against", action="append", default=[], metavar="REVISION", help="also our renderer at a git revision"
+    )
     parser.add_argument("--rounds", type=int, default=2, help="turns of all engines; 2 if not given")
     parser.add_argument("--record", action="store_true", help="keep the table in benches/records and the README")
     parser.add_argument("--row", help=argparse.SUPPRESS)
@@ -170,6 +206,7 @@ def main() -> int:
     left_out = sorted({case.volume for case in chosen if not scenes.is_available(case.volume)})
     if left_out:
         print(f"not here, left out: {', '.join(left_out)}; BENCH_DATA names the folder of the files", file=sys.stderr)
+    others = [f"wavesplat@{build_revision(name)}" for name in options.against]
     vtk = has_vtk()
     if not vtk:
         print("VTK is not installed, its rows are left out: pip install vtk", file=sys.stderr)
@@ -177,7 +214,7 @@ def main() -> int:
     for case in chosen:
         if case.volume in left_out:
             continue
-        jobs += [(case, "wavesplat", settings) for settings in case.settings]
+        jobs += [(case, engine, settings) for settings in case.settings for engine in ("wavesplat", *others)]
         if vtk and case.rival and case.composite == "over" and case.kernel == "linear":
             jobs.append((case, "vtk", {"sample_distance": 1.0 if case.curve == "soft" else 0.5}))
     results: list[list[dict[str, float]]] = [[] for _ in jobs]

@@ -220,7 +220,14 @@ def test_ctrl_c_exits_with_130_and_leaves_nothing(tmp_path):
     # Minutes of work, so that it is still drawing whenever the signal comes.
     options = ["--size", "4000x4000", "--oversampling", "3", "--sheets-per-slice", "64", "--kernel", "bspline3"]
     command = [sys.executable, "-m", "wavesplat", "render", tmp_path / "a.npy", "-o", tmp_path / "a.png", *options]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A shell that runs the tests in the background has them ignore the signal, and children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
+    ) as process:
         for attempt in range(6):
             # On a busy machine the first may come while Python is still importing, where it can be lost.
             time.sleep(2 + 4 * attempt)

@@ -92,7 +92,7 @@ impl Bricks {
             passing[level + 1] = passing[level] + u16::from(test([from, to]));
         }
         let n = axes.map(|a| self.n[a]);
-        let n_words = n[0].div_ceil(64) + 1;
+        let n_words = n[0].div_ceil(64);
         let mut occupied = Occupied { n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
         let [nx, ny, _] = self.n;
         let place = [0, 1, 2].map(|a| axes.iter().position(|axis| *axis == a).unwrap_or(a));

@@ -36,6 +36,15 @@ pub struct Slab<'a> {
     pub panel: &'a Panel,
 }
 
+impl Slab<'_> {
+    /// Makes the densities of a block ready on both sheets.
+    #[inline(always)]
+    fn prepare<S: Simd>(&mut self, s: S, block: Block) {
+        self.front.prepare(s, self.geometry, block);
+        self.back.prepare(s, self.geometry, block);
+    }
+}
+
 /// The result of a chunk of rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Texels {
@@ -378,8 +387,7 @@ impl Compositor for Project {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.front.prepare(s, slab.geometry, block);
-        slab.back.prepare(s, slab.geometry, block);
+        slab.prepare(s, block);
         for chunk in block.chunks() {
             if !rays.none(chunk) && !self.is_done(chunk) {
                 self.add_chunk(s, chunk, rays, slab);
@@ -478,8 +486,7 @@ impl Compositor for FirstHit<'_> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.front.prepare(s, slab.geometry, block);
-        slab.back.prepare(s, slab.geometry, block);
+        slab.prepare(s, block);
         for chunk in block.chunks() {
             if !rays.none(chunk) && !self.is_done(chunk) {
                 self.add_chunk(s, chunk, rays, slab);

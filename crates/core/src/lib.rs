@@ -6,6 +6,7 @@
 
 mod camera;
 mod error;
+mod grid;
 mod options;
 mod picture;
 mod transfer_function;
@@ -13,6 +14,7 @@ mod volume;
 
 pub use camera::{Camera, Projection, Ray};
 pub use error::{Blame, Error, Result};
+pub use grid::Grid;
 pub use options::{
     ClipPlane, Composite, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings,
 };

@@ -1,12 +1,13 @@
-//! A grid of scalar samples and where it lies in the world.
+//! Scalar samples on a grid.
 //!
 //! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Wide types (32- and 64-bit) are
 //! mapped to the density `d = (sample − offset) · scale` in `0..=1` when they are read, so that an f32 pipeline
 //! neither overflows nor loses small differences on a large offset; narrow types are used as they are.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 
 /// A sample type that the renderer reads.
 pub trait Sample: Copy + Send + Sync + PartialOrd + 'static {
@@ -130,13 +131,11 @@ impl Statistics {
     }
 }
 
-/// Samples, their shape, and where they lie in the world. Always consistent.
+/// Samples and their grid. Always consistent.
 #[derive(Clone, Debug)]
 pub struct Volume<'a> {
     samples: Samples<'a>,
-    size: [usize; 3],
-    world_from_index: DAffine3,
-    statistics: Statistics,
+    grid: Grid,
 }
 
 impl<'a> Volume<'a> {
@@ -154,22 +153,13 @@ impl<'a> Volume<'a> {
         world_from_index: DAffine3,
         statistics: Statistics,
     ) -> Result<Self> {
-        let shape_zyx = [size[2], size[1], size[0]];
-        let name = || name.to_owned();
         let expected = size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m)).unwrap_or(usize::MAX);
         if samples.len() != expected {
-            return Err(Error::SampleCount { name: name(), shape_zyx, expected, actual: samples.len() });
+            let shape_zyx = [size[2], size[1], size[0]];
+            return Err(Error::SampleCount { name: name.to_owned(), shape_zyx, expected, actual: samples.len() });
         }
-        if size.iter().any(|&n| n < 2) {
-            return Err(Error::ThinVolume { name: name(), shape_zyx });
-        }
-        if statistics.n_nonfinite == samples.len() {
-            return Err(Error::NoFiniteSample { name: name(), n_samples: samples.len() });
-        }
-        if let Some(problem) = affine_problem(&world_from_index) {
-            return Err(Error::DegenerateAffine { name: name(), matrix: Box::new(rows(&world_from_index)), problem });
-        }
-        Ok(Self { samples, size, world_from_index, statistics })
+        let grid = Grid::new(name, size, world_from_index, statistics, samples.is_narrow())?;
+        Ok(Self { samples, grid })
     }
 
     /// The samples, `x` fastest.
@@ -177,81 +167,16 @@ impl<'a> Volume<'a> {
         &self.samples
     }
 
-    /// `[nx, ny, nz]`.
-    pub fn size(&self) -> [usize; 3] {
-        self.size
+    /// Where they lie.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
     }
-
-    /// World position (mm for medical data) of an index position.
-    pub fn world_from_index(&self) -> DAffine3 {
-        self.world_from_index
-    }
-
-    /// Index position of a world position.
-    pub fn index_from_world(&self) -> DAffine3 {
-        self.world_from_index.inverse()
-    }
-
-    /// Range and number of non-finite samples.
-    pub fn statistics(&self) -> Statistics {
-        self.statistics
-    }
-
-    /// Length of one index step along each axis, world units.
-    pub fn spacing(&self) -> DVec3 {
-        let m = self.world_from_index.matrix3;
-        DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length())
-    }
-
-    /// Default `opacity_unit`: the geometric mean of the spacings, world units.
-    pub fn default_opacity_unit(&self) -> f64 {
-        let s = self.spacing();
-        (s.x * s.y * s.z).cbrt()
-    }
-
-    /// Last index position of each axis: the volume fills `[0, last]`.
-    pub fn last_index(&self) -> DVec3 {
-        DVec3::new((self.size[0] - 1) as f64, (self.size[1] - 1) as f64, (self.size[2] - 1) as f64)
-    }
-
-    /// `(offset, scale)` of the density `d = (sample − offset) · scale` that the renderer works with.
-    pub fn density_from_sample(&self) -> (f64, f64) {
-        if self.samples.is_narrow() {
-            return (0.0, 1.0);
-        }
-        let Statistics { min, max, .. } = self.statistics;
-        let extent = max - min;
-        // A range beyond f64 (or none at all) is mapped by its magnitude alone.
-        if extent.is_finite() && extent > 0.0 { (min, 1.0 / extent) } else { (0.0, 1.0 / max.abs().max(1.0)) }
-    }
-}
-
-fn rows(affine: &DAffine3) -> [[f64; 4]; 3] {
-    let (m, t) = (affine.matrix3, affine.translation);
-    [
-        [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
-        [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
-        [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
-    ]
-}
-
-fn affine_problem(affine: &DAffine3) -> Option<&'static str> {
-    if !affine.is_finite() {
-        return Some("has a number that is not finite");
-    }
-    let m = affine.matrix3;
-    let lengths = [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()];
-    if lengths.contains(&0.0) {
-        return Some("has a spacing of 0");
-    }
-    // The determinant of the unit columns is the volume of their box: 1 when orthogonal, 0 when they lie in a plane.
-    let unit = DMat3::from_cols(m.x_axis / lengths[0], m.y_axis / lengths[1], m.z_axis / lengths[2]);
-    let skew = unit.determinant().abs();
-    (skew.is_nan() || skew < 1e-6).then_some("puts the three axes into one plane")
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::{DMat3, DVec3};
+
     use super::*;
 
     fn volume(samples: &[f32], affine: DAffine3) -> Result<Volume<'_>> {
@@ -262,7 +187,7 @@ mod tests {
     fn statistics_leave_out_what_is_not_finite() {
         let s = [f32::NAN, 1.0, -2.0, f32::INFINITY, f32::NEG_INFINITY, 0.0, 0.5, 0.25];
         let v = volume(&s, DAffine3::IDENTITY).unwrap();
-        assert_eq!(v.statistics(), Statistics { min: -2.0, max: 1.0, n_nonfinite: 3 });
+        assert_eq!(v.grid().statistics(), Statistics { min: -2.0, max: 1.0, n_nonfinite: 3 });
     }
 
     #[test]
@@ -283,9 +208,9 @@ mod tests {
     fn wide_types_map_to_unit_density() {
         let s = [1e9_f64, 1e9 + 1.0, 1e9 + 2.0, 1e9, 1e9, 1e9, 1e9, 1e9 + 4.0];
         let v = Volume::new("wide", Samples::F64(&s), [2, 2, 2], DAffine3::IDENTITY).unwrap();
-        assert_eq!(v.density_from_sample(), (1e9, 0.25));
+        assert_eq!(v.grid().density_from_sample(), (1e9, 0.25));
         let narrow = [0_u16; 8];
         let v = Volume::new("narrow", Samples::U16(&narrow), [2, 2, 2], DAffine3::IDENTITY).unwrap();
-        assert_eq!(v.density_from_sample(), (0.0, 1.0));
+        assert_eq!(v.grid().density_from_sample(), (0.0, 1.0));
     }
 }

@@ -185,12 +185,12 @@ pub fn render<'py>(
             if let Some(psnr_db) = psnr {
                 // The small pictures are a part of the work that is not told of.
                 let quiet = Quiet(&monitor);
-                let chosen = settings_for_psnr(v, &slices, tf, camera, &options, psnr_db, &quiet)?;
+                let chosen = settings_for_psnr(&slices, tf, camera, &options, psnr_db, &quiet)?;
                 options.sheets_per_slice = chosen.sheets_per_slice;
                 options.oversampling = chosen.oversampling;
                 expected = Some(chosen.psnr_db);
             }
-            wavesplat_splat::render(v, &slices, tf, camera, &options, &monitor).map(|drawn| (drawn, expected))
+            wavesplat_splat::render(&slices, tf, camera, &options, &monitor).map(|drawn| (drawn, expected))
         })
     })?;
     let ((mut picture, report), expected_psnr_db) = result.map_err(to_py)?;
@@ -302,7 +302,7 @@ pub fn quality_settings(
     transfer_function: &PyTransferFunction,
 ) -> PyResult<(f64, f64)> {
     volume.with_volume(py, |v| {
-        let is_steep = wavesplat_splat::is_steep(v, &transfer_function.0);
+        let is_steep = wavesplat_splat::is_steep(v.grid(), &transfer_function.0);
         wavesplat_core::quality_settings(name, is_steep).map_err(to_py)
     })
 }

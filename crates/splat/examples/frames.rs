@@ -22,7 +22,7 @@ fn main() {
     let options = RenderOptions { width_px: 192, height_px: 192, n_threads: Some(1), ..RenderOptions::default() };
     let mut n_texels = 0;
     for _ in 0..n {
-        let (_, report) = render(&volume, &slices, &tf, &camera, &options, &()).expect("a valid scene");
+        let (_, report) = render(&slices, &tf, &camera, &options, &()).expect("a valid scene");
         n_texels = report.n_texels;
     }
     println!("{n_texels}");

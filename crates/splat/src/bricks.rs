@@ -70,11 +70,6 @@ impl Bricks {
         Self { n, range, bounds: layers.concat() }
     }
 
-    /// Bytes held.
-    pub fn n_bytes(&self) -> usize {
-        self.bounds.len() * size_of::<[u16; 2]>()
-    }
-
     /// Density of a level.
     fn density(&self, level: usize) -> f32 {
         self.range[0] + level as f32 / (N_LEVELS - 1) as f32 * (self.range[1] - self.range[0])

@@ -4,7 +4,7 @@
 
 use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::LANES;
-use wavesplat_core::{Crop, Error, RenderOptions, Result, Volume};
+use wavesplat_core::{Crop, Error, Grid, RenderOptions, Result};
 
 use crate::base_plane::{BasePlane, TexelRay};
 
@@ -28,9 +28,9 @@ pub struct Region {
 
 impl Region {
     /// Volume box, crop and clip planes.
-    pub fn new(volume: &Volume, options: &RenderOptions) -> Result<Self> {
-        let last = volume.last_index();
-        let world_from_index = volume.world_from_index();
+    pub fn new(grid: &Grid, options: &RenderOptions) -> Result<Self> {
+        let last = grid.last_index();
+        let world_from_index = grid.world_from_index();
         let mut region = Self { half_spaces: Vec::new(), bounds: [DVec3::ZERO, last] };
         region.add_box(DAffine3::IDENTITY, DVec3::ZERO, last);
         if let Some(crop) = options.crop {
@@ -154,13 +154,13 @@ fn box_bounds(transform: DAffine3, lo: DVec3, hi: DVec3) -> [DVec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wavesplat_core::{ClipPlane, Samples};
+    use wavesplat_core::{ClipPlane, Samples, Volume};
 
     fn region(options: &RenderOptions) -> Result<Region> {
         let samples = [0_u8; 1000];
         let affine = DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0));
         let volume = Volume::new("test", Samples::U8(&samples), [10, 10, 10], affine).unwrap();
-        Region::new(&volume, options)
+        Region::new(volume.grid(), options)
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{
-    Camera, Composite, Error, Picture, RenderOptions, Result, Shading, Statistics, TransferFunction, Volume,
+    Camera, Composite, Error, Grid, Picture, RenderOptions, Result, Shading, TransferFunction,
 };
 
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
@@ -58,21 +58,19 @@ pub struct Report {
 
 /// Draws a volume.
 ///
-/// `slices` are [`Slices::new`] of the same volume and the options' kernel; keep them for the next picture.
+/// `slices` are those of the options' kernel; keep them for the next picture.
 pub fn render(
-    volume: &Volume,
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Picture, Report)> {
-    render_part(volume, slices, tf, camera, options, [[0, 0], [options.width_px, options.height_px]], monitor)
+    render_part(slices, tf, camera, options, [[0, 0], [options.width_px, options.height_px]], monitor)
 }
 
 /// Draws a part of the picture: `part` is its first pixel and its size.
 pub(crate) fn render_part(
-    volume: &Volume,
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
@@ -82,9 +80,9 @@ pub(crate) fn render_part(
 ) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
         let full = [options.width_px, options.height_px];
-        let rays = IndexRays::new(camera, volume.index_from_world(), full[0], full[1]).part(first_px);
+        let rays = IndexRays::new(camera, slices.grid().index_from_world(), full[0], full[1]).part(first_px);
         let (pictures, mut report) =
-            draw_base_planes(Level::best(), volume, slices, tf, camera, options, (&rays, size), monitor)?;
+            draw_base_planes(Level::best(), slices, tf, camera, options, (&rays, size), monitor)?;
         report.n_threads = parallel::n_threads();
         // One read per texel that a pixel covers along each axis.
         let reads = if options.composite.is_projection() { 1 } else { options.oversampling.round().max(1.0) as usize };
@@ -97,7 +95,7 @@ pub(crate) fn render_part(
         let mut picture =
             Picture { width_px: size[0], height_px: size[1], rgba: warped.rgba, depth: None, value: None };
         if options.composite.is_projection() {
-            color_projection(&mut picture, volume, tf, options.composite);
+            color_projection(&mut picture, slices.grid(), tf, options.composite);
         }
         picture.depth = warped.ray_parameter.map(|parameters| {
             // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
@@ -123,20 +121,18 @@ fn brightest(shading: &Shading) -> f32 {
 
 /// Draws the base planes, before the warp.
 pub fn render_base_planes(
-    volume: &Volume,
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    render_base_planes_at(Level::best(), volume, slices, tf, camera, options, monitor)
+    render_base_planes_at(Level::best(), slices, tf, camera, options, monitor)
 }
 
 /// As [`render_base_planes`], with the vectors of a level; all levels give the same bits.
 pub fn render_base_planes_at(
     level: Level,
-    volume: &Volume,
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
@@ -144,14 +140,12 @@ pub fn render_base_planes_at(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
     let size = [options.width_px, options.height_px];
-    let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
-    draw_base_planes(level, volume, slices, tf, camera, options, (&rays, size), monitor)
+    let rays = IndexRays::new(camera, slices.grid().index_from_world(), size[0], size[1]);
+    draw_base_planes(level, slices, tf, camera, options, (&rays, size), monitor)
 }
 
-#[expect(clippy::too_many_arguments, reason = "the scene, and which part of it")]
 fn draw_base_planes(
     level: Level,
-    volume: &Volume,
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
@@ -160,11 +154,11 @@ fn draw_base_planes(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
     options.validate()?;
-    let region = Region::new(volume, options)?;
+    let region = Region::new(slices.grid(), options)?;
     let planes = base_planes(camera, rays, size, options.oversampling, region.bounds)?;
-    let scene = Scene::new(level, volume, slices, tf, camera, options);
+    let scene = Scene::new(level, slices, tf, camera, options);
     let mut report = Report {
-        n_nonfinite_samples: volume.statistics().n_nonfinite,
+        n_nonfinite_samples: slices.grid().statistics().n_nonfinite,
         n_base_planes: planes.len(),
         simd: level.name(),
         ..Report::default()
@@ -193,21 +187,17 @@ const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 /// The same where the picture is to be that of the method's plain sheets: an eighth of a 16-bit grey level.
 const OPAQUE: f32 = 1.0 - 2e-6;
 
-/// Whether a transfer function can change opacity or colour by a visible amount within a voxel of the volume.
-pub fn is_steep(volume: &Volume, tf: &TransferFunction) -> bool {
-    let map = volume.density_from_sample();
-    let Statistics { min, max, .. } = volume.statistics();
-    let range = [min, max].map(|s| ((s - map.0) * map.1) as f32);
-    let unit = volume.default_opacity_unit();
+/// Whether a transfer function can change opacity or colour by a visible amount within a voxel.
+pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
     // As thick as the slabs of two sheets a slice.
-    let thickness = 0.5 * unit / tf.opacity_unit().unwrap_or(unit);
-    Classifier::new(tf, map, range, thickness).variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP
+    let thickness = 0.5 * grid.mean_spacing() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
+    Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness).variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP
 }
 
 /// Everything that does not depend on the base plane.
 struct Scene<'a> {
     level: Level,
-    volume: &'a Volume<'a>,
+    grid: &'a Grid,
     slices: &'a Slices<'a>,
     camera: &'a Camera,
     options: &'a RenderOptions,
@@ -218,17 +208,16 @@ struct Scene<'a> {
 impl<'a> Scene<'a> {
     fn new(
         level: Level,
-        volume: &'a Volume<'a>,
         slices: &'a Slices<'a>,
         tf: &TransferFunction,
         camera: &'a Camera,
         options: &'a RenderOptions,
     ) -> Self {
-        let map = volume.density_from_sample();
-        let opacity_unit = tf.opacity_unit().unwrap_or_else(|| volume.default_opacity_unit());
-        let slab_thickness = volume.default_opacity_unit() / options.sheets_per_slice / opacity_unit;
-        let classifier = Classifier::new(tf, map, slices.range(), slab_thickness);
-        Self { level, volume, slices, camera, options, classifier, opacity_unit }
+        let grid = slices.grid();
+        let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
+        let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
+        let classifier = Classifier::new(tf, grid.density_from_sample(), slices.range(), slab_thickness);
+        Self { level, grid, slices, camera, options, classifier, opacity_unit }
     }
 
     fn draw_plane(
@@ -237,12 +226,12 @@ impl<'a> Scene<'a> {
         region: &Region,
         progress: &Progress,
     ) -> Result<(BasePicture, Work, usize)> {
-        let world_from_index = self.volume.world_from_index();
+        let world_from_index = self.grid.world_from_index();
         let shaded = !self.options.composite.is_projection();
         let shading = self.options.shading.as_ref().filter(|_| shaded);
         let shader =
             shading.map(|s| Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range()));
-        let size = self.volume.size();
+        let size = self.grid.size();
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
         let axes = plane.family.axes;
         let bricks = self.slices.bricks();
@@ -263,7 +252,7 @@ impl<'a> Scene<'a> {
                 draw_tiles(&job(self.opacity_unit, Some(occupied)), progress, with_depth, over)
             }
             Composite::FirstHit { iso_value } => {
-                let (offset, scale) = self.volume.density_from_sample();
+                let (offset, scale) = self.grid.density_from_sample();
                 let iso = ((iso_value - offset) * scale) as f32;
                 // A surface needs densities on both sides.
                 let occupied = bricks.occupied(axes, |[lo, hi]| lo < iso && hi >= iso);
@@ -344,8 +333,8 @@ impl Progress<'_> {
 }
 
 /// Turns density and coverage into values and colours: one look-up per pixel, after the warp.
-fn color_projection(picture: &mut Picture, volume: &Volume, tf: &TransferFunction, composite: Composite) {
-    let (offset, scale) = volume.density_from_sample();
+fn color_projection(picture: &mut Picture, grid: &Grid, tf: &TransferFunction, composite: Composite) {
+    let (offset, scale) = grid.density_from_sample();
     let mut values = Vec::with_capacity(picture.rgba.len());
     for pixel in &mut picture.rgba {
         let coverage = f64::from(pixel[3]);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Level, Simd};
-use wavesplat_core::{Kernel, Sample, Samples, Statistics, Volume, with_samples};
+use wavesplat_core::{Grid, Kernel, Sample, Samples, Volume, with_samples};
 
 use crate::bricks::{Bricks, Rows};
 use crate::kernel::fold;
@@ -18,8 +18,7 @@ use crate::prefilter;
 /// Densities of a volume, ready for one kernel.
 pub struct Slices<'a> {
     samples: Samples<'a>,
-    /// `(offset, scale)` of the density map.
-    map: (f64, f64),
+    grid: Grid,
     prepared: Arc<Prepared>,
 }
 
@@ -28,7 +27,7 @@ pub struct Prepared {
     kernel: Kernel,
     size: [usize; 3],
     /// Densities or spline coefficients, where the samples are not used as they are.
-    grid: Option<Vec<f32>>,
+    densities: Option<Vec<f32>>,
     mask: Option<Vec<bool>>,
     range: [f32; 2],
     bricks: Bricks,
@@ -37,35 +36,30 @@ pub struct Prepared {
 impl Prepared {
     /// Coefficients where the kernel needs them, and the bounds of every brick.
     pub fn new(volume: &Volume, kernel: Kernel) -> Self {
-        let map = volume.density_from_sample();
-        let size = volume.size();
-        let Statistics { min, max, n_nonfinite } = volume.statistics();
-        let range = [min, max].map(|s| ((s - map.0) * map.1) as f32);
+        let grid = volume.grid();
+        let (size, map) = (grid.size(), grid.density_from_sample());
+        let range = grid.density_range();
+        let n_nonfinite = grid.statistics().n_nonfinite;
         let pole = prefilter::pole(kernel);
         let level = Level::best();
         if pole.is_none() && n_nonfinite == 0 {
             let samples = *volume.samples();
             let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range);
-            return Self { kernel, size, grid: None, mask: None, range, bricks };
+            return Self { kernel, size, densities: None, mask: None, range, bricks };
         }
-        let mut grid = densities(volume.samples(), map);
-        let mask = (n_nonfinite > 0).then(|| grid.iter().map(|d| !d.is_finite()).collect());
+        let mut densities = densities(volume.samples(), map);
+        let mask = (n_nonfinite > 0).then(|| densities.iter().map(|d| !d.is_finite()).collect());
         if mask.is_some() {
-            fill_holes(&mut grid, size);
+            fill_holes(&mut densities, size);
         }
         if let Some(z) = pole {
-            prefilter::prefilter_volume(&mut grid, size, z);
+            prefilter::prefilter_volume(&mut densities, size, z);
         }
         // Spline coefficients leave the range of the samples.
-        let (lo, hi) = grid.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), d| (lo.min(*d), hi.max(*d)));
-        let bricks = Bricks::new(&FloatRows { grid: &grid, level }, size, kernel, [lo, hi]);
-        Self { kernel, size, grid: Some(grid), mask, range, bricks }
-    }
-
-    /// Bytes held beside the caller's samples.
-    pub fn n_bytes(&self) -> usize {
-        let grid = self.grid.as_ref().map_or(0, |g| 4 * g.len());
-        grid + self.mask.as_ref().map_or(0, Vec::len) + self.bricks.n_bytes()
+        let extent = (f32::INFINITY, f32::NEG_INFINITY);
+        let (lo, hi) = densities.iter().fold(extent, |(lo, hi), d| (lo.min(*d), hi.max(*d)));
+        let bricks = Bricks::new(&FloatRows { grid: &densities, level }, size, kernel, [lo, hi]);
+        Self { kernel, size, densities: Some(densities), mask, range, bricks }
     }
 }
 
@@ -101,7 +95,12 @@ impl<'a> Slices<'a> {
 
     /// The same, with what was prepared before from the same samples.
     pub fn with_prepared(volume: &Volume<'a>, prepared: Arc<Prepared>) -> Self {
-        Self { samples: *volume.samples(), map: volume.density_from_sample(), prepared }
+        Self { samples: *volume.samples(), grid: volume.grid().clone(), prepared }
+    }
+
+    /// Where the samples lie.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
     }
 
     /// The kernel that the densities are for.
@@ -132,9 +131,12 @@ impl<'a> Slices<'a> {
     /// Density (or coefficient) at an index position, in f64: the slow door for the reference.
     pub fn at(&self, index: [usize; 3]) -> f64 {
         let i = self.linear_index(index);
-        match &self.prepared.grid {
-            Some(grid) => f64::from(grid[i]),
-            None => (self.samples.get(i) - self.map.0) * self.map.1,
+        match &self.prepared.densities {
+            Some(densities) => f64::from(densities[i]),
+            None => {
+                let (offset, scale) = self.grid.density_from_sample();
+                (self.samples.get(i) - offset) * scale
+            }
         }
     }
 
@@ -154,13 +156,13 @@ impl<'a> Slices<'a> {
         stride: usize,
     ) {
         let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
-        if let Some(grid) = &self.prepared.grid {
+        if let Some(grid) = &self.prepared.densities {
             return level.run(
                 #[inline(always)]
                 || region.combine(grid, taps, out, |d| d),
             );
         }
-        let (offset, scale) = self.map;
+        let (offset, scale) = self.grid.density_from_sample();
         if self.samples.is_narrow() {
             with_samples!(self.samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, Sample::to_f32)));
         } else {
@@ -172,10 +174,10 @@ impl<'a> Slices<'a> {
     /// and v are y and z. Slices behind the last one repeat it. `stride` is a multiple of [`LANES`].
     pub fn turn(&self, level: Level, axes: [usize; 3], first: usize, window: Window, out: &mut [f32], stride: usize) {
         let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
-        if let Some(grid) = &self.prepared.grid {
+        if let Some(grid) = &self.prepared.densities {
             return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
         }
-        let (offset, scale) = self.map;
+        let (offset, scale) = self.grid.density_from_sample();
         if self.samples.is_narrow() {
             with_samples!(self.samples, grid => {
                 level.dispatch(Turn { region, grid, first, out, density: Sample::to_f32 });
@@ -458,7 +460,7 @@ mod tests {
         let wide: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
         let narrow = Volume::new("narrow", Samples::U8(&values), size, DAffine3::IDENTITY).unwrap();
         let float = Volume::new("float", Samples::F64(&wide), size, DAffine3::IDENTITY).unwrap();
-        let (offset, scale) = float.density_from_sample();
+        let (offset, scale) = float.grid().density_from_sample();
         let (narrow, float) = (Slices::new(&narrow, Kernel::Linear), Slices::new(&float, Kernel::Linear));
         for axes in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
             let window = Window { u: [-2, size[axes[0]] as i64 + 1], v: [-1, size[axes[1]] as i64] };

@@ -24,7 +24,7 @@ fn options() -> RenderOptions {
 
 fn draw(volume: &Volume, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Picture {
     let slices = Slices::new(volume, options.kernel);
-    render(volume, &slices, tf, camera, options, &()).expect("the scene is valid").0
+    render(&slices, tf, camera, options, &()).expect("the scene is valid").0
 }
 
 /// A sheared, anisotropic, rotated grid.
@@ -52,8 +52,8 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
     let tf = opacity_ramp(&[(0.0, opacity_per_unit)], Some(1.5));
     let volume = phantom.volume();
     let slices = Slices::new(&volume, options.kernel);
-    let (pictures, _) = render_base_planes(&volume, &slices, &tf, camera, options, &()).unwrap();
-    let region = wavesplat_splat::interval::Region::new(&volume, options).unwrap();
+    let (pictures, _) = render_base_planes(&slices, &tf, camera, options, &()).unwrap();
+    let region = wavesplat_splat::interval::Region::new(volume.grid(), options).unwrap();
     let mut n_hit = 0;
     for picture in &pictures {
         for (t, texel) in picture.texels.iter().enumerate() {
@@ -61,7 +61,7 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
             let ray = picture.plane.ray((t % n_u) as f64, (t / n_u) as f64);
             let [lo, hi] = region.texel_interval(&picture.plane, &ray);
             let axes = picture.plane.family.axes;
-            let columns = axes.map(|a| volume.world_from_index().matrix3.col(a));
+            let columns = axes.map(|a| volume.grid().world_from_index().matrix3.col(a));
             let per_slice = columns[0] * ray.slope[0] + columns[1] * ray.slope[1] + columns[2];
             let depth = -(-opacity_per_unit).ln_1p() * (hi - lo).max(0.0) * per_slice.length() / 1.5;
             let want = -(-depth).exp_m1();
@@ -122,13 +122,13 @@ fn the_eye_may_be_inside_and_the_angle_wide() {
             let tf = opacity_ramp(&[(0.0, 0.06)], Some(1.5));
             let picture = draw(&phantom.volume(), &tf, &camera, &options);
             let volume = phantom.volume();
-            let rays = IndexRays::new(&camera, volume.index_from_world(), 72, 56);
-            let region = wavesplat_splat::interval::Region::new(&volume, &options).unwrap();
+            let rays = IndexRays::new(&camera, volume.grid().index_from_world(), 72, 56);
+            let region = wavesplat_splat::interval::Region::new(volume.grid(), &options).unwrap();
             for (i, pixel) in picture.rgba.iter().enumerate() {
                 let (x, y) = ((i % 72) as f64 + 0.5, (i / 72) as f64 + 0.5);
                 let (origin, direction) = (rays.origin(x, y), rays.direction(x, y));
                 let [t0, t1] = region.clip(origin, direction, [0.0, f64::INFINITY]);
-                let length = (volume.world_from_index().matrix3 * direction).length() * (t1 - t0);
+                let length = (volume.grid().world_from_index().matrix3 * direction).length() * (t1 - t0);
                 let want = -(0.94_f64.ln() * length / 1.5).exp_m1();
                 // The warp is a cubic: second-order small where the fog's edges are not in reach.
                 assert!((f64::from(pixel[3]) - want).abs() < 0.02, "pixel {x} {y}: {} for {want}", pixel[3]);
@@ -182,7 +182,7 @@ fn front_slab_over_back_slab_is_the_whole() {
             let crop = Crop::Index { lo: DVec3::new(0.0, 0.0, z[0]), hi: DVec3::new(19.0, 20.0, z[1]) };
             let options = RenderOptions { crop: Some(crop), ..options() };
             let slices = Slices::new(&volume, options.kernel);
-            render_base_planes(&volume, &slices, &tf, &camera, &options, &()).unwrap().0
+            render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0
         };
         // The eye is at +z: the upper half is in front. Sheets lie on the slices, so 9 is a sheet.
         let (whole, front, back) = (part([0.0, 18.0]), part([9.0, 18.0]), part([0.0, 9.0]));
@@ -332,7 +332,7 @@ fn what_is_not_finite_is_empty() {
     for (_, kernel) in Kernel::NAMES {
         let options = RenderOptions { width_px: 48, height_px: 48, kernel, ..options() };
         let slices = Slices::new(&volume, kernel);
-        let (picture, report) = render(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+        let (picture, report) = render(&slices, &tf, &camera, &options, &()).unwrap();
         assert_eq!(report.n_nonfinite_samples, 6 * 12 * 12);
         assert!(picture.rgba.as_flattened().iter().all(|c| c.is_finite()), "{kernel:?}");
         let row = &picture.rgba[24 * 48..25 * 48];
@@ -436,7 +436,7 @@ fn work_can_be_cancelled() {
     let camera = camera_towards(phantom.centre(), DVec3::ONE, 50.0, ORTHOGRAPHIC);
     let options = RenderOptions { width_px: 256, height_px: 256, ..options() };
     let slices = Slices::new(&volume, options.kernel);
-    let result = render(&volume, &slices, &tf, &camera, &options, &StopAfter(0.3));
+    let result = render(&slices, &tf, &camera, &options, &StopAfter(0.3));
     assert_eq!(result.unwrap_err(), Error::Cancelled);
 }
 

@@ -50,7 +50,7 @@ fn the_fast_path_equals_the_literal_splatter() {
                     ..RenderOptions::default()
                 };
                 let slices = Slices::new(&volume, kernel);
-                let (pictures, _) = render_base_planes(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+                let (pictures, _) = render_base_planes(&slices, &tf, &camera, &options, &()).unwrap();
                 for picture in &pictures {
                     let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
                     for (t, (texel, want)) in picture.texels.iter().zip(&want).enumerate() {
@@ -91,7 +91,7 @@ fn the_original_form_draws_the_same_scene() {
         };
         let literal = splat::image(&volume, &tf, &camera, &options).unwrap();
         let slices = Slices::new(&volume, options.kernel);
-        let (fast, _) = render(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+        let (fast, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
         let psnr = psnr_db(&fast.rgba, &literal.rgba);
         assert!(psnr > at_least, "{from}: {psnr} dB");
     }
@@ -124,7 +124,7 @@ fn check_against_raycast(
         let sampling = RaycastOptions { step: 0.05, rays_per_pixel };
         let want = raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
         let slices = Slices::new(&volume, kernel);
-        let (got, _) = render(&volume, &slices, &tf, &camera, &options, &()).unwrap();
+        let (got, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
         let psnr = psnr_db(&got.rgba, &want.rgba);
         assert!(psnr >= at_least, "{kernel:?} {projection:?} {settings:?}: {psnr} dB, at least {at_least}");
     }
@@ -166,7 +166,7 @@ fn every_simd_level_gives_the_same_bits() {
             let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 30.0, PERSPECTIVE);
             let options = RenderOptions { width_px: 90, height_px: 60, kernel, composite, ..RenderOptions::default() };
             let draw = |level| {
-                let pictures = render_base_planes_at(level, &volume, &slices, &tf, &camera, &options, &()).unwrap().0;
+                let pictures = render_base_planes_at(level, &slices, &tf, &camera, &options, &()).unwrap().0;
                 let texels = pictures.iter().flat_map(|p| p.texels.as_flattened().iter().chain(&p.w_half));
                 texels.map(|x| x.to_bits()).collect()
             };
@@ -195,7 +195,7 @@ fn stopping_changes_no_channel_by_a_grey_level_of_1024() {
                 sheets_per_slice: 32.0,
                 ..RenderOptions::default()
             };
-            render(&volume, &slices, &tf, &camera, &options, &()).unwrap().0
+            render(&slices, &tf, &camera, &options, &()).unwrap().0
         };
         let (stopped, whole) = (draw(true), draw(false));
         assert!(whole.rgba.iter().any(|pixel| pixel[3] > 0.9999), "some rays are opaque");
@@ -215,7 +215,7 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
     let draw = |refined, sheets_per_slice| {
         let options =
             RenderOptions { width_px: 90, height_px: 90, refined, sheets_per_slice, ..RenderOptions::default() };
-        render(&volume, &slices, &tf, &camera, &options, &()).unwrap().0
+        render(&slices, &tf, &camera, &options, &()).unwrap().0
     };
     let want = draw(false, 64.0);
     let psnr = |refined, sheets| psnr_db(&draw(refined, sheets).rgba, &want.rgba);

@@ -56,7 +56,7 @@ impl Phantom {
 
     /// World position of the middle of the box.
     pub fn centre(&self) -> DVec3 {
-        self.world_from_index.transform_point3(self.volume().last_index() / 2.0)
+        self.world_from_index.transform_point3(self.volume().grid().last_index() / 2.0)
     }
 }
 

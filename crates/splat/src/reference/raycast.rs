@@ -53,11 +53,11 @@ pub fn raycast(
         let mend = "pass 1, 4, 9 or 16";
         return Err(Error::out_of_range("rays_per_pixel", sampling.rays_per_pixel, "a square number up to 256", mend));
     }
-    let region = Region::new(volume, options)?;
+    let region = Region::new(volume.grid(), options)?;
     parallel::with_threads(options.n_threads, || {
         let slices = Slices::new(volume, options.kernel);
         let caster = Caster::new(volume, &slices, tf, camera, options.shading.as_ref(), region, sampling.step);
-        let rays = IndexRays::new(camera, volume.index_from_world(), options.width_px, options.height_px);
+        let rays = IndexRays::new(camera, volume.grid().index_from_world(), options.width_px, options.height_px);
         let stopped = AtomicBool::new(false);
         let n_done = AtomicUsize::new(0);
         let rows = parallel::map(options.height_px, |y| {
@@ -115,18 +115,18 @@ impl<'a> Sampler<'a> {
         camera: &Camera,
         shading: Option<&'a Shading>,
     ) -> Self {
-        let matrix = volume.world_from_index().matrix3;
+        let matrix = volume.grid().world_from_index().matrix3;
         let lights = shading.into_iter().flat_map(|s| &s.lights);
         Self {
             slices,
-            size: volume.size(),
+            size: volume.grid().size(),
             tf,
-            density_map: volume.density_from_sample(),
+            density_map: volume.grid().density_from_sample(),
             shading,
             lights: lights.map(|l| (light_direction(camera, l), l.rgb.map(f64::from))).collect(),
             gradient_from_index: matrix.inverse().transpose(),
             vanishing: vanishing_gradient_squared(matrix, slices.range()),
-            opacity_unit: tf.opacity_unit().unwrap_or_else(|| volume.default_opacity_unit()),
+            opacity_unit: tf.opacity_unit().unwrap_or_else(|| volume.grid().default_opacity_unit()),
         }
     }
 
@@ -242,12 +242,12 @@ impl<'a> Caster<'a> {
         step: f64,
     ) -> Self {
         let sampler = Sampler::new(volume, slices, tf, camera, shading);
-        let blocks = Blocks::new(&sampler, volume.size());
+        let blocks = Blocks::new(&sampler, volume.grid().size());
         Self {
             sampler,
             region,
-            world_from_index: volume.world_from_index().matrix3,
-            step_world: step * volume.spacing().min_element(),
+            world_from_index: volume.grid().world_from_index().matrix3,
+            step_world: step * volume.grid().spacing().min_element(),
             perspective: !matches!(camera.projection(), wavesplat_core::Projection::Orthographic { .. }),
             blocks,
         }

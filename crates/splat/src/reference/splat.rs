@@ -119,10 +119,10 @@ pub fn base_plane(
     plane: &BasePlane,
 ) -> Result<Vec<[f64; 4]>> {
     options.validate()?;
-    let region = Region::new(volume, options)?;
+    let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, options.shading.as_ref());
-    let splatter = Splatter { slices, size: volume.size(), axes: plane.family.axes };
-    let spacing = SheetSpacing::new(volume.size()[plane.family.axes[2]], options.sheets_per_slice);
+    let splatter = Splatter { slices, size: volume.grid().size(), axes: plane.family.axes };
+    let spacing = SheetSpacing::new(volume.grid().size()[plane.family.axes[2]], options.sheets_per_slice);
     let mut image = vec![[0.0; 4]; plane.size[0] * plane.size[1]];
     for k in 0..=spacing.n_slabs {
         let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
@@ -139,7 +139,7 @@ pub fn base_plane(
             let half = 0.5 * spacing.step;
             let extent = ((w + half).min(hi) - (w - half).max(lo)).max(0.0);
             let direction = from_uvw(plane.family.axes, [ray.slope[0], ray.slope[1], 1.0]);
-            let world = volume.world_from_index().matrix3 * direction;
+            let world = volume.grid().world_from_index().matrix3 * direction;
             let to_eye = world.normalize() * if plane.family.ascending { -1.0 } else { 1.0 };
             let index_gradient = gradient
                 .as_ref()
@@ -157,9 +157,9 @@ pub fn base_plane(
 /// well, each pixel composited from the sheets of its own ray.
 pub fn image(volume: &Volume, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Result<Picture> {
     options.validate()?;
-    let region = Region::new(volume, options)?;
+    let region = Region::new(volume.grid(), options)?;
     let size = [options.width_px, options.height_px];
-    let rays = IndexRays::new(camera, volume.index_from_world(), size[0], size[1]);
+    let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
     let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
     let slices = Slices::new(volume, options.kernel);
     let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
@@ -187,10 +187,10 @@ fn draw_family(
     image: &mut [[f64; 4]],
 ) {
     let family = plane.family;
-    let splatter = Splatter { slices, size: volume.size(), axes: family.axes };
-    let spacing = SheetSpacing::new(volume.size()[family.axes[2]], options.sheets_per_slice);
+    let splatter = Splatter { slices, size: volume.grid().size(), axes: family.axes };
+    let spacing = SheetSpacing::new(volume.grid().size()[family.axes[2]], options.sheets_per_slice);
     // One layout for all sheets: the whole slice, as dense as the base plane is where it is densest.
-    let last = family.uvw(volume.last_index());
+    let last = family.uvw(volume.grid().last_index());
     let nearest = (0..=spacing.n_slabs).map(|k| plane.sheet(spacing.w(k))).fold([f64::INFINITY; 2], |s, sheet| {
         [s[0].min(sheet[0].1.abs().max(0.05)), s[1].min(sheet[1].1.abs().max(0.05))]
     });
@@ -217,7 +217,7 @@ fn draw_family(
                     let half = 0.5 * spacing.step;
                     let extent = ((w + half).min(hi) - (w - half).max(lo)).max(0.0);
                     let direction = from_uvw(family.axes, [ray.slope[0], ray.slope[1], 1.0]);
-                    let world = volume.world_from_index().matrix3 * direction;
+                    let world = volume.grid().world_from_index().matrix3 * direction;
                     let to_eye = world.normalize() * if family.ascending { -1.0 } else { 1.0 };
                     let thickness = extent * world.length() / sampler.opacity_unit();
                     let at = [ray.at_zero[0] + ray.slope[0] * w, ray.at_zero[1] + ray.slope[1] * w];

@@ -1,0 +1,141 @@
+//! Where samples lie in the world, and how their values become densities.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::error::{Error, Result};
+use crate::volume::Statistics;
+
+/// Shape, place and range of a volume, whatever holds its samples. Always consistent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    size: [usize; 3],
+    world_from_index: DAffine3,
+    statistics: Statistics,
+    density_from_sample: (f64, f64),
+    opacity_unit: f64,
+}
+
+impl Grid {
+    /// Checks shape and affine; `size` is `[nx, ny, nz]`, `name` appears in messages only. `is_narrow`: densities are the
+    /// samples as they are.
+    pub fn new(
+        name: &str,
+        size: [usize; 3],
+        world_from_index: DAffine3,
+        statistics: Statistics,
+        is_narrow: bool,
+    ) -> Result<Self> {
+        let shape_zyx = [size[2], size[1], size[0]];
+        let name = || name.to_owned();
+        if size.iter().any(|&n| n < 2) {
+            return Err(Error::ThinVolume { name: name(), shape_zyx });
+        }
+        let n_samples = size.iter().product();
+        if statistics.n_nonfinite == n_samples {
+            return Err(Error::NoFiniteSample { name: name(), n_samples });
+        }
+        if let Some(problem) = affine_problem(&world_from_index) {
+            return Err(Error::DegenerateAffine { name: name(), matrix: Box::new(rows(&world_from_index)), problem });
+        }
+        let density_from_sample = if is_narrow { (0.0, 1.0) } else { unit_density(statistics) };
+        let opacity_unit = mean_spacing(&world_from_index);
+        Ok(Self { size, world_from_index, statistics, density_from_sample, opacity_unit })
+    }
+
+    /// The same with another default `opacity_unit`, world units: that of the volume of which this is a coarser level.
+    #[must_use]
+    pub fn with_opacity_unit(self, opacity_unit: f64) -> Self {
+        Self { opacity_unit, ..self }
+    }
+
+    /// `[nx, ny, nz]`.
+    pub fn size(&self) -> [usize; 3] {
+        self.size
+    }
+
+    /// World position (mm for medical data) of an index position.
+    pub fn world_from_index(&self) -> DAffine3 {
+        self.world_from_index
+    }
+
+    /// Index position of a world position.
+    pub fn index_from_world(&self) -> DAffine3 {
+        self.world_from_index.inverse()
+    }
+
+    /// Range and number of non-finite samples.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Length of one index step along each axis, world units.
+    pub fn spacing(&self) -> DVec3 {
+        spacing(&self.world_from_index)
+    }
+
+    /// Default `opacity_unit`, world units: the geometric mean of the spacings where nothing else was said.
+    pub fn default_opacity_unit(&self) -> f64 {
+        self.opacity_unit
+    }
+
+    /// Geometric mean of the spacings, world units.
+    pub fn mean_spacing(&self) -> f64 {
+        mean_spacing(&self.world_from_index)
+    }
+
+    /// Last index position of each axis: the volume fills `[0, last]`.
+    pub fn last_index(&self) -> DVec3 {
+        DVec3::new((self.size[0] - 1) as f64, (self.size[1] - 1) as f64, (self.size[2] - 1) as f64)
+    }
+
+    /// `(offset, scale)` of the density `d = (sample − offset) · scale` that the renderer works with.
+    pub fn density_from_sample(&self) -> (f64, f64) {
+        self.density_from_sample
+    }
+
+    /// Smallest and largest density of a finite sample.
+    pub fn density_range(&self) -> [f32; 2] {
+        let (offset, scale) = self.density_from_sample;
+        [self.statistics.min, self.statistics.max].map(|s| ((s - offset) * scale) as f32)
+    }
+}
+
+fn unit_density(Statistics { min, max, .. }: Statistics) -> (f64, f64) {
+    let extent = max - min;
+    // A range beyond f64 (or none at all) is mapped by its magnitude alone.
+    if extent.is_finite() && extent > 0.0 { (min, 1.0 / extent) } else { (0.0, 1.0 / max.abs().max(1.0)) }
+}
+
+fn spacing(world_from_index: &DAffine3) -> DVec3 {
+    let m = world_from_index.matrix3;
+    DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length())
+}
+
+fn mean_spacing(world_from_index: &DAffine3) -> f64 {
+    let s = spacing(world_from_index);
+    (s.x * s.y * s.z).cbrt()
+}
+
+fn rows(affine: &DAffine3) -> [[f64; 4]; 3] {
+    let (m, t) = (affine.matrix3, affine.translation);
+    [
+        [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
+        [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
+        [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
+    ]
+}
+
+fn affine_problem(affine: &DAffine3) -> Option<&'static str> {
+    if !affine.is_finite() {
+        return Some("has a number that is not finite");
+    }
+    let m = affine.matrix3;
+    let lengths = [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()];
+    if lengths.contains(&0.0) {
+        return Some("has a spacing of 0");
+    }
+    // The determinant of the unit columns is the volume of their box: 1 when orthogonal, 0 when they lie in a plane.
+    let unit = DMat3::from_cols(m.x_axis / lengths[0], m.y_axis / lengths[1], m.z_axis / lengths[2]);
+    let skew = unit.determinant().abs();
+    (skew.is_nan() || skew < 1e-6).then_some("puts the three axes into one plane")
+}

@@ -5,6 +5,7 @@
 //! Python. Every type here is validated when it is made, so that the inside of the renderer cannot fail.
 
 mod camera;
+mod decoder;
 mod error;
 mod grid;
 mod options;
@@ -13,6 +14,7 @@ mod transfer_function;
 mod volume;
 
 pub use camera::{Camera, Projection, Ray};
+pub use decoder::Decoder;
 pub use error::{Blame, Error, Result};
 pub use grid::Grid;
 pub use options::{

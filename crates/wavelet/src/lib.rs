@@ -37,6 +37,7 @@
 //! assert!(c.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 1e-2));
 //! ```
 
+mod decode;
 mod family;
 pub mod lifting;
 mod lines;
@@ -52,6 +53,7 @@ mod taps;
 mod transform;
 mod volume;
 
+pub use decode::Decoder;
 pub use family::Family;
 pub use norm::{Norm, from_amplitudes, to_amplitudes};
 pub use plan::{Plan, max_levels};

@@ -48,6 +48,8 @@ pub struct WaveletVolume {
 /// Retained coefficients of a subband.
 #[derive(Clone, Debug)]
 struct Band {
+    /// Its number, as in [`Plan::subband`].
+    number: usize,
     /// Where it lies among the coefficients, along x, y, z.
     ranges: [Range<usize>; 3],
     /// Its level; the low box has that of the coarsest and one more.
@@ -98,8 +100,7 @@ impl WaveletVolume {
         drop(amplitudes);
         let places = places(&plan);
         let bands = parallel::map(places.len(), |b| {
-            let (level, ranges) = &places[b];
-            Band::new(*level, ranges.clone(), &coefficients, size)
+            Band::new(places[b].clone(), &coefficients, size)
         });
         Self { plan, threshold, bands }
     }
@@ -152,6 +153,32 @@ impl WaveletVolume {
         coefficients
     }
 
+    /// Calls `found` with place and value of every kept detail of a subband of a level that lies in `ranges`. Both count
+    /// from the first coefficient there: `ranges` from the band's, the place from that of `ranges`.
+    #[inline(always)]
+    pub(crate) fn for_each_kept(
+        &self,
+        level: usize,
+        band: usize,
+        ranges: &[Range<usize>; 3],
+        found: impl FnMut([usize; 3], f32),
+    ) {
+        if let Some(band) = self.bands.iter().find(|b| b.level == level && b.number == band)
+            && ranges.iter().all(|range| !range.is_empty())
+        {
+            band.for_each(ranges, found);
+        }
+    }
+
+    /// Writes the last low box, times `weight`, `[z][y][x]`, at its own size.
+    pub(crate) fn unpack_low(&self, weight: f32, low: &mut [f32]) {
+        let coarsest = self.plan.n_levels();
+        let [nx, ny, nz] = self.plan.low_size(coarsest);
+        self.for_each_kept(coarsest, 0, &[0..nx, 0..ny, 0..nz], |[x, y, z], value| {
+            low[(z * ny + y) * nx + x] = weight * value;
+        });
+    }
+
     /// The samples, `[z][y][x]`, that the coefficients stand for, weighted as in [`WaveletVolume::coefficients`].
     pub fn to_samples(&self, weights: &[f32]) -> Vec<f32> {
         let mut samples = self.coefficients(weights);
@@ -160,13 +187,16 @@ impl WaveletVolume {
     }
 }
 
-/// Level and place of every band.
-fn places(plan: &Plan) -> Vec<(usize, [Range<usize>; 3])> {
-    let bands = |level| (1..8).map(move |band| (level, plan.subband(level, band)));
+/// Level, number and place of a band.
+type Place = (usize, usize, [Range<usize>; 3]);
+
+/// All bands that are not empty.
+fn places(plan: &Plan) -> Vec<Place> {
+    let bands = |level| (1..8).map(move |band| (level, band, plan.subband(level, band)));
     let coarsest = plan.n_levels();
     let low = plan.low_size(coarsest).map(|n| 0..n);
-    let all = (0..coarsest).flat_map(bands).chain([(coarsest, low)]);
-    all.filter(|(_, ranges)| ranges.iter().all(|range| !range.is_empty())).collect()
+    let all = (0..coarsest).flat_map(bands).chain([(coarsest, 0, low)]);
+    all.filter(|(_, _, ranges)| ranges.iter().all(|range| !range.is_empty())).collect()
 }
 
 /// The first and the following positions of the blocks of a range.
@@ -188,8 +218,8 @@ fn blocks_of([xs, ys, zs]: &[Range<usize>; 3]) -> impl Iterator<Item = [Range<us
 }
 
 impl Band {
-    fn new(level: usize, ranges: [Range<usize>; 3], coefficients: &[f32], [nx, ny, _]: [usize; 3]) -> Self {
-        let mut band = Self { ranges, level, blocks: Vec::new(), kept: Vec::new(), values: Vec::new() };
+    fn new((level, number, ranges): Place, coefficients: &[f32], [nx, ny, _]: [usize; 3]) -> Self {
+        let mut band = Self { number, ranges, level, blocks: Vec::new(), kept: Vec::new(), values: Vec::new() };
         for [xs, ys, zs] in blocks_of(&band.ranges) {
             let mut block = Block { masks: [0; BLOCK], start: band.values.len() };
             for (k, z) in zs.enumerate() {
@@ -210,6 +240,46 @@ impl Band {
         band.values.shrink_to_fit();
         band.kept.shrink_to_fit();
         band
+    }
+
+    /// Calls `found` with place, counted from the first of `ranges`, and value of every coefficient there. `ranges` count
+    /// from the band's first coefficient.
+    #[inline(always)]
+    fn for_each(&self, ranges: &[Range<usize>; 3], mut found: impl FnMut([usize; 3], f32)) {
+        let n_blocks = [0, 1, 2].map(|a| self.ranges[a].len().div_ceil(BLOCK));
+        let blocks = [0, 1, 2].map(|a| ranges[a].start / BLOCK..ranges[a].end.div_ceil(BLOCK));
+        // The part of a block along an axis, in its own coordinates.
+        let inside = |a: usize, block: usize| {
+            let first = block * BLOCK;
+            ranges[a].start.saturating_sub(first)..(ranges[a].end - first).min(BLOCK)
+        };
+        for bz in blocks[2].clone() {
+            for by in blocks[1].clone() {
+                for bx in blocks[0].clone() {
+                    let place = (bz * n_blocks[1] + by) * n_blocks[0] + bx;
+                    let Some(block) = self.kept.get(self.blocks[place] as usize) else { continue };
+                    let [xs, ys] = [inside(0, bx), inside(1, by)];
+                    let columns = (0xff << xs.start & 0xff >> (BLOCK - xs.end)) * 0x0101_0101_0101_0101_u64;
+                    let rows = u64::MAX << (BLOCK * ys.start) & u64::MAX >> (BLOCK * (BLOCK - ys.end));
+                    let zs = inside(2, bz);
+                    let before: u32 = block.masks[..zs.start].iter().map(|mask| mask.count_ones()).sum();
+                    let mut start = block.start + before as usize;
+                    for z in zs {
+                        let mask = block.masks[z];
+                        let mut wanted = mask & columns & rows;
+                        while wanted != 0 {
+                            let bit = wanted.trailing_zeros() as usize;
+                            wanted &= wanted - 1;
+                            let rank = (mask & ((1 << bit) - 1)).count_ones() as usize;
+                            let (x, y) = (bx * BLOCK + bit % BLOCK, by * BLOCK + bit / BLOCK);
+                            let at = [x - ranges[0].start, y - ranges[1].start, bz * BLOCK + z - ranges[2].start];
+                            found(at, self.values[start + rank]);
+                        }
+                        start += mask.count_ones() as usize;
+                    }
+                }
+            }
+        }
     }
 
     /// Writes the coefficients, times `weight`, to their places.

@@ -1,4 +1,5 @@
-//! Which parts of the volume can be seen: least and largest density of every brick of 4 x 4 x 4 cells.
+//! Which parts of the volume can be seen: least and largest density of every brick of 4 x 4 x 4 cells (8 x 8 x 8 where
+//! memory is short).
 //!
 //! The bounds are built once per volume and kernel, at memory speed, and take 1/16 of a byte per sample. For a
 //! transfer function they become one bit per brick, and "is anything visible below this part of this sheet" is a
@@ -6,13 +7,18 @@
 //! reaches from there, widened where the kernel overshoots. They are kept in 4096 levels of the volume's range, rounded
 //! outwards.
 
+use std::ops::Range;
+
 use wavesplat_compute::parallel;
+use wavesplat_compute::simd::Level;
 use wavesplat_core::Kernel;
 
+use crate::blocks::{BLOCK, Blocks, Part};
 use crate::kernel::{n_taps, overshoot, reach};
 
-/// Cells of a brick along each axis.
-pub const BRICK: usize = 4;
+/// Cells of a brick along each axis: as a rule, and where the bounds would take too much memory.
+const SIDE: usize = 4;
+const LARGE_SIDE: usize = 8;
 
 /// Levels of the density range.
 const N_LEVELS: usize = 4096;
@@ -20,6 +26,7 @@ const N_LEVELS: usize = 4096;
 /// Least and largest density of every brick, `[z][y][x]`.
 #[derive(Clone, Debug)]
 pub struct Bricks {
+    side: usize,
     n: [usize; 3],
     range: [f32; 2],
     bounds: Vec<[u16; 2]>,
@@ -31,43 +38,176 @@ pub trait Rows: Sync {
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]);
 }
 
-impl Bricks {
-    /// Reads every row about 1.6 times. `range` bounds the densities.
-    pub fn new(rows: &impl Rows, [nx, ny, nz]: [usize; 3], kernel: Kernel, range: [f32; 2]) -> Self {
-        let n = [nx, ny, nz].map(|n| (n - 1).div_ceil(BRICK));
-        // Samples that positions inside a brick reach: from `reach` before its first to as many after its last.
+/// Rows of densities.
+pub struct FloatRows<'a> {
+    /// All densities.
+    pub densities: &'a [f32],
+    /// Vectors to use.
+    pub level: Level,
+}
+
+impl Rows for FloatRows<'_> {
+    fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
+        self.level.run(
+            #[inline(always)]
+            || widen(&self.densities[start..], lo, hi, |d| d),
+        );
+    }
+}
+
+/// The lesser (larger) of `lo` (`hi`) and the densities of a row.
+#[inline(always)]
+pub fn widen<T: Copy>(row: &[T], lo: &mut [f32], hi: &mut [f32], density: impl Fn(T) -> f32) {
+    for ((lo, hi), s) in lo.iter_mut().zip(hi).zip(row) {
+        let d = density(*s);
+        *lo = if d < *lo { d } else { *lo };
+        *hi = if d > *hi { d } else { *hi };
+    }
+}
+
+/// Bounds to levels of a range, rounded outwards.
+fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sync {
+    let extent = range[1] - range[0];
+    let per_density = if extent > 0.0 { (N_LEVELS - 1) as f32 / extent } else { 0.0 };
+    let level = move |d: f32| ((d - range[0]) * per_density).clamp(0.0, (N_LEVELS - 1) as f32);
+    move |[lo, hi]| [level(lo).floor() as u16, level(hi).ceil() as u16]
+}
+
+/// Which samples count for a brick.
+#[derive(Clone, Copy)]
+struct Reach {
+    side: usize,
+    /// Samples of the volume.
+    size: [usize; 3],
+    /// Samples that positions inside a brick reach: from so many before its first to so many after its last.
+    before: usize,
+    after: usize,
+    /// How far the kernel leaves the range of its samples.
+    overshoot: f32,
+}
+
+impl Reach {
+    fn new(side: usize, size: [usize; 3], kernel: Kernel) -> Self {
         let before = reach(kernel);
-        let after = n_taps(kernel) - 1 - before;
-        let samples = |brick: usize, n: usize| {
-            let first = brick * BRICK;
-            first.saturating_sub(before)..(first + BRICK + after).min(n)
-        };
-        let widened = overshoot(kernel);
-        let extent = range[1] - range[0];
-        let per_density = if extent > 0.0 { (N_LEVELS - 1) as f32 / extent } else { 0.0 };
-        let layers = parallel::map(n[2], |bz| {
-            let mut layer = Vec::with_capacity(n[0] * n[1]);
-            let (mut lo, mut hi) = (vec![0.0_f32; nx], vec![0.0_f32; nx]);
-            for by in 0..n[1] {
-                lo.fill(f32::INFINITY);
-                hi.fill(f32::NEG_INFINITY);
-                for z in samples(bz, nz) {
-                    for y in samples(by, ny) {
-                        rows.widen(nx * (y + ny * z), &mut lo, &mut hi);
+        Self { side, size, before, after: n_taps(kernel) - 1 - before, overshoot: overshoot(kernel) }
+    }
+
+    /// Bricks along each axis.
+    fn n(&self) -> [usize; 3] {
+        self.size.map(|n| (n - 1).div_ceil(self.side))
+    }
+
+    /// Samples that count for a brick along an axis.
+    fn samples(&self, axis: usize, brick: usize) -> Range<usize> {
+        let first = brick * self.side;
+        first.saturating_sub(self.before)..(first + self.side + self.after).min(self.size[axis])
+    }
+
+    /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box, which begins at `lo`.
+    fn bounds(&self, rows: &impl Rows, lo: [usize; 3], [nx, ny, _]: [usize; 3], bricks: [Range<usize>; 3]) -> Vec<[f32; 2]> {
+        let [bxs, bys, bzs] = bricks;
+        let mut bounds = Vec::with_capacity(bxs.len() * bys.len() * bzs.len());
+        let (mut least, mut largest) = (vec![0.0_f32; nx], vec![0.0_f32; nx]);
+        for bz in bzs {
+            for by in bys.clone() {
+                least.fill(f32::INFINITY);
+                largest.fill(f32::NEG_INFINITY);
+                for z in self.samples(2, bz) {
+                    for y in self.samples(1, by) {
+                        rows.widen(nx * (y - lo[1] + ny * (z - lo[2])), &mut least, &mut largest);
                     }
                 }
-                for bx in 0..n[0] {
-                    let reached = samples(bx, nx);
-                    let lo = lo[reached.clone()].iter().fold(f32::INFINITY, |a, b| a.min(*b));
-                    let hi = hi[reached].iter().fold(f32::NEG_INFINITY, |a, b| a.max(*b));
-                    let over = widened * (hi - lo);
-                    let level = |d: f32| ((d - range[0]) * per_density).clamp(0.0, (N_LEVELS - 1) as f32);
-                    layer.push([level(lo - over).floor() as u16, level(hi + over).ceil() as u16]);
+                for bx in bxs.clone() {
+                    let Range { start, end } = self.samples(0, bx);
+                    let reached = start - lo[0]..end - lo[0];
+                    let lo = least[reached.clone()].iter().fold(f32::INFINITY, |a, b| a.min(*b));
+                    let hi = largest[reached].iter().fold(f32::NEG_INFINITY, |a, b| a.max(*b));
+                    let over = self.overshoot * (hi - lo);
+                    bounds.push([lo - over, hi + over]);
                 }
             }
-            layer
+        }
+        bounds
+    }
+}
+
+impl Bricks {
+    /// Reads every row about 1.6 times. `range` bounds the densities.
+    pub fn new(rows: &impl Rows, size: [usize; 3], kernel: Kernel, range: [f32; 2]) -> Self {
+        let reach = Reach::new(SIDE, size, kernel);
+        let n = reach.n();
+        let level = level_in(range);
+        let layers = parallel::map(n[2], |bz| {
+            let bounds = reach.bounds(rows, [0; 3], size, [0..n[0], 0..n[1], bz..bz + 1]);
+            bounds.into_iter().map(level).collect::<Vec<_>>()
         });
-        Self { n, range, bounds: layers.concat() }
+        Self { side: SIDE, n, range, bounds: layers.concat() }
+    }
+
+    /// Decodes all blocks, and keeps them if they all fit. `range` bounds the densities; where it is not known, as of
+    /// spline coefficients, it is found. Bricks are large where small ones took more than `budget_bytes`.
+    pub fn of_blocks(
+        level: Level,
+        blocks: &Blocks,
+        kernel: Kernel,
+        range: Option<[f32; 2]>,
+        budget_bytes: usize,
+    ) -> Self {
+        let size = blocks.size();
+        let n_small: usize = Reach::new(SIDE, size, kernel).n().iter().product();
+        let side = if n_small * size_of::<[u16; 2]>() <= budget_bytes { SIDE } else { LARGE_SIDE };
+        let reach = Reach::new(side, size, kernel);
+        let n = reach.n();
+        let n_blocks = size.map(|n| n.div_ceil(BLOCK));
+        let places = |b: usize| [b % n_blocks[0], b / n_blocks[0] % n_blocks[1], b / (n_blocks[0] * n_blocks[1])];
+        let bricks_of = |b: usize| {
+            let place = places(b);
+            [0, 1, 2].map(|a| (place[a] * BLOCK / side).min(n[a])..((place[a] + 1) * BLOCK / side).min(n[a]))
+        };
+        let of_block = parallel::map(n_blocks.iter().product(), |b| {
+            let bricks = bricks_of(b);
+            let first = places(b).map(|place| place * BLOCK);
+            let samples = |a: usize| {
+                let own = first[a]..(first[a] + BLOCK).min(size[a]);
+                let Range { start, end } = bricks[a];
+                if start == end {
+                    return own;
+                }
+                own.start.min(reach.samples(a, start).start)..own.end.max(reach.samples(a, end - 1).end)
+            };
+            let samples = [0, 1, 2].map(samples);
+            let lo = [0, 1, 2].map(|a| samples[a].start);
+            let mut part = Part::default();
+            blocks.decode(lo, [0, 1, 2].map(|a| samples[a].end), &mut part);
+            if blocks.all_fit() {
+                blocks.keep(first, &part);
+            }
+            reach.bounds(&FloatRows { densities: &part.densities, level }, lo, part.size, bricks)
+        });
+        let range = range.unwrap_or_else(|| {
+            let all = of_block.iter().flatten();
+            all.fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], b| [lo.min(b[0]), hi.max(b[1])])
+        });
+        let mut bounds = vec![[0; 2]; n.iter().product()];
+        let level = level_in(range);
+        for (b, of_block) in of_block.into_iter().enumerate() {
+            let [xs, ys, zs] = bricks_of(b);
+            let mut rows = of_block.chunks_exact(xs.len().max(1));
+            for z in zs {
+                for y in ys.clone() {
+                    let Some(row) = rows.next() else { break };
+                    for (x, bounds_here) in xs.clone().zip(row) {
+                        bounds[(z * n[1] + y) * n[0] + x] = level(*bounds_here);
+                    }
+                }
+            }
+        }
+        Self { side, n, range, bounds }
+    }
+
+    /// Least and largest density there can be.
+    pub fn range(&self) -> [f32; 2] {
+        self.range
     }
 
     /// Density of a level.
@@ -88,7 +228,7 @@ impl Bricks {
         }
         let n = axes.map(|a| self.n[a]);
         let n_words = n[0].div_ceil(64);
-        let mut occupied = Occupied { n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
+        let mut occupied = Occupied { side: self.side, n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
         let [nx, ny, _] = self.n;
         let place = [0, 1, 2].map(|a| axes.iter().position(|axis| *axis == a).unwrap_or(a));
         for (i, [lo, hi]) in self.bounds.iter().enumerate() {
@@ -108,6 +248,8 @@ impl Bricks {
 /// One bit per brick, in runs along u.
 #[derive(Clone, Debug)]
 pub struct Occupied {
+    /// Cells of a brick along each axis.
+    pub side: usize,
     n: [usize; 3],
     n_words: usize,
     bits: Vec<u64>,
@@ -119,8 +261,8 @@ impl Occupied {
     pub fn touched(&self, axis: usize, [lo, hi]: [f64; 2]) -> Option<[usize; 2]> {
         let n = self.n[axis];
         // Comparisons that are false for NaN count as outside.
-        let touches = hi >= 0.0 && lo <= (n * BRICK) as f64;
-        touches.then(|| [(lo.max(0.0) as usize / BRICK).min(n - 1), (hi as usize / BRICK).min(n - 1)])
+        let touches = hi >= 0.0 && lo <= (n * self.side) as f64;
+        touches.then(|| [(lo.max(0.0) as usize / self.side).min(n - 1), (hi as usize / self.side).min(n - 1)])
     }
 
     /// Whether any of the bricks `u[0]..=u[1]`, `v[0]..=v[1]` is occupied in the layers `w[0]..=w[1]`.
@@ -173,7 +315,7 @@ mod tests {
                         density += weight * slices.at(index);
                     }
                 }
-                let brick: [usize; 3] = std::array::from_fn(|a| (position[a] as usize).min(size[a] - 2) / BRICK);
+                let brick: [usize; 3] = std::array::from_fn(|a| (position[a] as usize).min(size[a] - 2) / SIDE);
                 let bounds = bricks.bounds[brick[0] + bricks.n[0] * (brick[1] + bricks.n[1] * brick[2])];
                 let [lo, hi] = bounds.map(|level| f64::from(bricks.density(usize::from(level))));
                 // Spline coefficients of the ends are folded into the brick's own samples; f32 rounds.
@@ -192,7 +334,7 @@ mod tests {
             let occupied = slices.bricks().occupied(axes, |[_, hi]| hi > 0.5);
             let at = |shift: f64| {
                 let around = |x: f64| [x + shift - 1.5, x + shift + 1.5];
-                let layer = (place[2] / BRICK as f64) as usize;
+                let layer = (place[2] / SIDE as f64) as usize;
                 let (u, v) = (occupied.touched(0, around(place[0])), occupied.touched(1, around(place[1])));
                 matches!((u, v), (Some(u), Some(v)) if occupied.any(u, v, [layer; 2]))
             };

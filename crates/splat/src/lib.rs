@@ -11,6 +11,7 @@
 //! Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 pub mod base_plane;
+pub mod blocks;
 pub mod bricks;
 pub mod classify;
 pub mod composite;

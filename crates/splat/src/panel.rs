@@ -1,10 +1,12 @@
 //! Samples of a tile for a run of slices, turned so that they lie side by side along u.
 //!
 //! Slices across x have their samples a whole row apart in memory; read sheet by sheet, every sample costs a cache
-//! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it.
+//! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it. Of volumes that
+//! are decoded it loads what the dozen slices need, whichever way they lie.
 
-use wavesplat_compute::simd::{LANES, Level};
+use wavesplat_compute::simd::LANES;
 
+use crate::blocks::Part;
 use crate::footprint::Axis;
 use crate::kernel::{n_taps, reach};
 use crate::sheet::SheetGeometry;
@@ -19,11 +21,23 @@ pub struct Panel {
     window: Option<Window>,
     stride: usize,
     densities: Vec<f32>,
+    /// The box, where it had to be loaded.
+    part: Part,
+    /// Whether the densities are in the box and not turned.
+    is_part: bool,
 }
 
 impl Default for Panel {
     fn default() -> Self {
-        Self { run: [f64::INFINITY, f64::NEG_INFINITY], first: 0, window: None, stride: 0, densities: Vec::new() }
+        Self {
+            run: [f64::INFINITY, f64::NEG_INFINITY],
+            first: 0,
+            window: None,
+            stride: 0,
+            densities: Vec::new(),
+            part: Part::default(),
+            is_part: false,
+        }
     }
 }
 
@@ -37,7 +51,8 @@ impl Panel {
         texels: impl FnOnce(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2],
     ) {
         let [axis_u, axis_v, axis_w] = &geometry.axes;
-        if geometry.plane.family.axes[0] == 0 {
+        let across = geometry.plane.family.axes[0] != 0;
+        if !across && !geometry.slices.is_decoded() {
             return;
         }
         if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {
@@ -71,14 +86,33 @@ impl Panel {
         let window = Window { u: window(axis_u, 0), v: window(axis_v, 1) };
         self.window = Some(window);
         self.stride = window.n_u().next_multiple_of(LANES);
-        self.densities.resize(self.stride * window.n_v() * LANES, 0.0);
         let axes = geometry.plane.family.axes;
-        geometry.slices.turn(geometry.level, axes, self.first, window, &mut self.densities, self.stride);
+        let last = (self.first + LANES).min(axis_w.n_samples) - 1;
+        geometry.slices.load(axes, window, [self.first, last], &mut self.part);
+        self.is_part = !across;
+        if across {
+            self.densities.resize(self.stride * window.n_v() * LANES, 0.0);
+            let (level, part) = (geometry.level, &self.part);
+            geometry.slices.turn(level, axes, self.first, window, part, &mut self.densities, self.stride);
+        }
     }
 
     /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`, or `false` if they are not here.
-    pub fn combine(&self, level: Level, taps: &[SliceTap], window: Window, out: &mut [f32], stride: usize) -> bool {
+    pub fn combine(
+        &self,
+        geometry: &SheetGeometry,
+        taps: &[SliceTap],
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) -> bool {
         let Some(all) = self.window else { return false };
+        let level = geometry.level;
+        if self.is_part {
+            let axes = geometry.plane.family.axes;
+            geometry.slices.combine_part(level, axes, &self.part, taps, window, out, stride);
+            return true;
+        }
         let first = [window.u[0] - all.u[0], window.v[0] - all.v[0]].map(|i| i as usize);
         let plane = self.stride * all.n_v();
         level.run(

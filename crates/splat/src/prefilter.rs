@@ -61,6 +61,22 @@ pub fn prefilter_volume(grid: &mut [f32], size: [usize; 3], z: f64) {
     prefilter_z(grid, size, z);
 }
 
+/// The same on one thread, for a small grid.
+pub fn prefilter_box(grid: &mut [f32], [nx, ny, nz]: [usize; 3], z: f64) {
+    let mut line = vec![0.0; nx.max(ny).max(nz)];
+    for row in grid.chunks_exact_mut(nx) {
+        filter_strided(row, 0, 1, nx, z, &mut line);
+    }
+    for slice in grid.chunks_exact_mut(nx * ny) {
+        for x in 0..nx {
+            filter_strided(slice, x, nx, ny, z, &mut line);
+        }
+    }
+    for i in 0..nx * ny {
+        filter_strided(grid, i, nx * ny, nz, z, &mut line);
+    }
+}
+
 /// The same recursion along z, all columns of a slice at a time, so that memory is read in order.
 fn prefilter_z(grid: &mut [f32], [nx, ny, nz]: [usize; 3], z: f64) {
     let slice_len = nx * ny;

@@ -205,7 +205,7 @@ impl Sheet {
         let axes = geometry.plane.family.axes;
         let (first, window) = self.place(&part);
         let density = &mut self.density[first..];
-        if !panel.combine(geometry.level, &taps, window, density, self.stride) {
+        if !panel.combine(geometry, &taps, window, density, self.stride) {
             geometry.slices.combine(geometry.level, axes, &taps, window, density, self.stride);
         }
         if geometry.slices.has_mask() {
@@ -336,7 +336,7 @@ impl Sheet {
         let axes = geometry.plane.family.axes;
         let (first, window) = self.place(&part);
         let through = &mut self.through[first..];
-        if !panel.combine(geometry.level, &taps, window, through, self.stride) {
+        if !panel.combine(geometry, &taps, window, through, self.stride) {
             geometry.slices.combine(geometry.level, axes, &taps, window, through, self.stride);
         }
     }

@@ -4,22 +4,30 @@
 //! B-spline kernels (their coefficients are not the samples), and float data with NaN or infinity. There the holes
 //! are filled from their neighbours, so that the surroundings keep an honest gradient, and a mask says where they
 //! are: what a masked sample reaches is drawn as empty.
+//!
+//! Volumes that are decoded ([`crate::blocks`]) have no buffer: a box of them is loaded first, then it is the same.
 
 use std::sync::Arc;
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Level, Simd};
-use wavesplat_core::{Grid, Kernel, Sample, Samples, Volume, with_samples};
+use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_samples};
 
-use crate::bricks::{Bricks, Rows};
+use crate::blocks::{Blocks, Part};
+use crate::bricks::{Bricks, FloatRows, Rows, widen};
 use crate::kernel::fold;
 use crate::prefilter;
 
 /// Densities of a volume, ready for one kernel.
 pub struct Slices<'a> {
-    samples: Samples<'a>,
+    source: Source<'a>,
     grid: Grid,
     prepared: Arc<Prepared>,
+}
+
+enum Source<'a> {
+    Samples(Samples<'a>),
+    Blocks(Arc<Blocks>),
 }
 
 /// What is computed once from the samples for a kernel; worth keeping between pictures.
@@ -31,7 +39,12 @@ pub struct Prepared {
     mask: Option<Vec<bool>>,
     range: [f32; 2],
     bricks: Bricks,
+    /// What is decoded of a volume without samples.
+    blocks: Option<Arc<Blocks>>,
 }
+
+/// Share of the memory for decoded blocks that the bounds of bricks may take in addition.
+const BOUNDS_SHARE: usize = 8;
 
 impl Prepared {
     /// Coefficients where the kernel needs them, and the bounds of every brick.
@@ -45,7 +58,7 @@ impl Prepared {
         if pole.is_none() && n_nonfinite == 0 {
             let samples = *volume.samples();
             let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range);
-            return Self { kernel, size, densities: None, mask: None, range, bricks };
+            return Self { kernel, size, densities: None, mask: None, range, bricks, blocks: None };
         }
         let mut densities = densities(volume.samples(), map);
         let mask = (n_nonfinite > 0).then(|| densities.iter().map(|d| !d.is_finite()).collect());
@@ -58,8 +71,25 @@ impl Prepared {
         // Spline coefficients leave the range of the samples.
         let extent = (f32::INFINITY, f32::NEG_INFINITY);
         let (lo, hi) = densities.iter().fold(extent, |(lo, hi), d| (lo.min(*d), hi.max(*d)));
-        let bricks = Bricks::new(&FloatRows { grid: &densities, level }, size, kernel, [lo, hi]);
-        Self { kernel, size, densities: Some(densities), mask, range, bricks }
+        let bricks = Bricks::new(&FloatRows { densities: &densities, level }, size, kernel, [lo, hi]);
+        Self { kernel, size, densities: Some(densities), mask, range, bricks, blocks: None }
+    }
+
+    /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
+    /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept.
+    pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
+        let blocks = Arc::new(Blocks::new(decoder, grid, kernel, budget_bytes));
+        let range = prefilter::pole(kernel).is_none().then(|| grid.density_range());
+        let bricks = Bricks::of_blocks(Level::best(), &blocks, kernel, range, budget_bytes / BOUNDS_SHARE);
+        let (size, range) = (grid.size(), bricks.range());
+        Self { kernel, size, densities: None, mask: None, range, bricks, blocks: Some(blocks) }
+    }
+
+    /// Slices of a volume that is decoded as it is drawn, from [`Prepared::of_decoder`] with the same grid; `None` where
+    /// this was made from samples.
+    pub fn slices<'a>(self: &Arc<Self>, grid: &Grid) -> Option<Slices<'a>> {
+        let source = Source::Blocks(self.blocks.clone()?);
+        Some(Slices { source, grid: grid.clone(), prepared: self.clone() })
     }
 }
 
@@ -95,7 +125,7 @@ impl<'a> Slices<'a> {
 
     /// The same, with what was prepared before from the same samples.
     pub fn with_prepared(volume: &Volume<'a>, prepared: Arc<Prepared>) -> Self {
-        Self { samples: *volume.samples(), grid: volume.grid().clone(), prepared }
+        Self { source: Source::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
     }
 
     /// Where the samples lie.
@@ -131,11 +161,16 @@ impl<'a> Slices<'a> {
     /// Density (or coefficient) at an index position, in f64: the slow door for the reference.
     pub fn at(&self, index: [usize; 3]) -> f64 {
         let i = self.linear_index(index);
-        match &self.prepared.densities {
-            Some(densities) => f64::from(densities[i]),
-            None => {
+        match (&self.prepared.densities, &self.source) {
+            (Some(densities), _) => f64::from(densities[i]),
+            (None, Source::Samples(samples)) => {
                 let (offset, scale) = self.grid.density_from_sample();
-                (self.samples.get(i) - offset) * scale
+                (samples.get(i) - offset) * scale
+            }
+            (None, Source::Blocks(blocks)) => {
+                let mut part = Part::default();
+                blocks.load(index, index.map(|i| i + 1), &mut part);
+                f64::from(part.densities[0])
             }
         }
     }
@@ -155,35 +190,104 @@ impl<'a> Slices<'a> {
         out: &mut [f32],
         stride: usize,
     ) {
-        let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
+        let region = self.region(axes, window, stride);
         if let Some(grid) = &self.prepared.densities {
             return level.run(
                 #[inline(always)]
                 || region.combine(grid, taps, out, |d| d),
             );
         }
+        let samples = match &self.source {
+            Source::Samples(samples) => *samples,
+            Source::Blocks(_) => {
+                let slices = taps.iter().fold([usize::MAX, 0], |[lo, hi], tap| [lo.min(tap.0), hi.max(tap.0)]);
+                let mut part = Part::default();
+                self.load(axes, window, slices, &mut part);
+                return self.combine_part(level, axes, &part, taps, window, out, stride);
+            }
+        };
         let (offset, scale) = self.grid.density_from_sample();
-        if self.samples.is_narrow() {
-            with_samples!(self.samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, Sample::to_f32)));
+        if samples.is_narrow() {
+            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, Sample::to_f32)));
         } else {
-            with_samples!(self.samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
+            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
         }
+    }
+
+    /// Whether boxes must be loaded before they are read.
+    pub fn is_decoded(&self) -> bool {
+        matches!(self.source, Source::Blocks(_))
+    }
+
+    /// Loads what a window reaches in the slices from the first to the last of `slices`, of a volume that is decoded.
+    pub fn load(&self, axes: [usize; 3], window: Window, slices: [usize; 2], part: &mut Part) {
+        let Source::Blocks(blocks) = &self.source else { return };
+        let size = self.prepared.size;
+        let reached = |[lo, hi]: [i64; 2], n: usize| {
+            let folded = (lo..=hi).map(|i| fold(self.prepared.kernel, i, n));
+            folded.fold([usize::MAX, 0], |[lo, hi], i| [lo.min(i), hi.max(i)])
+        };
+        let ends = [reached(window.u, size[axes[0]]), reached(window.v, size[axes[1]]), slices];
+        let (mut lo, mut hi) = ([0; 3], [0; 3]);
+        for (axis, [first, last]) in axes.into_iter().zip(ends) {
+            (lo[axis], hi[axis]) = (first, (last + 1).min(size[axis]));
+        }
+        blocks.load(lo, hi, part);
+    }
+
+    /// As [`Slices::combine`], from a box that was loaded.
+    #[expect(clippy::too_many_arguments, reason = "the box, and what `combine` takes")]
+    pub fn combine_part(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        part: &Part,
+        taps: &[SliceTap],
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let region = self.region(axes, window, stride).inside(axes, part);
+        level.run(
+            #[inline(always)]
+            || region.combine(&part.densities, taps, out, |d| d),
+        );
+    }
+
+    fn region(&self, axes: [usize; 3], window: Window, stride: usize) -> Region {
+        Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride)
     }
 
     /// `out[slice · plane + v · stride + u] = density` for the [`LANES`] slices from `first` on, which lie across x; u
     /// and v are y and z. Slices behind the last one repeat it. `stride` is a multiple of [`LANES`].
-    pub fn turn(&self, level: Level, axes: [usize; 3], first: usize, window: Window, out: &mut [f32], stride: usize) {
-        let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
+    ///
+    /// `part`: the box with all of that, where it has been loaded.
+    #[expect(clippy::too_many_arguments, reason = "the box, and which part of it goes where")]
+    pub fn turn(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        first: usize,
+        window: Window,
+        part: &Part,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let region = self.region(axes, window, stride);
         if let Some(grid) = &self.prepared.densities {
             return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
         }
+        let Source::Samples(samples) = self.source else {
+            let region = region.inside(axes, part);
+            return level.dispatch(Turn { region, grid: &part.densities, first, out, density: |d: f32| d });
+        };
         let (offset, scale) = self.grid.density_from_sample();
-        if self.samples.is_narrow() {
-            with_samples!(self.samples, grid => {
+        if samples.is_narrow() {
+            with_samples!(samples, grid => {
                 level.dispatch(Turn { region, grid, first, out, density: Sample::to_f32 });
             });
         } else {
-            with_samples!(self.samples, grid => {
+            with_samples!(samples, grid => {
                 let density = |s| (Sample::to_f64(s) - offset) * scale;
                 level.dispatch(Turn { region, grid, first, out, density: |s| density(s) as f32 });
             });
@@ -201,7 +305,7 @@ impl<'a> Slices<'a> {
         stride: usize,
     ) {
         if let Some(mask) = &self.prepared.mask {
-            let region = Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride);
+            let region = self.region(axes, window, stride);
             level.run(
                 #[inline(always)]
                 || region.combine(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }),
@@ -228,34 +332,13 @@ impl Rows for NativeRows<'_> {
     }
 }
 
-struct FloatRows<'a> {
-    grid: &'a [f32],
-    level: Level,
-}
-
-impl Rows for FloatRows<'_> {
-    fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
-        self.level.run(
-            #[inline(always)]
-            || widen(&self.grid[start..], lo, hi, |d| d),
-        );
-    }
-}
-
-#[inline(always)]
-fn widen<T: Copy>(row: &[T], lo: &mut [f32], hi: &mut [f32], density: impl Fn(T) -> f32) {
-    for ((lo, hi), s) in lo.iter_mut().zip(hi).zip(row) {
-        let d = density(*s);
-        *lo = if d < *lo { d } else { *lo };
-        *hi = if d > *hi { d } else { *hi };
-    }
-}
-
 /// A window of a strided grid with its border folded back.
 struct Region {
     kernel: Kernel,
     stride: [usize; 3],
     n: [usize; 3],
+    /// Position of the grid's first sample, along u, v, w.
+    origin: [usize; 3],
     window: Window,
     out_stride: usize,
 }
@@ -263,13 +346,27 @@ struct Region {
 impl Region {
     fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window, out_stride: usize) -> Self {
         let all = [1, size[0], size[0] * size[1]];
-        Self { kernel, stride: axes.map(|a| all[a]), n: axes.map(|a| size[a]), window, out_stride }
+        let (stride, n) = (axes.map(|a| all[a]), axes.map(|a| size[a]));
+        Self { kernel, stride, n, origin: [0; 3], window, out_stride }
+    }
+
+    /// The same in a box of the grid.
+    fn inside(self, axes: [usize; 3], part: &Part) -> Self {
+        let all = [1, part.size[0], part.size[0] * part.size[1]];
+        Self { stride: axes.map(|a| all[a]), origin: axes.map(|a| part.lo[a]), ..self }
+    }
+
+    /// Place of a sample along one axis (0, 1: u, v), folded back.
+    #[inline(always)]
+    fn place(&self, axis: usize, i: i64) -> usize {
+        (fold(self.kernel, i, self.n[axis]) - self.origin[axis]) * self.stride[axis]
     }
 
     #[inline(always)]
     fn combine<T: Copy>(&self, grid: &[T], taps: &[SliceTap], out: &mut [f32], density: impl Fn(T) -> f32) {
         let Window { u: [u_lo, u_hi], v: [v_lo, _] } = self.window;
-        let [su, sv, sw] = self.stride;
+        let [su, _, sw] = self.stride;
+        let [first_u, _, first_w] = self.origin;
         let last = self.n[0] as i64 - 1;
         // Columns that need no folding.
         let inner_lo = u_lo.clamp(0, last);
@@ -279,10 +376,11 @@ impl Region {
         let n_u = self.window.n_u();
         for r in 0..self.window.n_v() {
             let row = &mut out[r * self.out_stride..][..n_u];
-            let line = fold(self.kernel, v_lo + r as i64, self.n[1]) * sv;
+            let line = self.place(1, v_lo + r as i64);
             let sum = |i: i64| {
-                let place = line + fold(self.kernel, i, self.n[0]) * su;
-                taps.iter().fold(0.0, |sum, &(slice, weight)| sum + weight * density(grid[slice * sw + place]))
+                let place = line + self.place(0, i);
+                let at = |slice: usize| density(grid[(slice - first_w) * sw + place]);
+                taps.iter().fold(0.0, |sum, &(slice, weight)| sum + weight * at(slice))
             };
             for c in 0..n_left {
                 row[c] = sum(u_lo + c as i64);
@@ -291,7 +389,7 @@ impl Region {
                 row[c] = sum(u_lo + c as i64);
             }
             let inner = &mut row[n_left..n_left + n_inner];
-            let from = |slice: usize| slice * sw + line + inner_lo as usize * su;
+            let from = |slice: usize| (slice - first_w) * sw + line + (inner_lo as usize - first_u) * su;
             if su == 1 {
                 sum_slices(grid, taps, from, inner, &density);
             } else {
@@ -367,16 +465,16 @@ impl<T: Copy, F: Fn(T) -> f32> Work for Turn<'_, T, F> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Region { kernel, n: [n_u, n_v, n_w], window, out_stride, stride: [stride_u, stride_v, _] } = self.region;
+        let Region { n: [_, _, n_w], origin: [_, _, first_w], window, out_stride, .. } = self.region;
         let plane = out_stride * window.n_v();
         let n_here = LANES.min(n_w - self.first);
         let mut block = [Lanes::splat(0.0); LANES];
         for (r, v) in (window.v[0]..=window.v[1]).enumerate() {
-            let start = fold(kernel, v, n_v) * stride_v + self.first;
+            let start = self.region.place(1, v) + self.first - first_w;
             for c in (0..window.n_u()).step_by(LANES) {
                 for k in 0..LANES {
                     let u = (window.u[0] + (c + k) as i64).min(window.u[1]);
-                    let row = &self.grid[start + fold(kernel, u, n_u) * stride_u..];
+                    let row = &self.grid[start + self.region.place(0, u)..];
                     if let Some(row) = row.first_chunk::<LANES>() {
                         for i in 0..LANES {
                             block[k].0[i] = (self.density)(row[i]);

@@ -6,7 +6,7 @@
 use std::ops::Range;
 use wavesplat_compute::simd::{Kernel, LANES, Simd};
 
-use crate::bricks::{BRICK, Occupied};
+use crate::bricks::Occupied;
 use crate::composite::{Compositor, Slab};
 use crate::panel::Panel;
 use crate::rays::{RayGeometry, Rays};
@@ -165,18 +165,24 @@ impl TileJob<'_> {
         hull
     }
 
+    /// Cells of a brick; all layers are one where everything counts.
+    fn brick_side(&self) -> usize {
+        self.occupied.as_ref().map_or(self.geometry.axes[2].n_samples, |occupied| occupied.side)
+    }
+
     /// Which layers of bricks have something below the tile.
     fn active_layers(&self, [i0, j0]: [usize; 2]) -> Vec<bool> {
         let n_cells = self.geometry.axes[2].n_samples - 1;
+        let side = self.brick_side();
         let layer_is_active = |layer: usize| {
             let Some(occupied) = &self.occupied else { return true };
-            let cells = [layer * BRICK, (layer * BRICK + BRICK - 1).min(n_cells - 1)];
+            let cells = [layer * side, (layer * side + side - 1).min(n_cells - 1)];
             let w = [cells[0] as f64, cells[1] as f64 + 1.0];
             let u = occupied.touched(0, self.hull(0, [i0, i0 + TILE_U - 1], w));
             let v = occupied.touched(1, self.hull(1, [j0, j0 + TILE_V - 1], w));
             matches!((u, v), (Some(u), Some(v)) if occupied.any(u, v, [layer; 2]))
         };
-        (0..n_cells.div_ceil(BRICK)).map(layer_is_active).collect()
+        (0..n_cells.div_ceil(side)).map(layer_is_active).collect()
     }
 
     /// The slabs between the sheets of a range, in the order of the rays, that have something in blocks that are alive.
@@ -188,6 +194,7 @@ impl TileJob<'_> {
         alive: BlockMask,
     ) -> Vec<ActiveSlab> {
         let ascending = self.geometry.plane.family.ascending;
+        let side = self.brick_side();
         let mut slabs = Vec::new();
         for k in 1..range.len() {
             let near = if ascending { range.start + k - 1 } else { range.end - k };
@@ -197,7 +204,7 @@ impl TileJob<'_> {
             // The slab lies in these cells; a sheet on a slice belongs to the cells on both sides.
             let last = self.geometry.axes[2].n_samples - 2;
             let cells = [(lo as usize).min(last), (hi.ceil() as usize).saturating_sub(1).min(last)];
-            if !layers[cells[0] / BRICK..=cells[1] / BRICK].contains(&true) {
+            if !layers[cells[0] / side..=cells[1] / side].contains(&true) {
                 continue;
             }
             let mut blocks = alive;
@@ -210,7 +217,7 @@ impl TileJob<'_> {
                     let j = j0 + block * BLOCK_V;
                     occupied.touched(1, self.hull(1, [j, j + BLOCK_V - 1], w))
                 });
-                let layers = [cells[0] / BRICK, cells[1] / BRICK];
+                let layers = [cells[0] / side, cells[1] / side];
                 for block in bits(alive) {
                     let is_active = match (u[block / N_BLOCKS_V], v[block % N_BLOCKS_V]) {
                         (Some(u), Some(v)) => occupied.any(u, v, layers),

@@ -1,11 +1,13 @@
 //! The fast path against its literal twins in double precision.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Composite, Kernel, Light, LightFrame, Projection, RenderOptions, Shading};
+use wavesplat_core::{Composite, Decoder, Kernel, Light, LightFrame, Projection, RenderOptions, Shading};
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_splat::reference::splat;
-use wavesplat_splat::slices::Slices;
+use wavesplat_splat::slices::{Prepared, Slices};
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
 
@@ -221,4 +223,65 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
     let psnr = |refined, sheets| psnr_db(&draw(refined, sheets).rgba, &want.rgba);
     let (two, eight, plain) = (psnr(true, 2.0), psnr(true, 8.0), psnr(false, 2.0));
     assert!(two > plain + 4.0 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
+}
+
+/// Gives boxes of a phantom.
+struct Boxes(Phantom);
+
+impl Decoder for Boxes {
+    fn size(&self) -> [usize; 3] {
+        self.0.size
+    }
+
+    fn decode(&self, lo: [usize; 3], hi: [usize; 3], out: &mut [f32]) {
+        let [nx, ny, _] = self.0.size;
+        let mut rows = out.chunks_exact_mut(hi[0] - lo[0]);
+        for z in lo[2]..hi[2] {
+            for y in lo[1]..hi[1] {
+                let row = &self.0.samples[(z * ny + y) * nx..][lo[0]..hi[0]];
+                rows.next().expect("the box has room").copy_from_slice(row);
+            }
+        }
+    }
+}
+
+/// A volume that is decoded as it is drawn gives the picture of its samples, whatever is kept of it: the same bits, but
+/// for splines, whose coefficients come from a part of each line.
+#[test]
+fn a_decoded_volume_gives_the_picture_of_its_samples() {
+    let affine = DAffine3::from_scale(DVec3::new(0.3, 0.25, 0.4));
+    let phantom = Phantom::sample([70, 45, 41], affine, |p| {
+        120.0 + 60.0 * (p.x * 0.8).sin() * (p.y * 0.6).cos() + 50.0 * (p.z * 0.5 + p.x * 0.3).sin()
+    });
+    let volume = phantom.volume();
+    let grid = volume.grid();
+    let tf = opacity_ramp(&[(140.0, 0.0), (150.0, 0.1), (151.0, 1.0), (200.0, 0.6)], None);
+    let decoder = Arc::new(Boxes(phantom.clone()));
+    let block_bytes = 32 * 32 * 32 * 4;
+    for (_, kernel) in Kernel::NAMES {
+        let slices = Slices::new(&volume, kernel);
+        let prepared = [100, 5].map(|n| Prepared::of_decoder(decoder.clone(), grid, kernel, n * block_bytes));
+        let decoded = prepared.map(|prepared| Arc::new(prepared).slices(grid).expect("it is of a decoder"));
+        for (from, sheets_per_slice, projection) in [
+            (DVec3::new(0.2, 0.3, 1.0), 2.0, ORTHOGRAPHIC),
+            (DVec3::new(-1.0, 0.5, 0.4), 1.3, ORTHOGRAPHIC),
+            (DVec3::new(-0.3, 1.0, 0.2), 0.06, ORTHOGRAPHIC),
+            (DVec3::new(0.6, -1.0, -0.5), 2.0, PERSPECTIVE),
+        ] {
+            let camera = camera_towards(phantom.centre(), from, 40.0, projection);
+            let options =
+                RenderOptions { width_px: 90, height_px: 70, kernel, sheets_per_slice, ..RenderOptions::default() };
+            let draw = |slices: &Slices| render(slices, &tf, &camera, &options, &()).unwrap();
+            let (want, report) = draw(&slices);
+            assert!(want.rgba.iter().any(|pixel| pixel[3] > 0.9));
+            for decoded in &decoded {
+                let (got, other) = draw(decoded);
+                let difference = max_difference(&got.rgba, &want.rgba);
+                match kernel {
+                    Kernel::Bspline2 | Kernel::Bspline3 => assert!(difference < 1e-4, "{kernel:?} {from}: {difference}"),
+                    _ => assert!(difference == 0.0 && other == report, "{kernel:?} {from}: {difference}"),
+                }
+            }
+        }
+    }
 }

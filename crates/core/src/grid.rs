@@ -13,6 +13,7 @@ pub struct Grid {
     statistics: Statistics,
     density_from_sample: (f64, f64),
     opacity_unit: f64,
+    bounds: [DVec3; 2],
 }
 
 impl Grid {
@@ -39,13 +40,17 @@ impl Grid {
         }
         let density_from_sample = if is_narrow { (0.0, 1.0) } else { unit_density(statistics) };
         let opacity_unit = mean_spacing(&world_from_index);
-        Ok(Self { size, world_from_index, statistics, density_from_sample, opacity_unit })
+        let bounds = [DVec3::ZERO, DVec3::from_array(size.map(|n| (n - 1) as f64))];
+        Ok(Self { size, world_from_index, statistics, density_from_sample, opacity_unit, bounds })
     }
 
-    /// The same with another default `opacity_unit`, world units: that of the volume of which this is a coarser level.
+    /// The same as a coarser level of another volume: with its default `opacity_unit`, world units, and drawn only within
+    /// its bounds, index positions here.
     #[must_use]
-    pub fn with_opacity_unit(self, opacity_unit: f64) -> Self {
-        Self { opacity_unit, ..self }
+    pub fn as_level_of(self, opacity_unit: f64, bounds: [DVec3; 2]) -> Self {
+        let last = self.last_index();
+        let bounds = [bounds[0].max(DVec3::ZERO), bounds[1].min(last)];
+        Self { opacity_unit, bounds, ..self }
     }
 
     /// `[nx, ny, nz]`.
@@ -83,7 +88,12 @@ impl Grid {
         mean_spacing(&self.world_from_index)
     }
 
-    /// Last index position of each axis: the volume fills `[0, last]`.
+    /// Corners of what is drawn, index positions: from the first to the last sample where nothing else was said.
+    pub fn bounds(&self) -> [DVec3; 2] {
+        self.bounds
+    }
+
+    /// Last index position of each axis: the samples fill `[0, last]`.
     pub fn last_index(&self) -> DVec3 {
         DVec3::new((self.size[0] - 1) as f64, (self.size[1] - 1) as f64, (self.size[2] - 1) as f64)
     }

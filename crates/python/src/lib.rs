@@ -19,7 +19,7 @@ mod _native {
     #[pymodule_export]
     use crate::volume::PyVolume;
     #[pymodule_export]
-    use crate::wavelet::PyWaveletVolume;
+    use crate::wavelet::{PyDecodedVolume, PyWaveletVolume};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

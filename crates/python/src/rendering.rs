@@ -17,7 +17,7 @@ use wavesplat_splat::{Monitor, reference};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
-use crate::volume::PyVolume;
+use crate::volume::{Drawable, PyVolume};
 
 /// Corners of a crop box.
 type Corners = Option<(Triple, Triple)>;
@@ -139,7 +139,7 @@ fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>>
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 pub fn render<'py>(
     py: Python<'py>,
-    volume: &PyVolume,
+    volume: Drawable<'py>,
     transfer_function: &PyTransferFunction,
     camera: &PyCamera,
     width: usize,
@@ -177,9 +177,9 @@ pub fn render<'py>(
     };
     options.validate().map_err(to_py)?;
     let monitor = PyMonitor::new(progress);
-    let result = volume.with_volume(py, |v| {
+    let result = volume.with_slices(py, options.kernel, |slices| {
         monitor.watch(py, || {
-            let slices = volume.slices(v, options.kernel);
+            let slices = slices();
             let (tf, camera) = (&transfer_function.0, &camera.0);
             let mut expected = None;
             if let Some(psnr_db) = psnr {
@@ -298,11 +298,11 @@ pub fn splat_literal<'py>(
 pub fn quality_settings(
     py: Python<'_>,
     name: &str,
-    volume: &PyVolume,
+    volume: Drawable<'_>,
     transfer_function: &PyTransferFunction,
 ) -> PyResult<(f64, f64)> {
-    volume.with_volume(py, |v| {
-        let is_steep = wavesplat_splat::is_steep(v.grid(), &transfer_function.0);
+    volume.with_grid(py, |grid| {
+        let is_steep = wavesplat_splat::is_steep(grid, &transfer_function.0);
         wavesplat_core::quality_settings(name, is_steep).map_err(to_py)
     })
 }

@@ -6,10 +6,11 @@ use glam::{DAffine3, DMat3, DVec3};
 use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use wavesplat_core::{Kernel, Samples, Statistics, Volume};
+use wavesplat_core::{Grid, Kernel, Samples, Statistics, Volume};
 use wavesplat_splat::slices::{Prepared, Slices};
 
 use crate::errors::to_py;
+use crate::wavelet::PyDecodedVolume;
 
 /// A C-contiguous array [z, y, x] of one of the sample types.
 enum Array {
@@ -21,6 +22,47 @@ enum Array {
     I32(Py<PyArray3<i32>>),
     F32(Py<PyArray3<f32>>),
     F64(Py<PyArray3<f64>>),
+}
+
+/// What can be drawn.
+#[derive(FromPyObject)]
+pub enum Drawable<'py> {
+    /// Samples.
+    Samples(PyRef<'py, PyVolume>),
+    /// Wavelet coefficients.
+    Decoded(PyRef<'py, PyDecodedVolume>),
+}
+
+impl Drawable<'_> {
+    /// Calls `work` with the grid.
+    pub fn with_grid<T>(&self, py: Python<'_>, work: impl FnOnce(&Grid) -> PyResult<T>) -> PyResult<T> {
+        match self {
+            Self::Samples(volume) => volume.with_volume(py, |v| work(v.grid())),
+            Self::Decoded(volume) => work(volume.grid()),
+        }
+    }
+
+    /// Calls `work` with something that gives the slices for a kernel.
+    pub fn with_slices<T>(
+        &self,
+        py: Python<'_>,
+        kernel: Kernel,
+        work: impl for<'s> FnOnce(&'s (dyn Fn() -> Slices<'s> + Sync + 's)) -> PyResult<T>,
+    ) -> PyResult<T> {
+        match self {
+            Self::Samples(volume) => {
+                let volume = &**volume;
+                volume.with_volume(py, |v| work(&|| volume.slices(v, kernel)))
+            }
+            Self::Decoded(volume) => {
+                let volume = &**volume;
+                work(&|| {
+                    let slices = volume.prepared(kernel).slices(volume.grid());
+                    slices.expect("what was prepared of a decoder has slices")
+                })
+            }
+        }
+    }
 }
 
 /// Samples, affine, and what was computed from them once.
@@ -129,7 +171,8 @@ impl Array {
     }
 }
 
-fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> PyResult<DAffine3> {
+/// The affine of a 4 x 4 matrix.
+pub fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> PyResult<DAffine3> {
     let m = matrix.as_array();
     if m.shape() != [4, 4] || (0..4).any(|c| m[[3, c]] != if c == 3 { 1.0 } else { 0.0 }) {
         return Err(PyTypeError::new_err("world_from_index must be 4 x 4 with a last row of 0 0 0 1"));

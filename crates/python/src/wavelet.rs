@@ -1,13 +1,25 @@
-//! Volumes of retained wavelet coefficients.
+//! Volumes of retained wavelet coefficients, and levels and bands of them that are decoded as they are drawn.
 
-use numpy::{IntoPyArray, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
-use pyo3::exceptions::PyTypeError;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{DAffine3, DVec3};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use wavesplat_wavelet::{Family, Keep, Norm, WaveletVolume};
+use wavesplat_core::{Decoder as _, Grid, Kernel, Statistics};
+use wavesplat_splat::blocks::samples_every;
+use wavesplat_splat::slices::Prepared;
+use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, WaveletVolume};
+
+use crate::errors::to_py;
+use crate::volume::affine;
 
 /// See `_native.pyi`.
 #[pyclass(name = "WaveletVolume", frozen, module = "wavesplat._native")]
-pub struct PyWaveletVolume(WaveletVolume);
+pub struct PyWaveletVolume(Arc<WaveletVolume>);
+
+/// Arrays that hold the coefficients.
+type Arrays<'py> = (Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<f32>>);
 
 #[pymethods]
 impl PyWaveletVolume {
@@ -24,7 +36,7 @@ impl PyWaveletVolume {
         peak: bool,
     ) -> PyResult<Self> {
         let [nz, ny, nx] = *samples.shape() else { return Err(PyTypeError::new_err("samples must be 3-D")) };
-        let family = Family::from_name(family).ok_or_else(|| PyTypeError::new_err("no such family"))?;
+        let family = family_of(family)?;
         let keep = match keep {
             "threshold" => Keep::Amplitude(amount),
             "keep" => Keep::Fraction(amount),
@@ -33,7 +45,34 @@ impl PyWaveletVolume {
         };
         let norm = if peak { Norm::Peak } else { Norm::L2 };
         let samples = samples.as_slice()?;
-        Ok(Self(py.detach(|| WaveletVolume::new(family, [nx, ny, nz], samples, levels, norm, keep))))
+        let volume = py.detach(|| WaveletVolume::new(family, [nx, ny, nz], samples, levels, norm, keep));
+        Ok(Self(Arc::new(volume)))
+    }
+
+    /// From what `parts` gave; wrong numbers are refused.
+    #[staticmethod]
+    #[pyo3(signature = (shape, family, levels, threshold, has_block, masks, values))]
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+    fn from_parts(
+        shape: (usize, usize, usize),
+        family: &str,
+        levels: usize,
+        threshold: f64,
+        has_block: PyReadonlyArray1<'_, u8>,
+        masks: PyReadonlyArray1<'_, u64>,
+        values: PyReadonlyArray1<'_, f32>,
+    ) -> PyResult<Self> {
+        let parts = Parts {
+            family: family_of(family)?,
+            size: [shape.2, shape.1, shape.0],
+            n_levels: levels,
+            threshold,
+            has_block: has_block.as_slice()?.to_vec(),
+            masks: masks.as_slice()?.to_vec(),
+            values: values.as_slice()?.to_vec(),
+        };
+        let volume = WaveletVolume::from_parts(parts).map_err(PyValueError::new_err)?;
+        Ok(Self(Arc::new(volume)))
     }
 
     #[staticmethod]
@@ -61,11 +100,103 @@ impl PyWaveletVolume {
         self.0.n_bytes()
     }
 
+    /// Which blocks there are, the bits of their coefficients, and the coefficients.
+    fn parts<'py>(&self, py: Python<'py>) -> Arrays<'py> {
+        let Parts { has_block, masks, values, .. } = self.0.to_parts();
+        (has_block.into_pyarray(py), masks.into_pyarray(py), values.into_pyarray(py))
+    }
+
     /// The samples [z, y, x], with a weight for each level's details, the finest first, and for the last low box.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
     fn samples<'py>(&self, py: Python<'py>, weights: Vec<f32>) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let samples = py.detach(|| self.0.to_samples(&weights));
+        let samples = py.detach(|| Decoder::new(self.0.clone(), 0, &weights).all());
         let [nx, ny, nz] = self.0.plan().size();
         samples.into_pyarray(py).reshape([nz, ny, nx])
+    }
+
+    /// A level with weighted details, to be drawn; at its own resolution where its samples are evenly spaced.
+    #[pyo3(signature = (level, weights, world_from_index, name, cache_bytes))]
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists and arrays over by value")]
+    fn decoded(
+        &self,
+        py: Python<'_>,
+        level: usize,
+        mut weights: Vec<f32>,
+        world_from_index: PyReadonlyArray2<'_, f64>,
+        name: &str,
+        cache_bytes: usize,
+    ) -> PyResult<PyDecodedVolume> {
+        let world_from_index = affine(&world_from_index)?;
+        let grid = LevelGrid::new(self.0.plan(), level);
+        let level = if grid.is_some() { level } else { 0 };
+        if grid.is_none() {
+            weights[..level].fill(0.0);
+        }
+        let level_grid = grid.or_else(|| LevelGrid::new(self.0.plan(), 0));
+        let Some(level_grid) = level_grid else { return Err(PyValueError::new_err("no such level")) };
+        let (decoder, range) = py.detach(|| {
+            let decoder = Decoder::new(self.0.clone(), level, &weights);
+            let range = decoder.range();
+            (Coarse::new(decoder, level_grid), range)
+        });
+        let [min, max] = range.map(f64::from);
+        let statistics = Statistics { min, max, n_nonfinite: 0 };
+        let finest = Grid::new(name, self.0.plan().size(), world_from_index, statistics, false).map_err(to_py)?;
+        let (origin, spacing) = (DVec3::from_array(level_grid.origin), DVec3::from_array(level_grid.spacing));
+        let finest_from_level = DAffine3 { matrix3: glam::DMat3::from_diagonal(spacing), translation: origin };
+        let bounds = [DVec3::ZERO, finest.last_index()].map(|corner| (corner - origin) / spacing);
+        let grid = Grid::new(name, decoder.size(), world_from_index * finest_from_level, statistics, false);
+        let grid = grid.map_err(to_py)?.as_level_of(finest.default_opacity_unit(), bounds);
+        let decoder = Arc::new(decoder);
+        Ok(PyDecodedVolume { grid, decoder, cache_bytes, prepared: Mutex::default() })
+    }
+}
+
+fn family_of(name: &str) -> PyResult<Family> {
+    Family::from_name(name).ok_or_else(|| PyTypeError::new_err("no such family"))
+}
+
+/// See `_native.pyi`.
+#[pyclass(name = "DecodedVolume", frozen, module = "wavesplat._native")]
+pub struct PyDecodedVolume {
+    grid: Grid,
+    decoder: Arc<Coarse>,
+    cache_bytes: usize,
+    /// For the kernel that was used last.
+    prepared: Mutex<Option<(Kernel, Arc<Prepared>)>>,
+}
+
+#[pymethods]
+impl PyDecodedVolume {
+    #[getter]
+    fn value_range(&self) -> (f64, f64) {
+        let Statistics { min, max, .. } = self.grid.statistics();
+        (min, max)
+    }
+
+    /// Every n-th sample along each axis, [z, y, x].
+    fn every<'py>(&self, py: Python<'py>, step: usize) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let ([nx, ny, nz], samples) = py.detach(|| samples_every(&*self.decoder, step.max(1)));
+        samples.into_pyarray(py).reshape([nz, ny, nx])
+    }
+}
+
+impl PyDecodedVolume {
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// What is decoded for a kernel; kept until another is asked for.
+    pub fn prepared(&self, kernel: Kernel) -> Arc<Prepared> {
+        let mut kept = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, prepared)) = &*kept
+            && *known == kernel
+        {
+            return prepared.clone();
+        }
+        *kept = None;
+        let new = Arc::new(Prepared::of_decoder(self.decoder.clone(), &self.grid, kernel, self.cache_bytes));
+        *kept = Some((kernel, new.clone()));
+        new
     }
 }

@@ -6,6 +6,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use wavesplat_compute::parallel;
 use wavesplat_core::{Decoder, Grid, Kernel};
 
 use crate::prefilter;
@@ -15,6 +16,9 @@ pub const BLOCK: usize = 32;
 
 /// Bytes of a block.
 const BLOCK_BYTES: usize = BLOCK * BLOCK * BLOCK * size_of::<f32>();
+
+/// Sides of the boxes in which a volume is looked through, about.
+const PIECE: usize = 64;
 
 /// Samples around a box that its spline coefficients are made from: the pole to this power is below f32.
 const MARGIN: usize = 14;
@@ -218,6 +222,45 @@ impl Held {
     }
 }
 
+/// Every `step`-th sample along each axis, `[z][y][x]`, and how many along x, y, z. Everything is decoded once.
+pub fn samples_every(decoder: &dyn Decoder, step: usize) -> ([usize; 3], Vec<f32>) {
+    let size = decoder.size();
+    let n @ [nx, ny, _] = size.map(|n| n.div_ceil(step));
+    // Wanted samples of a piece of an axis.
+    let piece = |a: usize, k: usize| k * PIECE / step..((k + 1) * PIECE / step).min(n[a]);
+    let n_pieces = n.map(|n| (n * step).div_ceil(PIECE));
+    let pieces = parallel::map(n_pieces.iter().product(), |p| {
+        let place = [p % n_pieces[0], p / n_pieces[0] % n_pieces[1], p / (n_pieces[0] * n_pieces[1])];
+        let wanted = [0, 1, 2].map(|a| piece(a, place[a]));
+        let mut out = Vec::with_capacity(wanted.iter().map(ExactSizeIterator::len).product());
+        if wanted.iter().any(std::ops::Range::is_empty) {
+            return (wanted, out);
+        }
+        let lo = [0, 1, 2].map(|a| wanted[a].start * step);
+        let hi = [0, 1, 2].map(|a| (wanted[a].end - 1) * step + 1);
+        let [bx, by, bz] = [0, 1, 2].map(|a| hi[a] - lo[a]);
+        let mut samples = vec![0.0; bx * by * bz];
+        decoder.decode(lo, hi, &mut samples);
+        for z in (0..bz).step_by(step) {
+            for y in (0..by).step_by(step) {
+                out.extend(samples[(z * by + y) * bx..][..bx].iter().step_by(step));
+            }
+        }
+        (wanted, out)
+    });
+    let mut all = vec![0.0; n.iter().product()];
+    for ([xs, ys, zs], samples) in pieces {
+        let mut rows = samples.chunks_exact(xs.len().max(1));
+        for z in zs {
+            for y in ys.clone() {
+                let Some(row) = rows.next() else { break };
+                all[(z * ny + y) * nx..][xs.clone()].copy_from_slice(row);
+            }
+        }
+    }
+    (n, all)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,6 +320,18 @@ mod tests {
         assert_eq!(n_decoded, 3 * 2 * 3);
         check(&blocks, [0, 0, 0], SIZE);
         assert_eq!(numbers.0.load(Ordering::Relaxed), n_decoded, "blocks are kept");
+    }
+
+    #[test]
+    fn every_nth_sample_is_found() {
+        let decoder = Numbers(AtomicUsize::new(0));
+        for step in [1, 2, 3, 7, 70] {
+            let (n @ [nx, ny, _], samples) = samples_every(&decoder, step);
+            assert_eq!(n, SIZE.map(|n| n.div_ceil(step)));
+            for (i, got) in samples.iter().enumerate() {
+                assert_eq!(*got, number([i % nx, i / nx % ny, i / (nx * ny)].map(|i| i * step)), "{step} {i}");
+            }
+        }
     }
 
     #[test]

@@ -29,23 +29,23 @@ pub struct Region {
 impl Region {
     /// Volume box, crop and clip planes.
     pub fn new(grid: &Grid, options: &RenderOptions) -> Result<Self> {
-        let last = grid.last_index();
+        let [first, last] = grid.bounds();
         let world_from_index = grid.world_from_index();
-        let mut region = Self { half_spaces: Vec::new(), bounds: [DVec3::ZERO, last] };
-        region.add_box(DAffine3::IDENTITY, DVec3::ZERO, last);
+        let mut region = Self { half_spaces: Vec::new(), bounds: [first, last] };
+        region.add_box(DAffine3::IDENTITY, first, last);
         if let Some(crop) = options.crop {
             let (lo, hi) = crop.corners();
             let volume_bounds = match crop {
                 Crop::Index { .. } => {
                     region.add_box(DAffine3::IDENTITY, lo, hi);
-                    region.bounds = [DVec3::ZERO.max(lo), last.min(hi)];
-                    [DVec3::ZERO, last]
+                    region.bounds = [first.max(lo), last.min(hi)];
+                    [first, last]
                 }
                 Crop::World { .. } => {
                     region.add_box(world_from_index, lo, hi);
                     let crop_bounds = box_bounds(world_from_index.inverse(), lo, hi);
-                    region.bounds = [DVec3::ZERO.max(crop_bounds[0]), last.min(crop_bounds[1])];
-                    box_bounds(world_from_index, DVec3::ZERO, last)
+                    region.bounds = [first.max(crop_bounds[0]), last.min(crop_bounds[1])];
+                    box_bounds(world_from_index, first, last)
                 }
             };
             let inside = lo.is_finite() && hi.is_finite() && lo.cmplt(hi).all();

@@ -107,7 +107,10 @@ impl TileJob<'_> {
             }
             let w = slab.sheets.map(|sheet| self.spacing.w(sheet));
             panel.cover(&self.geometry, w, |serves| {
-                let ahead = slabs[k..].iter().take_while(|slab| slab.sheets.iter().all(|s| serves(self.spacing.w(*s))));
+                let is_served = |slab: &&ActiveSlab| slab.sheets.iter().all(|s| serves(self.spacing.w(*s)));
+                let n_served = slabs[k..].iter().take_while(is_served);
+                // The last sheet that it serves is prepared for the slab after it too.
+                let ahead = slabs[k..].iter().take(n_served.count() + 1);
                 // The sheet in front may still be that of the slab before.
                 let before = if k > 0 { slabs[k - 1].blocks } else { 0 };
                 let blocks = before | ahead.fold(0, |all, slab| all | slab.blocks) & alive;

@@ -84,6 +84,28 @@ impl Decoder {
         all
     }
 
+    /// Smallest and largest sample of the level.
+    pub fn range(&self) -> [f32; 2] {
+        let [nx, ny, nz] = core::Decoder::size(self);
+        let ranges = parallel::map(nz.div_ceil(SIDE), |layer| {
+            let zs = layer * SIDE..((layer + 1) * SIDE).min(nz);
+            let mut range = [f32::INFINITY, f32::NEG_INFINITY];
+            for y in (0..ny).step_by(SIDE) {
+                for x in (0..nx).step_by(SIDE) {
+                    let ranges = [x..(x + SIDE).min(nx), y..(y + SIDE).min(ny), zs.clone()];
+                    self.with_box(&ranges, |part| {
+                        let rows = (0..part.n[2]).flat_map(|k| (0..part.n[1]).map(move |j| part.row(j, k)));
+                        for s in rows.flatten() {
+                            range = [range[0].min(*s), range[1].max(*s)];
+                        }
+                    });
+                }
+            }
+            range
+        });
+        ranges.into_iter().fold([f32::INFINITY, f32::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
     /// Calls `use_it` with the samples of a box.
     fn with_box<T>(&self, ranges: &[Range<usize>; 3], use_it: impl FnOnce(&Part) -> T) -> T {
         thread_local!(static SCRATCH: RefCell<Vec<Scratch>> = const { RefCell::new(Vec::new()) });

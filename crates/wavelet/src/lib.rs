@@ -37,6 +37,7 @@
 //! assert!(c.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 1e-2));
 //! ```
 
+mod coarse;
 mod decode;
 mod family;
 pub mod lifting;
@@ -53,6 +54,7 @@ mod taps;
 mod transform;
 mod volume;
 
+pub use coarse::{Coarse, LevelGrid};
 pub use decode::Decoder;
 pub use family::Family;
 pub use norm::{Norm, from_amplitudes, to_amplitudes};
@@ -62,4 +64,4 @@ pub use sample::Sample;
 pub use step::Step;
 pub use taps::Tap;
 pub use transform::{analyse, analyse_level, synthesise, synthesise_level, synthesise_to};
-pub use volume::{Keep, WaveletVolume};
+pub use volume::{Keep, Parts, WaveletVolume};

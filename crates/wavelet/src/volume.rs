@@ -13,7 +13,7 @@ use wavesplat_compute::parallel;
 
 use crate::family::Family;
 use crate::norm::{Norm, from_amplitudes, to_amplitudes};
-use crate::plan::Plan;
+use crate::plan::{Plan, max_levels};
 use crate::transform::{analyse, synthesise};
 
 /// Sides of a block.
@@ -43,6 +43,26 @@ pub struct WaveletVolume {
     threshold: f64,
     /// Subbands 1 to 7 of each level, the finest first, then the low box of the last level.
     bands: Vec<Band>,
+}
+
+/// A wavelet volume as plain arrays, to be stored: bands one after the other, the finest first, as [`WaveletVolume`] has
+/// them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts {
+    /// The family.
+    pub family: Family,
+    /// Samples along x, y, z.
+    pub size: [usize; 3],
+    /// Levels of details.
+    pub n_levels: usize,
+    /// The amplitude below which coefficients were dropped.
+    pub threshold: f64,
+    /// For each block of 8 x 8 x 8 coefficients whether it keeps any, 0 or 1.
+    pub has_block: Vec<u8>,
+    /// For each block that does eight words, one per slice: a bit per coefficient, x first.
+    pub masks: Vec<u64>,
+    /// The coefficients, in the order of the bits.
+    pub values: Vec<f32>,
 }
 
 /// Retained coefficients of a subband.
@@ -138,6 +158,67 @@ impl WaveletVolume {
             n[band.level] += band.values.len();
         }
         n
+    }
+
+    /// As plain arrays.
+    pub fn to_parts(&self) -> Parts {
+        let all = || self.bands.iter();
+        Parts {
+            family: self.plan.family(),
+            size: self.plan.size(),
+            n_levels: self.plan.n_levels(),
+            threshold: self.threshold,
+            has_block: all().flat_map(|band| &band.blocks).map(|place| u8::from(*place != EMPTY)).collect(),
+            masks: all().flat_map(|band| &band.kept).flat_map(|block| block.masks).collect(),
+            values: all().flat_map(|band| &band.values).copied().collect(),
+        }
+    }
+
+    /// From plain arrays; says what does not fit together.
+    pub fn from_parts(parts: Parts) -> Result<Self, &'static str> {
+        let Parts { family, size, n_levels, threshold, has_block, masks, values } = parts;
+        if size.contains(&0) || size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m)).is_none() {
+            return Err("the size is not that of a volume");
+        }
+        if n_levels > max_levels(family, size) {
+            return Err("there are more levels than the size has");
+        }
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err("a coefficient is not a finite number");
+        }
+        let plan = Plan::new(family, size, Some(n_levels));
+        let mut has_block = has_block.into_iter();
+        let (masks, rest) = masks.as_chunks::<BLOCK>();
+        let mut masks = masks.iter();
+        let mut values = values.as_slice();
+        let mut bands = Vec::new();
+        for (level, number, ranges) in places(&plan) {
+            let mut band = Band { number, ranges, level, blocks: Vec::new(), kept: Vec::new(), values: Vec::new() };
+            let mut n_values = 0;
+            for [xs, ys, zs] in blocks_of(&band.ranges) {
+                if has_block.next().ok_or("there are too few blocks")? == 0 {
+                    band.blocks.push(EMPTY);
+                    continue;
+                }
+                let masks = *masks.next().ok_or("there are too few words of bits")?;
+                let is_inside = |bit: usize| bit % BLOCK < xs.len() && bit / BLOCK < ys.len();
+                let inside = (0..64).filter(|bit| is_inside(*bit)).fold(0, |all, bit| all | 1_u64 << bit);
+                if masks.iter().enumerate().any(|(k, mask)| mask & !if k < zs.len() { inside } else { 0 } != 0) {
+                    return Err("a bit lies outside its band");
+                }
+                band.blocks.push(band.kept.len() as u32);
+                band.kept.push(Block { masks, start: n_values });
+                n_values += masks.iter().map(|mask| mask.count_ones() as usize).sum::<usize>();
+            }
+            let (own, others) = values.split_at_checked(n_values).ok_or("there are too few coefficients")?;
+            band.values = own.to_vec();
+            values = others;
+            bands.push(band);
+        }
+        if has_block.next().is_some() || masks.next().is_some() || !rest.is_empty() || !values.is_empty() {
+            return Err("something is left over");
+        }
+        Ok(Self { plan, threshold, bands })
     }
 
     /// All coefficients in the layout of the plan, zeros where nothing is kept. `weights`: a factor for each level's

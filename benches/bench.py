@@ -20,7 +20,6 @@ import dataclasses
 import datetime as dt
 import json
 import os
-import platform
 import re
 import resource
 import statistics
@@ -33,6 +32,9 @@ from pathlib import Path
 from typing import Any
 
 import scenes
+
+sys.path.append(str(scenes.ROOT / "studies"))
+import machine
 
 ROOT = scenes.ROOT
 RECORDS = ROOT / "benches" / "records"
@@ -150,15 +152,6 @@ def table(rows: list[tuple[scenes.Case, str, dict[str, Any], dict[str, float]]])
     return "\n".join(lines)
 
 
-def machine() -> str:
-    """Cores and processor."""
-    cpuinfo = Path("/proc/cpuinfo")
-    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
-    found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)
-    widest = next((f", {name}" for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "")
-    return f"{os.cpu_count()} cores, {found[1] if found else platform.machine()}{widest}"
-
-
 def record(text: str) -> None:
     """Keep the table, and a short form in the README."""
     commit = subprocess.run(
@@ -167,7 +160,7 @@ def record(text: str) -> None:
     day = f"{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}"
     RECORDS.mkdir(exist_ok=True)
     (RECORDS / f"{day}.md").write_text(
-        f"# Frames\n\n{day}, {machine()}, commit {commit}.\n"
+        f"# Frames\n\n{day}, {machine.describe()}, commit {commit}.\n"
         f'Command: `make bench BENCH="{" ".join(sys.argv[1:])}"`.\n'
         f"How it is measured stands at the head of `bench.py`, what is drawn in `cases.toml`.\n\n{text}\n",
         encoding="utf-8",

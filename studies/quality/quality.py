@@ -24,8 +24,6 @@ import datetime as dt
 import hashlib
 import json
 import math
-import os
-import platform
 import re
 import sys
 import time
@@ -39,6 +37,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import wavesplat as ws
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+import machine
 
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = ROOT / ".cache" / "quality"
@@ -262,22 +263,13 @@ def as_markdown(lines: list[list[str]]) -> str:
     return "\n".join([heading, "|" + " --- |" * len(lines[0]), *body])
 
 
-def machine() -> str:
-    """Cores and processor."""
-    cpuinfo = Path("/proc/cpuinfo")
-    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
-    found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)
-    widest = next((f", {name}" for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "")
-    return f"{os.cpu_count()} cores, {found[1] if found else platform.machine()}{widest}"
-
-
 def record(scores: dict[Case, dict[str, Score]], size_px: int) -> None:
     """Keep the tables in the repository."""
     lines, _ = table(scores, "projection")
     RESULTS.write_text(
         f"""# Fast renderer against converged pictures
 
-{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine()}, {size_px} x {size_px} pixels.
+{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
 Command: `make quality QUALITY="{" ".join(sys.argv[1:])}"`.
 What is compared, and how, stands at the head of `quality.py`.
 A row shows the lowest PSNR and the largest mean absolute error, in grey levels of 255, of three oblique views.

@@ -1,4 +1,4 @@
-"""Time and quality of the frames of `cases.toml`, ours and VTK's in turn; `make bench` runs this.
+"""Time, quality and memory of the frames of `cases.toml`, ours and VTK's in turn; `make bench` runs this.
 
 Every row is a fresh process: one frame is thrown away, then the camera turns by 0.3 degrees from frame to frame. CPU
 milliseconds are those of the whole process per frame, the median over the frames; the picture that is compared is the
@@ -9,15 +9,17 @@ shows the lowest median of the rounds.
 
 `--against REVISION` adds rows of our renderer as it was at a git revision, built into `.cache/bench`.
 
-`--record` writes the table, with date, machine, command and commit, to `records/` beside this file and, of the group
-"goals", its short form into the README.
+`--only scaling` shows how time grows with the task (`growth.py`), `--only large` also how much memory a large volume
+takes: the peak of the whole process, less what it held before that volume was made of a small one.
+
+`--record` writes the tables, with date, machine, command and commit, to `records/` beside this file and the group
+"goals" into the README.
 """
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
-import datetime as dt
 import json
 import os
 import re
@@ -27,18 +29,18 @@ import subprocess
 import sys
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import growth
+import records
 import scenes
 
-sys.path.append(str(scenes.ROOT / "studies"))
-import machine
-
 ROOT = scenes.ROOT
-RECORDS = ROOT / "benches" / "records"
 N_FRAMES = 7
+
+Job = tuple[scenes.Case, str, dict[str, Any]]
 
 
 def measure(draw: Callable[[float], Any]) -> dict[str, float]:
@@ -56,8 +58,9 @@ def measure(draw: Callable[[float], Any]) -> dict[str, float]:
 def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
     """Our renderer."""
     result = measure(lambda turn: scenes.render(case, turn, **settings))
-    picture = scenes.render(case, **settings)
-    if case.composite == "over":
+    result["samples_mib"] = scenes.load(case.volume, case.grid).samples.nbytes / 2**20
+    if case.compared and case.composite == "over":
+        picture = scenes.render(case, **settings)
         result["psnr_db"], result["levels"] = scenes.errors(scenes.over_black(picture.rgba), scenes.converged(case))
     return result
 
@@ -78,9 +81,20 @@ ENGINES = {"wavesplat": run_wavesplat, "vtk": run_vtk}
 def one_row(request: str) -> None:
     """What the fresh process does."""
     asked = json.loads(request)
-    result = ENGINES[asked["engine"]](scenes.Case(**asked["case"]), asked["settings"])
+    case = scenes.Case(**asked["case"])
+    result = {}
+    if case.grid != "own":
+        scenes.load(case.volume)
+        result["start_mib"] = rss_mib()
+    result |= ENGINES[asked["engine"]](case, asked["settings"])
     result["rss_mib"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(json.dumps(result))
+
+
+def rss_mib() -> float:
+    """Memory of this process now, where Linux tells it."""
+    statm = Path("/proc/self/statm")
+    return int(statm.read_text().split()[1]) * resource.getpagesize() / 2**20 if statm.exists() else 0.0
 
 
 def fresh_process(engine: str, case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
@@ -128,18 +142,24 @@ def has_vtk() -> bool:
     return subprocess.run([sys.executable, "-c", "import vtkmodules"], capture_output=True, check=False).returncode == 0
 
 
+def jobs_of(case: scenes.Case, engines: Sequence[str], *, vtk: bool) -> list[Job]:
+    """What is run for a case: our engines with all its settings, and VTK where it can draw the same."""
+    jobs: list[Job] = [(case, engine, settings) for settings in case.settings for engine in engines]
+    if vtk and case.rival and case.composite == "over" and case.kernel == "linear":
+        jobs.append((case, "vtk", {"sample_distance": 1.0 if case.curve == "soft" else 0.5}))
+    return jobs
+
+
 def describe(engine: str, settings: dict[str, Any]) -> str:
     """An engine and its settings in a few words."""
     words = [f"{name.replace('_', ' ')} {value}" for name, value in settings.items()]
     return ", ".join([engine, *words])
 
 
-def table(rows: list[tuple[scenes.Case, str, dict[str, Any], dict[str, float]]]) -> str:
-    """A Markdown table."""
-    lines = [
-        "| case | engine | CPU ms | goal | wall ms | PSNR, dB | goal | levels | peak RSS, MiB |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
-    ]
+def table(rows: Sequence[growth.Row]) -> str:
+    """A Markdown table of pictures drawn for their own sake."""
+    headings = ["case", "engine", "CPU ms", "goal", "wall ms", "PSNR, dB", "goal", "levels", "peak RSS, MiB"]
+    lines = []
     for case, engine, settings, result in rows:
         ours = engine.startswith("wavesplat")
         goals = [case.goal_cpu_ms if ours else None, case.goal_psnr if ours else None]
@@ -148,28 +168,23 @@ def table(rows: list[tuple[scenes.Case, str, dict[str, Any], dict[str, float]]])
         levels = f"{result['levels']:.2f}" if "levels" in result else ""
         cells = [case.label, describe(engine, settings), f"{result['cpu_ms']:.1f}", cpu_goal]
         cells += [f"{result['wall_ms']:.1f}", psnr, psnr_goal, levels, f"{result['rss_mib']:.0f}"]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append(cells)
+    return growth.as_markdown(headings, lines)
 
 
-def record(text: str) -> None:
-    """Keep the table, and a short form in the README."""
-    commit = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=False, cwd=ROOT
-    ).stdout.strip()
-    day = f"{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}"
-    RECORDS.mkdir(exist_ok=True)
-    (RECORDS / f"{day}.md").write_text(
-        f"# Frames\n\n{day}, {machine.describe()}, commit {commit}.\n"
-        f'Command: `make bench BENCH="{" ".join(sys.argv[1:])}"`.\n'
-        f"How it is measured stands at the head of `bench.py`, what is drawn in `cases.toml`.\n\n{text}\n",
-        encoding="utf-8",
-    )
+def tables(rows: Sequence[growth.Row]) -> str:
+    """One table for each kind of case."""
+    of_pictures = [row for row in rows if not row[0].change]
+    of_time = [row for row in rows if row[0].change and row[0].group == "scaling"]
+    of_memory = [row for row in rows if row[0].change and row[0].group == "large"]
+    parts = [(table, of_pictures), (growth.time_table, of_time), (growth.memory_table, of_memory)]
+    return "\n\n".join(make(chosen) for make, chosen in parts if chosen)
+
+
+def show_in_readme(rows: Sequence[growth.Row]) -> None:
+    """Put the table of the goals into the README."""
     readme = ROOT / "README.md"
-    goals = {case.label for case in scenes.cases() if case.group == "goals"}
-    lines = text.splitlines()
-    short = lines[:2] + [line for line in lines[2:] if line.split("|")[1].strip() in goals]
-    block = "<!-- bench -->\n\n" + "\n".join(short) + "\n\n<!-- /bench -->"
+    block = f"<!-- bench -->\n\n{table(rows)}\n\n<!-- /bench -->"
     content = readme.read_text(encoding="utf-8")
     content = re.sub(r"<!-- bench -->.*<!-- /bench -->", lambda _: block, content, flags=re.DOTALL)
     readme.write_text(content, encoding="utf-8")
@@ -185,7 +200,9 @@ def main() -> int:
         "--against", action="append", default=[], metavar="REVISION", help="also our renderer at a git revision"
     )
     parser.add_argument("--rounds", type=int, default=2, help="turns of all engines; 2 if not given")
-    parser.add_argument("--record", action="store_true", help="keep the table in benches/records and the README")
+    parser.add_argument(
+        "--record", action="store_true", help="keep the tables in benches/records, the goals in the README"
+    )
     parser.add_argument("--row", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.row:
@@ -203,13 +220,10 @@ def main() -> int:
     vtk = has_vtk()
     if not vtk:
         print("VTK is not installed, its rows are left out: pip install vtk", file=sys.stderr)
-    jobs: list[tuple[scenes.Case, str, dict[str, Any]]] = []
+    jobs: list[Job] = []
     for case in chosen:
-        if case.volume in left_out:
-            continue
-        jobs += [(case, engine, settings) for settings in case.settings for engine in ("wavesplat", *others)]
-        if vtk and case.rival and case.composite == "over" and case.kernel == "linear":
-            jobs.append((case, "vtk", {"sample_distance": 1.0 if case.curve == "soft" else 0.5}))
+        if case.volume not in left_out:
+            jobs += jobs_of(case, ["wavesplat", *others], vtk=vtk)
     results: list[list[dict[str, float]]] = [[] for _ in jobs]
     for round_idx in range(options.rounds):
         for job_idx, (case, engine, settings) in enumerate(jobs):
@@ -221,10 +235,13 @@ def main() -> int:
         (case, engine, settings, min(found, key=lambda result: result["cpu_ms"]))
         for (case, engine, settings), found in zip(jobs, results, strict=True)
     ]
-    text = table(rows)
+    text = tables(rows)
     print(text)
     if options.record:
-        record(text)
+        records.keep(f'make bench BENCH="{" ".join(sys.argv[1:])}"', text)
+        goals = [row for row in rows if row[0].group == "goals"]
+        if goals:
+            show_in_readme(goals)
     return 0
 
 

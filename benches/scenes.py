@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -49,10 +49,17 @@ class Case:
     rival: bool = True
     goal_cpu_ms: float | None = None
     goal_psnr: float | None = None
+    # Of cases that show how time and memory grow. Not in the name of the converged picture, which they do not have.
+    change: str = field(default="", repr=False)
+    grid: str = field(default="own", repr=False)
+    at_most: float | None = field(default=None, repr=False)
+    compared: bool = field(default=True, repr=False)
 
     @property
     def label(self) -> str:
         """Volume and curve, and what departs from the defaults."""
+        if self.change:
+            return f"{self.volume} {self.curve}: {self.change}"
         names = ("view", "projection", "size", "threads", "kernel", "composite")
         parts = [str(getattr(self, n)) for n in names if getattr(self, n) != DEFINITIONS["defaults"][n]]
         return " ".join([self.volume, self.curve, *parts])
@@ -65,7 +72,10 @@ class Case:
 
 def cases() -> list[Case]:
     """All cases, in order."""
-    return [Case(**{**DEFINITIONS["defaults"], **case}) for case in DEFINITIONS["cases"]]
+    growth = DEFINITIONS["growth"]
+    base = {**growth["base"], "volume": next(filter(is_available, growth["volumes"]))}
+    grown = [{**base, **case} for case in growth["cases"]]
+    return [Case(**{**DEFINITIONS["defaults"], **case}) for case in [*DEFINITIONS["cases"], *grown]]
 
 
 def is_available(volume: str) -> bool:
@@ -75,8 +85,10 @@ def is_available(volume: str) -> bool:
 
 
 @cache
-def load(name: str) -> ws.Volume:
+def load(name: str, grid: str = "own") -> ws.Volume:
     """A volume, windowed to 8 bits, its first sample at the origin and its axes along the world's."""
+    if grid != "own":
+        return GRIDS[grid](load(name))
     definition = DEFINITIONS["volumes"][name]
     if "ripples" in definition:
         source = ws.examples.ripples(definition["ripples"])
@@ -90,6 +102,28 @@ def load(name: str) -> ws.Volume:
     return ws.Volume(np.clip(levels, 0, 255).astype(np.uint8), spacing=spacing, name=name)
 
 
+def twice_the_slices(volume: ws.Volume) -> ws.Volume:
+    """The same densities, up to their rounding, with one more slice across z between any two."""
+    slices = volume.samples.astype(np.uint16)
+    fine = np.empty((2 * len(slices) - 1, *slices.shape[1:]), np.uint8)
+    fine[::2] = slices
+    fine[1::2] = (slices[:-1] + slices[1:] + 1) // 2
+    x, y, z = volume.spacing
+    return ws.Volume(fine, spacing=(x, y, z / 2), name=volume.name)
+
+
+def tiled(volume: ws.Volume, n: int = 1024) -> ws.Volume:
+    """The volume again and again, `n` samples along each axis, made without a second large array."""
+    samples, along = volume.samples, np.arange(n)
+    large = np.empty((n, n, n), np.uint8)
+    for z in range(n):
+        large[z] = samples[z % len(samples)].take(along, 0, mode="wrap").take(along, 1, mode="wrap")
+    return ws.Volume(large, spacing=volume.spacing, name=volume.name)
+
+
+GRIDS = {"twice the slices": twice_the_slices, "1024": tiled}
+
+
 def transfer_function(case: Case) -> ws.TransferFunction:
     """The curves of a case."""
     definition, curves = DEFINITIONS["volumes"][case.volume], DEFINITIONS["curves"]
@@ -99,6 +133,8 @@ def transfer_function(case: Case) -> ws.TransferFunction:
         return ws.TransferFunction(
             [(0, 0), (t - 1, 0), (t, 1), (255, 1)], [tuple(c) for c in curves["hard_colors"]], opacity_unit=unit
         )
+    if case.curve == "invisible":
+        return ws.TransferFunction([(0, 0), (255, 0)], [tuple(c) for c in curves["soft_colors"]], opacity_unit=unit)
     lo, hi = definition["ramp"]
     opacity = [(0, 0), (lo, 0), (hi, 0.05), (255, 0.2)]
     return ws.TransferFunction(opacity, [tuple(c) for c in curves["soft_colors"]], opacity_unit=unit)
@@ -106,7 +142,7 @@ def transfer_function(case: Case) -> ws.TransferFunction:
 
 def camera(case: Case, turn_deg: float = 0.0) -> ws.Camera:
     """The view of a case, turned about the vertical."""
-    volume = load(case.volume)
+    volume = load(case.volume, case.grid)
     extent = (np.array(volume.samples.shape[::-1]) - 1) * volume.spacing
     azimuth, elevation = DEFINITIONS["views"][case.view]
     az, el = math.radians(azimuth + turn_deg), math.radians(elevation)
@@ -122,7 +158,7 @@ def camera(case: Case, turn_deg: float = 0.0) -> ws.Camera:
 def render(case: Case, turn_deg: float = 0.0, **settings: Any) -> ws.Picture:
     """The picture by the fast renderer."""
     return ws.render(
-        load(case.volume),
+        load(case.volume, case.grid),
         transfer_function(case),
         camera(case, turn_deg),
         size=(case.size, case.size),

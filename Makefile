@@ -20,7 +20,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality bench instructions clean \
+.PHONY: help demo test check fmt quality bench roofline instructions clean \
 	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -44,6 +44,9 @@ quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 1
 
 bench: $(STAMPS)/bench ## time frames, ours and VTK's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
+
+roofline: $(STAMPS)/package ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
+	BENCH_DATA=$(BENCH_DATA) python benches/roofline.py $(ROOFLINE)
 
 instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
 	cargo build --locked --release -p wavesplat-splat --example frames

@@ -73,9 +73,14 @@ class Case:
 def cases() -> list[Case]:
     """All cases, in order."""
     growth = DEFINITIONS["growth"]
-    base = {**growth["base"], "volume": next(filter(is_available, growth["volumes"]))}
+    base = {**growth["base"], "volume": growth_volume()}
     grown = [{**base, **case} for case in growth["cases"]]
     return [Case(**{**DEFINITIONS["defaults"], **case}) for case in [*DEFINITIONS["cases"], *grown]]
+
+
+def growth_volume() -> str:
+    """What the cases of growth are drawn from."""
+    return next(filter(is_available, DEFINITIONS["growth"]["volumes"]))
 
 
 def is_available(volume: str) -> bool:

@@ -24,6 +24,7 @@ import json
 import os
 import re
 import resource
+import shlex
 import statistics
 import subprocess
 import sys
@@ -238,7 +239,7 @@ def main() -> int:
     text = tables(rows)
     print(text)
     if options.record:
-        records.keep(f'make bench BENCH="{" ".join(sys.argv[1:])}"', text)
+        records.keep(f'make bench BENCH="{shlex.join(sys.argv[1:])}"', text)
         goals = [row for row in rows if row[0].group == "goals"]
         if goals:
             show_in_readme(goals)

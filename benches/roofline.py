@@ -13,6 +13,7 @@ import dataclasses
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -146,7 +147,7 @@ def main() -> int:
         text += f"\n\n{table(label, limit)}"
     print(text)
     if options.record:
-        records.keep(f'make roofline ROOFLINE="{" ".join(sys.argv[1:])}"', text)
+        records.keep(f'make roofline ROOFLINE="{shlex.join(sys.argv[1:])}"', text)
     return 0
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Camera",
+    "DecodedVolume",
     "Shading",
     "TransferFunction",
     "Volume",
@@ -59,6 +60,30 @@ class WaveletVolume:
     @property
     def n_bytes(self) -> int: ...
     def samples(self, weights: Sequence[float]) -> NDArray[np.float32]: ...
+    @property
+    def shape(self) -> tuple[int, int, int]: ...
+    def parts(self) -> tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.float32]]: ...
+    @staticmethod
+    def from_parts(
+        shape: tuple[int, int, int],
+        family: str,
+        levels: int,
+        threshold: float,
+        has_block: NDArray[np.uint8],
+        masks: NDArray[np.uint64],
+        values: NDArray[np.float32],
+    ) -> WaveletVolume: ...
+    def decoded(
+        self, level: int, weights: Sequence[float], world_from_index: NDArray[np.float64], name: str, cache_bytes: int
+    ) -> DecodedVolume: ...
+
+@final
+class DecodedVolume:
+    """A level of a WaveletVolume, decoded as it is drawn; `every` gives every n-th sample [z, y, x]."""
+
+    @property
+    def value_range(self) -> tuple[float, float]: ...
+    def every(self, step: int) -> NDArray[np.float32]: ...
 
 @final
 class TransferFunction:
@@ -100,7 +125,7 @@ class Shading:
     ) -> Shading: ...
 
 def render(
-    volume: Volume,
+    volume: Volume | DecodedVolume,
     transfer_function: TransferFunction,
     camera: Camera,
     *,
@@ -150,5 +175,7 @@ def splat_literal(
     sheets_per_slice: float,
     threads: int | None,
 ) -> NDArray[np.float32]: ...
-def quality_settings(name: str, volume: Volume, transfer_function: TransferFunction) -> tuple[float, float]: ...
+def quality_settings(
+    name: str, volume: Volume | DecodedVolume, transfer_function: TransferFunction
+) -> tuple[float, float]: ...
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...

@@ -16,7 +16,7 @@ from wavesplat.options import VIEWS
 from wavesplat.vectors import Vector, vector
 
 if TYPE_CHECKING:
-    from wavesplat.volume import Volume
+    from wavesplat.grid import Grid
 
 __all__ = ["Camera"]
 
@@ -79,7 +79,7 @@ class Camera:
     @classmethod
     def orbit(
         cls,
-        volume: Volume,
+        volume: Grid,
         azimuth: float = 0.0,
         elevation: float = 0.0,
         *,
@@ -91,7 +91,7 @@ class Camera:
 
         Parameters
         ----------
-        volume : Volume
+        volume : Volume or WaveletVolume
             What to look at; the middle of its box is the focal point.
         azimuth : float, degrees
             0 is the anterior view: the eye on +y of the RAS world, looking towards -y, +z up.
@@ -136,13 +136,13 @@ class Camera:
 
     @classmethod
     def view(
-        cls, volume: Volume, name: str, *, zoom: float = 1.0, view_angle: float | None = None, aspect: float = 1.0
+        cls, volume: Grid, name: str, *, zoom: float = 1.0, view_angle: float | None = None, aspect: float = 1.0
     ) -> Camera:
         """Camera of a named anatomical view, with the whole volume just in view.
 
         Parameters
         ----------
-        volume : Volume
+        volume : Volume or WaveletVolume
             What to look at.
         name : str
             "anterior", "posterior", "left", "right", "superior" or "inferior": where the eye is.

@@ -10,6 +10,7 @@ Percentiles stand in for smallest and largest so that a hot pixel or a metal imp
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from wavesplat.errors import ArgumentError
 from wavesplat.transfer_function import TransferFunction
+from wavesplat.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
     from wavesplat.volume import Volume
@@ -38,7 +40,7 @@ PROJECTIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-def auto(volume: Volume, composite: str) -> TransferFunction:
+def auto(volume: Volume | WaveletVolume, composite: str) -> TransferFunction:
     """See `TransferFunction.auto`."""
     low, high = volume.value_range
     if not low < high:
@@ -48,10 +50,12 @@ def auto(volume: Volume, composite: str) -> TransferFunction:
         )
     if composite in PROJECTIONS:
         return _grey_ramp(_projected(volume, composite))
+    if isinstance(volume, WaveletVolume) and volume.is_detail:
+        return _signed(volume)
     return _veil_and_solid(_finite(_subsampled(volume)))
 
 
-def robust_range(volume: Volume) -> tuple[float, float]:
+def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """Values that count as smallest and largest: the 0.1 and 99.9 percentiles, or the extremes if those are equal."""
     return _robust_range(_finite(_subsampled(volume)))
 
@@ -63,10 +67,9 @@ def _robust_range(values: NDArray[np.float64]) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _subsampled(volume: Volume) -> NDArray[Any]:
+def _subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
     """Every n-th sample along each axis, [z, y, x]."""
-    step = max(1, int(np.ceil((volume.samples.size / N_SAMPLES_MAX) ** (1 / 3))))
-    return volume.samples[::step, ::step, ::step]
+    return volume._every(max(1, int(np.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))))
 
 
 def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
@@ -94,6 +97,11 @@ def _veil_and_solid(values: NDArray[np.float64]) -> TransferFunction:
     return TransferFunction(opacity, color)
 
 
+def _signed(volume: WaveletVolume) -> TransferFunction:
+    """Details: what is as large as the largest thousandth is solid."""
+    return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
+
+
 def _otsu(values: NDArray[np.float64], low: float, high: float) -> float:
     """The threshold that parts the values into the two classes with the largest variance between their square roots."""
     roots = np.sqrt(np.clip((values - low) / (high - low), 0.0, 1.0))
@@ -110,7 +118,7 @@ def _otsu(values: NDArray[np.float64], low: float, high: float) -> float:
     return float(low + edges[1:-1][best[len(best) // 2]] ** 2 * (high - low))
 
 
-def _projected(volume: Volume, composite: str) -> NDArray[np.float64]:
+def _projected(volume: Volume | WaveletVolume, composite: str) -> NDArray[np.float64]:
     """What a projection along each of the three index axes gives, all pixels together."""
     samples = _subsampled(volume).astype(np.float64)
     samples[~np.isfinite(samples)] = np.nan

@@ -10,6 +10,7 @@ from wavesplat import _native, colors
 from wavesplat.camera import Camera
 from wavesplat.crop import Crop
 from wavesplat.errors import ArgumentError
+from wavesplat.grid import Grid
 from wavesplat.options import Composite, Kernel, Quality
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
@@ -84,9 +85,11 @@ def render(
         takes as long as a few frames: give what the report holds to the frames that follow. `expected_psnr_db` there is
         mostly less than what is reached, and less than what was asked for where nothing reaches that.
     drop_levels : int
-        Of a WaveletVolume: leave out the details of this many levels, the finest first.
+        Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its own
+        resolution, with fewer sheets and texels (semi-orthogonal families: at the full one).
     band_weights : sequence of float, optional
-        Of a WaveletVolume: a factor for each level's details, the finest first, and for the coarsest samples.
+        Of a WaveletVolume: a factor for each level's details, the finest first, and for the coarsest samples. Without
+        these (weight 0) values are signed details, for which None makes a diverging transfer function.
     crop : Crop, optional
         Draw only this box.
     clip_planes : sequence of (point, normal)
@@ -131,15 +134,18 @@ def render(
     """
     width, height = checked_size(size)
     if isinstance(volume, WaveletVolume):
-        volume = volume._volume_to_draw(drop_levels, band_weights)
+        volume = volume.bands(band_weights)
+        drawn: _native.Volume | _native.DecodedVolume = volume._decoded(drop_levels)
     elif drop_levels != 0 or band_weights is not None:
         raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
+    else:
+        drawn = volume._core
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     curves = chosen_transfer_function(transfer_function, volume, composite)._core
-    default_sheets, default_oversampling = _native.quality_settings(quality, volume._core, curves)
+    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves)
     result = _native.render(
-        volume._core,
+        drawn,
         curves,
         chosen_camera(camera, volume, width / max(height, 1))._core,
         width=width,
@@ -162,7 +168,7 @@ def render(
 
 
 def chosen_transfer_function(
-    given: TransferFunction | str | None, volume: Volume, composite: str = "over"
+    given: TransferFunction | str | None, volume: Volume | WaveletVolume, composite: str = "over"
 ) -> TransferFunction:
     """The transfer function itself, or the one that a preset name or None stands for."""
     if isinstance(given, TransferFunction):
@@ -176,7 +182,7 @@ def chosen_transfer_function(
     )
 
 
-def chosen_camera(given: Camera | str | None, volume: Volume, aspect: float) -> Camera:
+def chosen_camera(given: Camera | str | None, volume: Grid, aspect: float) -> Camera:
     """The camera itself, or the one that a view's name or None stands for."""
     if isinstance(given, Camera):
         return given

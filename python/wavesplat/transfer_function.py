@@ -19,6 +19,7 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat.volume import Volume
+    from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = ["TransferFunction"]
 
@@ -76,7 +77,7 @@ class TransferFunction:
         return self._core.evaluate(np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64).ravel())
 
     @classmethod
-    def preset(cls, name: str, volume: Volume | None = None) -> TransferFunction:
+    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
         """A transfer function by name: what usually looks good on that kind of data.
 
         Parameters
@@ -103,13 +104,13 @@ class TransferFunction:
         return presets.preset(name, volume)
 
     @classmethod
-    def auto(cls, volume: Volume, composite: str = "over") -> TransferFunction:
+    def auto(cls, volume: Volume | WaveletVolume, composite: str = "over") -> TransferFunction:
         """A transfer function from the volume's histogram, for a first look at any kind of data.
 
         Parameters
         ----------
-        volume : Volume
-            CT, MR, microscopy, simulation: any range, any units.
+        volume : Volume or WaveletVolume
+            CT, MR, microscopy, simulation: any range, any units. Details alone get `diverging`.
         composite : str, default "over"
             The operator it is for; projections ("maximum", "minimum", "mean", "sum") get a grey ramp over the values
             that they project to.
@@ -130,7 +131,39 @@ class TransferFunction:
         return histogram.auto(volume, composite)
 
     @classmethod
-    def from_json(cls, text: str, volume: Volume | None = None) -> TransferFunction:
+    def diverging(cls, limit: float, *, opacity: float = 0.5) -> TransferFunction:
+        """Colours for signed values: blue below 0, red above, nothing near it.
+
+        Parameters
+        ----------
+        limit : float
+            Value, and minus it, of full colour and opacity.
+        opacity : float, default 0.5
+            Opacity there; from a tenth of the limit it rises evenly.
+
+        Raises
+        ------
+        ArgumentError
+            If the limit is not a positive finite number.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.TransferFunction.diverging(10).opacity
+        ((-10.0, 0.5), (-1.0, 0.0), (1.0, 0.0), (10.0, 0.5))
+        """
+        if not 0 < limit < float("inf"):
+            raise ArgumentError(f"limit is {limit}; give the value that gets full colour, a positive number")
+        near = 0.1 * limit
+        # Endpoints of Moreland's diverging map (2009), which keep their hue to the middle: pale colours hide in white.
+        blue, red = (0.23, 0.30, 0.75), (0.71, 0.02, 0.15)
+        return cls(
+            [(-limit, opacity), (-near, 0.0), (near, 0.0), (limit, opacity)],
+            [(-limit, *blue), (-near, 0.55, 0.69, 1.0), (near, 0.96, 0.6, 0.48), (limit, *red)],
+        )
+
+    @classmethod
+    def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
         """The transfer function that a JSON text describes, as `to_json` writes it.
 
         Parameters
@@ -164,7 +197,7 @@ class TransferFunction:
         return transfer_function_json.write(self)
 
     @classmethod
-    def load(cls, path: str | PathLike[str], volume: Volume | None = None) -> TransferFunction:
+    def load(cls, path: str | PathLike[str], volume: Volume | WaveletVolume | None = None) -> TransferFunction:
         """The transfer function in a JSON file; see `from_json`.
 
         Raises

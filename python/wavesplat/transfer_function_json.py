@@ -19,6 +19,7 @@ from wavesplat.transfer_function import TransferFunction
 
 if TYPE_CHECKING:
     from wavesplat.volume import Volume
+    from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = ["load", "parse", "write"]
 
@@ -37,7 +38,7 @@ def write(transfer_function: TransferFunction) -> str:
     return json.dumps(curves, indent=2) + "\n"
 
 
-def load(path: str | PathLike[str], volume: Volume | None) -> TransferFunction:
+def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None) -> TransferFunction:
     """The transfer function in a file."""
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -53,7 +54,7 @@ def load(path: str | PathLike[str], volume: Volume | None) -> TransferFunction:
         raise ArgumentError(f"{error}: {path}") from None
 
 
-def parse(text: str, volume: Volume | None) -> TransferFunction:
+def parse(text: str, volume: Volume | WaveletVolume | None) -> TransferFunction:
     """The transfer function in a JSON text."""
     try:
         document = json.loads(text)
@@ -94,7 +95,7 @@ def _check_fields(document: dict[str, Any]) -> None:
         )
 
 
-def _build(document: dict[str, Any], volume: Volume | None) -> TransferFunction:
+def _build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> TransferFunction:
     curves = TransferFunction(document["opacity"], document["color"], document.get("opacity_unit"))
     if document.get("values") != "fraction":
         return curves

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native, affine
 from wavesplat.errors import ArgumentError
+from wavesplat.grid import Grid
 
 __all__ = ["Volume"]
 
@@ -17,7 +18,7 @@ __all__ = ["Volume"]
 NATIVE_DTYPES = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
 
 
-class Volume:
+class Volume(Grid):
     """A 3-D grid of scalar samples and its place in the world.
 
     Parameters
@@ -48,7 +49,7 @@ class Volume:
     ((20, 30, 40), [19.5, 14.5, 28.5])
     """
 
-    __slots__ = ("_core", "_name", "_samples", "_world_from_index")
+    __slots__ = ("_core", "_samples")
 
     def __init__(
         self,
@@ -58,9 +59,10 @@ class Volume:
         world_from_index: ArrayLike | None = None,
         name: str = "volume",
     ) -> None:
-        self._name = str(name)
-        self._samples = _renderable(_as_array(samples), self._name)
-        self._world_from_index = _checked_affine(spacing, world_from_index, self._name)
+        name = str(name)
+        self._samples = _renderable(_as_array(samples), name)
+        n_z, n_y, n_x = self._samples.shape
+        super().__init__(name, (n_z, n_y, n_x), _checked_affine(spacing, world_from_index, name))
         # Built at once, so that what is wrong with a volume is said where the volume is made.
         self._core = _native.Volume(self._samples, self._world_from_index, self._name)
 
@@ -70,41 +72,9 @@ class Volume:
         return self._samples
 
     @property
-    def shape(self) -> tuple[int, int, int]:
-        """Number of samples along (z, y, x)."""
-        n_z, n_y, n_x = self._samples.shape
-        return n_z, n_y, n_x
-
-    @property
     def dtype(self) -> np.dtype[Any]:
         """The samples' type."""
         return self._samples.dtype
-
-    @property
-    def name(self) -> str:
-        """What messages call the volume."""
-        return self._name
-
-    @property
-    def world_from_index(self) -> NDArray[np.float64]:
-        """Affine from the index (x, y, z) of a sample to the world, shape (4, 4), read-only."""
-        return self._world_from_index
-
-    @property
-    def spacing(self) -> tuple[float, float, float]:
-        """Distances between neighbouring samples along x, y, z, in world units."""
-        x, y, z = (float(step) for step in affine.spacing_of(self._world_from_index))
-        return x, y, z
-
-    @property
-    def bounds(self) -> NDArray[np.float64]:
-        """Corners (lower, upper) of the world box around all sample centres, shape (2, 3), as (x, y, z)."""
-        return affine.world_bounds(self._world_from_index, self.shape)
-
-    @property
-    def orientation(self) -> str:
-        """Where the index axes x, y, z point in the RAS world, to the nearest axis: "RAS", "LPS", ..."""
-        return affine.axis_codes(self._world_from_index)
 
     @property
     def value_range(self) -> tuple[float, float]:
@@ -115,6 +85,10 @@ class Volume:
     def n_nonfinite(self) -> int:
         """How many samples are NaN or infinite; they are drawn as empty."""
         return self._core.n_nonfinite
+
+    def _every(self, step: int) -> NDArray[Any]:
+        """Every n-th sample along each axis, [z, y, x]."""
+        return self._samples[::step, ::step, ::step]
 
     def __repr__(self) -> str:
         n_z, n_y, n_x = self.shape

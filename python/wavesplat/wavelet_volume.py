@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import zipfile
 from collections.abc import Sequence
+from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, FileError
+from wavesplat.grid import Grid
+from wavesplat.output import write_atomically
 from wavesplat.volume import Volume
 
 __all__ = ["WaveletVolume"]
@@ -18,10 +23,21 @@ __all__ = ["WaveletVolume"]
 NORMALISATIONS = ("l2", "peak")
 
 
-class WaveletVolume:
-    """A volume as its wavelet coefficients of large amplitude; made by `WaveletVolume.from_volume`.
+#: Bytes of decoded samples that are kept for the next picture, unless something else is asked for.
+CACHE_BYTES = 1 << 29
 
-    `render` draws it like a volume, all of it, only its coarse levels, or only details of chosen sizes.
+#: Levels and bands whose decoded samples are kept at a time.
+N_DECODED = 2
+
+#: What a file of coefficients says of itself.
+FORMAT, FORMAT_VERSION = "wavesplat wavelets", 1
+
+
+class WaveletVolume(Grid):
+    """A volume as its wavelet coefficients of large amplitude; made by `WaveletVolume.from_volume`, or loaded.
+
+    `render` draws it like a volume, all of it, only its coarse levels, or only details of chosen sizes; it decodes what
+    it looks at, and keeps at most `cache_bytes` of that.
     Level 0 holds the finest details, each further one details twice as large.
 
     Examples
@@ -32,16 +48,19 @@ class WaveletVolume:
     20.0
     """
 
-    __slots__ = ("_core", "_drawn", "_family", "_name", "_shape", "_world_from_index")
+    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_weights")
 
-    def __init__(self, core: _native.WaveletVolume, volume: Volume, family: str) -> None:
+    def __init__(
+        self, core: _native.WaveletVolume, name: str, world_from_index: NDArray[np.float64], family: str
+    ) -> None:
+        super().__init__(name, core.shape, world_from_index)
         self._core = core
         self._family = family
-        self._name = volume.name
-        self._shape = volume.shape
-        self._world_from_index = volume.world_from_index
-        #: The volume that was drawn last, and of which levels.
-        self._drawn: tuple[tuple[float, ...], Volume] | None = None
+        #: A factor for each level's details, and for the coarsest samples.
+        self._weights = (1.0,) * (core.n_levels + 1)
+        self._cache_bytes = CACHE_BYTES
+        #: What was drawn last, by levels left out and weights.
+        self._decoded_levels: dict[tuple[int, tuple[float, ...]], _native.DecodedVolume] = {}
 
     @classmethod
     def from_volume(
@@ -98,27 +117,12 @@ class WaveletVolume:
         core = _native.WaveletVolume(
             samples, family=family, keep=how, amount=amount, levels=levels, peak=normalisation == "peak"
         )
-        return cls(core, volume, family)
-
-    @property
-    def name(self) -> str:
-        """What messages call the volume."""
-        return self._name
+        return cls(core, volume.name, volume.world_from_index, family)
 
     @property
     def family(self) -> str:
         """The wavelets."""
         return self._family
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Samples along (z, y, x)."""
-        return self._shape
-
-    @property
-    def world_from_index(self) -> NDArray[np.float64]:
-        """Affine from the index (x, y, z) of a sample to the world, shape (4, 4)."""
-        return self._world_from_index
 
     @property
     def n_levels(self) -> int:
@@ -145,6 +149,28 @@ class WaveletVolume:
         """Bytes held for the coefficients and their places."""
         return self._core.n_bytes
 
+    @property
+    def cache_bytes(self) -> int:
+        """Bytes of decoded samples that are kept for the next picture; a smaller number takes longer to draw."""
+        return self._cache_bytes
+
+    @cache_bytes.setter
+    def cache_bytes(self, n_bytes: int) -> None:
+        if n_bytes < 0:
+            raise ArgumentError(f"cache_bytes is {n_bytes}; give 0 or more")
+        self._cache_bytes = int(n_bytes)
+        self._decoded_levels.clear()
+
+    @property
+    def is_detail(self) -> bool:
+        """Whether the coarsest samples are left out, so that values are details of both signs."""
+        return self._weights[-1] == 0
+
+    @property
+    def value_range(self) -> tuple[float, float]:
+        """Smallest and largest sample."""
+        return self._decoded().value_range
+
     def to_volume(self, *, drop_levels: int = 0, band_weights: Sequence[float] | None = None) -> Volume:
         """The volume that the coefficients stand for, float32, on the grid it was made from.
 
@@ -161,29 +187,134 @@ class WaveletVolume:
         ArgumentError
             If there are not as many levels, or a weight is not finite.
         """
-        weights = self._weights(drop_levels, band_weights)
-        return Volume(self._core.samples(list(weights)), world_from_index=self._world_from_index, name=self._name)
+        self._check_levels(drop_levels)
+        weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
+        return Volume(self._core.samples(weights), world_from_index=self._world_from_index, name=self._name)
 
-    def _volume_to_draw(self, drop_levels: int, band_weights: Sequence[float] | None) -> Volume:
-        """As `to_volume`; the one that was drawn last is kept."""
-        weights = self._weights(drop_levels, band_weights)
-        if self._drawn is None or self._drawn[0] != weights:
-            self._drawn = None
-            self._drawn = weights, self.to_volume(drop_levels=drop_levels, band_weights=band_weights)
-        return self._drawn[1]
+    def bands(self, weights: Sequence[float] | None) -> WaveletVolume:
+        """The same coefficients with a factor for each level's details, the finest first, and for the coarsest samples.
 
-    def _weights(self, drop_levels: int, band_weights: Sequence[float] | None) -> tuple[float, ...]:
+        Parameters
+        ----------
+        weights : sequence of float, or None
+            Those not given are 1. Weights that end in 0 for the coarsest samples leave signed details.
+
+        Raises
+        ------
+        ArgumentError
+            If there are more weights than levels and one, or a weight is not finite.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16), levels=2)
+        >>> wavelets.bands([0, 1, 0]).is_detail  # only details of the second size
+        True
+        """
+        if weights is None:
+            return self
+        given = [float(weight) for weight in weights]
         n = self.n_levels
-        if not 0 <= drop_levels <= n:
-            raise ArgumentError(f"drop_levels is {drop_levels}; {self._name!r} has {n} levels, so give 0 to {n}")
-        weights = [float(weight) for weight in (band_weights if band_weights is not None else ())]
-        if len(weights) > n + 1 or not all(math.isfinite(weight) for weight in weights):
+        if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):
             raise ArgumentError(
-                f"band_weights is {weights}; give at most {n + 1} finite numbers: one for each of the {n} levels of "
+                f"band_weights is {given}; give at most {n + 1} finite numbers: one for each of the {n} levels of "
                 f"{self._name!r}, the finest first, and one for the coarsest samples"
             )
-        weights += [1.0] * (n + 1 - len(weights))
-        return (0.0,) * drop_levels + tuple(weights[drop_levels:])
+        given += [1.0] * (n + 1 - len(given))
+        weighted = WaveletVolume(self._core, self._name, self._world_from_index, self._family)
+        weighted._weights = tuple(a * b for a, b in zip(self._weights, given, strict=True))
+        weighted._cache_bytes = self._cache_bytes
+        weighted._decoded_levels = self._decoded_levels
+        return weighted
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the coefficients to a file, `.wavelets`: a NumPy archive of what `load` needs.
+
+        Raises
+        ------
+        ArgumentError
+            If the name has another suffix.
+        FileError
+            If the file cannot be written.
+        """
+        if not str(path).endswith(".wavelets"):
+            raise ArgumentError(f"cannot save coefficients as {path}; give a name that ends in .wavelets")
+        has_block, masks, values = self._core.parts()
+        arrays = {
+            "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
+            "shape": np.array(self._shape),
+            "levels_and_threshold": np.array([self.n_levels, self.threshold]),
+            "weights": np.array(self._weights),
+            "world_from_index": self._world_from_index,
+            "has_block": np.packbits(has_block),
+            "n_blocks": np.array([has_block.size]),
+            "masks": masks,
+            "values": values,
+        }
+
+        def write(part: Any) -> None:
+            with open(part, "wb") as file:
+                np.savez_compressed(file, **arrays)
+
+        write_atomically(path, write)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> WaveletVolume:
+        """Coefficients that `save` wrote.
+
+        Raises
+        ------
+        FileError
+            If the file is not there, is not one of coefficients, or is damaged.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                arrays = {name: archive[name] for name in archive.files}
+            kind, version, family, name = (str(text) for text in arrays["format"])
+            if (kind, version) != (FORMAT, str(FORMAT_VERSION)):
+                raise FileError(f"this is {kind!r} version {version}; this program reads version 1: {path}")
+            levels, threshold = arrays["levels_and_threshold"]
+            n_z, n_y, n_x = (int(n) for n in arrays["shape"])
+            core = _native.WaveletVolume.from_parts(
+                (n_z, n_y, n_x),
+                family,
+                int(levels),
+                float(threshold),
+                np.unpackbits(arrays["has_block"], count=int(arrays["n_blocks"][0])),
+                arrays["masks"],
+                arrays["values"],
+            )
+            loaded = cls(core, name, arrays["world_from_index"], family).bands(arrays["weights"].tolist())
+        except FileNotFoundError:
+            raise FileError(f"there is no such file: {path}") from None
+        except OSError as error:
+            raise FileError(f"cannot read: {error.strerror or error}: {path}") from None
+        except (KeyError, ValueError, TypeError, OverflowError, zipfile.BadZipFile) as error:
+            raise FileError(f"this is not a file of wavelet coefficients, or it is damaged ({error}): {path}") from None
+        return loaded
+
+    def _every(self, step: int) -> NDArray[Any]:
+        """Every n-th sample along each axis, [z, y, x]."""
+        return self._decoded().every(step)
+
+    def _check_levels(self, drop_levels: int) -> None:
+        if not 0 <= drop_levels <= self.n_levels:
+            raise ArgumentError(
+                f"drop_levels is {drop_levels}; {self._name!r} has {self.n_levels} levels, so give 0 to {self.n_levels}"
+            )
+
+    def _decoded(self, drop_levels: int = 0) -> _native.DecodedVolume:
+        """A level, to be drawn; those drawn last are kept."""
+        self._check_levels(drop_levels)
+        key = drop_levels, self._weights
+        decoded = self._decoded_levels.pop(key, None)
+        if decoded is None:
+            while len(self._decoded_levels) >= N_DECODED:
+                del self._decoded_levels[next(iter(self._decoded_levels))]
+            share = self._cache_bytes // N_DECODED
+            decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
+        self._decoded_levels[key] = decoded
+        return decoded
 
     def __repr__(self) -> str:
         return (

@@ -88,6 +88,11 @@ impl Grid {
         mean_spacing(&self.world_from_index)
     }
 
+    /// How much coarser this is than the volume of which it is a level: a ratio of spacings, 1 for a volume itself.
+    pub fn coarseness(&self) -> f64 {
+        self.mean_spacing() / self.opacity_unit
+    }
+
     /// Corners of what is drawn, index positions: from the first to the last sample where nothing else was said.
     pub fn bounds(&self) -> [DVec3; 2] {
         self.bounds

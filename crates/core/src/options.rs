@@ -287,7 +287,7 @@ impl RenderOptions {
             let mend = "pass 1 for a sheet on every slice, more for finer steps";
             return Err(Error::out_of_range("sheets_per_slice", self.sheets_per_slice, "between 0.05 and 64", mend));
         }
-        if !(self.oversampling >= 0.1 && self.oversampling <= 8.0) {
+        if !(self.oversampling >= LEAST_OVERSAMPLING && self.oversampling <= 8.0) {
             let mend = "pass 1 for one texel a pixel, 2 for four";
             return Err(Error::out_of_range("oversampling", self.oversampling, "between 0.1 and 8", mend));
         }
@@ -334,10 +334,15 @@ const QUALITIES: [(&str, [(f64, f64); 2]); 3] =
     [("draft", [(0.5, 0.5), (0.5, 0.5)]), ("normal", [(2.0, 1.0), (2.0, 1.0)]), ("high", [(3.0, 2.0), (6.0, 3.0)])];
 
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
-/// can change opacity or colour by a visible amount within a voxel.
-pub fn quality_settings(name: &str, is_steep: bool) -> Result<(f64, f64)> {
-    find("quality", name, &QUALITIES).map(|settings| settings[usize::from(is_steep)])
+/// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
+/// samples of a coarser level, so that its picture is the finer one's at a lower resolution.
+pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64) -> Result<(f64, f64)> {
+    let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[usize::from(is_steep)];
+    Ok((sheets_per_slice, (oversampling / coarseness).max(LEAST_OVERSAMPLING)))
 }
+
+/// Texels per pixel at least.
+const LEAST_OVERSAMPLING: f64 = 0.1;
 
 #[cfg(test)]
 mod tests {
@@ -350,7 +355,7 @@ mod tests {
         }
         let message = Kernel::from_name("cubic").unwrap_err().to_string();
         assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
-        assert!(quality_settings("best", false).unwrap_err().to_string().contains("draft, normal, high"));
+        assert!(quality_settings("best", false, 1.0).unwrap_err().to_string().contains("draft, normal, high"));
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::errors::to_py;
 use crate::volume::{Drawable, PyVolume};
 
 /// Corners of a crop box.
-type Corners = Option<(Triple, Triple)>;
+pub type Corners = Option<(Triple, Triple)>;
 
 fn crop(index: Corners, world: Corners) -> Option<Crop> {
     let index = index.map(|(lo, hi)| Crop::Index { lo: vector(lo), hi: vector(hi) });
@@ -168,7 +168,7 @@ pub fn render<'py>(
         shading: shading.map(|s| s.0.clone()),
         sheets_per_slice,
         oversampling,
-        crop: crop(crop_index, crop_world),
+        crop: crop(volume.own_index(crop_index), crop_world),
         clip_planes: self::clip_planes(clip_planes),
         background,
         with_depth: depth,
@@ -303,7 +303,7 @@ pub fn quality_settings(
 ) -> PyResult<(f64, f64)> {
     volume.with_grid(py, |grid| {
         let is_steep = wavesplat_splat::is_steep(grid, &transfer_function.0);
-        wavesplat_core::quality_settings(name, is_steep).map_err(to_py)
+        wavesplat_core::quality_settings(name, is_steep, grid.coarseness()).map_err(to_py)
     })
 }
 

@@ -10,6 +10,7 @@ use wavesplat_core::{Grid, Kernel, Samples, Statistics, Volume};
 use wavesplat_splat::slices::{Prepared, Slices};
 
 use crate::errors::to_py;
+use crate::rendering::Corners;
 use crate::wavelet::PyDecodedVolume;
 
 /// A C-contiguous array [z, y, x] of one of the sample types.
@@ -34,6 +35,16 @@ pub enum Drawable<'py> {
 }
 
 impl Drawable<'_> {
+    /// Index positions of the finest grid as those of what is drawn.
+    pub fn own_index(&self, corners: Corners) -> Corners {
+        match self {
+            Self::Samples(_) => corners,
+            Self::Decoded(volume) => {
+                corners.map(|(lo, hi)| (volume.level_from_finest(lo), volume.level_from_finest(hi)))
+            }
+        }
+    }
+
     /// Calls `work` with the grid.
     pub fn with_grid<T>(&self, py: Python<'_>, work: impl FnOnce(&Grid) -> PyResult<T>) -> PyResult<T> {
         match self {

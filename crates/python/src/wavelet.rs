@@ -2,8 +2,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::{DAffine3, DVec3};
-use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use glam::{DAffine3, DMat3, DVec3};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use wavesplat_core::{Decoder as _, Grid, Kernel, Statistics};
@@ -11,6 +14,7 @@ use wavesplat_splat::blocks::samples_every;
 use wavesplat_splat::slices::Prepared;
 use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, WaveletVolume};
 
+use crate::arguments::Triple;
 use crate::errors::to_py;
 use crate::volume::affine;
 
@@ -73,6 +77,13 @@ impl PyWaveletVolume {
         };
         let volume = WaveletVolume::from_parts(parts).map_err(PyValueError::new_err)?;
         Ok(Self(Arc::new(volume)))
+    }
+
+    /// Samples along (z, y, x).
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        let [nx, ny, nz] = self.0.plan().size();
+        (nz, ny, nx)
     }
 
     #[staticmethod]
@@ -142,13 +153,15 @@ impl PyWaveletVolume {
         let [min, max] = range.map(f64::from);
         let statistics = Statistics { min, max, n_nonfinite: 0 };
         let finest = Grid::new(name, self.0.plan().size(), world_from_index, statistics, false).map_err(to_py)?;
-        let (origin, spacing) = (DVec3::from_array(level_grid.origin), DVec3::from_array(level_grid.spacing));
-        let finest_from_level = DAffine3 { matrix3: glam::DMat3::from_diagonal(spacing), translation: origin };
-        let bounds = [DVec3::ZERO, finest.last_index()].map(|corner| (corner - origin) / spacing);
+        let LevelGrid { origin, spacing, .. } = level_grid;
+        let matrix3 = DMat3::from_diagonal(DVec3::from_array(spacing));
+        let finest_from_level = DAffine3 { matrix3, translation: DVec3::from_array(origin) };
+        let bounds = [DVec3::ZERO, finest.last_index()]
+            .map(|corner| DVec3::from_array(level_grid.level_from_finest(corner.to_array())));
         let grid = Grid::new(name, decoder.size(), world_from_index * finest_from_level, statistics, false);
         let grid = grid.map_err(to_py)?.as_level_of(finest.default_opacity_unit(), bounds);
         let decoder = Arc::new(decoder);
-        Ok(PyDecodedVolume { grid, decoder, cache_bytes, prepared: Mutex::default() })
+        Ok(PyDecodedVolume { grid, level: level_grid, decoder, cache_bytes, prepared: Mutex::default() })
     }
 }
 
@@ -160,6 +173,7 @@ fn family_of(name: &str) -> PyResult<Family> {
 #[pyclass(name = "DecodedVolume", frozen, module = "wavesplat._native")]
 pub struct PyDecodedVolume {
     grid: Grid,
+    level: LevelGrid,
     decoder: Arc<Coarse>,
     cache_bytes: usize,
     /// For the kernel that was used last.
@@ -184,6 +198,12 @@ impl PyDecodedVolume {
 impl PyDecodedVolume {
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// An index position of the finest grid as one of the level.
+    pub fn level_from_finest(&self, index: Triple) -> Triple {
+        let [x, y, z] = self.level.level_from_finest([index.0, index.1, index.2]);
+        (x, y, z)
     }
 
     /// What is decoded for a kernel; kept until another is asked for.

@@ -104,7 +104,13 @@ impl Reach {
     }
 
     /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box, which begins at `lo`.
-    fn bounds(&self, rows: &impl Rows, lo: [usize; 3], [nx, ny, _]: [usize; 3], bricks: [Range<usize>; 3]) -> Vec<[f32; 2]> {
+    fn bounds(
+        &self,
+        rows: &impl Rows,
+        lo: [usize; 3],
+        [nx, ny, _]: [usize; 3],
+        bricks: [Range<usize>; 3],
+    ) -> Vec<[f32; 2]> {
         let [bxs, bys, bzs] = bricks;
         let mut bounds = Vec::with_capacity(bxs.len() * bys.len() * bzs.len());
         let (mut least, mut largest) = (vec![0.0_f32; nx], vec![0.0_f32; nx]);

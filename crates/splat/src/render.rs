@@ -6,9 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
-use wavesplat_core::{
-    Camera, Composite, Error, Grid, Picture, RenderOptions, Result, Shading, TransferFunction,
-};
+use wavesplat_core::{Camera, Composite, Error, Grid, Picture, RenderOptions, Result, Shading, TransferFunction};
 
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
 use crate::bricks::Occupied;
@@ -191,7 +189,9 @@ const OPAQUE: f32 = 1.0 - 2e-6;
 pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
     // As thick as the slabs of two sheets a slice.
     let thickness = 0.5 * grid.mean_spacing() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
-    Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness).variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP
+    Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness)
+        .variation(f32::NEG_INFINITY, f32::INFINITY)
+        >= STEEP
 }
 
 /// Everything that does not depend on the base plane.

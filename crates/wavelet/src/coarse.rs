@@ -47,6 +47,11 @@ impl LevelGrid {
         }
         Some(grid)
     }
+
+    /// An index position of the finest grid as one of the level.
+    pub fn level_from_finest(&self, index: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|a| (index[a] - self.origin[a]) / self.spacing[a])
+    }
 }
 
 /// Decodes the low samples of a level, and those that repeat the ends.

@@ -119,9 +119,7 @@ impl WaveletVolume {
         }
         drop(amplitudes);
         let places = places(&plan);
-        let bands = parallel::map(places.len(), |b| {
-            Band::new(places[b].clone(), &coefficients, size)
-        });
+        let bands = parallel::map(places.len(), |b| Band::new(places[b].clone(), &coefficients, size));
         Self { plan, threshold, bands }
     }
 

@@ -33,7 +33,10 @@ fn boxes_of_every_level_are_those_of_synthesis() {
                 assert_eq!(size, volume.plan().low_size(level));
                 let check = |got: f32, [x, y, z]: [usize; 3]| {
                     let want = want[(z * ny + y) * nx + x];
-                    assert!((got - want).abs() < 1e-3, "{name} {size:?} level {level} at {x} {y} {z}: {got} for {want}");
+                    assert!(
+                        (got - want).abs() < 1e-3,
+                        "{name} {size:?} level {level} at {x} {y} {z}: {got} for {want}"
+                    );
                 };
                 let all = decoder.all();
                 for (i, got) in all.iter().enumerate() {
@@ -47,7 +50,11 @@ fn boxes_of_every_level_are_those_of_synthesis() {
                 decoder.decode(lo, hi, &mut part);
                 for (i, got) in part.iter().enumerate() {
                     let [x, y, z] = [lo[0] + i % bx, lo[1] + i / bx % by, lo[2] + i / (bx * by)];
-                    assert_eq!(got.to_bits(), all[(z * ny + y) * nx + x].to_bits(), "{name} {size:?} level {level} of {nz}");
+                    assert_eq!(
+                        got.to_bits(),
+                        all[(z * ny + y) * nx + x].to_bits(),
+                        "{name} {size:?} level {level} of {nz}"
+                    );
                 }
             }
         }

@@ -11,6 +11,7 @@ from wavesplat.transfer_function import TransferFunction
 
 if TYPE_CHECKING:
     from wavesplat.volume import Volume
+    from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = ["names", "preset"]
 
@@ -21,7 +22,7 @@ def names() -> list[str]:
     return sorted(["auto", *(name.removesuffix(".json") for name in stored if name.endswith(".json"))])
 
 
-def preset(name: str, volume: Volume | None = None) -> TransferFunction:
+def preset(name: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
     """The preset of a name; see `TransferFunction.preset`."""
     if name not in names():
         raise ArgumentError(f"unknown preset {name!r}; use one of: {', '.join(names())}")

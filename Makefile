@@ -20,11 +20,11 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality bench roofline instructions clean \
+.PHONY: help demo test check fmt quality study-wavelets bench roofline instructions clean \
 	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
 	wavesplat demo -o $(OUT)
@@ -41,6 +41,9 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
+
+study-wavelets: $(STAMPS)/study ## repeat the paper's experiments on wavelets; STUDY_WAVELETS="--only ripples" takes seconds
+	BENCH_DATA=$(BENCH_DATA) python studies/wavelets/wavelets.py --out $(OUT)/study-wavelets $(STUDY_WAVELETS)
 
 bench: $(STAMPS)/bench ## time frames, ours and VTK's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
@@ -114,6 +117,11 @@ $(STAMPS)/tools: pyproject.toml | $(STAMPS)/package
 # VTK is what the renderer is measured against.
 $(STAMPS)/bench: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras bench
+	@touch $@
+
+# What the studies plot with.
+$(STAMPS)/study: pyproject.toml | $(STAMPS)/package
+	maturin develop --release --locked --extras study
 	@touch $@
 
 # Built without optimisation: it runs for a second and would take twice as long to build.

@@ -1,0 +1,610 @@
+"""What dropping wavelet coefficients costs, in samples and in pictures; `make study-wavelets` runs this.
+
+The experiments of "High Resolution Image Splatting" (Int. J. of Advanced Computational Engineering and Networking 2-7,
+2014): thresholds on the amplitudes of the coefficients, and levels left out. Their scans are not to be had; ours are a
+CT of half a pelvis and an MRI of a head, from BENCH_DATA or, where that folder lacks them, bundled. "mri-half" is the
+head averaged over 2 x 2 x 2 samples, which is about the size of theirs. All samples are 8 bits, as theirs.
+
+The size of a coefficient is L2-normalised, in grey levels; PSNR = 10 log10(255^2 / mean squared error of the samples).
+The error of a picture is the mean absolute difference, over all pixels and channels, in grey levels of 255, from the
+picture of the samples that nothing was dropped of. That number depends on the scene more than on the coefficients, so
+there are three scenes, and a table of more:
+
+fog     Along z, one pixel per column of samples and one sheet per slice, grey = value, opacity rising from 0 at 60 to
+        0.15 at 255, unshaded. The goals are in this scene: with the bare sum over the slices it gives 3.10 and 2.50 for
+        the ripples at threshold 12, with cdf53 and cdf97, and 0.42 for the CT with cdf97.
+soft    Oblique, Phong-shaded, opacity 0.05 to 0.2 per voxel.
+hard    Oblique, Phong-shaded, opacity from 0 to 1 within one grey level, as in the paper.
+
+The pictures of a hard step do not measure small errors: a pixel at an edge is either the surface or what lies behind
+it, and shading turns a bent surface into another grey. The paper's numbers are of such pictures, and move with the
+view, the light and the share of the picture that the object covers, none of which it states.
+
+Milliseconds are of the processor (all threads): the least of 2 runs, or of up to 5 within 50 ms. A frame is the
+hard picture of the decoded samples. `--reference` adds the distance of the soft and the hard pictures from the
+converged ones of the whole volume, which take minutes and are kept in `.cache/study-wavelets`.
+
+`--record` writes the tables to RESULTS.md beside this file. Plots and rows of pictures go to `--out`.
+"""
+
+# ruff: noqa: INP001 - a script, not a package
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+import hashlib
+import math
+import os
+import platform
+import re
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+import wavesplat as ws
+
+ROOT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
+CACHE = ROOT / ".cache" / "study-wavelets"
+RESULTS = Path(__file__).with_name("RESULTS.md")
+
+THRESHOLDS = (0, 2, 4, 12, 14, 16, 32, 64)
+FAMILIES = ("cdf53", "cdf97", "bspline2", "bspline4")
+
+#: Of the paper's pictures of levels: seven down to two.
+MOST_LEVELS = 7
+N_LEVEL_PICTURES = 6
+
+#: A measurement is repeated until so much processor time is spent.
+TIMING_MS = 50
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Printed:
+    """What the paper says of its volume."""
+
+    #: Of its curves of share and error over the threshold.
+    figure: int
+    #: The threshold it takes as harmless, and the share kept there, percent.
+    threshold: int
+    kept: float
+    #: By threshold, in grey levels.
+    errors: dict[int, float]
+    #: The thresholds of its row of pictures.
+    row: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A volume of the study, in the units of its file; `window` becomes 0..255."""
+
+    source: Callable[[], ws.Volume]
+    window: tuple[float, float]
+    #: Where the opacity is 0, 0.05 and 0.2.
+    soft: tuple[float, float, float]
+    #: Where it steps from 0 to 1.
+    hard: float
+    #: Azimuth and elevation, degrees.
+    view: tuple[float, float]
+    printed: Printed
+    #: What the oblique pictures show.
+    crop: ws.Crop | None = None
+
+
+CT_FILE = "ct_pelvis_right.nii.gz"
+#: Without the table under the patient, whose thin shell is all that moves in the picture of a hard step.
+CT_CROP = ws.Crop((12, 0, 0), (248, 143, 69), space="index") if (DATA / CT_FILE).exists() else None
+
+
+def scan(file: str, bundled: Callable[[], ws.Volume]) -> ws.Volume:
+    """A scan from the data folder, or the bundled one."""
+    path = DATA / file
+    return ws.open(path) if path.exists() else bundled()
+
+
+def ct() -> ws.Volume:
+    """Half a pelvis."""
+    return scan(CT_FILE, ws.examples.ct_pelvis)
+
+
+def mri() -> ws.Volume:
+    """A head."""
+    return scan("mri_head_t1.nii.gz", ws.examples.mri_head)
+
+
+def mri_half() -> ws.Volume:
+    """The head averaged over 2 x 2 x 2 samples."""
+    whole = mri()
+    nz, ny, nx = (n // 2 for n in whole.shape)
+    pairs = whole.samples[: 2 * nz, : 2 * ny, : 2 * nx].reshape(nz, 2, ny, 2, nx, 2)
+    wider = np.diag([2.0, 2.0, 2.0, 1.0])
+    wider[:3, 3] = 0.5
+    return ws.Volume(pairs.mean(axis=(1, 3, 5)), world_from_index=whole.world_from_index @ wider)
+
+
+PRINTED_RIPPLES = Printed(11, 12, 19.95, {0: 11.39, 12: 5.63, 14: 16.05}, (0, 2, 4, 12, 14, 64))
+PRINTED_CT = Printed(15, 12, 3.55, {0: 5.18, 12: 5.09, 14: 10.96}, (0, 12, 14, 16, 32, 64))
+PRINTED_MRI = Printed(17, 16, 1.27, {0: 3.25, 16: 2.72, 32: 8.74}, (0, 16, 32, 64))
+
+#: The windows of the heads end at 255, since their files hold 8 bits, and at the brightest of the averages.
+SUBJECTS = {
+    "ripples": Subject(ws.examples.ripples, (0, 255), (60, 128, 255), 128, (35, 60), PRINTED_RIPPLES),
+    "ct": Subject(ct, (-1000, 1310), (-75, 255, 1000), 200, (20, 15), PRINTED_CT, CT_CROP),
+    "mri": Subject(mri, (0, 255), (24, 60, 95), 25, (20, 15), PRINTED_MRI),
+    "mri-half": Subject(mri_half, (0, 168), (24, 60, 95), 25, (20, 15), PRINTED_MRI),
+}
+
+
+def grey(name: str, value: float) -> float:
+    """A value of the file in grey levels."""
+    lo, hi = SUBJECTS[name].window
+    return 255 * (value - lo) / (hi - lo)
+
+
+@cache
+def loaded(name: str, *, rounded: bool = True) -> ws.Volume:
+    """The volume in grey levels, 8 bits, or float32 if not rounded."""
+    source = SUBJECTS[name].source()
+    levels = np.clip(grey(name, 0) + source.samples * (grey(name, 1) - grey(name, 0)), 0, 255)
+    samples = np.rint(levels).astype(np.uint8) if rounded else levels.astype(np.float32)
+    return ws.Volume(samples, world_from_index=source.world_from_index, name=name)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """How a volume is drawn, and which pixels count."""
+
+    label: str
+    curve: str
+    shaded: bool = True
+    along_z: bool = False
+    only_covered: bool = False
+    rounded: bool = True
+    cropped: bool = True
+    plain_sheets: bool = False
+
+
+FOG = Scene("along z, fog, one sheet per slice: the goals' scene", "fog", False, True, plain_sheets=True)
+SOFT = Scene("oblique, soft, shaded", "soft")
+HARD = Scene("oblique, hard, shaded", "hard")
+
+#: For the table of what the error depends on.
+SCENES = (
+    FOG,
+    Scene("the same, samples not rounded to 8 bits", "fog", False, True, rounded=False, plain_sheets=True),
+    Scene("the same, quality high, which averages over the pixel", "fog", False, True),
+    Scene("oblique, fog", "fog", False),
+    Scene("oblique, soft, unshaded", "soft", False),
+    SOFT,
+    Scene("oblique, hard, unshaded", "hard", False),
+    HARD,
+    Scene("the same, over the pixels that the object covers", "hard", only_covered=True),
+    Scene("the same, with the table under the patient", "hard", cropped=False),
+    Scene("oblique, transfer function from the histogram, shaded", "auto"),
+)
+
+
+def transfer_function(name: str, curve: str) -> ws.TransferFunction:
+    """A curve of a subject, over grey levels."""
+    volume, subject = loaded(name), SUBJECTS[name]
+    if curve == "auto":
+        return ws.TransferFunction.auto(volume)
+    if curve == "fog":
+        return ws.TransferFunction(
+            [(60, 0), (255, 0.15)], [(0, 0, 0, 0), (255, 1, 1, 1)], opacity_unit=volume.spacing[2]
+        )
+    if curve == "hard":
+        edge = round(grey(name, subject.hard))
+        return ws.TransferFunction([(edge - 1, 0), (edge, 1)], [(edge, 1, 0.9, 0.75)])
+    lo, middle, hi = (grey(name, value) for value in subject.soft)
+    return ws.TransferFunction(
+        [(lo, 0), (middle, 0.05), (hi, 0.2)], [(lo, 0.8, 0.4, 0.25), (middle, 1, 0.8, 0.6), (hi, 1, 1, 0.95)]
+    )
+
+
+def camera_along_z(volume: ws.Volume) -> ws.Camera:
+    """A look from the first slice at the last; row 0 of the picture is row 0 of the slice."""
+    nz, ny, nx = volume.shape
+    axes = volume.world_from_index[:3, :3]
+    middle = axes @ (np.array([nx, ny, nz]) - 1) / 2 + volume.world_from_index[:3, 3]
+    return ws.Camera(middle - nz * axes[:, 2], middle, -axes[:, 1], parallel_scale=ny / 2 * volume.spacing[1])
+
+
+def drawing(name: str, scene: Scene, size_px: int) -> dict[str, Any]:
+    """What `render` and `raycast` take besides the volume."""
+    volume, subject = loaded(name), SUBJECTS[name]
+    camera = camera_along_z(volume) if scene.along_z else ws.Camera.orbit(volume, *subject.view)
+    return {
+        "transfer_function": transfer_function(name, scene.curve),
+        "camera": camera,
+        "size": volume.shape[:0:-1] if scene.along_z else (size_px, size_px),
+        "shading": ws.Shading() if scene.shaded else None,
+        "crop": subject.crop if scene.cropped and not scene.along_z else None,
+    }
+
+
+def rgba_levels(picture: ws.Picture) -> Array:
+    """The picture over black and its opacity, in grey levels."""
+    return 255 * np.clip(picture.rgba.astype(np.float64), 0, 1)
+
+
+def draw(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> Array:
+    """A volume in place of the subject."""
+    plain: dict[str, Any] = {"sheets_per_slice": 1, "oversampling": 1, "refined": False} if scene.plain_sheets else {}
+    how: Any = {**drawing(name, scene, size_px), "quality": "high", **plain}
+    return rgba_levels(ws.render(volume, **how))
+
+
+@cache
+def wanted(name: str, scene: Scene, size_px: int) -> Array:
+    """The picture of the samples that nothing was dropped of."""
+    return draw(loaded(name, rounded=scene.rounded), name, scene, size_px)
+
+
+@cache
+def converged(name: str, scene: Scene, size_px: int) -> Array:
+    """The same by the ray caster, with 16 rays a pixel for the hard step, from the cache where it is there."""
+    how = {**drawing(name, scene, size_px), "rays_per_pixel": 16 if scene.curve == "hard" else 1}
+    definition = (name, scene, repr(how), how["transfer_function"].to_json(), str(how["camera"].position))
+    digest = hashlib.sha256(repr(definition).encode() + loaded(name).samples.tobytes()).hexdigest()[:16]
+    path = CACHE / f"{name}-{scene.curve}-{size_px}-{digest}.npy"
+    if not path.exists():
+        print(f"converged picture of {name}, {scene.label} ...", file=sys.stderr, flush=True)
+        picture = rgba_levels(ws.reference.raycast(loaded(name), **how))
+        CACHE.mkdir(parents=True, exist_ok=True)
+        np.save(path, picture)
+    found: Array = np.load(path)
+    return found
+
+
+def distance(picture: Array, other: Array, *, only_covered: bool = False) -> float:
+    """Mean absolute difference of the colours, in grey levels."""
+    difference = np.abs(picture - other)[..., :3]
+    if only_covered:
+        difference = difference[(picture[..., 3] > 0) | (other[..., 3] > 0)]
+    return float(difference.mean())
+
+
+def picture_error(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> float:
+    """How far the picture is from what it would be with nothing dropped."""
+    picture = draw(volume, name, scene, size_px)
+    return distance(picture, wanted(name, scene, size_px), only_covered=scene.only_covered)
+
+
+def timed(work: Callable[[], T]) -> tuple[float, T]:
+    """Milliseconds of the processor, the least of a few runs, and the result."""
+    spent: list[float] = []
+    while len(spent) < 2 or (sum(spent) < TIMING_MS and len(spent) < 5):
+        started = time.process_time()
+        result = work()
+        spent.append(1e3 * (time.process_time() - started))
+    return min(spent), result
+
+
+@dataclass(frozen=True)
+class Row:
+    """One operating point, measured. `threshold` is None where the share was asked for."""
+
+    subject: str
+    family: str
+    threshold: int | None
+    #: Percent.
+    kept: float
+    psnr_db: float
+    fog: float
+    soft: float
+    hard: float
+    converged_soft: float
+    converged_hard: float
+    analysis_ms: float
+    decoding_ms: float
+    frame_ms: float
+    n_bytes: int
+
+
+def measure(name: str, family: str, size_px: int, threshold: int | None, keep: float | None, *, reference: bool) -> Row:
+    """Analyse, decode, draw."""
+    volume = loaded(name)
+    analysis_ms, wavelets = timed(lambda: ws.WaveletVolume.from_volume(volume, family, threshold=threshold, keep=keep))
+    decoding_ms, decoded = timed(wavelets.to_volume)
+    mean_square = float(np.mean((decoded.samples - volume.samples.astype(np.float64)) ** 2))
+    frame_ms, hard = timed(lambda: draw(decoded, name, HARD, size_px))
+    soft = draw(decoded, name, SOFT, size_px)
+    return Row(
+        subject=name,
+        family=family,
+        threshold=threshold,
+        kept=100 * wavelets.kept_fraction,
+        psnr_db=10 * math.log10(255**2 / mean_square) if mean_square > 0 else math.inf,
+        fog=picture_error(decoded, name, FOG, size_px),
+        soft=distance(soft, wanted(name, SOFT, size_px)),
+        hard=distance(hard, wanted(name, HARD, size_px)),
+        converged_soft=distance(soft, converged(name, SOFT, size_px)) if reference else math.nan,
+        converged_hard=distance(hard, converged(name, HARD, size_px)) if reference else math.nan,
+        analysis_ms=analysis_ms,
+        decoding_ms=decoding_ms,
+        frame_ms=frame_ms,
+        n_bytes=wavelets.nbytes,
+    )
+
+
+def measure_all(options: argparse.Namespace) -> list[Row]:
+    """Every row of the tables."""
+    rows = []
+    for name in options.subjects:
+        started = time.monotonic()
+        printed_share = SUBJECTS[name].printed.kept / 100
+        for family in options.families:
+            for threshold in (*THRESHOLDS, None):
+                keep = printed_share if threshold is None else None
+                rows.append(measure(name, family, options.size, threshold, keep, reference=options.reference))
+        print(f"{name}: {time.monotonic() - started:.0f} s", file=sys.stderr, flush=True)
+    return rows
+
+
+def point(rows: Sequence[Row], name: str, family: str | None, threshold: int | None) -> Row | None:
+    """A row, by the best family in the goals' scene if none is named; None if it was not measured."""
+    found = [r for r in rows if r.subject == name and r.threshold == threshold and family in {None, r.family}]
+    return min(found, key=lambda row: row.fog, default=None)
+
+
+#: Subject, family (None: the best), threshold (None: the printed share), percent kept from and to, error.
+GOALS = (
+    ("ripples", "cdf53", 12, (19.9, 20.2), 3.2),
+    ("ripples", "cdf97", 12, (0.0, 18.8), 2.7),
+    ("ct", None, None, (0.0, 3.55), 1.5),
+    ("mri", None, None, (0.0, 1.27), 1.5),
+    ("mri-half", None, None, (0.0, 1.27), 1.5),
+)
+#: Nothing dropped, soft transfer functions, any family.
+GOAL_ROUND_TRIP = 0.01
+
+
+def verdict(*, met: bool) -> str:
+    """Of a goal."""
+    return "met" if met else "missed"
+
+
+def goal_table(rows: Sequence[Row]) -> list[list[str]]:
+    """What we set out to reach, and what we reach."""
+    lines = [["", "family", "kept, %", "goal", "error, fog", "goal", "", "soft", "hard", "theirs"]]
+    for name, family, threshold, (least, most), error in GOALS:
+        row = point(rows, name, family, threshold)
+        if row is None:
+            continue
+        # Shares are compared as they are printed.
+        met = least <= round(row.kept, 2) <= most and row.fog <= error
+        where = f"{name}, " + ("printed share" if threshold is None else f"threshold {threshold}")
+        share = f"{least} to {most}" if least else f"at most {most}"
+        printed = SUBJECTS[name].printed
+        line = [where, row.family, f"{row.kept:.2f}", share, f"{row.fog:.2f}", f"{error}", verdict(met=met)]
+        lines.append([*line, f"{row.soft:.2f}", f"{row.hard:.2f}", f"{printed.errors[printed.threshold]}"])
+    for name in dict.fromkeys(row.subject for row in rows):
+        whole = [row for row in rows if row.subject == name and row.threshold == 0]
+        fog, soft, hard = (max(getattr(row, scene) for row in whole) for scene in ("fog", "soft", "hard"))
+        met = max(fog, soft) < GOAL_ROUND_TRIP
+        line = [f"{name}, nothing dropped", "worst", f"{max(row.kept for row in whole):.2f}", "", f"{fog:.5f}"]
+        line += [f"{GOAL_ROUND_TRIP}", verdict(met=met), f"{soft:.5f}", f"{hard:.5f}"]
+        lines.append([*line, f"{SUBJECTS[name].printed.errors[0]}"])
+    return lines
+
+
+def scene_table(rows: Sequence[Row], size_px: int) -> list[list[str]]:
+    """The error of the same coefficients in other pictures."""
+    points = [row for goal in GOALS if (row := point(rows, *goal[:3])) is not None]
+    lines = [["scene", *(f"{row.subject}, {row.family}, {row.kept:.3g} %" for row in points)]]
+
+    @cache
+    def decoded(row: Row, *, rounded: bool) -> ws.Volume:
+        volume = loaded(row.subject, rounded=rounded)
+        keep = SUBJECTS[row.subject].printed.kept / 100 if row.threshold is None else None
+        return ws.WaveletVolume.from_volume(volume, row.family, threshold=row.threshold, keep=keep).to_volume()
+
+    for scene in SCENES:
+        line = [scene.label]
+        for row in points:
+            has_part = scene.cropped or SUBJECTS[row.subject].crop is not None
+            volume = decoded(row, rounded=scene.rounded)
+            line.append(f"{picture_error(volume, row.subject, scene, size_px):.2f}" if has_part else "")
+        lines.append(line)
+    return lines
+
+
+def subject_table(rows: Sequence[Row], name: str) -> list[list[str]]:
+    """All rows of a volume."""
+    printed = SUBJECTS[name].printed
+    with_reference = any(not math.isnan(row.converged_hard) for row in rows)
+    lines = [["family", "threshold", "kept, %", "theirs", "PSNR, dB", "fog", "soft", "hard", "theirs"]]
+    lines[0] += ["soft, to converged", "hard, to converged"] * with_reference
+    lines[0] += ["analysis, ms", "decoding, ms", "frame, ms", "KiB"]
+    for row in rows:
+        if row.subject != name:
+            continue
+        threshold = printed.threshold if row.threshold is None else row.threshold
+        line = [row.family, "share" if row.threshold is None else f"{threshold}", f"{row.kept:.2f}"]
+        line += [f"{printed.kept}" if threshold == printed.threshold else "", f"{row.psnr_db:.1f}"]
+        line += [f"{row.fog:.2f}", f"{row.soft:.2f}", f"{row.hard:.2f}", f"{printed.errors.get(threshold, '')}"]
+        line += [f"{row.converged_soft:.2f}", f"{row.converged_hard:.2f}"] * with_reference
+        line += [f"{row.analysis_ms:.1f}", f"{row.decoding_ms:.1f}", f"{row.frame_ms:.0f}", f"{row.n_bytes / 1024:.0f}"]
+        lines.append(line)
+    return lines
+
+
+def size_of(name: str) -> str:
+    """A subject's samples, and what they take."""
+    volume = loaded(name)
+    kib = volume.samples.nbytes / 1024
+    shape = " x ".join(map(str, volume.shape[::-1]))
+    return f"{shape} samples; plain, they take {kib:.0f} KiB with 8 bits, {4 * kib:.0f} KiB as float32"
+
+
+def as_text(lines: list[list[str]]) -> str:
+    """Columns padded with blanks."""
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines)
+
+
+def as_markdown(lines: list[list[str]]) -> str:
+    """A Markdown table."""
+    heading, *body = ["| " + " | ".join(line) + " |" for line in lines]
+    return "\n".join([heading, "|" + " --- |" * len(lines[0]), *body])
+
+
+def machine() -> str:
+    """Cores and processor."""
+    cpuinfo = Path("/proc/cpuinfo")
+    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
+    found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)
+    widest = next((f", {name}" for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "")
+    return f"{os.cpu_count()} cores, {found[1] if found else platform.machine()}{widest}"
+
+
+def record(rows: Sequence[Row], size_px: int) -> None:
+    """Keep the tables in the repository."""
+    tables = "\n\n".join(
+        f"## {name}\n\n{size_of(name)}.\n\n{as_markdown(subject_table(rows, name))}" for name in SUBJECTS
+    )
+    RESULTS.write_text(
+        f"""# Wavelet coefficients dropped
+
+{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine()}, {size_px} x {size_px} pixels.
+Command: `make study-wavelets STUDY_WAVELETS="{" ".join(sys.argv[1:])}"`.
+What is measured, and how, stands at the head of `wavelets.py`; "theirs" is what the paper prints, of other scans.
+
+## Goals
+
+Errors are mean absolute differences in grey levels from the picture with nothing dropped.
+
+{as_markdown(goal_table(rows))}
+
+## What the error of a picture depends on
+
+The same coefficients in other pictures.
+
+{as_markdown(scene_table(rows, size_px))}
+
+{tables}
+""",
+        encoding="utf-8",
+    )
+
+
+def plot_curves(rows: Sequence[Row], name: str, folder: Path) -> None:
+    """Retained share and error over the threshold, as the paper's figures 11, 15 and 17."""
+    from matplotlib.figure import Figure
+
+    printed = SUBJECTS[name].printed
+    figure = Figure(figsize=(11, 4.2), layout="constrained", dpi=120)
+    share, error = figure.subplots(1, 2)
+    places = range(len(THRESHOLDS))
+    for number, family in enumerate(dict.fromkeys(row.family for row in rows)):
+        mine = [row for row in rows if (row.subject, row.family) == (name, family) and row.threshold is not None]
+        share.plot(places, [row.kept for row in mine], f"C{number}.-", label=family)
+        for scene, dashes in (("hard", "-"), ("soft", "--"), ("fog", ":")):
+            error.plot(places, [getattr(row, scene) for row in mine], f"C{number}{dashes}")
+            if number == 0:
+                error.plot([], [], f"k{dashes}", label=scene)
+    share.plot(THRESHOLDS.index(printed.threshold), printed.kept, "kx", label="printed")
+    error.plot(
+        [THRESHOLDS.index(threshold) for threshold in printed.errors], printed.errors.values(), "kx", label="printed"
+    )
+    share.set(yscale="log", ylabel="coefficients kept, %")
+    error.set(ylabel="mean absolute error of the picture, grey levels", ylim=(0, None))
+    for axes in (share, error):
+        axes.set(xlabel="threshold on L2-normalised amplitudes", xticks=places, xticklabels=THRESHOLDS)
+        axes.grid(alpha=0.3)
+        axes.legend(handlelength=3)
+    figure.suptitle(f"{name}: {' x '.join(map(str, loaded(name).shape[::-1]))} samples")
+    figure.savefig(folder / f"figure_{printed.figure}_{name}.png")
+
+
+def sheet(path: Path, title: str, rows: dict[str, list[tuple[str, Array]]]) -> None:
+    """Rows of pictures with labels, on one page."""
+    from matplotlib.figure import Figure
+
+    n_columns = max(map(len, rows.values()))
+    page = Figure(figsize=(2.2 * n_columns, 2.45 * len(rows) + 0.3), layout="constrained", dpi=120)
+    for axes_row, (name, pictures) in zip(
+        page.subplots(len(rows), n_columns, squeeze=False), rows.items(), strict=True
+    ):
+        for axes, (label, picture) in zip(axes_row, pictures, strict=True):
+            axes.imshow(picture[..., :3] / 255, interpolation="nearest")
+            axes.set_title(label, fontsize=8)
+            axes.set(xticks=[], yticks=[])
+        axes_row[0].set_ylabel(name, fontsize=9)
+    page.suptitle(title, fontsize=10)
+    page.savefig(path)
+
+
+def threshold_sheet(name: str, families: Sequence[str], size_px: int, folder: Path) -> None:
+    """The hard picture at the thresholds of the paper's rows, figures 12 to 14."""
+    pictures: dict[str, list[tuple[str, Array]]] = {}
+    for family in families:
+        for threshold in SUBJECTS[name].printed.row:
+            wavelets = ws.WaveletVolume.from_volume(loaded(name), family, threshold=threshold)
+            picture = draw(wavelets.to_volume(), name, HARD, size_px)
+            error = distance(picture, wanted(name, HARD, size_px))
+            label = f"threshold {threshold:g}: {100 * wavelets.kept_fraction:.3g} %, error {error:.1f}"
+            pictures.setdefault(family, []).append((label, picture))
+    sheet(folder / f"thresholds_{name}.png", f"{name}: coefficients kept, and error in grey levels", pictures)
+
+
+def level_sheet(name: str, family: str, size_px: int, folder: Path) -> None:
+    """The finest levels left out one by one, figure 16."""
+    wavelets = ws.WaveletVolume.from_volume(loaded(name), family, levels=MOST_LEVELS)
+    pictures: dict[str, list[tuple[str, Array]]] = {}
+    for scene in (HARD, SOFT):
+        for dropped in range(min(N_LEVEL_PICTURES, wavelets.n_levels)):
+            picture = draw(wavelets.to_volume(drop_levels=dropped), name, scene, size_px)
+            share = 100 * sum(wavelets.kept_by_level[dropped:]) / loaded(name).samples.size
+            label = f"levels: {wavelets.n_levels - dropped}, {share:.3g} %"
+            pictures.setdefault(scene.curve, []).append((label, picture))
+    sheet(folder / f"levels_{name}.png", f"{name}, {family}: levels of details, coefficients kept", pictures)
+
+
+def arguments() -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(description="Drop wavelet coefficients and look at the pictures.")
+    parser.add_argument("--size", type=int, default=256, metavar="PX", help="side of the oblique pictures; 256")
+    parser.add_argument("--only", nargs="+", default=list(SUBJECTS), dest="subjects", choices=SUBJECTS, help="volumes")
+    parser.add_argument("--families", nargs="+", default=list(FAMILIES), metavar="NAME", help=" ".join(FAMILIES))
+    parser.add_argument("--reference", action="store_true", help="compare with converged pictures too; minutes")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "study-wavelets", help="folder of the pictures")
+    parser.add_argument("--record", action="store_true", help="write RESULTS.md; all volumes and these families")
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Print the tables, write the pictures."""
+    options = arguments()
+    if options.record and (options.subjects != list(SUBJECTS) or options.families != list(FAMILIES)):
+        print("--record needs all volumes and the families of the study; leave out --only, --families", file=sys.stderr)
+        return 2
+    rows = measure_all(options)
+    for name in options.subjects:
+        print(f"\n{name}: {size_of(name)}\n{as_text(subject_table(rows, name))}")
+    print(f"\n{as_text(goal_table(rows))}\n\n{as_text(scene_table(rows, options.size))}")
+    if options.record:
+        record(rows, options.size)
+    options.out.mkdir(parents=True, exist_ok=True)
+    for name in options.subjects:
+        best = point(rows, name, None, None)
+        plot_curves(rows, name, options.out)
+        threshold_sheet(name, options.families, options.size, options.out)
+        level_sheet(name, best.family if best else options.families[0], options.size, options.out)
+    print(f"\nThe pictures are in {options.out}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

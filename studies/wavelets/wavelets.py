@@ -3,7 +3,8 @@
 The experiments of "High Resolution Image Splatting" (Int. J. of Advanced Computational Engineering and Networking 2-7,
 2014): thresholds on the amplitudes of the coefficients, and levels left out. Their scans are not to be had; ours are a
 CT of half a pelvis and an MRI of a head, from BENCH_DATA or, where that folder lacks them, bundled. "mri-half" is the
-head averaged over 2 x 2 x 2 samples, which is about the size of theirs. All samples are 8 bits, as theirs.
+head averaged over 2 x 2 x 2 samples, which is about the size of theirs. All samples are rounded to 8 bits: we take the
+printed thresholds as levels of 255.
 
 The size of a coefficient is L2-normalised, in grey levels; PSNR = 10 log10(255^2 / mean squared error of the samples).
 The error of a picture is the mean absolute difference, over all pixels and channels, in grey levels of 255, from the
@@ -14,12 +15,12 @@ fog     Along z, one pixel per column of samples and one sheet per slice, grey =
         0.15 at 255, unshaded. The goals are in this scene: with the bare sum over the slices it gives 3.10 and 2.50 for
         the ripples at threshold 12, with cdf53 and cdf97, and 0.42 for the CT with cdf97.
 soft    Oblique, Phong-shaded, opacity 0.05 to 0.2 per voxel.
-hard    Oblique, Phong-shaded, opacity from 0 to 1 within one grey level, as in the paper.
+hard    Oblique, Phong-shaded, opacity from 0 to 1 within one grey level, as the paper has it for the ripples.
 
 The pictures of a hard step do not measure small errors: a pixel at an edge is either the surface or what lies behind
-it, and shading turns a bent surface into another grey. The paper's numbers are of such pictures, and move with the
-view, the light and the share of the picture that the object covers, none of which it states; nor does it say whether
-they are distances from its own picture with nothing dropped, or from its ray caster's.
+it, and shading turns a bent surface into another grey. Such numbers move with the view, the light and the share of the
+picture that the object covers, which we do not know of the paper's; nor whether those are distances from its own
+picture with nothing dropped, or from its ray caster's.
 
 Milliseconds are of the processor (all threads): the least of 2 runs, or of up to 5 within 50 ms. A frame is the
 hard picture of the decoded samples. `--reference` adds the distance of the soft and the hard pictures from the

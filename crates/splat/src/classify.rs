@@ -53,9 +53,10 @@ impl Classifier {
     pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2], slab_thickness: f64) -> Self {
         let (offset, scale) = density_from_sample;
         let density = |value: f64| (value - offset) * scale;
-        let mut nodes: Vec<f64> = tf.opacity_nodes().iter().map(|n| density(n.value)).collect();
-        nodes.extend(tf.color_nodes().iter().map(|n| density(n.value)));
-        nodes.sort_by(f64::total_cmp);
+        let mut values: Vec<f64> = tf.opacity_nodes().iter().map(|n| n.value).collect();
+        values.extend(tf.color_nodes().iter().map(|n| n.value));
+        values.sort_by(f64::total_cmp);
+        let nodes: Vec<f64> = values.iter().map(|value| density(*value)).collect();
         let [min, max] = range.map(f64::from);
         let widened = 0.25 * (max - min);
         // Beyond the outer nodes the curves are constant, so the table need not go there.
@@ -69,8 +70,12 @@ impl Classifier {
         let entries = (ENTRIES_PER_SEGMENT * (hi - lo) / narrowest).ceil();
         let n = (entries.min(MAX_ENTRIES as f64) as usize).max(MIN_ENTRIES);
         let step = (hi - lo) / n as f64;
+        // The ends are the outer nodes themselves: a value that rounding puts beside one would make all beyond it visible.
+        let value_at = |end: f64, node: usize| if end == nodes[node] { values[node] } else { end / scale + offset };
+        let (first_value, last_value) = (value_at(lo, 0), value_at(hi, nodes.len() - 1));
         let entry = |i: usize| {
-            let value = (lo + i as f64 * step) / scale + offset;
+            let share = i as f64 / n as f64;
+            let value = first_value * (1.0 - share) + last_value * share;
             let [r, g, b] = tf.color(value);
             let depth = (-(-tf.opacity(value)).ln_1p()).min(OPAQUE);
             [r as f32, g as f32, b as f32, depth as f32]
@@ -347,6 +352,22 @@ mod tests {
             assert!((opacity - tf.opacity(f64::from(density))).abs() < 4e-3, "{density}: {opacity}");
             let [want_r, _, want_b] = tf.color(f64::from(density));
             assert!((f64::from(r) - want_r).abs() < 1e-3 && (f64::from(b) - want_b).abs() < 1e-3, "{density}");
+        }
+    }
+
+    /// Densities of wide types are scaled; rounding must not put the first entry above the node that it stands for.
+    #[test]
+    fn nothing_below_a_step_is_visible_whatever_the_range() {
+        let opacity = [(37.0, 0.0), (38.0, 1.0)].map(|(value, opacity)| OpacityNode { value, opacity });
+        let color = vec![ColorNode { value: 38.0, rgb: [1.0, 0.9, 0.8] }];
+        let tf = TransferFunction::new(opacity.to_vec(), color, None).unwrap();
+        for i in 0..500 {
+            let (min, max) = (-3.0 - f64::from(i) * 0.0137, 150.0 + f64::from(i) * 0.73);
+            let map = (min, 1.0 / (max - min));
+            let classifier = Classifier::new(&tf, map, [0.0, 1.0], 1.0);
+            let density = |value: f64| ((value - map.0) * map.1) as f32;
+            assert!(!classifier.any_opacity(0.0, density(36.9)), "{min} {max}");
+            assert!(classifier.any_opacity(density(37.2), 1.0));
         }
     }
 

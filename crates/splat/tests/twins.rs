@@ -287,3 +287,37 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
         }
     }
 }
+
+/// Slices across x are turned in panels; the same volume with x and z swapped needs none.
+#[test]
+fn panels_hold_all_that_their_sheets_need() {
+    // Scattered, so that the blocks that are looked at differ from slab to slab.
+    let share = |i: u32, k: f64| (f64::from(i) * k).fract();
+    let centre = |i| DVec3::new(96.0 * share(i, 0.618), 56.0 * share(i, 0.414), 60.0 * share(i, 0.732));
+    let centres: Vec<DVec3> = (1..40).map(centre).collect();
+    let value = |p: DVec3| {
+        let nearest = centres.iter().map(|c| c.distance(p)).fold(f64::INFINITY, f64::min);
+        255.0 * ((6.0 - nearest) / 4.0).clamp(0.0, 1.0)
+    };
+    let phantom = Phantom::sample([96, 56, 60], DAffine3::IDENTITY, value);
+    let swap = DMat3::from_cols(DVec3::Z, DVec3::Y, DVec3::X);
+    let swapped = Phantom::sample([60, 56, 96], DAffine3::from_mat3(swap), value);
+    let tf = opacity_ramp(&[(60.0, 0.0), (200.0, 0.1)], None);
+    let mut n_drawn = 0;
+    // Not near the diagonals, where slices across x are avoided.
+    for degrees in (0..90).map(|i| f64::from(i * 4)).filter(|d| (d % 90.0 - 45.0).abs() > 8.0) {
+        let from = DVec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.4);
+        let projection = Projection::Orthographic { parallel_scale: 55.0 };
+        let camera = camera_towards(phantom.centre(), from, 200.0, projection);
+        let options =
+            RenderOptions { width_px: 512, height_px: 512, sheets_per_slice: 2.0, ..RenderOptions::default() };
+        let [a, b] = [&phantom, &swapped].map(|phantom| {
+            let slices = Slices::new(&phantom.volume(), Kernel::Linear);
+            render(&slices, &tf, &camera, &options, &()).unwrap().0
+        });
+        let difference = max_difference(&a.rgba, &b.rgba);
+        assert!(difference < 0.1 / 255.0, "{degrees}: {} grey levels", 255.0 * difference);
+        n_drawn += usize::from(a.rgba.iter().any(|pixel| pixel[3] > 0.3));
+    }
+    assert!(n_drawn > 70);
+}

@@ -177,10 +177,11 @@ pub fn render<'py>(
     };
     options.validate().map_err(to_py)?;
     let monitor = PyMonitor::new(progress);
+    let curves = volume.transfer_function(&transfer_function.0, options.composite)?;
     let result = volume.with_slices(py, options.kernel, |slices| {
         monitor.watch(py, || {
             let slices = slices();
-            let (tf, camera) = (&transfer_function.0, &camera.0);
+            let (tf, camera) = (&curves, &camera.0);
             let mut expected = None;
             if let Some(psnr_db) = psnr {
                 // The small pictures are a part of the work that is not told of.
@@ -301,8 +302,9 @@ pub fn quality_settings(
     volume: Drawable<'_>,
     transfer_function: &PyTransferFunction,
 ) -> PyResult<(f64, f64)> {
+    let curves = volume.transfer_function(&transfer_function.0, Composite::Over)?;
     volume.with_grid(py, |grid| {
-        let is_steep = wavesplat_splat::is_steep(grid, &transfer_function.0);
+        let is_steep = wavesplat_splat::is_steep(grid, &curves);
         wavesplat_core::quality_settings(name, is_steep, grid.coarseness()).map_err(to_py)
     })
 }

@@ -9,10 +9,12 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use wavesplat_core::{Decoder as _, Grid, Kernel, Statistics};
+use wavesplat_core::{Decoder as _, Grid, Kernel, Statistics, TransferFunction};
 use wavesplat_splat::blocks::samples_every;
 use wavesplat_splat::slices::Prepared;
-use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, WaveletVolume};
+use wavesplat_wavelet::{
+    Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume, coherence_length,
+};
 
 use crate::arguments::Triple;
 use crate::errors::to_py;
@@ -138,19 +140,25 @@ impl PyWaveletVolume {
         cache_bytes: usize,
     ) -> PyResult<PyDecodedVolume> {
         let world_from_index = affine(&world_from_index)?;
+        let (n_dropped, all_weights) = (level, weights.clone());
         let grid = LevelGrid::new(self.0.plan(), level);
         let level = if grid.is_some() { level } else { 0 };
         if grid.is_none() {
-            weights[..level].fill(0.0);
+            weights[..n_dropped].fill(0.0);
         }
         let level_grid = grid.or_else(|| LevelGrid::new(self.0.plan(), 0));
         let Some(level_grid) = level_grid else { return Err(PyValueError::new_err("no such level")) };
-        let (decoder, range) = py.detach(|| {
+        let (decoder, range, spread) = py.detach(|| {
             let decoder = Decoder::new(self.0.clone(), level, &weights);
-            let range = decoder.range();
-            (Coarse::new(decoder, level_grid), range)
+            let range = decoder.range().map(f64::from);
+            let decoder = Coarse::new(decoder, level_grid);
+            let spread = (n_dropped > 0).then(|| {
+                let finest = Decoder::new(self.0.clone(), 0, &all_weights);
+                Spread::new(&finest, &decoder, &level_grid, finest.range().map(f64::from))
+            });
+            (decoder, range, spread)
         });
-        let [min, max] = range.map(f64::from);
+        let [min, max] = range;
         let statistics = Statistics { min, max, n_nonfinite: 0 };
         let finest = Grid::new(name, self.0.plan().size(), world_from_index, statistics, false).map_err(to_py)?;
         let LevelGrid { origin, spacing, .. } = level_grid;
@@ -161,7 +169,15 @@ impl PyWaveletVolume {
         let grid = Grid::new(name, decoder.size(), world_from_index * finest_from_level, statistics, false);
         let grid = grid.map_err(to_py)?.as_level_of(finest.default_opacity_unit(), bounds);
         let decoder = Arc::new(decoder);
-        Ok(PyDecodedVolume { grid, level: level_grid, decoder, cache_bytes, prepared: Mutex::default() })
+        Ok(PyDecodedVolume {
+            grid,
+            level: level_grid,
+            n_dropped,
+            spread,
+            decoder,
+            cache_bytes,
+            prepared: Mutex::default(),
+        })
     }
 }
 
@@ -174,6 +190,9 @@ fn family_of(name: &str) -> PyResult<Family> {
 pub struct PyDecodedVolume {
     grid: Grid,
     level: LevelGrid,
+    /// Levels that are left out, and what they carried.
+    n_dropped: usize,
+    spread: Option<Spread>,
     decoder: Arc<Coarse>,
     cache_bytes: usize,
     /// For the kernel that was used last.
@@ -204,6 +223,14 @@ impl PyDecodedVolume {
     pub fn level_from_finest(&self, index: Triple) -> Triple {
         let [x, y, z] = self.level.level_from_finest([index.0, index.1, index.2]);
         (x, y, z)
+    }
+
+    /// The transfer function that makes of a coarser level what it makes of the finest.
+    pub fn filtered(&self, tf: &TransferFunction) -> PyResult<TransferFunction> {
+        let Some(spread) = &self.spread else { return Ok(tf.clone()) };
+        let finest = self.grid.default_opacity_unit();
+        let length = coherence_length(self.n_dropped) * finest / tf.opacity_unit().unwrap_or(finest);
+        spread.filter(tf, length).map_err(to_py)
     }
 
     /// What is decoded for a kernel; kept until another is asked for.

@@ -86,6 +86,11 @@ impl Decoder {
 
     /// Smallest and largest sample of the level.
     pub fn range(&self) -> [f32; 2] {
+        let is_volume = self.level == 0 && self.weights.iter().all(|w| *w == 1.0);
+        if is_volume { self.volume.range(|| self.find_range()) } else { self.find_range() }
+    }
+
+    fn find_range(&self) -> [f32; 2] {
         let [nx, ny, nz] = core::Decoder::size(self);
         let ranges = parallel::map(nz.div_ceil(SIDE), |layer| {
             let zs = layer * SIDE..((layer + 1) * SIDE).min(nz);

@@ -8,6 +8,7 @@
 //! orthogonal family, the least mean square error of all choices of as many; the others come near.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use wavesplat_compute::parallel;
 
@@ -43,6 +44,8 @@ pub struct WaveletVolume {
     threshold: f64,
     /// Subbands 1 to 7 of each level, the finest first, then the low box of the last level.
     bands: Vec<Band>,
+    /// Smallest and largest sample, once they are known.
+    range: OnceLock<[f32; 2]>,
 }
 
 /// A wavelet volume as plain arrays, to be stored: bands one after the other, the finest first, as [`WaveletVolume`] has
@@ -120,7 +123,7 @@ impl WaveletVolume {
         drop(amplitudes);
         let places = places(&plan);
         let bands = parallel::map(places.len(), |b| Band::new(places[b].clone(), &coefficients, size));
-        Self { plan, threshold, bands }
+        Self { plan, threshold, bands, range: OnceLock::new() }
     }
 
     /// The transform.
@@ -131,6 +134,11 @@ impl WaveletVolume {
     /// The amplitude below which coefficients were dropped.
     pub fn threshold(&self) -> f64 {
         self.threshold
+    }
+
+    /// Smallest and largest sample that the coefficients stand for, found by `find` once.
+    pub(crate) fn range(&self, find: impl FnOnce() -> [f32; 2]) -> [f32; 2] {
+        *self.range.get_or_init(find)
     }
 
     /// Coefficients that are there.
@@ -216,7 +224,7 @@ impl WaveletVolume {
         if has_block.next().is_some() || masks.next().is_some() || !rest.is_empty() || !values.is_empty() {
             return Err("something is left over");
         }
-        Ok(Self { plan, threshold, bands })
+        Ok(Self { plan, threshold, bands, range: OnceLock::new() })
     }
 
     /// All coefficients in the layout of the plan, zeros where nothing is kept. `weights`: a factor for each level's

@@ -20,7 +20,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study-wavelets bench roofline instructions clean \
+.PHONY: help demo test check fmt quality study-wavelets study-lod bench roofline instructions clean \
 	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -44,6 +44,9 @@ quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 1
 
 study-wavelets: $(STAMPS)/study ## repeat the paper's experiments on wavelets; STUDY_WAVELETS="--only ripples" takes seconds
 	BENCH_DATA=$(BENCH_DATA) python studies/wavelets/wavelets.py --out $(OUT)/study-wavelets $(STUDY_WAVELETS)
+
+study-lod: $(STAMPS)/package ## leave out levels of details and measure the brightness; STUDY_LOD="--large" takes 3 GB
+	BENCH_DATA=$(BENCH_DATA) python studies/lod/lod.py $(STUDY_LOD)
 
 bench: $(STAMPS)/bench ## time frames, ours and VTK's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)

@@ -37,8 +37,6 @@ import datetime as dt
 import hashlib
 import math
 import os
-import platform
-import re
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -51,6 +49,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import wavesplat as ws
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import machine
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
@@ -466,15 +467,6 @@ def as_markdown(lines: list[list[str]]) -> str:
     return "\n".join([heading, "|" + " --- |" * len(lines[0]), *body])
 
 
-def machine() -> str:
-    """Cores and processor."""
-    cpuinfo = Path("/proc/cpuinfo")
-    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
-    found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)
-    widest = next((f", {name}" for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2")) if flag in text), "")
-    return f"{os.cpu_count()} cores, {found[1] if found else platform.machine()}{widest}"
-
-
 def record(rows: Sequence[Row], size_px: int) -> None:
     """Keep the tables in the repository."""
     tables = "\n\n".join(
@@ -483,7 +475,7 @@ def record(rows: Sequence[Row], size_px: int) -> None:
     RESULTS.write_text(
         f"""# Wavelet coefficients dropped
 
-{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine()}, {size_px} x {size_px} pixels.
+{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
 Command: `make study-wavelets STUDY_WAVELETS="{" ".join(sys.argv[1:])}"`.
 What is measured, and how, stands at the head of `wavelets.py`; "theirs" is what the paper prints, of other scans.
 

@@ -12,9 +12,7 @@ use pyo3::prelude::*;
 use wavesplat_core::{Decoder as _, Grid, Kernel, Statistics, TransferFunction};
 use wavesplat_splat::blocks::samples_every;
 use wavesplat_splat::slices::Prepared;
-use wavesplat_wavelet::{
-    Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume, coherence_length,
-};
+use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume};
 
 use crate::arguments::Triple;
 use crate::errors::to_py;
@@ -229,8 +227,7 @@ impl PyDecodedVolume {
     pub fn filtered(&self, tf: &TransferFunction) -> PyResult<TransferFunction> {
         let Some(spread) = &self.spread else { return Ok(tf.clone()) };
         let finest = self.grid.default_opacity_unit();
-        let length = coherence_length(self.n_dropped) * finest / tf.opacity_unit().unwrap_or(finest);
-        spread.filter(tf, length).map_err(to_py)
+        spread.filter(tf, self.n_dropped, finest / tf.opacity_unit().unwrap_or(finest)).map_err(to_py)
     }
 
     /// What is decoded for a kernel; kept until another is asked for.

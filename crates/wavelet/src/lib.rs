@@ -62,7 +62,7 @@ pub use norm::{Norm, from_amplitudes, to_amplitudes};
 pub use plan::{Plan, max_levels};
 pub use reversible::{analyse_integers, synthesise_integers};
 pub use sample::Sample;
-pub use spread::{Spread, coherence_length};
+pub use spread::Spread;
 pub use step::Step;
 pub use taps::Tap;
 pub use transform::{analyse, analyse_level, synthesise, synthesise_level, synthesise_to};

@@ -9,8 +9,8 @@
 //! `A(d) = Σ P(v | d) a(v)`, `a(v) = 1 − (1 − α(v))^s`,
 //!
 //! the colour is the mean weighted by `a`, and `α` of the coarse value is `1 − (1 − A)^(1/s)`. The mean is taken of
-//! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` grows with the
-//! level, as the length over which samples hang together. The histogram knows no transfer function and is made once per
+//! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` is the length
+//! over which samples hang together. The histogram knows no transfer function and is made once per
 //! level, from a part of the samples; a new function costs a product with a small matrix.
 //!
 //! Distributions of what a coarse sample stands for, in place of its mean: Younesy, Möller, Carr, "Improving the
@@ -72,12 +72,15 @@ impl Spread {
         Self { lo, hi, shares }
     }
 
-    /// The function for the level. `length`: over which opacities are averaged, in the function's `opacity_unit`s.
-    pub fn filter(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
+    /// The function for `level`. `spacing`: that of the finest grid, in the function's `opacity_unit`s.
+    pub fn filter(&self, tf: &TransferFunction, level: usize, spacing: f64) -> Result<TransferFunction> {
         let step = (self.hi - self.lo) / N_BINS as f64;
         if step <= 0.0 {
             return Ok(tf.clone());
         }
+        let nodes = tf.opacity_nodes().iter().map(|node| node.value.clamp(self.lo, self.hi));
+        let most = nodes.chain([self.lo, self.hi]).map(|value| tf.opacity(value)).fold(0.0, f64::max);
+        let length = spacing * coherence_length(level, -(spacing * (-most).ln_1p()).exp_m1());
         let associated = |bin: usize| {
             let mut sum = [0.0_f64; 4];
             for k in 0..N_PER_BIN {
@@ -111,12 +114,16 @@ impl Spread {
 /// Mean opacity that is not worth drawing.
 const LEAST: f64 = 1e-5;
 
-/// Length over which samples of a level hang together, in spacings of the finest grid.
+/// Length over which samples of a level hang together, in spacings of the finest grid, for functions with this largest
+/// opacity of a spacing.
 ///
-/// Measured on CT, MRI and an engine (`make study-lod`): most of a coarse cell; not more than a few samples, since what
-/// lies further apart is less alike.
-pub fn coherence_length(level: usize) -> f64 {
-    (0.75 * 2.0_f64.powi(level as i32)).min(4.0)
+/// Fitted to CT, MRI and an engine (`make study-lod`). With a faint function a whole coarse cell counts, up to a few
+/// samples. With an opaque one the first samples of a structure hide the others, and what is left of walls and bones
+/// between coarse samples must be as opaque as they were.
+fn coherence_length(level: usize, opacity: f64) -> f64 {
+    let faint = 2.0_f64.powi(level as i32).min(4.0);
+    let opaque = 0.6 * level as f64;
+    opaque + (faint - opaque) * (1.0 - opacity)
 }
 
 /// Sample and interpolated coarse value at every place of a box of the finest grid.

@@ -1,0 +1,256 @@
+"""What leaving out levels of details does to a picture's brightness; `make study-lod` runs this.
+
+A coarse sample stands for many samples. Classified by its own value (the plain low-pass) thin structures vanish and the
+picture gets darker; `render(..., drop_levels=n)` classifies it by what it stands for (crates/wavelet/src/spread.rs).
+Both are drawn from the coarse samples, with as many sheets and texels per sample.
+
+Every CT, MRI and engine that is to be had, soft and hard functions, three views: change of the mean brightness of the
+picture (mean over pixels and channels, shaded, over black) from the picture of all levels, in percent; the mean over
+the views, and in brackets the view that is worst.
+Goals: at most half of plain's change; below 8 % at one level; below 4 % at two on CT with a soft function.
+
+Time is of the processor for a frame with everything kept that may be kept (least of 3); `--large` adds 512^3 samples,
+the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below ours.
+
+`--record` writes the table to RESULTS.md beside this file. Volumes are from BENCH_DATA or, where it lacks them,
+bundled.
+"""
+
+# ruff: noqa: INP001 - a script, not a package
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import wavesplat as ws
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import machine
+
+ROOT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
+RESULTS = Path(__file__).with_name("RESULTS.md")
+
+#: Azimuth and elevation, degrees.
+VIEWS = ((20, 15), (-65, -20), (35, 60))
+MOST_DROPPED = 3
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A volume, where its opacity is 0, 0.05 and 0.2, and where it steps from 0 to 1; in the units of its file."""
+
+    file: str
+    soft: tuple[float, float, float]
+    hard: float
+    is_ct: bool = True
+    bundled: Callable[[], ws.Volume] | None = None
+
+    def volume(self) -> ws.Volume | None:
+        """The volume, if it is to be had."""
+        path = DATA / self.file
+        return ws.open(path) if path.exists() else self.bundled() if self.bundled else None
+
+
+SUBJECTS = {
+    "engine": Subject("engine.nrrd", (70, 180, 255), 100, is_ct=False),
+    "ct pelvis": Subject("ct_pelvis_right.nii.gz", (-75, 255, 1000), 199, bundled=ws.examples.ct_pelvis),
+    "ct abdomen": Subject("ct_abdomen_pelvis_3mm.nii.gz", (-75, 255, 1000), 199),
+    "ct torso, 8 bits": Subject("ct_torso_u8.mha", (100, 180, 255), 170),
+    "ct pelvis, DICOM": Subject("dicom_ct_pelvis", (-75, 255, 1000), 199),
+    "mri head": Subject("mri_head_t1.nii.gz", (24, 60, 95), 24, is_ct=False, bundled=ws.examples.mri_head),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A function on a volume: changes of brightness, percent, by levels left out and view."""
+
+    subject: str
+    curve: str
+    plain: Array
+    ours: Array
+    frame_ms: Sequence[float]
+
+    def misses(self) -> list[str]:
+        """Goals that do not hold."""
+        plain, ours = np.abs(self.plain.mean(axis=1)), np.abs(self.ours.mean(axis=1))
+        missed = [f"half of plain at {n + 1}" for n in range(MOST_DROPPED) if ours[n] > plain[n] / 2]
+        if ours[0] >= 8:
+            missed.append("8 % at 1")
+        if self.curve == "soft" and SUBJECTS[self.subject].is_ct and ours[1] >= 4:
+            missed.append("4 % at 2")
+        return missed
+
+
+def transfer_function(subject: Subject, curve: str, unit: float) -> ws.TransferFunction:
+    """The soft or the hard one."""
+    if curve == "hard":
+        return ws.TransferFunction([(subject.hard, 0), (subject.hard + 1, 1)], [(subject.hard, 1, 0.9, 0.75)], unit)
+    first, middle, last = subject.soft
+    colors = [(first, 0.8, 0.4, 0.25), (middle, 1, 0.8, 0.6), (last, 1, 1, 0.95)]
+    return ws.TransferFunction([(first, 0), (middle, 0.05), (last, 0.2)], colors, unit)
+
+
+def plain_level(wavelets: ws.WaveletVolume, n_dropped: int) -> ws.Volume:
+    """The coarse samples, on a grid of their own; cdf97 has them on every second sample of the level before."""
+    wider = np.diag([2.0**n_dropped] * 3 + [1.0])
+    samples = wavelets._decoded(n_dropped).every(1)
+    return ws.Volume(samples, world_from_index=wavelets.world_from_index @ wider, name=wavelets.name)
+
+
+def draw(
+    volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
+) -> Array:
+    """RGB, 0..1."""
+    picture = ws.render(volume, tf, ws.Camera.orbit(camera_of or volume, *view), size=(size, size), **options)
+    return np.clip(picture.rgba[..., :3], 0.0, 1.0).astype(np.float64)
+
+
+def least_ms(work: Callable[[], object]) -> float:
+    """Processor time, the least of 3 after one that is not counted."""
+    work()
+    times = []
+    for _ in range(3):
+        start = time.process_time()
+        work()
+        times.append(1e3 * (time.process_time() - start))
+    return min(times)
+
+
+def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) -> list[float]:
+    """Milliseconds of a frame with no level left out, one, and so on."""
+    return [
+        least_ms(partial(draw, wavelets, tf, VIEWS[0], size, drop_levels=n_dropped))
+        for n_dropped in range(MOST_DROPPED + 1)
+    ]
+
+
+def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[Row]:
+    """Both functions on a volume."""
+    subject = SUBJECTS[name]
+    volume = subject.volume()
+    if volume is None:
+        print(f"{name}: no {subject.file} in {DATA}; left out", file=sys.stderr)
+        return []
+    wavelets = ws.WaveletVolume.from_volume(volume)
+    low_pass = [plain_level(wavelets, n + 1) for n in range(MOST_DROPPED)]
+    unit = float(np.prod(volume.spacing) ** (1 / 3))
+    rows = []
+    for curve in ("soft", "hard"):
+        tf = transfer_function(subject, curve, unit)
+        changes = np.zeros((2, MOST_DROPPED, len(VIEWS)))
+        for v, view in enumerate(VIEWS):
+            whole = draw(wavelets, tf, view, size)
+            page = [[whole], [whole]]
+            for n in range(MOST_DROPPED):
+                plain = draw(low_pass[n], tf, view, size, camera_of=wavelets, oversampling=0.5 ** (n + 1))
+                pictures = plain, draw(wavelets, tf, view, size, drop_levels=n + 1)
+                changes[:, n, v] = [100 * (picture.mean() / whole.mean() - 1) for picture in pictures]
+                for line, picture in zip(page, pictures, strict=True):
+                    line.append(picture)
+            if v == 0:
+                pages[f"{name}, {curve}"] = page
+        rows.append(Row(name, curve, changes[0], changes[1], frame_times(wavelets, tf, size)))
+    return rows
+
+
+def large() -> Row | None:
+    """512^3 samples: the engine, repeated; only its time."""
+    subject = SUBJECTS["engine"]
+    engine = subject.volume()
+    if engine is None:
+        return None
+    samples = np.tile(engine.samples, (4, 2, 2))[:512, :512, :512]
+    wavelets = ws.WaveletVolume.from_volume(ws.Volume(samples), keep=0.03)
+    wavelets.cache_bytes = 3 << 30
+    tf = transfer_function(subject, "soft", 1.0)
+    nothing = np.zeros((MOST_DROPPED, 1))
+    frames = [least_ms(lambda n=n: draw(wavelets, tf, VIEWS[0], 1024, drop_levels=n)) for n in range(MOST_DROPPED + 1)]
+    return Row("engine, 512^3, 1024 px", "soft", nothing, nothing, frames)
+
+
+def table(rows: Sequence[Row]) -> list[list[str]]:
+    """A row per volume and function; levels left out with slashes between."""
+
+    def changes(values: Array) -> str:
+        worst = [line[np.argmax(np.abs(line))] for line in values]
+        return " / ".join(f"{mean:+.1f} ({far:+.0f})" for mean, far in zip(values.mean(axis=1), worst, strict=True))
+
+    lines = [["volume", "function", "plain, %", "ours, %", "frame, CPU ms", "goals missed"]]
+    for row in rows:
+        frames = " / ".join(f"{ms:.0f}" for ms in row.frame_ms)
+        if not row.plain.any():
+            lines.append([row.subject, row.curve, "", "", frames, ""])
+            continue
+        missed = ", ".join(row.misses()) or "none"
+        lines.append([row.subject, row.curve, changes(row.plain), changes(row.ours), frames, missed])
+    return lines
+
+
+def as_markdown(lines: list[list[str]]) -> str:
+    """A table of Markdown."""
+    head, *body = (f"| {' | '.join(line)} |" for line in lines)
+    return "\n".join([head, "|" + " --- |" * len(lines[0]), *body])
+
+
+def save_pages(pages: dict[str, list[list[Array]]], folder: Path) -> None:
+    """A PNG per volume and function: above plain, below ours, more levels left out to the right."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, lines in pages.items():
+        rgb = np.concatenate([np.concatenate(line, axis=1) for line in lines], axis=0)
+        rgba = np.concatenate([rgb, np.ones((*rgb.shape[:2], 1))], axis=2)
+        ws.Picture(rgba.astype(np.float32)).save(folder / f"{name.replace(', ', '_').replace(' ', '_')}.png")
+
+
+def record(rows: Sequence[Row], size: int) -> None:
+    """Keep the table in the repository."""
+    RESULTS.write_text(
+        f"""# Levels of detail left out
+
+{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size} x {size} pixels, cdf97, all coefficients.
+Command: `make study-lod STUDY_LOD="{" ".join(sys.argv[1:])}"`. What is measured stands at the head of `lod.py`.
+Numbers are for one / two / three levels left out; those of a frame begin with none.
+
+{as_markdown(table(rows))}
+""",
+        encoding="utf-8",
+    )
+
+
+def main() -> int:
+    """Print the table, write the pictures."""
+    parser = argparse.ArgumentParser(description="Leave out levels of details and look at the brightness.")
+    parser.add_argument("--size", type=int, default=384, metavar="PX", help="side of the pictures; 384")
+    parser.add_argument("--only", nargs="+", default=list(SUBJECTS), choices=SUBJECTS, help="volumes")
+    parser.add_argument("--large", action="store_true", help="time 512^3 samples too; 3 GB")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "study-lod", help="folder of the pictures")
+    parser.add_argument("--record", action="store_true", help="write RESULTS.md")
+    options = parser.parse_args()
+    pages: dict[str, list[list[Array]]] = {}
+    rows = [row for name in options.only for row in measure(name, options.size, pages)]
+    if options.large and (row := large()):
+        rows.append(row)
+    print(as_markdown(table(rows)))
+    save_pages(pages, options.out)
+    if options.record:
+        record(rows, options.size)
+    print(f"\nThe pictures are in {options.out}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,4 +1,4 @@
-"""The command line: `wavesplat render`, `wavesplat info`, `wavesplat demo`.
+"""The command line: `wavesplat render`, `wavesplat wavelet`, `wavesplat info`, `wavesplat demo`.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wavesplat.camera import Camera
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.volume import Volume
+    from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = ["app", "main"]
 
@@ -83,6 +84,13 @@ def _whole_numbers(text: str) -> tuple[int, ...]:
         raise typer.BadParameter(f"{text!r} is not whole numbers with commas between, such as 64,128,128") from None
 
 
+def _weights(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not numbers with commas between, such as 1,1,0") from None
+
+
 def _color(text: str) -> tuple[float, ...] | None:
     from wavesplat import colors
 
@@ -110,6 +118,12 @@ Spacing = Annotated[
 ]
 ByteOrder = Annotated[str | None, typer.Option(metavar="little|big", help="Raw: byte order of the samples.")]
 Offset = Annotated[int, typer.Option(metavar="BYTES", help="Raw: bytes before the first sample.")]
+Family = Annotated[
+    str, typer.Option(metavar="NAME", help="Wavelets: cdf97, cdf53, haar, spline4, bspline2 to bspline4.")
+]
+Threshold = Annotated[
+    float | None, typer.Option(metavar="T", help="Drop wavelet coefficients of less amplitude, in sample units.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No messages and no progress bar; errors still show.")]
 
@@ -156,6 +170,19 @@ def render(
     psnr: Annotated[
         float | None, typer.Option(metavar="DB", help="Choose both for this PSNR against the converged picture.")
     ] = None,
+    threshold: Threshold = None,
+    levels: Annotated[
+        int | None, typer.Option(metavar="N", help="Draw the wavelets' N coarsest levels, at their own resolution.")
+    ] = None,
+    bands: Annotated[
+        Any,
+        typer.Option(
+            metavar="W,W,...",
+            parser=_weights,
+            help="A weight for each level of wavelets, the finest first, and for the coarsest samples.",
+        ),
+    ] = None,
+    family: Family = "cdf97",
     background: Annotated[
         Any, typer.Option(metavar="COLOR", parser=_color, help="black, white, grey, #rrggbb, r,g,b or transparent.")
     ] = "black",
@@ -194,10 +221,11 @@ def render(
     _check_outputs(output, report)
     from wavesplat.rendering import DEFAULT_SHADING
 
-    volume = _open(
+    volume = _open_any(
         input, series=series, time=time, channel=channel, dataset=dataset, level=level, shape=shape, dtype=dtype,
         spacing=spacing, byte_order=byte_order, offset=offset,
     )  # fmt: skip
+    volume, drop_levels = _levels(volume, family, threshold, levels, bands)
     transfer_function = _transfer_function(volume, preset, tf, composite, input)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
@@ -216,6 +244,7 @@ def render(
         sheets_per_slice=sheets_per_slice,
         oversampling=oversampling,
         psnr=psnr,
+        drop_levels=drop_levels,
         crop=_crop(crop, crop_index),
         background=background,
         threads=threads,
@@ -244,13 +273,70 @@ def info(
 ) -> None:
     """Say what a volume holds: size, spacing, type, orientation, values."""
     from wavesplat import describe
+    from wavesplat.wavelet_volume import WaveletVolume
 
+    volume = _open_any(
+        input, series=series, time=time, channel=channel, dataset=dataset, level=level, shape=shape, dtype=dtype,
+        spacing=spacing, byte_order=byte_order, offset=offset,
+    )  # fmt: skip
+    if isinstance(volume, WaveletVolume):
+        facts = describe.describe_wavelets(volume)
+        text = describe.wavelet_lines(facts)
+    else:
+        facts = describe.describe(volume)
+        text = describe.lines(facts)
+    print(_as_json(facts) if json else "\n".join(text))
+
+
+@app.command(epilog=EPILOG)
+def wavelet(
+    input: Input,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="OUT", help="File to write: .wavelets.", show_default=False)
+    ] = None,
+    family: Family = "cdf97",
+    threshold: Threshold = None,
+    keep: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="Keep this share of the coefficients, 0..1.")
+    ] = None,
+    psnr: Annotated[float | None, typer.Option(metavar="DB", help="Keep as few as give samples of this PSNR.")] = None,
+    levels: Annotated[int | None, typer.Option(metavar="N", help="Levels of details; all if not given.")] = None,
+    normalisation: Annotated[
+        Any,
+        typer.Option(metavar="NAME", parser=_one_of(("l2", "peak")), help="What amplitudes are measured by: l2, peak."),
+    ] = "l2",
+    series: Series = None,
+    time: Time = None,
+    channel: Channel = None,
+    dataset: Dataset = None,
+    level: Level = None,
+    shape: Shape = None,
+    dtype: Dtype = None,
+    spacing: Spacing = None,
+    byte_order: ByteOrder = None,
+    offset: Offset = 0,
+    json: Json = False,
+) -> None:
+    """Analyse a volume, drop small wavelet coefficients, say what is left, and keep it in a file."""
+    from wavesplat import describe
+    from wavesplat.wavelet_volume import WaveletVolume, check_suffix
+
+    if output is not None:
+        check_suffix(output)
     volume = _open(
         input, series=series, time=time, channel=channel, dataset=dataset, level=level, shape=shape, dtype=dtype,
         spacing=spacing, byte_order=byte_order, offset=offset,
     )  # fmt: skip
-    facts = describe.describe(volume)
-    print(_as_json(facts) if json else "\n".join(describe.lines(facts)))
+    wavelets = WaveletVolume.from_volume(
+        volume, family, threshold=threshold, keep=keep, psnr=psnr, levels=levels, normalisation=normalisation
+    )
+    facts = describe.describe_wavelets(wavelets, volume)
+    text = describe.wavelet_lines(facts)
+    if output is not None:
+        wavelets.save(output)
+        facts |= {"file": str(output), "n_bytes_of_file": output.stat().st_size}
+        text.append(f"file         {output}, {facts['n_bytes_of_file'] / 2**20:.3g} MiB")
+    print(_as_json(facts) if json else "\n".join(text))
 
 
 @app.command(epilog=EPILOG)
@@ -359,8 +445,46 @@ def _open(path: str, **options: Any) -> Volume:
     return readers.open(path, **options)
 
 
+def _open_any(path: str, **options: Any) -> Volume | WaveletVolume:
+    """A volume, or a file of wavelet coefficients."""
+    if not path.endswith(".wavelets"):
+        return _open(path, **options)
+    from wavesplat.wavelet_volume import WaveletVolume
+
+    given = sorted("--" + name.replace("_", "-") for name, value in options.items() if value)
+    if given:
+        raise ArgumentError(f"{', '.join(given)} say nothing about a file of wavelet coefficients; leave them out")
+    return WaveletVolume.load(path)
+
+
+def _levels(
+    volume: Volume | WaveletVolume,
+    family: str,
+    threshold: float | None,
+    levels: int | None,
+    bands: tuple[float, ...] | None,
+) -> tuple[Volume | WaveletVolume, int]:
+    """What is drawn, as wavelets if any of these options asks for them, and how many levels are left out."""
+    from wavesplat.wavelet_volume import WaveletVolume
+
+    if isinstance(volume, WaveletVolume):
+        if threshold is not None:
+            raise ArgumentError(
+                "--threshold is for samples; the coefficients of this file were dropped when it was made"
+            )
+    elif threshold is None and levels is None and bands is None:
+        return volume, 0
+    else:
+        volume = WaveletVolume.from_volume(volume, family, threshold=threshold)
+    if levels is not None and not 0 <= levels <= volume.n_levels:
+        raise ArgumentError(
+            f"--levels is {levels}; {volume.name!r} has {volume.n_levels}, so give 0 to {volume.n_levels}"
+        )
+    return volume.bands(bands), 0 if levels is None else volume.n_levels - levels
+
+
 def _transfer_function(
-    volume: Volume, preset: str | None, file: Path | None, composite: str, path: str
+    volume: Volume | WaveletVolume, preset: str | None, file: Path | None, composite: str, path: str
 ) -> TransferFunction:
     from wavesplat.transfer_function import TransferFunction
 
@@ -376,7 +500,7 @@ def _transfer_function(
 
 
 def _camera(
-    volume: Volume,
+    volume: Volume | WaveletVolume,
     view: str | None,
     azimuth: float | None,
     elevation: float | None,
@@ -401,7 +525,9 @@ def _crop(world: tuple[float, ...] | None, index: tuple[float, ...] | None) -> A
     return None if index is None else Crop(index[:3], index[3:], space="index")
 
 
-def _note_what_stays_hidden(volume: Volume, transfer_function: TransferFunction, composite: str) -> None:
+def _note_what_stays_hidden(
+    volume: Volume | WaveletVolume, transfer_function: TransferFunction, composite: str
+) -> None:
     import numpy as np
 
     if volume.n_nonfinite:
@@ -415,7 +541,9 @@ def _note_what_stays_hidden(volume: Volume, transfer_function: TransferFunction,
         )
 
 
-def _render(volume: Volume, transfer_function: TransferFunction, camera: Camera, *, shown: bool, **options: Any) -> Any:
+def _render(
+    volume: Volume | WaveletVolume, transfer_function: TransferFunction, camera: Camera, *, shown: bool, **options: Any
+) -> Any:
     from wavesplat import progress
     from wavesplat.rendering import render as draw
 

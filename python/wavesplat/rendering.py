@@ -85,8 +85,9 @@ def render(
         takes as long as a few frames: give what the report holds to the frames that follow. `expected_psnr_db` there is
         mostly less than what is reached, and less than what was asked for where nothing reaches that.
     drop_levels : int
-        Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its own
-        resolution, with fewer sheets and texels (semi-orthogonal families: at the full one).
+        Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its
+        own resolution, with fewer sheets and texels (semi-orthogonal families: at the full one), and classified by
+        the samples that it stands for, so that the picture keeps its brightness.
     band_weights : sequence of float, optional
         Of a WaveletVolume: a factor for each level's details, the finest first, and for the coarsest samples. Without
         these (weight 0) values are signed details, for which None makes a diverging transfer function.

@@ -6,6 +6,7 @@ import math
 import zipfile
 from collections.abc import Sequence
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from wavesplat.grid import Grid
 from wavesplat.output import write_atomically
 from wavesplat.volume import Volume
 
-__all__ = ["WaveletVolume"]
+__all__ = ["WaveletVolume", "check_suffix"]
 
 #: What counts as the size of a coefficient.
 NORMALISATIONS = ("l2", "peak")
@@ -167,6 +168,11 @@ class WaveletVolume(Grid):
         return self._weights[-1] == 0
 
     @property
+    def n_nonfinite(self) -> int:
+        """How many samples are NaN or infinite: none, they are refused."""
+        return 0
+
+    @property
     def value_range(self) -> tuple[float, float]:
         """Smallest and largest sample."""
         return self._decoded().value_range
@@ -237,10 +243,9 @@ class WaveletVolume(Grid):
         FileError
             If the file cannot be written.
         """
-        if not str(path).endswith(".wavelets"):
-            raise ArgumentError(f"cannot save coefficients as {path}; give a name that ends in .wavelets")
+        check_suffix(path)
         has_block, masks, values = self._core.parts()
-        arrays = {
+        arrays: dict[str, Any] = {
             "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
             "shape": np.array(self._shape),
             "levels_and_threshold": np.array([self.n_levels, self.threshold]),
@@ -252,9 +257,9 @@ class WaveletVolume(Grid):
             "values": values,
         }
 
-        def write(part: Any) -> None:
-            with open(part, "wb") as file:
-                np.savez_compressed(file, **arrays)
+        def write(part: Path) -> None:
+            with part.open("wb") as file:
+                np.savez_compressed(file, allow_pickle=False, **arrays)
 
         write_atomically(path, write)
 
@@ -321,6 +326,12 @@ class WaveletVolume(Grid):
             f"<WaveletVolume {self._name!r}: z, y, x {' x '.join(map(str, self._shape))}, {self._family}, "
             f"{self.n_levels} levels, {100 * self.kept_fraction:.3g} % of the coefficients in {self.nbytes} bytes>"
         )
+
+
+def check_suffix(path: str | PathLike[str]) -> None:
+    """An `ArgumentError` if coefficients are not kept under such a name."""
+    if not str(path).endswith(".wavelets"):
+        raise ArgumentError(f"cannot save coefficients as {path}; give a name that ends in .wavelets")
 
 
 def _what_stays(threshold: float | None, keep: float | None, psnr: float | None) -> tuple[str, float]:

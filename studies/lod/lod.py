@@ -179,8 +179,7 @@ def large() -> Row | None:
     wavelets.cache_bytes = 3 << 30
     tf = transfer_function(subject, "soft", 1.0)
     nothing = np.zeros((MOST_DROPPED, 1))
-    frames = [least_ms(lambda n=n: draw(wavelets, tf, VIEWS[0], 1024, drop_levels=n)) for n in range(MOST_DROPPED + 1)]
-    return Row("engine, 512^3, 1024 px", "soft", nothing, nothing, frames)
+    return Row("engine, 512^3, 1024 px", "soft", nothing, nothing, frame_times(wavelets, tf, 1024))
 
 
 def table(rows: Sequence[Row]) -> list[list[str]]:

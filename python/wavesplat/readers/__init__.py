@@ -137,6 +137,10 @@ def open(
     (2, 3, 4)
     """
     request = Request(path, series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset)
+    if str(path).endswith(".wavelets"):
+        raise ArgumentError(
+            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
+        )
     family = _family(request)
     _check_options(request, family)
     module = import_module(f"wavesplat.readers.{family}")

@@ -45,6 +45,35 @@ class Picture:
         height, width = self.rgba.shape[:2]
         return width, height
 
+    def over(self, below: Picture) -> Picture:
+        """This picture laid over another of the same size, as light is composited: details over the whole, say.
+
+        Parameters
+        ----------
+        below : Picture
+            What shows where this picture is transparent.
+
+        Raises
+        ------
+        ArgumentError
+            If the sizes differ.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
+        >>> whole = ws.render(wavelets, size=(32, 32))
+        >>> finest = ws.render(wavelets, size=(32, 32), band_weights=[1, 0, 0, 0, 0])
+        >>> finest.over(whole).size
+        (32, 32)
+        """
+        if self.size != below.size:
+            raise ArgumentError(
+                f"a picture of {self.size[0]} x {self.size[1]} pixels cannot lie over one of {below.size[0]} x "
+                f"{below.size[1]}; draw both in one size"
+            )
+        return Picture(self.rgba + (1 - self.rgba[..., 3:]) * below.rgba, report={"over": self.report})
+
     def save(self, path: str | PathLike[str], *, bits: int = 8) -> None:
         """Write the picture to a file; the suffix chooses the format.
 

@@ -570,6 +570,39 @@ def level_sheet(name: str, family: str, size_px: int, folder: Path) -> None:
     sheet(folder / f"levels_{name}.png", f"{name}, {family}: levels of details, coefficients kept", pictures)
 
 
+def cracked_bar() -> ws.Volume:
+    """A cast bar, its density varying slowly, with noise; across it a hairline crack, 8 % less dense."""
+    z, y, x = np.mgrid[0:64, 0:64, 0:96].astype(np.float64)
+    edge = [1 / (1 + np.exp((np.abs(a - middle) - half) / 3)) for a, middle, half in
+            ((x, 47.5, 30), (y, 31.5, 17), (z, 31.5, 17))]  # fmt: skip
+    density = 180 + 25 * np.sin(x / 23 + z / 31) * np.cos(y / 19)
+    crack = np.exp(-(((x - 48 - 4 * np.sin(y / 9) - 0.2 * (z - 32)) / 0.8) ** 2)) * (z > 26) * (np.abs(y - 31) < 13)
+    noise = np.random.default_rng(1).normal(0, 1, x.shape)
+    return ws.Volume((np.prod(edge, axis=0) * density * (1 - 0.08 * crack) + noise).astype(np.float32), name="bar")
+
+
+def band_sheet(size_px: int, folder: Path) -> None:
+    """A crack that the whole picture hides: the finest two bands alone, and over the whole."""
+    volume = cracked_bar()
+    wavelets = ws.WaveletVolume.from_volume(volume)
+    camera = ws.Camera.orbit(volume, -35, 35)
+    gray = ws.TransferFunction(
+        [(60, 0), (150, 0.03), (255, 0.12)], [(60, 0.5, 0.55, 0.65), (160, 0.8, 0.82, 0.86), (255, 1, 1, 1)]
+    )
+    whole = ws.render(wavelets, gray, camera, size=(size_px, size_px))
+    details = ws.render(
+        wavelets,
+        ws.TransferFunction.diverging(12, opacity=0.35),
+        camera,
+        size=(size_px, size_px),
+        shading=None,
+        band_weights=[1, 1] + [0] * (wavelets.n_levels - 1),
+    )
+    pictures = {"all bands": whole, "bands 0 and 1": details, "over all": details.over(whole)}
+    row = [(label, rgba_levels(picture)) for label, picture in pictures.items()]
+    sheet(folder / "bands.png", "A hairline crack, 8 % less dense", {"bar": row})
+
+
 def arguments() -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(description="Drop wavelet coefficients and look at the pictures.")
@@ -600,6 +633,7 @@ def main() -> int:
         plot_curves(rows, name, options.out)
         threshold_sheet(name, options.families, options.size, options.out)
         level_sheet(name, best.family if best else options.families[0], options.size, options.out)
+    band_sheet(options.size, options.out)
     print(f"\nThe pictures are in {options.out}")
     return 0
 

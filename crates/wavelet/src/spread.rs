@@ -101,7 +101,6 @@ impl Spread {
             }
             let value = self.lo + (d as f64 + 0.5) * step;
             let mean = sum[3].clamp(0.0, 1.0);
-            // What is seen of one place in a million only costs time.
             let alpha = if mean < LEAST { 0.0 } else { -((-mean).ln_1p() / length).exp_m1() };
             opacity.push(OpacityNode { value, opacity: alpha.clamp(0.0, 1.0) });
             let rgb = if mean < LEAST { tf.color(value) } else { [0, 1, 2].map(|c| (sum[c] / sum[3]).clamp(0.0, 1.0)) };
@@ -111,8 +110,8 @@ impl Spread {
     }
 }
 
-/// Mean opacity that is not worth drawing.
-const LEAST: f64 = 1e-5;
+/// Mean opacity that is not worth drawing: of a thousand coarse samples in a row it would make a tenth.
+const LEAST: f64 = 1e-4;
 
 /// Length over which samples of a level hang together, in spacings of the finest grid, for functions with this largest
 /// opacity of a spacing.

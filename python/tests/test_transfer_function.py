@@ -175,3 +175,36 @@ def test_auto_on_two_values_only():
 def test_auto_refuses_a_constant_volume():
     with pytest.raises(ArgumentError, match="'flat': every sample is 7.*pass a transfer function"):
         ws.TransferFunction.auto(ws.Volume(np.full((4, 4, 4), 7), name="flat"))
+
+
+def test_gradient_opacity_is_kept_and_hides_what_is_homogeneous():
+    ball = np.linalg.norm(np.stack(np.meshgrid(*[np.arange(24.0)] * 3, indexing="ij")) - 11.5, axis=0)
+    volume = ws.Volume((100 * np.clip(10 - ball, 0, 1)).astype(np.float32), spacing=(0.5, 0.5, 0.5))
+    nodes = [
+        (0, 0.0),
+        (100, 1.0),
+    ]  # sample units per world unit: the surface has 100 over a voxel, which is half a unit
+    curves = {"opacity": [(10, 0.0), (50, 0.3)], "color": [(0, 1, 1, 1)]}
+    tf = ws.TransferFunction(**curves, gradient_opacity=nodes)
+    assert tf.gradient_opacity == ((0.0, 0.0), (100.0, 1.0))
+    assert ws.TransferFunction.from_json(tf.to_json()) == tf
+    assert "gradient_opacity" not in ws.TransferFunction(**curves).to_json()
+    draw = {"size": (64, 64), "shading": None, "camera": "anterior"}
+    whole = ws.render(volume, ws.TransferFunction(**curves), **draw).rgba[32, 32, 3]
+    shell = ws.render(volume, tf, **draw).rgba[32, 32, 3]
+    assert whole > 0.99
+    assert 0.3 < shell < 0.8, "two surfaces, and nothing in between"
+
+
+@pytest.mark.parametrize(
+    ("nodes", "message"),
+    [
+        ([(0, 2)], "between 0 and 1"),
+        ([(5, 0), (1, 1)], "sort the nodes"),
+        ([(-1, 1)], "at least 0"),
+        ([(1,)], "2 numbers"),
+    ],
+)
+def test_gradient_opacity_that_cannot_work_is_refused(nodes, message):
+    with pytest.raises(ws.errors.ArgumentError, match=message):
+        ws.TransferFunction([(0, 1)], [(0, 1, 1, 1)], gradient_opacity=nodes)

@@ -94,6 +94,7 @@ class TransferFunction:
         opacity: Sequence[tuple[float, float]],
         color: Sequence[tuple[float, float, float, float]],
         opacity_unit: float | None,
+        gradient_opacity: Sequence[tuple[float, float]],
     ) -> TransferFunction: ...
     def evaluate(self, values: NDArray[np.float64]) -> NDArray[np.float64]: ...
 

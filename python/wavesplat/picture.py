@@ -46,7 +46,7 @@ class Picture:
         return width, height
 
     def over(self, below: Picture) -> Picture:
-        """This picture laid over another of the same size, as light is composited: details over the whole, say.
+        """Lay this picture over another of the same size, as light is composited: details over the whole, say.
 
         Parameters
         ----------

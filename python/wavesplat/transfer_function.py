@@ -38,11 +38,15 @@ class TransferFunction:
     opacity_unit : float, optional
         Thickness that the opacities belong to, world units.
         None takes the geometric mean of the volume's spacings.
+    gradient_opacity : sequence of (magnitude, factor), optional
+        Nodes in order of the gradient's magnitude, sample units per world unit. The factor, 0..1, scales the
+        extinction: opacity alpha becomes 1 - (1 - alpha) ** factor, nearly factor * alpha where it is faint.
+        Boundaries stand out where the curve rises from 0. Without nodes the gradient does not matter.
 
     Raises
     ------
     ArgumentError
-        If a curve is empty or not in order, or an opacity or colour is outside 0..1.
+        If a curve is empty or not in order, or an opacity, colour or factor is outside 0..1.
 
     Examples
     --------
@@ -55,6 +59,7 @@ class TransferFunction:
     opacity: tuple[tuple[float, float], ...]
     color: tuple[tuple[float, float, float, float], ...]
     opacity_unit: float | None
+    gradient_opacity: tuple[tuple[float, float], ...]
     _core: _native.TransferFunction = field(repr=False, compare=False)
 
     def __init__(
@@ -62,15 +67,18 @@ class TransferFunction:
         opacity: Iterable[Iterable[float]],
         color: Iterable[Iterable[float]],
         opacity_unit: float | None = None,
+        gradient_opacity: Iterable[Iterable[float]] = (),
     ) -> None:
         # Checked at once, so that an error points at the line that made it.
         unit = None if opacity_unit is None else float(opacity_unit)
         opacity_nodes = _nodes(opacity, "opacity", ("value", "alpha"))
         color_nodes = _nodes(color, "color", ("value", "red", "green", "blue"))
+        gradient_nodes = _nodes(gradient_opacity, "gradient_opacity", ("magnitude", "factor"))
+        object.__setattr__(self, "gradient_opacity", gradient_nodes)
         object.__setattr__(self, "opacity", opacity_nodes)
         object.__setattr__(self, "color", color_nodes)
         object.__setattr__(self, "opacity_unit", unit)
-        object.__setattr__(self, "_core", _native.TransferFunction(opacity_nodes, color_nodes, unit))
+        object.__setattr__(self, "_core", _native.TransferFunction(opacity_nodes, color_nodes, unit, gradient_nodes))
 
     def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
         """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
@@ -225,7 +233,7 @@ class TransferFunction:
         output.write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.opacity, self.color, self.opacity_unit)
+        return type(self), (self.opacity, self.color, self.opacity_unit, self.gradient_opacity)
 
 
 def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -> tuple[Any, ...]:

@@ -5,6 +5,7 @@
      "color": [[150, 0.8, 0.5, 0.3], [400, 1, 1, 0.9]]}
 
 `"values": "fraction"` marks curves whose values are fractions of a volume's robust range (`histogram.robust_range`).
+`"gradient_opacity": [[magnitude, factor], ...]` may be left out.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["load", "parse", "write"]
 
 VERSION = 1
-FIELDS = {"version", "name", "description", "values", "opacity_unit", "opacity", "color"}
+FIELDS = {"version", "name", "description", "values", "opacity_unit", "opacity", "color", "gradient_opacity"}
 
 
 def write(transfer_function: TransferFunction) -> str:
@@ -35,6 +36,8 @@ def write(transfer_function: TransferFunction) -> str:
         "opacity": transfer_function.opacity,
         "color": transfer_function.color,
     }
+    if transfer_function.gradient_opacity:
+        curves["gradient_opacity"] = transfer_function.gradient_opacity
     return json.dumps(curves, indent=2) + "\n"
 
 
@@ -83,8 +86,8 @@ def _check_fields(document: dict[str, Any]) -> None:
         raise ArgumentError(
             f"transfer function: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(FIELDS))}"
         )
-    for name in ("opacity", "color"):
-        if not isinstance(document[name], list):
+    for name in ("opacity", "color", "gradient_opacity"):
+        if not isinstance(document.get(name, []), list):
             raise ArgumentError(f"transfer function: field {name!r} is not a list of nodes; write [[value, ...], ...]")
     unit = document.get("opacity_unit")
     if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
@@ -96,7 +99,8 @@ def _check_fields(document: dict[str, Any]) -> None:
 
 
 def _build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> TransferFunction:
-    curves = TransferFunction(document["opacity"], document["color"], document.get("opacity_unit"))
+    gradient = document.get("gradient_opacity", [])
+    curves = TransferFunction(document["opacity"], document["color"], document.get("opacity_unit"), gradient)
     if document.get("values") != "fraction":
         return curves
     if volume is None:
@@ -108,4 +112,5 @@ def _build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> T
     opacity = [(low + value * (high - low), alpha) for value, alpha in curves.opacity]
     color = [(low + value * (high - low), *rgb) for value, *rgb in curves.color]
     # A fitted curve follows the volume: its opacities are per voxel.
-    return TransferFunction(opacity, color, curves.opacity_unit)
+    gradient = [(magnitude * (high - low), factor) for magnitude, factor in curves.gradient_opacity]
+    return TransferFunction(opacity, color, curves.opacity_unit, gradient)

@@ -21,5 +21,5 @@ pub use options::{
     ClipPlane, Composite, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings,
 };
 pub use picture::Picture;
-pub use transfer_function::{ColorNode, OpacityNode, TransferFunction};
+pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
 pub use volume::{Sample, Samples, Statistics, Volume};

@@ -24,12 +24,22 @@ pub struct ColorNode {
     pub rgb: [f64; 3],
 }
 
+/// A node of the gradient opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GradientNode {
+    /// Magnitude of the gradient, sample units per world unit.
+    pub magnitude: f64,
+    /// Factor of the extinction, `0..=1`.
+    pub factor: f64,
+}
+
 /// Validated curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     opacity: Vec<OpacityNode>,
     color: Vec<ColorNode>,
     opacity_unit: Option<f64>,
+    gradient: Vec<GradientNode>,
 }
 
 impl TransferFunction {
@@ -57,7 +67,26 @@ impl TransferFunction {
             let mend = "pass a length in world units, or nothing for the volume's mean spacing";
             return Err(Error::out_of_range("transfer function: opacity_unit", unit, "a positive number", mend));
         }
-        Ok(Self { opacity, color, opacity_unit })
+        Ok(Self { opacity, color, opacity_unit, gradient: Vec::new() })
+    }
+
+    /// The same with a factor of the extinction by the magnitude of the gradient; no nodes: 1 everywhere.
+    pub fn with_gradient_opacity(self, gradient: Vec<GradientNode>) -> Result<Self> {
+        if !gradient.is_empty() {
+            check_values("gradient opacity", gradient.iter().map(|n| n.magnitude))?;
+        }
+        for (index, node) in gradient.iter().enumerate() {
+            if node.magnitude < 0.0 {
+                let what = format!("transfer function: the magnitude of gradient opacity node {index}");
+                let mend = "a magnitude has no sign; begin with 0";
+                return Err(Error::out_of_range(what, node.magnitude, "at least 0", mend));
+            }
+            if !(0.0..=1.0).contains(&node.factor) {
+                let what = format!("transfer function: the factor of gradient opacity node {index}");
+                return Err(Error::out_of_range(what, node.factor, "between 0 and 1", "scale the factors to 0..1"));
+            }
+        }
+        Ok(Self { gradient, ..self })
     }
 
     /// Opacity nodes in order of value.
@@ -70,6 +99,11 @@ impl TransferFunction {
         &self.color
     }
 
+    /// Nodes of the gradient opacity in order of magnitude; none where the gradient does not matter.
+    pub fn gradient_nodes(&self) -> &[GradientNode] {
+        &self.gradient
+    }
+
     /// Thickness that the opacities belong to, world units.
     pub fn opacity_unit(&self) -> Option<f64> {
         self.opacity_unit
@@ -78,6 +112,14 @@ impl TransferFunction {
     /// Opacity of a slab one `opacity_unit` thick.
     pub fn opacity(&self, value: f64) -> f64 {
         interpolate(&self.opacity, value, |n| n.value, |n| [n.opacity])[0]
+    }
+
+    /// Factor of the extinction where the gradient has a magnitude, sample units per world unit.
+    pub fn gradient_factor(&self, magnitude: f64) -> f64 {
+        if self.gradient.is_empty() {
+            return 1.0;
+        }
+        interpolate(&self.gradient, magnitude, |n| n.magnitude, |n| [n.factor])[0]
     }
 
     /// Red, green, blue.
@@ -136,6 +178,21 @@ mod tests {
             assert!((tf.opacity(value) - expected).abs() < 1e-12, "{value}");
         }
         assert!((tf.opacity(20.0 - 1e-9) - 0.4).abs() < 1e-8, "a step belongs to its upper side");
+    }
+
+    #[test]
+    fn gradient_factors_are_checked() {
+        let tf = opacity_curve(&[(0.0, 0.0), (1.0, 1.0)]).unwrap();
+        assert_eq!(tf.gradient_factor(7.0), 1.0);
+        let with = |nodes: &[(f64, f64)]| {
+            let node = |&(magnitude, factor): &(f64, f64)| GradientNode { magnitude, factor };
+            tf.clone().with_gradient_opacity(nodes.iter().map(node).collect())
+        };
+        assert!((with(&[(2.0, 0.0), (4.0, 1.0)]).unwrap().gradient_factor(3.5) - 0.75).abs() < 1e-12);
+        for bad in [[(0.0, 1.5), (1.0, 1.0)], [(-1.0, 0.0), (1.0, 1.0)], [(0.0, f64::NAN), (1.0, 1.0)]] {
+            assert!(matches!(with(&bad), Err(Error::OutOfRange { .. })), "{bad:?}");
+        }
+        assert!(matches!(with(&[(1.0, 0.0), (0.0, 1.0)]), Err(Error::UnsortedCurve { .. })));
     }
 
     #[test]

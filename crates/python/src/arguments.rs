@@ -3,7 +3,9 @@
 use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use wavesplat_core::{Camera, ColorNode, Error, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction};
+use wavesplat_core::{
+    Camera, ColorNode, Error, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction,
+};
 
 use crate::errors::to_py;
 
@@ -53,10 +55,18 @@ pub struct PyTransferFunction(pub TransferFunction);
 #[pymethods]
 impl PyTransferFunction {
     #[new]
-    fn new(opacity: Vec<(f64, f64)>, color: Vec<(f64, f64, f64, f64)>, opacity_unit: Option<f64>) -> PyResult<Self> {
+    fn new(
+        opacity: Vec<(f64, f64)>,
+        color: Vec<(f64, f64, f64, f64)>,
+        opacity_unit: Option<f64>,
+        gradient_opacity: Vec<(f64, f64)>,
+    ) -> PyResult<Self> {
         let opacity = opacity.into_iter().map(|(value, opacity)| OpacityNode { value, opacity }).collect();
         let color = color.into_iter().map(|(value, r, g, b)| ColorNode { value, rgb: [r, g, b] }).collect();
-        TransferFunction::new(opacity, color, opacity_unit).map(Self).map_err(to_py)
+        let node = |(magnitude, factor)| GradientNode { magnitude, factor };
+        let gradient_opacity = gradient_opacity.into_iter().map(node).collect();
+        let tf = TransferFunction::new(opacity, color, opacity_unit);
+        tf.and_then(|tf| tf.with_gradient_opacity(gradient_opacity)).map(Self).map_err(to_py)
     }
 
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]

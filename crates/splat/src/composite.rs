@@ -15,6 +15,7 @@ use wavesplat_compute::simd::{LANES, Lanes, Pair, Simd, Wide};
 use wavesplat_core::Composite;
 
 use crate::classify::{Classifier, N_PARTS, one_minus_exp_neg};
+use crate::gradient_opacity::GradientOpacity;
 use crate::panel::Panel;
 use crate::rays::Rays;
 use crate::shade::Shader;
@@ -76,6 +77,7 @@ pub trait Compositor {
 pub struct Over<'a> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
+    gradient_opacity: Option<&'a GradientOpacity>,
     /// Whether slabs are pre-integrated.
     is_steep: bool,
     opaque: f32,
@@ -103,6 +105,7 @@ impl<'a> Over<'a> {
     pub fn new(
         classifier: &'a Classifier,
         shader: Option<&'a Shader>,
+        gradient_opacity: Option<&'a GradientOpacity>,
         is_steep: bool,
         opaque: f32,
         with_depth: bool,
@@ -110,6 +113,7 @@ impl<'a> Over<'a> {
         Self {
             classifier,
             shader,
+            gradient_opacity,
             is_steep,
             opaque,
             with_depth,
@@ -138,7 +142,11 @@ impl<'a> Over<'a> {
             extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
         }
         let [r, g, b, depth] = self.classifier.look_up(w, density);
-        let alpha = one_minus_exp_neg(w, w.mul(depth, w.mul(extent, rays.thickness(w, chunks))));
+        let mut length = w.mul(extent, rays.thickness(w, chunks));
+        if let Some(gradient_opacity) = self.gradient_opacity {
+            length = w.mul(length, gradient_opacity.factor(w, sheet.gradient(w, geometry, panel, chunks)));
+        }
+        let alpha = one_minus_exp_neg(w, w.mul(depth, length));
         let mut rgb = [r, g, b];
         if let Some(shader) = self.shader {
             let gradient = sheet.gradient(w, geometry, panel, chunks);
@@ -170,7 +178,15 @@ impl<'a> Over<'a> {
         let passage = self.classifier.pass(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
         // the front of an opaque one.
-        let length = w.mul(extent, rays.thickness(w, chunks));
+        let mut length = w.mul(extent, rays.thickness(w, chunks));
+        if let Some(gradient_opacity) = self.gradient_opacity {
+            // That in the middle of what is visible.
+            let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
+            let at = w.add_mul(begin, middle, w.mul(extent, per_s));
+            let front = slab.front.gradient(w, geometry, slab.panel, chunks);
+            let back = slab.back.gradient(w, geometry, slab.panel, chunks);
+            length = w.mul(length, gradient_opacity.factor(w, between(w, front, back, at)));
+        }
         let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
         for (k, depth) in passage.depths.into_iter().enumerate() {
             let depth = w.mul(depth, length);

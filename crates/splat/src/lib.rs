@@ -17,6 +17,7 @@ pub mod classify;
 pub mod composite;
 pub mod estimate;
 pub mod footprint;
+pub mod gradient_opacity;
 pub mod interval;
 pub mod kernel;
 pub mod panel;

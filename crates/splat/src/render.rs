@@ -12,6 +12,7 @@ use crate::base_plane::{BasePlane, IndexRays, base_planes};
 use crate::bricks::Occupied;
 use crate::classify::Classifier;
 use crate::composite::{Compositor, FirstHit, Over, Project};
+use crate::gradient_opacity::GradientOpacity;
 use crate::interval::Region;
 use crate::rays::RayGeometry;
 use crate::shade::Shader;
@@ -201,6 +202,7 @@ struct Scene<'a> {
     slices: &'a Slices<'a>,
     camera: &'a Camera,
     options: &'a RenderOptions,
+    tf: &'a TransferFunction,
     classifier: Classifier,
     opacity_unit: f64,
 }
@@ -209,7 +211,7 @@ impl<'a> Scene<'a> {
     fn new(
         level: Level,
         slices: &'a Slices<'a>,
-        tf: &TransferFunction,
+        tf: &'a TransferFunction,
         camera: &'a Camera,
         options: &'a RenderOptions,
     ) -> Self {
@@ -217,7 +219,7 @@ impl<'a> Scene<'a> {
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
         let classifier = Classifier::new(tf, grid.density_from_sample(), slices.range(), slab_thickness);
-        Self { level, grid, slices, camera, options, classifier, opacity_unit }
+        Self { level, grid, slices, camera, options, tf, classifier, opacity_unit }
     }
 
     fn draw_plane(
@@ -231,12 +233,17 @@ impl<'a> Scene<'a> {
         let shading = self.options.shading.as_ref().filter(|_| shaded);
         let shader =
             shading.map(|s| Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range()));
+        let (_, density_scale) = self.grid.density_from_sample();
+        let gradient_opacity = GradientOpacity::new(self.tf, world_from_index.matrix3, &plane.family, density_scale);
+        let gradient_opacity = gradient_opacity.filter(|_| self.options.composite == Composite::Over);
+        let gradient_offset = shading.map(|s| s.gradient_offset);
+        let gradient_offset = gradient_offset.or(gradient_opacity.as_ref().map(|_| Shading::default().gradient_offset));
         let size = self.grid.size();
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
         let axes = plane.family.axes;
         let bricks = self.slices.bricks();
         let job = |opacity_unit: f64, occupied: Option<Occupied>| TileJob {
-            geometry: SheetGeometry::new(self.level, plane, self.slices, size, shading.map(|s| s.gradient_offset)),
+            geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset),
             rays: RayGeometry { plane, region, world_from_index, opacity_unit },
             spacing,
             occupied,
@@ -248,7 +255,8 @@ impl<'a> Scene<'a> {
                 let is_steep = !plain && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP;
                 let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
                 let occupied = bricks.occupied(axes, |[lo, hi]| self.classifier.any_opacity(lo, hi));
-                let over = || Over::new(&self.classifier, shader.as_ref(), is_steep, opaque, with_depth);
+                let (classifier, shader) = (&self.classifier, shader.as_ref());
+                let over = || Over::new(classifier, shader, gradient_opacity.as_ref(), is_steep, opaque, with_depth);
                 draw_tiles(&job(self.opacity_unit, Some(occupied)), progress, with_depth, over)
             }
             Composite::FirstHit { iso_value } => {

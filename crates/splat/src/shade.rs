@@ -11,6 +11,31 @@ use wavesplat_core::{Camera, LightFrame, Projection, Shading};
 
 use crate::base_plane::Family;
 
+/// `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
+#[derive(Clone, Copy, Debug)]
+pub struct Metric([f32; 6]);
+
+impl Metric {
+    /// For index gradients along u, v, w.
+    pub fn new(world_from_index: DMat3, family: &Family) -> Self {
+        let on_gradient = on_gradient(world_from_index, family);
+        let metric = on_gradient.transpose() * on_gradient;
+        let twice = |a: usize, b: usize| 2.0 * metric.col(a)[b];
+        let [uu, vv, ww] = [metric.x_axis.x, metric.y_axis.y, metric.z_axis.z];
+        Self([uu, vv, ww, twice(0, 1), twice(0, 2), twice(1, 2)].map(|m| m as f32))
+    }
+
+    /// Squared magnitude of the world gradient.
+    #[inline(always)]
+    pub fn squared<S: Wide>(&self, s: S, gradient: [S::F; 3]) -> S::F {
+        let [gu, gv, gw] = gradient;
+        let [uu, vv, ww, uv, uw, vw] = self.0;
+        let squared = s.mul(gu, dot(s, [uu, uv, uw], gradient));
+        let squared = s.add_mul(squared, gv, s.add(s.mul(s.splat(vv), gv), s.mul(s.splat(vw), gw)));
+        s.add_mul(squared, s.mul(s.splat(ww), gw), gw)
+    }
+}
+
 /// Lights and coefficients with everything turned into world space and f32.
 #[derive(Clone, Debug)]
 pub struct Shader {
@@ -19,8 +44,7 @@ pub struct Shader {
     specular: f32,
     specular_power: f32,
     lights: Vec<WorldLight>,
-    /// `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
-    metric: [f32; 6],
+    metric: Metric,
     /// Squared world gradients below this are rounding noise.
     vanishing: f32,
 }
@@ -50,7 +74,6 @@ impl Shader {
     /// `range` bounds the densities.
     pub fn new(shading: &Shading, camera: &Camera, world_from_index: DMat3, family: &Family, range: [f32; 2]) -> Self {
         let on_gradient = on_gradient(world_from_index, family);
-        let metric = on_gradient.transpose() * on_gradient;
         let is_parallel = matches!(camera.projection(), Projection::Orthographic { .. });
         let lights = shading.lights.iter().map(|light| {
             let to_light = light_direction(camera, light);
@@ -61,15 +84,13 @@ impl Shader {
                 is_at_eye: is_parallel && (to_light + camera.forward()).length() < 1e-9,
             }
         });
-        let twice = |a: usize, b: usize| 2.0 * metric.col(a)[b];
         Self {
             ambient: shading.ambient,
             diffuse: shading.diffuse,
             specular: shading.specular,
             specular_power: shading.specular_power,
             lights: lights.collect(),
-            metric: [metric.x_axis.x, metric.y_axis.y, metric.z_axis.z, twice(0, 1), twice(0, 2), twice(1, 2)]
-                .map(|m| m as f32),
+            metric: Metric::new(world_from_index, family),
             vanishing: vanishing_gradient_squared(world_from_index, range) as f32,
         }
     }
@@ -79,10 +100,7 @@ impl Shader {
     #[inline(always)]
     pub fn shade<S: Wide>(&self, s: S, rgb: [S::F; 3], gradient: [S::F; 3], to_eye: [S::F; 3]) -> [S::F; 3] {
         let [gu, gv, gw] = gradient;
-        let [uu, vv, ww, uv, uw, vw] = self.metric;
-        let squared = s.mul(gu, dot(s, [uu, uv, uw], gradient));
-        let squared = s.add_mul(squared, gv, s.add(s.mul(s.splat(vv), gv), s.mul(s.splat(vw), gw)));
-        let squared = s.add_mul(squared, s.mul(s.splat(ww), gw), gw);
+        let squared = self.metric.squared(s, gradient);
         let exists = s.lt(s.splat(self.vanishing), squared);
         let inverse = s.select(exists, s.rsqrt(squared), s.splat(0.0));
         let n_v = s.mul(s.add(s.add(s.mul(gu, to_eye[0]), s.mul(gv, to_eye[1])), s.mul(gw, to_eye[2])), inverse);

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Composite, Decoder, Kernel, Light, LightFrame, Projection, RenderOptions, Shading};
+use wavesplat_core::{
+    Composite, Decoder, GradientNode, Kernel, Light, LightFrame, Picture, Projection, RenderOptions, Shading,
+};
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_splat::reference::splat;
 use wavesplat_splat::slices::{Prepared, Slices};
@@ -319,4 +321,57 @@ fn panels_hold_all_that_their_sheets_need() {
         n_drawn += usize::from(a.rgba.iter().any(|pixel| pixel[3] > 0.3));
     }
     assert!(n_drawn > 70);
+}
+
+/// Gradient opacity: the fast path equals the literal splatter, and approaches the ray caster, which evaluates every
+/// sample on its own.
+#[test]
+fn gradient_opacity_is_that_of_direct_evaluation() {
+    let curve = [(2.0, 0.0), (25.0, 0.4), (80.0, 1.0)];
+    let curve = curve.map(|(magnitude, factor)| GradientNode { magnitude, factor }).to_vec();
+    let with_gradient = |nodes: &[(f64, f64)]| opacity_ramp(nodes, None).with_gradient_opacity(curve.clone()).unwrap();
+    let phantom = scene();
+    let volume = phantom.volume();
+    let tf = with_gradient(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6)]);
+    for shading in [None, Some(Shading { gradient_offset: 0.5, ..Shading::default() })] {
+        let camera = camera_towards(phantom.centre(), DVec3::new(-1.0, 0.5, 0.4), 30.0, ORTHOGRAPHIC);
+        let options =
+            RenderOptions { width_px: 40, height_px: 32, refined: false, shading, ..RenderOptions::default() };
+        let slices = Slices::new(&volume, options.kernel);
+        for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
+            let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
+            for (got, want) in picture.texels.iter().zip(&want) {
+                assert!((0..4).all(|c| (f64::from(got[c]) - want[c]).abs() < 1e-4), "{got:?} for {want:?}");
+            }
+        }
+    }
+    let phantom = Phantom::ripples(24);
+    let volume = phantom.volume();
+    for (name, nodes) in [("soft", &SOFT[..]), ("steep", &[(120.0, 0.0), (136.0, 0.9)])] {
+        let (tf, plain) = (with_gradient(nodes), opacity_ramp(nodes, None));
+        let camera = camera_towards(
+            phantom.centre(),
+            DVec3::new(0.7, 0.7, 0.55),
+            60.0,
+            Projection::Orthographic { parallel_scale: 9.0 },
+        );
+        let options = RenderOptions {
+            width_px: 64,
+            height_px: 64,
+            sheets_per_slice: 8.0,
+            oversampling: 3.0,
+            ..RenderOptions::default()
+        };
+        let sampling = RaycastOptions { step: 0.05, rays_per_pixel: 9 };
+        let want = raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let draw = |tf| render(&slices, tf, &camera, &options, &()).unwrap().0;
+        let mean = |a: &Picture, b: &Picture| {
+            let pairs = a.rgba.as_flattened().iter().zip(b.rgba.as_flattened());
+            pairs.map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / (4 * a.rgba.len()) as f64
+        };
+        let error = mean(&draw(&tf), &want);
+        assert!(error < 1e-3, "{name}: {error}");
+        assert!(mean(&draw(&plain), &want) > 2e-2, "{name}: the gradient matters");
+    }
 }

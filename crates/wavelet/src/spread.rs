@@ -106,7 +106,8 @@ impl Spread {
             let rgb = if mean < LEAST { tf.color(value) } else { [0, 1, 2].map(|c| (sum[c] / sum[3]).clamp(0.0, 1.0)) };
             color.push(ColorNode { value, rgb });
         }
-        TransferFunction::new(opacity, color, tf.opacity_unit())
+        // Gradients of coarse samples stand for themselves.
+        TransferFunction::new(opacity, color, tf.opacity_unit())?.with_gradient_opacity(tf.gradient_nodes().to_vec())
     }
 }
 

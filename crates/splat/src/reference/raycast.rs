@@ -182,6 +182,22 @@ impl<'a> Sampler<'a> {
         -(-self.tf.opacity(density / scale + offset)).ln_1p()
     }
 
+    /// Factor of the optical depth by an index-space gradient.
+    pub fn gradient_factor(&self, index_gradient: DVec3) -> f64 {
+        let (_, scale) = self.density_map;
+        self.tf.gradient_factor((self.gradient_from_index * index_gradient).length() / scale)
+    }
+
+    /// Whether the gradient matters for the optical depth.
+    pub fn has_gradient_opacity(&self) -> bool {
+        !self.tf.gradient_nodes().is_empty()
+    }
+
+    /// Distance of differences for the gradient, voxels.
+    pub fn gradient_offset(&self) -> f64 {
+        self.shading.map_or_else(|| Shading::default().gradient_offset, |s| s.gradient_offset)
+    }
+
     /// Unassociated colour of a density, shaded with the gradient at `position`.
     pub fn color(&self, density: f64, position: DVec3, to_eye: DVec3) -> [f64; 3] {
         let Some(shading) = self.shading else { return self.unshaded(density) };
@@ -274,8 +290,13 @@ impl<'a> Caster<'a> {
                 continue;
             }
             let Some(density) = self.sampler.density(position) else { continue };
-            let depth = self.sampler.optical_depth(density);
-            if depth <= 0.0 {
+            let mut depth = self.sampler.optical_depth(density);
+            if depth > 0.0 && self.sampler.has_gradient_opacity() {
+                let gradient = self.sampler.gradient(position, self.sampler.gradient_offset());
+                depth *= self.sampler.gradient_factor(gradient);
+            }
+            // Not a number: infinite depth times 0, which is clear.
+            if depth.is_nan() || depth <= 0.0 {
                 continue;
             }
             let opacity = -(-depth * thickness).exp_m1();

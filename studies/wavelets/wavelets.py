@@ -361,8 +361,8 @@ def frame_table(names: Sequence[str], n_rounds: int = 3) -> list[list[str]]:
     """Frames straight from the coefficients of the best family at the printed shares, beside those of the samples.
 
     512 x 512, soft, shaded, quality normal; milliseconds of the processor, the least of the rounds, in turn. The first
-    frame is of a volume that has drawn nothing yet. With a cache of a quarter of the volume most blocks are decoded again
-    for every frame.
+    frame is of a volume that has drawn nothing yet. With a cache of a quarter of the volume most blocks are decoded
+    again for every frame.
     """
     lines = [["volume", "of samples", "of coefficients", "ratio", "first", "ratio", "small cache", "bytes per kept"]]
     for name in names:

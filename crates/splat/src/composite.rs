@@ -73,8 +73,8 @@ pub trait Compositor {
     fn finish(&self, chunk: Chunk) -> Texels;
 }
 
-/// Emission and absorption.
-pub struct Over<'a> {
+/// Emission and absorption. `BY_GRADIENT`: with gradient opacity; a constant, since most pictures have none.
+pub struct Over<'a, const BY_GRADIENT: bool> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
     gradient_opacity: Option<&'a GradientOpacity>,
@@ -99,7 +99,7 @@ struct Piece<W: Wide> {
     extent: W::F,
 }
 
-impl<'a> Over<'a> {
+impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
     /// Nothing drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
     /// `with_depth`: whether `s_half` is wanted.
     pub fn new(
@@ -143,7 +143,7 @@ impl<'a> Over<'a> {
         }
         let [r, g, b, depth] = self.classifier.look_up(w, density);
         let mut length = w.mul(extent, rays.thickness(w, chunks));
-        if let Some(gradient_opacity) = self.gradient_opacity {
+        if BY_GRADIENT && let Some(gradient_opacity) = self.gradient_opacity {
             length = w.mul(length, gradient_opacity.factor(w, sheet.gradient(w, geometry, panel, chunks)));
         }
         let alpha = one_minus_exp_neg(w, w.mul(depth, length));
@@ -179,7 +179,7 @@ impl<'a> Over<'a> {
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
         // the front of an opaque one.
         let mut length = w.mul(extent, rays.thickness(w, chunks));
-        if let Some(gradient_opacity) = self.gradient_opacity {
+        if BY_GRADIENT && let Some(gradient_opacity) = self.gradient_opacity {
             // That in the middle of what is visible.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let at = w.add_mul(begin, middle, w.mul(extent, per_s));
@@ -279,7 +279,7 @@ fn extent<W: Wide>(w: W, chunks: Chunks, rays: &Rays, [from, to]: [f32; 2]) -> (
     (from, w.max(w.sub(to, from), w.splat(0.0)))
 }
 
-impl Over<'_> {
+impl<const BY_GRADIENT: bool> Over<'_, BY_GRADIENT> {
     /// Adds a slab to one chunk or two.
     #[inline(always)]
     fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
@@ -298,7 +298,7 @@ impl Over<'_> {
     }
 }
 
-impl Compositor for Over<'_> {
+impl<const BY_GRADIENT: bool> Compositor for Over<'_, BY_GRADIENT> {
     #[inline(always)]
     fn is_done(&self, chunk: Chunk) -> bool {
         self.done[chunk.index()]

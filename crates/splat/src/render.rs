@@ -256,8 +256,15 @@ impl<'a> Scene<'a> {
                 let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
                 let occupied = bricks.occupied(axes, |[lo, hi]| self.classifier.any_opacity(lo, hi));
                 let (classifier, shader) = (&self.classifier, shader.as_ref());
-                let over = || Over::new(classifier, shader, gradient_opacity.as_ref(), is_steep, opaque, with_depth);
-                draw_tiles(&job(self.opacity_unit, Some(occupied)), progress, with_depth, over)
+                let job = job(self.opacity_unit, Some(occupied));
+                let by_gradient = gradient_opacity.as_ref();
+                if by_gradient.is_some() {
+                    let over = || Over::<true>::new(classifier, shader, by_gradient, is_steep, opaque, with_depth);
+                    draw_tiles(&job, progress, with_depth, over)
+                } else {
+                    let over = || Over::<false>::new(classifier, shader, None, is_steep, opaque, with_depth);
+                    draw_tiles(&job, progress, with_depth, over)
+                }
             }
             Composite::FirstHit { iso_value } => {
                 let (offset, scale) = self.grid.density_from_sample();

@@ -183,8 +183,11 @@ impl WaveletVolume {
     /// From plain arrays; says what does not fit together.
     pub fn from_parts(parts: Parts) -> Result<Self, &'static str> {
         let Parts { family, size, n_levels, threshold, has_block, masks, values } = parts;
-        if size.contains(&0) || size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m)).is_none() {
-            return Err("the size is not that of a volume");
+        let n_samples = size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m));
+        let Some(n_samples) = n_samples.filter(|n| *n > 0) else { return Err("the size is not that of a volume") };
+        // Before anything of that size is made: what is said of the size may be wrong.
+        if n_samples.div_ceil(BLOCK * BLOCK * BLOCK) > has_block.len() {
+            return Err("there are too few blocks");
         }
         if n_levels > max_levels(family, size) {
             return Err("there are more levels than the size has");

@@ -1,6 +1,6 @@
 //! What a volume of retained coefficients promises: it keeps what is asked for, and little else.
 
-use wavesplat_wavelet::{Family, Keep, Norm, Plan, WaveletVolume, analyse, to_amplitudes};
+use wavesplat_wavelet::{Family, Keep, Norm, Parts, Plan, WaveletVolume, analyse, to_amplitudes};
 
 /// The signal of Marschner and Lobb on −1..1, scaled to 0..255.
 fn ripples(n: usize) -> Vec<f32> {
@@ -112,4 +112,55 @@ fn memory_is_proportional_to_what_is_kept() {
         let kept_bytes = 4 * volume.n_kept();
         assert!(volume.n_bytes() <= 3 * kept_bytes, "{fraction}: {} for {kept_bytes}", volume.n_bytes());
     }
+}
+
+/// A volume and what is stored of it.
+fn parts_of(family: Family, size: [usize; 3]) -> (WaveletVolume, Parts) {
+    let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
+    let volume = WaveletVolume::new(family, size, &samples, None, Norm::L2, Keep::Fraction(0.2));
+    let parts = volume.to_parts();
+    (volume, parts)
+}
+
+#[test]
+fn parts_make_the_same_volume() {
+    for (name, family) in Family::NAMES {
+        for size in [[1, 1, 1], [2, 9, 40], [23, 8, 11]] {
+            let (volume, parts) = parts_of(family, size);
+            assert_eq!(parts.values.len(), volume.n_kept());
+            assert_eq!(parts.masks.len(), 8 * parts.has_block.iter().filter(|has| **has == 1).count());
+            let again = WaveletVolume::from_parts(parts.clone()).unwrap();
+            assert_eq!(again.to_parts(), parts, "{name} {size:?}");
+            assert_eq!(again.coefficients(&[]), volume.coefficients(&[]), "{name} {size:?}");
+            assert_eq!(again.n_kept_by_level(), volume.n_kept_by_level(), "{name} {size:?}");
+        }
+    }
+}
+
+#[test]
+fn parts_that_do_not_fit_together_are_refused() {
+    let (_, parts) = parts_of(Family::Cdf97, [23, 8, 11]);
+    let check = |change: fn(&mut Parts), problem: &str| {
+        let mut parts = parts.clone();
+        change(&mut parts);
+        let refused = WaveletVolume::from_parts(parts).map(|_| ()).unwrap_err();
+        assert!(refused.contains(problem), "{refused}");
+    };
+    check(|p| p.size = [23, 0, 11], "the size is not that of a volume");
+    check(|p| p.size = [1 << 22; 3], "the size is not that of a volume");
+    // Sizes that fit into a number, but into no memory.
+    check(|p| p.size = [1 << 62, 1, 1], "too few blocks");
+    check(|p| p.size = [1, 1 << 40, 1], "too few blocks");
+    check(|p| p.size = [1 << 21; 3], "too few blocks");
+    check(|p| p.size = [21, 8, 11], "bit lies outside");
+    check(|p| p.n_levels += 1, "more levels");
+    check(|p| p.n_levels = usize::MAX, "more levels");
+    check(|p| p.values[3] = f32::NAN, "not a finite number");
+    check(|p| p.has_block.truncate(3), "too few blocks");
+    check(|p| p.has_block.push(0), "left over");
+    check(|p| p.masks.truncate(8), "too few words");
+    check(|p| p.masks.push(0), "left over");
+    check(|p| p.masks[0] = u64::MAX, "bit lies outside");
+    check(|p| p.values.truncate(3), "too few coefficients");
+    check(|p| p.values.push(1.0), "left over");
 }

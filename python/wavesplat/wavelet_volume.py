@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zipfile
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -16,6 +15,8 @@ from wavesplat import _native
 from wavesplat.errors import ArgumentError, FileError
 from wavesplat.grid import Grid
 from wavesplat.output import write_atomically
+from wavesplat.readers import payload
+from wavesplat.readers.request import reading
 from wavesplat.volume import Volume
 
 __all__ = ["WaveletVolume", "check_suffix"]
@@ -272,31 +273,38 @@ class WaveletVolume(Grid):
         FileError
             If the file is not there, is not one of coefficients, or is damaged.
         """
-        try:
-            with np.load(path, allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in archive.files}
-            kind, version, family, name = (str(text) for text in arrays["format"])
-            if (kind, version) != (FORMAT, str(FORMAT_VERSION)):
-                raise FileError(f"this is {kind!r} version {version}; this program reads version 1: {path}")
-            levels, threshold = arrays["levels_and_threshold"]
-            n_z, n_y, n_x = (int(n) for n in arrays["shape"])
-            core = _native.WaveletVolume.from_parts(
-                (n_z, n_y, n_x),
-                family,
-                int(levels),
-                float(threshold),
-                np.unpackbits(arrays["has_block"], count=int(arrays["n_blocks"][0])),
-                arrays["masks"],
-                arrays["values"],
+        payload.check_readable(Path(path))
+        with reading("wavelet coefficients", path), np.load(path, allow_pickle=False) as archive:
+            return cls._from_arrays({name: archive[name] for name in archive.files}, path)
+
+    @classmethod
+    def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
+        """What `save` put into the archive; raises nearly anything where that does not fit together."""
+        kind, version, family, name = (str(text) for text in arrays["format"])
+        if (kind, version) != (FORMAT, str(FORMAT_VERSION)):
+            raise FileError(
+                f"this is {kind!r} version {version}; this program reads {FORMAT!r} version {FORMAT_VERSION}: {path}"
             )
-            loaded = cls(core, name, arrays["world_from_index"], family).bands(arrays["weights"].tolist())
-        except FileNotFoundError:
-            raise FileError(f"there is no such file: {path}") from None
-        except OSError as error:
-            raise FileError(f"cannot read: {error.strerror or error}: {path}") from None
-        except (KeyError, ValueError, TypeError, OverflowError, zipfile.BadZipFile) as error:
-            raise FileError(f"this is not a file of wavelet coefficients, or it is damaged ({error}): {path}") from None
-        return loaded
+        levels, threshold = arrays["levels_and_threshold"]
+        n_z, n_y, n_x = (int(n) for n in arrays["shape"])
+        packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
+        if not 0 <= n_blocks <= 8 * packed.size:
+            raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
+        core = _native.WaveletVolume.from_parts(
+            (n_z, n_y, n_x),
+            family,
+            int(levels),
+            float(threshold),
+            np.unpackbits(packed, count=n_blocks),
+            arrays["masks"],
+            arrays["values"],
+        )
+        try:
+            # A volume of any samples, for the sake of its checks.
+            place = Volume(np.zeros((2, 2, 2), np.uint8), world_from_index=arrays["world_from_index"], name=name)
+            return cls(core, name, place.world_from_index, family).bands(arrays["weights"].tolist())
+        except ArgumentError as error:
+            raise ValueError(str(error)) from None
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]."""

@@ -137,6 +137,7 @@ fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>>
     sheets_per_slice, oversampling, psnr, crop_index, crop_world, clip_planes, background, threads, depth, refined,
     progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn render<'py>(
     py: Python<'py>,
     volume: Drawable<'py>,
@@ -296,6 +297,7 @@ pub fn splat_literal<'py>(
 
 /// See `_native.pyi`.
 #[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn quality_settings(
     py: Python<'_>,
     name: &str,

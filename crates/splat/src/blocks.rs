@@ -106,7 +106,9 @@ impl Blocks {
         part.resize(lo, hi);
         let Some(z) = self.pole else {
             self.decoder.decode(lo, hi, &mut part.densities);
-            part.densities.iter_mut().for_each(|d| *d = density(d));
+            for d in &mut part.densities {
+                *d = density(d);
+            }
             return;
         };
         let from = lo.map(|lo| lo.saturating_sub(MARGIN));
@@ -114,7 +116,9 @@ impl Blocks {
         let n @ [nx, ny, _] = [0, 1, 2].map(|a| to[a] - from[a]);
         let mut wide = vec![0.0; n.iter().product()];
         self.decoder.decode(from, to, &mut wide);
-        wide.iter_mut().for_each(|d| *d = density(d));
+        for d in &mut wide {
+            *d = density(d);
+        }
         prefilter::prefilter_box(&mut wide, n, z);
         let first = [0, 1, 2].map(|a| lo[a] - from[a]);
         for k in 0..part.size[2] {

@@ -14,7 +14,8 @@
 //! level, from a part of the samples; a new function costs a product with a small matrix.
 //!
 //! Distributions of what a coarse sample stands for, in place of its mean: Younesy, Möller, Carr, "Improving the
-//! quality of multi-resolution volume rendering", EuroVis 2006. Here all places with the same coarse value share one.
+//! quality of multi-resolution volume rendering", Eurographics Symposium on Visualization 2006. Here all places with the
+//! same coarse value share one.
 
 use wavesplat_compute::parallel;
 use wavesplat_core::{ColorNode, Decoder, OpacityNode, Result, TransferFunction};
@@ -67,7 +68,9 @@ impl Spread {
         for (d, row) in shares.chunks_exact_mut(N_BINS).enumerate() {
             row[d] += N_OWN;
             let n: f32 = row.iter().sum();
-            row.iter_mut().for_each(|share| *share /= n);
+            for share in row {
+                *share /= n;
+            }
         }
         Self { lo, hi, shares }
     }

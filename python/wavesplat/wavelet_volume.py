@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
+from operator import index
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,9 @@ CACHE_BYTES = 1 << 29
 
 #: Levels and bands whose decoded samples are kept at a time.
 N_DECODED = 2
+
+#: Samples may not be larger: sums of a few hundred of them must not leave float32.
+LARGEST = 1e35
 
 #: What a file of coefficients says of itself.
 FORMAT, FORMAT_VERSION = "wavesplat wavelets", 1
@@ -102,6 +107,8 @@ class WaveletVolume(Grid):
             If a name is unknown, more than one of threshold, keep and psnr is given, a number is out of range, or
             samples are NaN or infinite.
         """
+        if not isinstance(volume, Volume):
+            raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume")
         families = _native.WaveletVolume.families()
         if family not in families:
             raise ArgumentError(f"there is no wavelet family {family!r}; the families are {', '.join(families)}")
@@ -112,8 +119,13 @@ class WaveletVolume(Grid):
                 f"volume {volume.name!r} has {volume.n_nonfinite} samples that are NaN or infinite, which wavelets "
                 "would spread over the volume; replace them first, as with numpy.nan_to_num"
             )
-        if levels is not None and levels < 0:
+        if levels is not None and _whole(levels, "levels") < 0:
             raise ArgumentError(f"levels is {levels}; give 0 or more, or nothing for as many as there are")
+        if max(map(abs, volume.value_range)) > LARGEST:
+            raise ArgumentError(
+                f"volume {volume.name!r} has samples from {volume.value_range[0]:g} to {volume.value_range[1]:g}, too "
+                f"large for coefficients in float32; scale them to less than {LARGEST:g}"
+            )
         how, amount = _what_stays(threshold, keep, psnr)
         samples = np.ascontiguousarray(volume.samples, dtype=np.float32)
         core = _native.WaveletVolume(
@@ -158,9 +170,10 @@ class WaveletVolume(Grid):
 
     @cache_bytes.setter
     def cache_bytes(self, n_bytes: int) -> None:
-        if n_bytes < 0:
+        # A float will do, as 2e9 is easier to read.
+        if not 0 <= _number(n_bytes, "cache_bytes") < math.inf:
             raise ArgumentError(f"cache_bytes is {n_bytes}; give 0 or more")
-        self._cache_bytes = int(n_bytes)
+        self._cache_bytes = min(int(n_bytes), sys.maxsize)
         self._decoded_levels.clear()
 
     @property
@@ -220,7 +233,10 @@ class WaveletVolume(Grid):
         """
         if weights is None:
             return self
-        given = [float(weight) for weight in weights]
+        try:
+            given = [float(weight) for weight in weights]
+        except (TypeError, ValueError):
+            raise ArgumentError(f"band_weights is {weights!r}; give numbers, the finest level first") from None
         n = self.n_levels
         if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):
             raise ArgumentError(
@@ -311,7 +327,7 @@ class WaveletVolume(Grid):
         return self._decoded().every(step)
 
     def _check_levels(self, drop_levels: int) -> None:
-        if not 0 <= drop_levels <= self.n_levels:
+        if not 0 <= _whole(drop_levels, "drop_levels") <= self.n_levels:
             raise ArgumentError(
                 f"drop_levels is {drop_levels}; {self._name!r} has {self.n_levels} levels, so give 0 to {self.n_levels}"
             )
@@ -322,12 +338,17 @@ class WaveletVolume(Grid):
         key = drop_levels, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:
-            while len(self._decoded_levels) >= N_DECODED:
-                del self._decoded_levels[next(iter(self._decoded_levels))]
             share = self._cache_bytes // N_DECODED
             decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
         self._decoded_levels[key] = decoded
+        # Other threads may draw from the same coefficients, and drop the same ones.
+        for oldest in list(self._decoded_levels)[:-N_DECODED]:
+            self._decoded_levels.pop(oldest, None)
         return decoded
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
+        return _rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
 
     def __repr__(self) -> str:
         return (
@@ -342,6 +363,28 @@ def check_suffix(path: str | PathLike[str]) -> None:
         raise ArgumentError(f"cannot save coefficients as {path}; give a name that ends in .wavelets")
 
 
+def _rebuild(
+    how: tuple[Any, ...], name: str, world_from_index: NDArray[np.float64], weights: Sequence[float], cache_bytes: int
+) -> WaveletVolume:
+    rebuilt = WaveletVolume(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1]).bands(weights)
+    rebuilt.cache_bytes = cache_bytes
+    return rebuilt
+
+
+def _whole(number: int, name: str) -> int:
+    try:
+        return index(number)
+    except TypeError:
+        raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
+
+
+def _number(number: float, name: str) -> float:
+    try:
+        return float(number)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{name} is {number!r}; give a number") from None
+
+
 def _what_stays(threshold: float | None, keep: float | None, psnr: float | None) -> tuple[str, float]:
     given = {
         name: value for name, value in (("threshold", threshold), ("keep", keep), ("psnr", psnr)) if value is not None
@@ -349,7 +392,7 @@ def _what_stays(threshold: float | None, keep: float | None, psnr: float | None)
     if len(given) > 1:
         raise ArgumentError(f"got {' and '.join(given)}; give one of threshold, keep and psnr")
     name, value = next(iter(given.items()), ("threshold", 0.0))
-    value = float(value)
+    value = _number(value, name)
     bounds = {"threshold": (0, math.inf), "keep": (0, 1), "psnr": (0, 200)}[name]
     if not bounds[0] <= value <= bounds[1]:
         raise ArgumentError(f"{name} is {value}; give a number from {bounds[0]} to {bounds[1]}")

@@ -281,7 +281,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
                 let difference = max_difference(&got.rgba, &want.rgba);
                 match kernel {
                     Kernel::Bspline2 | Kernel::Bspline3 => {
-                        assert!(difference < 1e-4, "{kernel:?} {from}: {difference}")
+                        assert!(difference < 1e-4, "{kernel:?} {from}: {difference}");
                     }
                     _ => assert!(difference == 0.0 && other == report, "{kernel:?} {from}: {difference}"),
                 }

@@ -1,6 +1,9 @@
-"""Volumes of wavelet coefficients: what is kept, what comes back, what is drawn."""
+"""Volumes of wavelet coefficients: what is kept, and what comes back."""
 
 from __future__ import annotations
+
+import copy
+import pickle
 
 import numpy as np
 import pytest
@@ -44,19 +47,6 @@ def test_a_psnr_and_a_share_are_kept(ct):
     assert ws.WaveletVolume.from_volume(ct, keep=0.05, levels=2).n_levels == 2
 
 
-@pytest.mark.parametrize("family", ["cdf53", "cdf97", "bspline3"])
-def test_with_nothing_dropped_the_picture_is_that_of_the_samples(ct, family):
-    colors = [(-75, 0.9, 0.6, 0.4), (1000, 1.0, 1.0, 1.0)]
-    soft = ws.TransferFunction([(-75, 0.0), (255, 0.05), (1000, 0.2)], colors)
-    draw = {"transfer_function": soft, "size": (96, 96)}
-    wavelets = ws.WaveletVolume.from_volume(ct, family)
-    want = ws.render(ct, **draw).rgba
-    got = ws.render(wavelets, **draw).rgba
-    assert 255 * np.abs(got - want).max() < 0.1
-    assert 255 * np.abs(got - want).mean() < 0.01
-    assert want[..., 3].max() > 0.9, "the picture shows something"
-
-
 def test_levels_and_bands(ct):
     wavelets = ws.WaveletVolume.from_volume(ct, "cdf53", threshold=5)
     n = wavelets.n_levels
@@ -66,10 +56,38 @@ def test_levels_and_bands(ct):
     assert np.allclose(sum(parts), whole, atol=1e-2)
     dropped = wavelets.to_volume(drop_levels=2).samples
     assert np.allclose(dropped, sum(parts[2:]), atol=1e-2)
-    picture = ws.render(wavelets, drop_levels=2, size=(48, 48)).rgba
-    want = ws.render(wavelets.to_volume(drop_levels=2), size=(48, 48)).rgba
-    assert np.array_equal(picture, want)
-    assert not np.array_equal(picture, ws.render(wavelets, size=(48, 48)).rgba)
+    details = wavelets.bands([1] * n + [0])
+    assert details.is_detail
+    assert not wavelets.is_detail
+    assert details.value_range[0] < 0 < details.value_range[1]
+    assert details.value_range == details.to_volume().value_range
+    assert wavelets.value_range == wavelets.to_volume().value_range
+    assert np.allclose(details.bands([2]).to_volume().samples, sum(parts[:n]) + parts[0], atol=1e-2)
+
+
+@pytest.mark.parametrize(("family", "keep"), [("cdf53", 1.0), ("cdf97", 1.0), ("cdf97", 0.03), ("haar", 0.03)])
+def test_memory_is_that_of_what_is_kept(ct, family, keep):
+    """At shares that are worth storing most of it are the coefficients, 4 bytes each."""
+    wavelets = ws.WaveletVolume.from_volume(ct, family, keep=keep)
+    assert 4 * sum(wavelets.kept_by_level) < wavelets.nbytes < 3 * 4 * sum(wavelets.kept_by_level)
+
+
+def test_the_shares_of_the_paper_fit_into_three_times_their_bytes(ct):
+    for volume, keep in [(ct, 0.0355), (ws.examples.mri_head(), 0.0127)]:
+        wavelets = ws.WaveletVolume.from_volume(volume, keep=keep)
+        assert wavelets.kept_fraction == pytest.approx(keep, rel=1e-3)
+        assert wavelets.nbytes <= 3 * 4 * sum(wavelets.kept_by_level)
+
+
+@pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, lambda held: pickle.loads(pickle.dumps(held))])  # noqa: S301
+def test_copies_hold_the_same(how):
+    wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(20), "spline4", threshold=5).bands([2.0, 0.5])
+    wavelets.cache_bytes = 1e6
+    other = how(wavelets)
+    assert repr(other) == repr(wavelets)
+    assert other.cache_bytes == wavelets.cache_bytes == 1_000_000
+    assert np.array_equal(other.world_from_index, wavelets.world_from_index)
+    assert np.array_equal(other.to_volume().samples, wavelets.to_volume().samples)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +99,9 @@ def test_levels_and_bands(ct):
         ({"keep": 1.5}, "keep is 1.5; give a number from 0 to 1"),
         ({"psnr": float("nan")}, "psnr is nan"),
         ({"threshold": -1}, "threshold is -1.0"),
+        ({"threshold": "low"}, "threshold is 'low'; give a number"),
         ({"levels": -1}, "levels is -1"),
+        ({"levels": 1.5}, "levels is 1.5; give a whole number"),
     ],
 )
 def test_what_cannot_work_is_refused(arguments, message):
@@ -99,5 +119,31 @@ def test_holes_and_levels_that_are_not_there_are_refused():
         wavelets.to_volume(drop_levels=4)
     with pytest.raises(ws.errors.ArgumentError, match="at most 4 finite numbers"):
         wavelets.to_volume(band_weights=[1] * 5)
+    with pytest.raises(ws.errors.ArgumentError, match="band_weights is 'ab'; give numbers"):
+        wavelets.bands("ab")
     with pytest.raises(ws.errors.ArgumentError, match="are for a WaveletVolume"):
         ws.render(ws.examples.ripples(8), drop_levels=1)
+    with pytest.raises(ws.errors.ArgumentError, match="volume is a ndarray"):
+        ws.WaveletVolume.from_volume(samples)
+
+
+@pytest.mark.parametrize("drop_levels", [-1, 4, 1.5, "1", None])
+def test_only_levels_that_are_there_are_drawn(drop_levels):
+    wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(8))
+    for use in (wavelets.to_volume, lambda drop_levels: ws.render(wavelets, size=(8, 8), drop_levels=drop_levels)):
+        with pytest.raises(ws.errors.ArgumentError, match="drop_levels is"):
+            use(drop_levels=drop_levels)
+
+
+@pytest.mark.parametrize("n_bytes", [-1, "many", float("nan"), float("inf"), None])
+def test_only_numbers_of_bytes_are_kept(n_bytes):
+    wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(8))
+    with pytest.raises(ws.errors.ArgumentError, match="cache_bytes is"):
+        wavelets.cache_bytes = n_bytes
+
+
+@pytest.mark.parametrize(("dtype", "largest"), [(np.float64, 1e300), (np.float32, 3e38)])
+def test_samples_too_large_for_coefficients_are_refused(dtype, largest):
+    samples = np.linspace(-1, 1, 125).reshape(5, 5, 5) * largest
+    with pytest.raises(ws.errors.ArgumentError, match="too large for coefficients"):
+        ws.WaveletVolume.from_volume(ws.Volume(samples.astype(dtype)))

@@ -290,7 +290,12 @@ class WaveletVolume(Grid):
             If the file is not there, is not one of coefficients, or is damaged.
         """
         payload.check_readable(Path(path))
-        with reading("wavelet coefficients", path), np.load(path, allow_pickle=False) as archive:
+        # Opened here, since NumPy leaves files open that are no archives.
+        with (
+            reading("wavelet coefficients", path),
+            Path(path).open("rb") as file,
+            np.load(file, allow_pickle=False) as archive,
+        ):
             return cls._from_arrays({name: archive[name] for name in archive.files}, path)
 
     @classmethod

@@ -1,0 +1,276 @@
+"""Pictures straight from coefficients: those of the samples, bit for bit; and of levels, in the same place."""
+
+from __future__ import annotations
+
+import threading
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+
+FAMILIES = ["haar", "cdf53", "cdf97", "spline4", "bspline2", "bspline3", "bspline4"]
+LIFTED = FAMILIES[:4]
+
+#: Two blocks of 32 x 32 x 32, for each of the two levels or bands that are kept.
+TINY_CACHE = 2 * 2 * 32**3 * 4
+
+
+@pytest.fixture(scope="module")
+def textured() -> ws.Volume:
+    """More than a block along each axis, odd and even, with spacings that differ, turned in the world."""
+    z, y, x = np.indices((37, 66, 45))
+    noise = np.random.default_rng(0).normal(0, 8, z.shape)
+    samples = 100 * np.sin(x / 5) * np.cos(y / 7) + 60 * np.sin(z / 4 + x / 9) + noise
+    world_from_index = np.diag([1.0, 0.8, 1.3, 1.0])
+    world_from_index[:3, 3] = (-7.0, 5.0, 100.0)
+    world_from_index[0, 1] = 0.2
+    return ws.Volume(samples.astype(np.float32), world_from_index=world_from_index)
+
+
+@pytest.fixture(scope="module")
+def scans() -> dict[str, ws.Volume]:
+    return {"ct": ws.examples.ct_pelvis(), "mri": ws.examples.mri_head()}
+
+
+#: Fog, from a thin veil to nearly opaque, without a step.
+SOFT = ws.TransferFunction([(-50, 0.0), (0, 0.05), (80, 0.3), (120, 0.9)], [(-50, 0.1, 0.3, 1.0), (120, 1.0, 0.5, 0.0)])
+
+
+def difference(a: np.ndarray, b: np.ndarray) -> float:
+    """The largest one; a pixel that only one of them has counts as infinite."""
+    missing = np.isnan(a)
+    assert np.array_equal(missing, np.isnan(b))
+    return float(np.abs(np.where(missing, 0, a) - np.where(missing, 0, b)).max())
+
+
+def check_same(wavelets: ws.WaveletVolume, samples: ws.Volume, limit: float = 0.0, **draw) -> None:
+    """Both show something, and the same."""
+    draw = {"transfer_function": SOFT, "size": (40, 36), **draw}
+    want, got = ws.render(samples, **draw), ws.render(wavelets, **draw)
+    assert want.rgba[..., 3].max() > 0.2
+    assert difference(got.rgba, want.rgba) <= limit
+    for name in ("depth", "value"):
+        if getattr(want, name) is not None:
+            assert difference(getattr(got, name), getattr(want, name)) <= limit * 100
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("threshold", [0, 12])
+def test_the_picture_is_that_of_the_samples(textured, family, threshold):
+    """To the bit, whatever is kept; splines are prefiltered block by block, where the margin's end is below 1e-7."""
+    wavelets = ws.WaveletVolume.from_volume(textured, family, threshold=threshold)
+    assert (wavelets.kept_fraction < 0.6) == (threshold > 0)
+    samples = wavelets.to_volume()
+    for cache_bytes in (TINY_CACHE, 1 << 29):
+        wavelets.cache_bytes = cache_bytes
+        for kernel, limit in [("linear", 0.0), ("catmull-rom", 0.0), ("bspline3", 1e-4)]:
+            # Along z and x: slices as they lie in memory, and turned.
+            for azimuth, elevation in [(10, 80), (75, 10)]:
+                camera = ws.Camera.orbit(textured, azimuth, elevation)
+                check_same(wavelets, samples, limit, camera=camera, kernel=kernel)
+
+
+@pytest.mark.parametrize("cache_bytes", [0, TINY_CACHE])
+@pytest.mark.parametrize(
+    "draw",
+    [
+        {"depth": True},
+        {"refined": False},
+        {"quality": "high"},
+        {"quality": "draft"},
+        {"sheets_per_slice": 0.05},
+        {"shading": None},
+        {"shading": ws.Shading(gradient_offset=4.0)},
+        {"threads": 1},
+        {"psnr": 30},
+        {"crop": ws.Crop((10.2, 3.5, 4.1), (40.0, 60.5, 30.9), space="index")},
+        {"crop": ws.Crop((-2.0, 10.0, 110.0), (30.0, 50.0, 140.5))},
+        {"clip_planes": [((10, 20, 110), (1, 0.5, -0.3))]},
+        {"composite": "maximum"},
+        {"composite": "minimum"},
+        {"composite": "mean"},
+        {"composite": "sum"},
+        {"composite": "first-hit", "iso_value": 20.0, "depth": True},
+        {"background": "white"},
+    ],
+    ids="-".join,
+)
+def test_every_way_of_drawing_is_that_of_the_samples(textured, draw, cache_bytes):
+    wavelets = ws.WaveletVolume.from_volume(textured, "cdf97", threshold=12)
+    wavelets.cache_bytes = cache_bytes
+    samples = wavelets.to_volume()
+    sharp = ws.TransferFunction([(-1e3, 0.0), (-1e3 + 1, 0.9)], [(-100, 0.0, 0.0, 1.0), (100, 1.0, 1.0, 0.0)])
+    if draw.get("composite", "over") != "over":
+        draw = {**draw, "transfer_function": sharp}
+    for view_angle in (None, 40):
+        check_same(wavelets, samples, camera=ws.Camera.orbit(textured, 40, 35, view_angle=view_angle), **draw)
+
+
+@pytest.mark.parametrize("shape", [(2, 2, 2), (2, 3, 40), (33, 2, 5)])
+@pytest.mark.parametrize("family", FAMILIES)
+def test_thin_volumes_are_drawn(shape, family):
+    """Smaller than a block, and axes that are split up before the others."""
+    samples = np.random.default_rng(1).uniform(0, 100, shape).astype(np.float32)
+    wavelets = ws.WaveletVolume.from_volume(ws.Volume(samples), family)
+    camera = ws.Camera.orbit(wavelets, 30, 40)
+    check_same(wavelets, wavelets.to_volume(), camera=camera, shading=None)
+    for drop_levels in range(wavelets.n_levels + 1):
+        # The texels of a coarse level would be larger than the volume.
+        picture = ws.render(wavelets, SOFT, camera, size=(20, 20), drop_levels=drop_levels, oversampling=1).rgba
+        assert np.isfinite(picture).all()
+        assert picture[..., 3].max() > 0.1
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_all_bands_are_the_volume_and_sums_of_bands_are_sums_of_pictures(textured, family):
+    """A projection that sums is linear in the samples."""
+    wavelets = ws.WaveletVolume.from_volume(textured, family, threshold=5, levels=3)
+    camera = ws.Camera.orbit(textured, 20, 30)
+    draw = {"transfer_function": SOFT, "camera": camera, "size": (32, 32)}
+    whole = ws.render(wavelets, **draw).rgba
+    assert np.array_equal(ws.render(wavelets, band_weights=[1.0] * 4, **draw).rgba, whole)
+    assert not np.array_equal(ws.render(wavelets, band_weights=[0.0], **draw).rgba, whole)
+    assert np.array_equal(
+        ws.render(wavelets.bands([0.0]), **draw).rgba, ws.render(wavelets, band_weights=[0], **draw).rgba
+    )
+
+    def projected(weights):
+        return ws.render(wavelets, composite="sum", band_weights=weights, **draw).value
+
+    parts = [projected([float(k == band) for k in range(4)]) for band in range(4)]
+    want = projected(None)
+    largest = np.nanmax(np.abs(want))
+    assert largest > 100
+    # Where two faces meet, the warp keeps what it reads between the texels around it, which is not linear.
+    off = np.abs(sum(parts) - want)[np.isfinite(want)] > 1e-4 * largest
+    assert off.mean() < 0.15
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("shape", [(32, 48, 40), (33, 47, 41), (21, 38, 64)])
+def test_a_level_fills_the_same_box(family, shape):
+    """Constant fog: every ray of every level has the length of the whole, so the same opacity."""
+    fog = ws.Volume(np.full(shape, 7.0, np.float32), spacing=(1.0, 1.2, 0.7))
+    wavelets = ws.WaveletVolume.from_volume(fog, family)
+    curve = ws.TransferFunction([(0, 0.03)], [(0, 1.0, 0.5, 0.2)])
+    for view_angle in (None, 50):
+        camera = ws.Camera.orbit(fog, 30, 25, view_angle=view_angle)
+        draw = {"transfer_function": curve, "camera": camera, "size": (48, 48), "shading": None, "oversampling": 1.0}
+        want = ws.render(fog, **draw).rgba
+        assert want[..., 3].max() > 0.5
+        assert (want[..., 3] == 0).any()
+        for drop_levels in range(wavelets.n_levels + 1):
+            got = ws.render(wavelets, drop_levels=drop_levels, **draw).rgba
+            # A texel of the outline has a part of a pixel.
+            assert np.abs(got - want).max() < 0.08, drop_levels
+            assert np.abs(got - want).mean() < 5e-4, drop_levels
+
+
+@pytest.mark.parametrize("family", LIFTED)
+def test_a_crop_of_a_level_is_that_of_the_world(textured, family):
+    size = np.array(textured.shape[::-1])
+    low, high = 0.21 * size, 0.73 * size
+    upright = ws.Volume(textured.samples, spacing=(1.0, 0.8, 1.3))
+    wavelets = ws.WaveletVolume.from_volume(upright, family, threshold=2)
+    camera = ws.Camera.orbit(upright, 30, 25)
+    index = ws.Crop(low, high, space="index")
+    world = ws.Crop(low * upright.spacing, high * upright.spacing)
+    for drop_levels in range(4):
+        draw = {"transfer_function": SOFT, "camera": camera, "size": (40, 40), "drop_levels": drop_levels}
+        by_index = ws.render(wavelets, crop=index, **draw).rgba
+        assert difference(by_index, ws.render(wavelets, crop=world, **draw).rgba) < 1e-5
+        assert 0 < (by_index[..., 3] > 0).mean() < 0.7 * (ws.render(wavelets, **draw).rgba[..., 3] > 0).mean()
+
+
+@pytest.mark.parametrize("family", ["cdf53", "cdf97"])
+@pytest.mark.parametrize(("name", "keep"), [("ct", 1.0), ("mri", 1.0), ("ct", 0.0355), ("mri", 0.0127)])
+def test_levels_are_as_bright_as_the_whole(scans, family, name, keep):
+    """To 5 %, since rays that cross unlike samples lose more light than their mean; 8 % where shading smooths, too."""
+    ramps = {
+        "ct": [(-75, 0.0), (255, 0.05), (1000, 0.2)],
+        "mri": [(20, 0.0), (255, 0.1)],
+    }
+    soft = ws.TransferFunction(ramps[name], [(-75, 0.9, 0.6, 0.4), (1000, 1.0, 1.0, 1.0)])
+    wavelets = ws.WaveletVolume.from_volume(scans[name], family, keep=keep)
+    for shading, limit in [(None, 0.05), (ws.Shading(), 0.08)]:
+        draw = {"transfer_function": soft, "size": (96, 96), "shading": shading}
+        whole = ws.render(wavelets, **draw).rgba
+        for drop_levels in (1, 2):
+            level = ws.render(wavelets, drop_levels=drop_levels, **draw).rgba
+            assert level[..., :3].mean() == pytest.approx(whole[..., :3].mean(), rel=limit), (drop_levels, shading)
+
+
+@pytest.mark.parametrize("family", ["cdf53", "cdf97"])
+@pytest.mark.parametrize("name", ["ct", "mri"])
+def test_levels_keep_what_is_thin(scans, family, name):
+    """Solid from a threshold on: the mean of a wall and of what is beside it is not, so low-pass samples lose it."""
+    least = {"ct": 200.0, "mri": 50.0}[name]
+    solid = ws.TransferFunction([(least, 0.0), (least + 1, 0.8)], [(0, 1.0, 1.0, 1.0)])
+    wavelets = ws.WaveletVolume.from_volume(scans[name], family)
+    draw = {"transfer_function": solid, "size": (96, 96), "shading": None}
+    whole = ws.render(wavelets, **draw).rgba[..., 3].mean()
+    level = ws.render(wavelets, drop_levels=2, **draw).rgba[..., 3].mean()
+    blurred = ws.render(wavelets.to_volume(drop_levels=2), **draw).rgba[..., 3].mean()
+    assert blurred < 0.92 * whole
+    assert abs(level - whole) < 0.6 * abs(blurred - whole)
+
+
+@pytest.mark.parametrize("family", LIFTED)
+def test_a_level_has_an_eighth_of_the_work(scans, family):
+    """At most a quarter, as edges of tiles and blocks count in full."""
+    wavelets = ws.WaveletVolume.from_volume(scans["ct"], family, keep=0.05)
+    n_texels = [ws.render(wavelets, size=(128, 128), drop_levels=k).report["n_texels"] for k in range(4)]
+    assert all(finer >= 4 * coarser for finer, coarser in pairwise(n_texels)), n_texels
+
+
+def test_details_alone_are_blue_and_red(textured):
+    details = ws.WaveletVolume.from_volume(textured, "cdf97", levels=3).bands([1, 1, 1, 0])
+    curve = ws.TransferFunction.auto(details)
+    limit = curve.opacity[-1][0]
+    assert curve == ws.TransferFunction.diverging(limit)
+    assert 0 < limit <= max(map(abs, details.value_range))
+    (blue, nothing, red) = curve([-limit, 0.0, limit])
+    assert blue[2] > blue[0]
+    assert red[0] > red[2]
+    assert (blue[3], nothing[3], red[3]) == (0.5, 0.0, 0.5)
+    assert np.array_equal(ws.render(details, size=(24, 24)).rgba, ws.render(details, curve, size=(24, 24)).rgba)
+    assert ws.render(details, size=(24, 24)).rgba[..., 3].max() > 0.1
+    # A projection gets its ramp.
+    assert ws.TransferFunction.auto(details, "maximum") != curve
+
+
+@pytest.mark.parametrize("limit", [0, -1, float("nan"), float("inf")])
+def test_a_diverging_function_needs_a_limit(limit):
+    with pytest.raises(ws.errors.ArgumentError, match="limit is"):
+        ws.TransferFunction.diverging(limit)
+
+
+def test_threads_share_coefficients(textured):
+    """Blocks are decoded by whoever comes first, and dropped while others read them."""
+    wavelets = ws.WaveletVolume.from_volume(textured, "cdf97", threshold=12)
+    wavelets.cache_bytes = TINY_CACHE
+    draw = {"transfer_function": SOFT, "size": (24, 24)}
+    want = [ws.render(wavelets, drop_levels=k, **draw).rgba for k in range(4)]
+    wrong = []
+
+    def draw_some(first):
+        for n in range(first, first + 12):
+            got = ws.render(wavelets, drop_levels=n % 4, threads=1 + n % 2, **draw).rgba
+            if not np.array_equal(got, want[n % 4]):
+                wrong.append(n)
+
+    threads = [threading.Thread(target=draw_some, args=(first,)) for first in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_a_picture_can_be_stopped(textured):
+    wavelets = ws.WaveletVolume.from_volume(textured, threshold=12)
+    with pytest.raises(ws.errors.CancelledError):
+        ws.render(wavelets, SOFT, size=(64, 64), progress=lambda _: False)
+    check_same(wavelets, wavelets.to_volume())

@@ -154,3 +154,49 @@ fn affine_problem(affine: &DAffine3) -> Option<&'static str> {
     let skew = unit.determinant().abs();
     (skew.is_nan() || skew < 1e-6).then_some("puts the three axes into one plane")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: Statistics = Statistics { min: -1.0, max: 3.0, n_nonfinite: 0 };
+
+    fn grid(size: [usize; 3], world_from_index: DAffine3) -> Result<Grid> {
+        Grid::new("grid", size, world_from_index, UNIT, false)
+    }
+
+    #[test]
+    fn a_volume_is_drawn_from_its_first_to_its_last_sample() {
+        let grid = grid([5, 6, 7], DAffine3::from_scale(DVec3::new(1.0, 2.0, 4.0))).unwrap();
+        assert_eq!(grid.bounds(), [DVec3::ZERO, DVec3::new(4.0, 5.0, 6.0)]);
+        assert!((grid.default_opacity_unit() - 2.0).abs() < 1e-12 && (grid.coarseness() - 1.0).abs() < 1e-12);
+        assert_eq!(grid.density_range(), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_level_keeps_the_units_of_the_finest_and_its_bounds() {
+        let finest = grid([17, 17, 17], DAffine3::from_scale(DVec3::splat(1.5))).unwrap();
+        let level = grid([6, 6, 6], DAffine3::from_scale(DVec3::splat(6.0))).unwrap();
+        let bounds = [DVec3::splat(0.25), DVec3::splat(4.75)];
+        let level = level.as_level_of(finest.default_opacity_unit(), bounds);
+        assert_eq!(level.bounds(), bounds);
+        assert_eq!(level.default_opacity_unit(), finest.default_opacity_unit());
+        assert!((level.coarseness() - 4.0).abs() < 1e-12);
+        assert!((level.mean_spacing() - 6.0).abs() < 1e-12, "spacings are its own");
+        assert_eq!((level.size(), level.statistics()), ([6; 3], UNIT));
+    }
+
+    #[test]
+    fn bounds_never_leave_the_samples() {
+        let level = grid([4, 4, 4], DAffine3::IDENTITY).unwrap();
+        let level = level.as_level_of(1.0, [DVec3::new(-1.0, 0.5, -1e-9), DVec3::new(2.0, 9.0, 3.0 + 1e-9)]);
+        assert_eq!(level.bounds(), [DVec3::new(0.0, 0.5, 0.0), DVec3::new(2.0, 3.0, 3.0)]);
+    }
+
+    #[test]
+    fn grids_that_fill_no_space_are_refused() {
+        assert!(matches!(grid([1, 5, 5], DAffine3::IDENTITY), Err(Error::ThinVolume { .. })));
+        let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
+        assert!(matches!(grid([5, 5, 5], flat), Err(Error::DegenerateAffine { .. })));
+    }
+}

@@ -1,0 +1,269 @@
+//! Levels as volumes of their own: where their samples lie, and which transfer function they are drawn with.
+
+use std::sync::Arc;
+
+use wavesplat_core::{ColorNode, Decoder as _, OpacityNode, TransferFunction};
+use wavesplat_wavelet::{
+    Coarse, Decoder, Family, Keep, LevelGrid, Norm, Plan, Spread, WaveletVolume, coherence_length,
+};
+
+const LIFTED: [Family; 4] = [Family::Haar, Family::Cdf53, Family::Cdf97, Family::Spline4];
+
+fn volume(family: Family, size: [usize; 3], sample: impl Fn([usize; 3]) -> f32) -> Arc<WaveletVolume> {
+    let [nx, ny, nz] = size;
+    let samples: Vec<f32> = (0..nx * ny * nz).map(|i| sample([i % nx, i / nx % ny, i / (nx * ny)])).collect();
+    Arc::new(WaveletVolume::new(family, size, &samples, None, Norm::L2, Keep::Amplitude(0.0)))
+}
+
+fn level_of(volume: &Arc<WaveletVolume>, level: usize) -> (LevelGrid, Coarse) {
+    let grid = LevelGrid::new(volume.plan(), level).unwrap();
+    (grid, Coarse::new(Decoder::new(volume.clone(), level, &[]), grid))
+}
+
+fn all(decoder: &Coarse) -> Vec<f32> {
+    let size = decoder.size();
+    let mut all = vec![f32::NAN; size.iter().product()];
+    decoder.decode([0; 3], size, &mut all);
+    all
+}
+
+/// Origin, spacing and size along an axis.
+fn check_axis(family: Family, n: usize, level: usize, want: (f64, f64, usize)) {
+    let grid = LevelGrid::new(&Plan::new(family, [n, 64, 64], None), level).unwrap();
+    assert_eq!((grid.origin[0], grid.spacing[0], grid.size[0]), want, "{family:?} of {n} at level {level}");
+}
+
+#[test]
+fn low_samples_lie_on_every_second_one_or_between_two() {
+    for family in [Family::Cdf53, Family::Cdf97, Family::Spline4] {
+        check_axis(family, 17, 0, (0.0, 1.0, 17));
+        // Nine of 17 reach the end; eight of 16 end at 14, and one more does.
+        check_axis(family, 17, 1, (0.0, 2.0, 9));
+        check_axis(family, 16, 1, (0.0, 2.0, 9));
+        check_axis(family, 16, 3, (0.0, 8.0, 3));
+        // Split up before the others.
+        check_axis(family, 2, 5, (0.0, 2.0, 2));
+    }
+    check_axis(Family::Haar, 16, 0, (0.0, 1.0, 16));
+    // Eight from 0.5 to 14.5, and one before and after.
+    check_axis(Family::Haar, 16, 1, (-1.5, 2.0, 10));
+    check_axis(Family::Haar, 17, 1, (-1.5, 2.0, 10));
+    // Four from 1.5 to 13.5.
+    check_axis(Family::Haar, 16, 2, (-2.5, 4.0, 6));
+    check_axis(Family::Haar, 2, 5, (-1.5, 2.0, 3));
+}
+
+#[test]
+fn every_level_reaches_both_ends() {
+    for family in LIFTED {
+        for size in [[64, 17, 2], [5, 6, 7], [31, 32, 33]] {
+            let plan = Plan::new(family, size, None);
+            for level in 0..=plan.n_levels() {
+                let grid = LevelGrid::new(&plan, level).unwrap();
+                for a in 0..3 {
+                    let last = grid.origin[a] + grid.spacing[a] * (grid.size[a] - 1) as f64;
+                    let end = (size[a] - 1) as f64;
+                    assert!(grid.size[a] >= 2, "{family:?} {size:?} {level}: a volume needs two samples");
+                    assert!(grid.origin[a] <= 0.0 && last >= end, "{family:?} {size:?} {level}");
+                    assert!(last < end + grid.spacing[a], "{family:?} {size:?} {level}: no more than is needed");
+                    let mut position = [0.0; 3];
+                    position[a] = last;
+                    assert_eq!(grid.level_from_finest(position)[a], (grid.size[a] - 1) as f64);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn semi_orthogonal_low_samples_are_not_evenly_spaced() {
+    for family in [Family::Bspline2, Family::Bspline3, Family::Bspline4] {
+        let plan = Plan::new(family, [20, 21, 22], None);
+        assert_eq!(LevelGrid::new(&plan, 0).map(|grid| (grid.origin, grid.size)), Some(([0.0; 3], [20, 21, 22])));
+        assert_eq!(LevelGrid::new(&plan, 1), None);
+    }
+}
+
+#[test]
+fn a_ramp_has_its_values_where_the_low_samples_lie() {
+    let slope = [1.0, -2.0, 0.5];
+    for family in LIFTED {
+        let ramp = volume(family, [64, 48, 50], |p| (0..3).map(|a| slope[a] * p[a] as f32).sum());
+        for level in 0..3 {
+            let (grid, coarse) = level_of(&ramp, level);
+            let samples = all(&coarse);
+            let [nx, ny, _] = grid.size;
+            for (i, got) in samples.iter().enumerate() {
+                let index = [i % nx, i / nx % ny, i / (nx * ny)];
+                // The mirrored ends bend the ramp there.
+                if (0..3).all(|a| (4..grid.size[a] - 4).contains(&index[a])) {
+                    let want: f64 = (0..3)
+                        .map(|a| f64::from(slope[a]) * (grid.origin[a] + grid.spacing[a] * index[a] as f64))
+                        .sum();
+                    assert!((f64::from(*got) - want).abs() < 1e-3, "{family:?} level {level} {index:?}: {got} {want}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ends_are_repeated_in_every_box() {
+    let sample = |[x, y, z]: [usize; 3]| ((x * 31 + y * 17 + z * 7) % 23) as f32;
+    for family in LIFTED {
+        let volume = volume(family, [18, 15, 8], sample);
+        for level in 1..3 {
+            let (grid, coarse) = level_of(&volume, level);
+            let low = Decoder::new(volume.clone(), level, &[]);
+            let (low_size, low) = (low.size(), low.all());
+            let n_before = usize::from(family == Family::Haar);
+            let want = |index: [usize; 3]| {
+                let [x, y, z] = [0, 1, 2].map(|a| index[a].saturating_sub(n_before).min(low_size[a] - 1));
+                low[(z * low_size[1] + y) * low_size[0] + x]
+            };
+            assert!((0..3).any(|a| grid.size[a] > low_size[a]), "something is repeated");
+            for lo in [[0; 3], [1, 0, 1], grid.size.map(|n| n - 1), grid.size.map(|n| n - 2)] {
+                for hi in [grid.size, [0, 1, 2].map(|a| (lo[a] + 1).min(grid.size[a]))] {
+                    let n = [0, 1, 2].map(|a| hi[a] - lo[a]);
+                    let mut part = vec![f32::NAN; n.iter().product()];
+                    coarse.decode(lo, hi, &mut part);
+                    for (i, got) in part.iter().enumerate() {
+                        let index = [lo[0] + i % n[0], lo[1] + i / n[0] % n[1], lo[2] + i / (n[0] * n[1])];
+                        assert_eq!(got.to_bits(), want(index).to_bits(), "{family:?} {level} {lo:?} {hi:?} {index:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Blue below 30, red from 40 on; as opaque as the nodes say.
+fn curve(nodes: &[(f64, f64)]) -> TransferFunction {
+    let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
+    let color = vec![ColorNode { value: 30.0, rgb: [0.0, 0.0, 1.0] }, ColorNode { value: 40.0, rgb: [1.0, 0.0, 0.0] }];
+    TransferFunction::new(opacity, color, None).unwrap()
+}
+
+fn spread_of(volume: &Arc<WaveletVolume>, level: usize) -> Spread {
+    let (grid, coarse) = level_of(volume, level);
+    let fine = Decoder::new(volume.clone(), 0, &[]);
+    Spread::new(&fine, &coarse, &grid, fine.range().map(f64::from))
+}
+
+/// Interpolated samples of a level at the places of all samples.
+fn coarse_values(volume: &Arc<WaveletVolume>, level: usize) -> Vec<f64> {
+    let (grid, coarse) = level_of(volume, level);
+    let samples = all(&coarse);
+    let [nx, ny, _] = grid.size;
+    let [fx, fy, fz] = volume.plan().size();
+    (0..fx * fy * fz)
+        .map(|i| {
+            let place = grid.level_from_finest([i % fx, i / fx % fy, i / (fx * fy)].map(|i| i as f64));
+            let below: [usize; 3] = [0, 1, 2].map(|a| (place[a] as usize).min(grid.size[a] - 2));
+            let share = |corner: usize| -> f64 {
+                let t = |a: usize| place[a] - below[a] as f64;
+                (0..3).map(|a| if corner >> a & 1 == 1 { t(a) } else { 1.0 - t(a) }).product()
+            };
+            let at = |c: usize| samples[((below[2] + c / 4) * ny + below[1] + c / 2 % 2) * nx + below[0] + c % 2];
+            (0..8).map(|corner| share(corner) * f64::from(at(corner))).sum()
+        })
+        .collect()
+}
+
+/// Mean opacity of a length over places that have these values.
+fn mean_opacity(tf: &TransferFunction, values: &[f64], length: f64) -> f64 {
+    let opacity = |value: &f64| -(length * (-tf.opacity(*value)).ln_1p()).exp_m1();
+    values.iter().map(opacity).sum::<f64>() / values.len() as f64
+}
+
+/// Walls one sample thin, of 80 to 120, in a space of 0 to 8: no value is so frequent that its bin stands out.
+fn walls([x, y, z]: [usize; 3]) -> f32 {
+    let wave = (0.31 * y as f32 + 0.23 * z as f32 + 0.05 * x as f32).sin();
+    if x % 5 == 2 { 100.0 + 20.0 * wave } else { 4.0 + 4.0 * wave }
+}
+
+#[test]
+fn thin_walls_keep_their_mean_opacity() {
+    let hard = curve(&[(60.0, 0.0), (60.0, 0.6)]);
+    let soft = curve(&[(0.0, 0.0), (100.0, 0.6)]);
+    for family in LIFTED {
+        let volume = volume(family, [80, 40, 40], walls);
+        let fine: Vec<f64> = Decoder::new(volume.clone(), 0, &[]).all().into_iter().map(f64::from).collect();
+        for level in 1..4 {
+            let (spread, coarse) = (spread_of(&volume, level), coarse_values(&volume, level));
+            for tf in [&hard, &soft] {
+                for length in [0.5, 1.0, coherence_length(level)] {
+                    let want = mean_opacity(tf, &fine, length);
+                    let filtered = spread.filter(tf, length).unwrap();
+                    let got = mean_opacity(&filtered, &coarse, length);
+                    assert!((got / want - 1.0).abs() < 0.03, "{family:?} level {level} length {length}: {got} {want}");
+                }
+            }
+            let unfiltered = mean_opacity(&hard, &coarse, 1.0) / mean_opacity(&hard, &fine, 1.0);
+            assert!(level == 1 || unfiltered < 0.3, "{family:?} level {level} loses the walls: {unfiltered}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_seen_lends_no_color() {
+    let volume = volume(Family::Cdf53, [80, 40, 40], walls);
+    let filtered = spread_of(&volume, 2).filter(&curve(&[(60.0, 0.0), (60.0, 0.6)]), 1.0).unwrap();
+    let seen: Vec<f64> = coarse_values(&volume, 2).into_iter().filter(|d| filtered.opacity(*d) > 0.01).collect();
+    let n_low = seen.iter().filter(|d| **d < 30.0).count();
+    assert!(n_low > 1000, "values that are blue themselves stand for red walls: {n_low}");
+    // Beside a bin that nothing falls into, a color is mixed with that of the value itself.
+    let n_mixed = seen.iter().filter(|d| filtered.color(**d)[0] < 0.99).count();
+    assert!(n_mixed < seen.len() / 100, "{n_mixed} of {}", seen.len());
+}
+
+#[test]
+fn a_linear_function_of_a_ramp_stays_as_it_is() {
+    let linear = curve(&[(0.0, 0.0), (63.0, 0.9)]);
+    for family in LIFTED {
+        let ramp = volume(family, [64, 40, 40], |[x, ..]| x as f32);
+        for level in 1..3 {
+            let spread = spread_of(&ramp, level);
+            let filtered = spread.filter(&linear, coherence_length(level)).unwrap();
+            // Away from the mirrored ends; half a bin of 512 is 0.1 %.
+            for value in [16.0, 24.3, 32.0, 47.9] {
+                let (got, want) = (filtered.opacity(value), linear.opacity(value));
+                assert!((got - want).abs() < 0.01, "{family:?} level {level} at {value}: {got} {want}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_constant_volume_keeps_its_function() {
+    let tf = curve(&[(0.0, 0.1), (100.0, 0.9)]);
+    let constant = volume(Family::Cdf97, [20, 21, 22], |_| 7.0);
+    let (grid, coarse) = level_of(&constant, 1);
+    let fine = Decoder::new(constant.clone(), 0, &[]);
+    for range in [[7.0, 7.0], fine.range().map(f64::from)] {
+        let filtered = Spread::new(&fine, &coarse, &grid, range).filter(&tf, 1.5).unwrap();
+        assert!((filtered.opacity(7.0) - tf.opacity(7.0)).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn what_is_opaque_everywhere_stays_opaque_and_what_is_clear_stays_clear() {
+    let halves = volume(Family::Haar, [64, 40, 40], |[x, ..]| if x < 32 { 0.0 } else { 100.0 });
+    let step = curve(&[(50.0, 0.0), (50.0, 1.0)]);
+    let opaque = curve(&[(0.0, 1.0)]);
+    for level in 1..4 {
+        let spread = spread_of(&halves, level);
+        for length in [0.01, 1.0, coherence_length(level)] {
+            let filtered = spread.filter(&step, length).unwrap();
+            assert!(filtered.opacity(100.0) == 1.0 && filtered.opacity(0.0) == 0.0, "level {level} length {length}");
+            let filtered = spread.filter(&opaque, length).unwrap();
+            assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level} length {length}");
+        }
+    }
+}
+
+#[test]
+fn coherence_grows_with_the_level_up_to_a_few_samples() {
+    let lengths = [1, 2, 3, 4, 30].map(coherence_length);
+    assert!(lengths.is_sorted() && lengths[0] > 1.0 && lengths[4] == lengths[3] && lengths[4] < 8.0, "{lengths:?}");
+}

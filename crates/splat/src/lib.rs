@@ -21,6 +21,7 @@ pub mod gradient_opacity;
 pub mod interval;
 pub mod kernel;
 pub mod panel;
+pub mod plane;
 pub mod prefilter;
 pub mod rays;
 pub mod reference;

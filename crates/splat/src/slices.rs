@@ -15,7 +15,7 @@ use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_sample
 
 use crate::blocks::{Blocks, Part};
 use crate::bricks::{Bricks, FloatRows, Rows, widen};
-use crate::kernel::fold;
+use crate::kernel::{MAX_TAPS, fold, n_taps};
 use crate::prefilter;
 
 /// Densities of a volume, ready for one kernel.
@@ -95,6 +95,15 @@ impl Prepared {
 
 /// One tap along the sheet axis: folded slice index and weight.
 pub type SliceTap = (usize, f32);
+
+/// What the value at one position is made of: folded indices and weights along x, y and z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointTaps {
+    /// Of samples or coefficients.
+    pub index: [[usize; MAX_TAPS]; 3],
+    /// 0 beyond the taps that the kernel has.
+    pub weight: [[f64; MAX_TAPS]; 3],
+}
 
 /// A rectangle of sample positions in a slice, `u` and `v` inclusive, before folding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,6 +187,38 @@ impl<'a> Slices<'a> {
     /// Whether the sample at an index position is drawn as empty.
     pub fn is_hole(&self, index: [usize; 3]) -> bool {
         self.prepared.mask.as_ref().is_some_and(|m| m[self.linear_index(index)])
+    }
+
+    /// `out[i] = Σ weight · sample`, in sample units, at each point; NaN where a hole is reached.
+    ///
+    /// Of a volume that is decoded, the box around all points is loaded.
+    pub fn sums(&self, points: &[PointTaps], out: &mut [f64]) {
+        let kernel = self.prepared.kernel;
+        let (offset, scale) = self.grid.density_from_sample();
+        let whole = PointSums { n_taps: n_taps(kernel), lo: [0; 3], size: self.prepared.size };
+        let sample = |d: f32| f64::from(d) / scale + offset;
+        match (&self.prepared.densities, &self.source) {
+            (Some(coefficients), _) if prefilter::pole(kernel).is_some() => {
+                whole.write(coefficients, points, out, sample);
+            }
+            (_, Source::Samples(samples)) => {
+                with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64));
+            }
+            (_, Source::Blocks(blocks)) => {
+                let Some((lo, hi)) = whole.reached(points) else { return };
+                let mut part = Part::default();
+                blocks.load(lo, hi, &mut part);
+                let part_sums = PointSums { lo: part.lo, size: part.size, ..whole };
+                part_sums.write(&part.densities, points, out, sample);
+            }
+        }
+        if let Some(mask) = &self.prepared.mask {
+            for (point, out) in points.iter().zip(out) {
+                let mut is_hole = false;
+                whole.for_each_tap(point, |i, _| is_hole |= mask[i]);
+                *out = if is_hole { f64::NAN } else { *out };
+            }
+        }
     }
 
     /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
@@ -310,6 +351,50 @@ impl<'a> Slices<'a> {
                 #[inline(always)]
                 || region.combine(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }),
             );
+        }
+    }
+}
+
+/// Sums over the taps of points, from a grid or a box of it.
+struct PointSums {
+    n_taps: usize,
+    lo: [usize; 3],
+    size: [usize; 3],
+}
+
+impl PointSums {
+    /// First and one past the last index of any tap.
+    fn reached(&self, points: &[PointTaps]) -> Option<([usize; 3], [usize; 3])> {
+        let ends = |axis: usize| {
+            let all = points.iter().flat_map(|point| &point.index[axis][..self.n_taps]);
+            Some((*all.clone().min()?, *all.max()? + 1))
+        };
+        let [x, y, z] = [ends(0)?, ends(1)?, ends(2)?];
+        Some(([x.0, y.0, z.0], [x.1, y.1, z.1]))
+    }
+
+    fn write<T: Copy>(&self, grid: &[T], points: &[PointTaps], out: &mut [f64], sample: impl Fn(T) -> f64) {
+        for (point, out) in points.iter().zip(out) {
+            let mut sum = 0.0;
+            self.for_each_tap(point, |i, weight| sum += weight * sample(grid[i]));
+            *out = sum;
+        }
+    }
+
+    /// Place in the grid and weight of each tap that counts: a sample of weight 0 may be NaN.
+    #[inline(always)]
+    fn for_each_tap(&self, point: &PointTaps, mut work: impl FnMut(usize, f64)) {
+        let [nx, ny, _] = self.size;
+        let taps = |axis: usize| {
+            let (index, weight) = (&point.index[axis][..self.n_taps], &point.weight[axis]);
+            let lo = self.lo[axis];
+            index.iter().zip(weight).filter(|(_, weight)| **weight != 0.0).map(move |(i, weight)| (i - lo, *weight))
+        };
+        for (z, weight_z) in taps(2) {
+            for (y, weight_y) in taps(1) {
+                let row = (z * ny + y) * nx;
+                taps(0).for_each(|(x, weight_x)| work(row + x, weight_x * weight_y * weight_z));
+            }
         }
     }
 }

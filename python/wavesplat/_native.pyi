@@ -15,6 +15,7 @@ __all__ = [
     "WaveletVolume",
     "__version__",
     "encode_png",
+    "plane",
     "quality_settings",
     "raycast",
     "render",
@@ -174,6 +175,20 @@ def splat_literal(
     kernel: str,
     shading: Shading | None,
     sheets_per_slice: float,
+    threads: int | None,
+) -> NDArray[np.float32]: ...
+def plane(
+    volume: Volume | DecodedVolume,
+    *,
+    origin: tuple[float, float, float],
+    across: tuple[float, float, float],
+    down: tuple[float, float, float],
+    width: int,
+    height: int,
+    kernel: str,
+    slab: str,
+    n_planes: int,
+    step: tuple[float, float, float],
     threads: int | None,
 ) -> NDArray[np.float32]: ...
 def quality_settings(

@@ -15,7 +15,7 @@ mod _native {
     #[pymodule_export]
     use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
-    use crate::rendering::{encode_png, quality_settings, raycast, render, splat_literal};
+    use crate::rendering::{encode_png, plane, quality_settings, raycast, render, splat_literal};
     #[pymodule_export]
     use crate::volume::PyVolume;
     #[pymodule_export]

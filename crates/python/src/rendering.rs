@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, Crop, Kernel, Picture, RenderOptions};
 use wavesplat_splat::estimate::settings_for_psnr;
+use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::{Monitor, reference};
 
@@ -293,6 +294,38 @@ pub fn splat_literal<'py>(
         py.detach(|| reference::splat::image(v, tf, camera, &options)).map_err(to_py)
     })?;
     image(py, picture)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (volume, *, origin, across, down, width, height, kernel, slab, n_planes, step, threads))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands what is drawn over by value")]
+pub fn plane<'py>(
+    py: Python<'py>,
+    volume: Drawable<'py>,
+    origin: Triple,
+    across: Triple,
+    down: Triple,
+    width: usize,
+    height: usize,
+    kernel: &str,
+    slab: &str,
+    n_planes: usize,
+    step: Triple,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let kernel = Kernel::from_name(kernel).map_err(to_py)?;
+    let size = RenderOptions { width_px: width, height_px: height, n_threads: threads, ..RenderOptions::default() };
+    size.validate().map_err(to_py)?;
+    let (across, down) = (vector(across), vector(down));
+    let plane = Plane { origin: vector(origin), across, down, width_px: width, height_px: height };
+    let slab = Slab { reduction: Reduction::from_name(slab).map_err(to_py)?, n_planes, step: vector(step) };
+    let monitor = PyMonitor::new(None);
+    let values = volume.with_slices(py, kernel, |slices| {
+        monitor.watch(py, || plane_values(&slices(), &plane, &slab, threads, &monitor))
+    })?;
+    values.map_err(to_py)?.into_pyarray(py).reshape([height, width])
 }
 
 /// See `_native.pyi`.

@@ -35,8 +35,8 @@ def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
 
 
 def test_importing_loads_no_heavy_library():
-    heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer"]
-    code = f"import sys, wavesplat.rendering, wavesplat.readers; print([m for m in {heavy} if m in sys.modules])"
+    heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
+    code = f"import sys, wavesplat.slicing, wavesplat.readers; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from wavesplat.readers import open
     from wavesplat.rendering import render
     from wavesplat.shading import Light, Shading
+    from wavesplat.slicing import slice
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
@@ -40,6 +41,7 @@ __all__ = [
     "open",
     "reference",
     "render",
+    "slice",
 ]
 
 #: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
@@ -55,6 +57,7 @@ _HOMES = {
     "__version__": "_native",
     "open": "readers",
     "render": "rendering",
+    "slice": "slicing",
 }
 _MODULES = {"errors", "examples", "reference"}
 

@@ -1,4 +1,4 @@
-"""The command line: `wavesplat render`, `wavesplat wavelet`, `wavesplat info`, `wavesplat demo`.
+"""The command line: `wavesplat render`, `wavesplat slice`, `wavesplat wavelet`, `wavesplat info`, `wavesplat demo`.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, get_args
 import typer
 
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
-from wavesplat.options import VIEWS, Composite, Kernel, Quality
+from wavesplat.options import PLANES, VIEWS, Composite, Kernel, Quality, Slab
 
 if TYPE_CHECKING:
     from wavesplat.camera import Camera
@@ -253,6 +253,104 @@ def render(
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     if report is not None:
         _write_report(report, facts)
+    print(_as_json(facts) if json else output)
+
+
+@app.command(epilog=EPILOG)
+def slice(
+    input: Input,
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="OUT", help="Picture to write: .png, .tif or .exr.", show_default=False),
+    ],
+    plane: Annotated[
+        Any,
+        typer.Option(metavar="NAME", parser=_one_of(tuple(PLANES)), help=f"{', '.join(PLANES)}; else axial."),
+    ] = None,
+    position: Annotated[
+        float | None,
+        typer.Option(metavar="MM", help="Where the plane crosses its axis, or how far from the point; world units."),
+    ] = None,
+    point: Annotated[
+        Any, typer.Option(metavar="X,Y,Z", parser=_numbers(3, "0,0,50"), help="Any plane: a point on it, world units.")
+    ] = None,
+    normal: Annotated[
+        Any, typer.Option(metavar="X,Y,Z", parser=_numbers(3, "0,0.3,1"), help="Any plane: at right angles to this.")
+    ] = None,
+    size: Annotated[
+        Any,
+        typer.Option(metavar="WxH", parser=_size, help="Pixels; those of the finest spacing if not given."),
+    ] = None,
+    zoom: Annotated[float, typer.Option(metavar="FACTOR", help="Magnification; 1 fits the volume.")] = 1.0,
+    center: Annotated[
+        Any, typer.Option(metavar="X,Y,Z", parser=_numbers(3, "0,0,50"), help="World position in the picture's middle.")
+    ] = None,
+    kernel: Annotated[
+        Any, typer.Option(metavar="NAME", parser=_one_of(get_args(Kernel)), help=f"{', '.join(get_args(Kernel))}.")
+    ] = "linear",
+    thickness: Annotated[float, typer.Option(metavar="MM", help="Of a slab around the plane, world units.")] = 0.0,
+    slab: Annotated[
+        Any,
+        typer.Option(
+            metavar="NAME", parser=_one_of(get_args(Slab)), help=f"What is kept across it: {', '.join(get_args(Slab))}."
+        ),
+    ] = "maximum",
+    window: Annotated[
+        Any, typer.Option(metavar="LOW,HIGH", parser=_numbers(2, "-150,250"), help="Values shown as black and white.")
+    ] = None,
+    preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
+    tf: Annotated[Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")] = None,
+    letters: Annotated[bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of a round length.")] = False,
+    background: Annotated[
+        Any, typer.Option(metavar="COLOR", parser=_color, help="black, white, grey, #rrggbb, r,g,b or transparent.")
+    ] = "black",
+    bits: Annotated[int, typer.Option(metavar="8|16", help="Bits per channel of a PNG file.")] = 8,
+    threads: Annotated[int | None, typer.Option(metavar="N", help="Worker threads; all cores if not given.")] = None,
+    series: Series = None,
+    time: Time = None,
+    channel: Channel = None,
+    dataset: Dataset = None,
+    level: Level = None,
+    shape: Shape = None,
+    dtype: Dtype = None,
+    spacing: Spacing = None,
+    byte_order: ByteOrder = None,
+    offset: Offset = 0,
+    json: Json = False,
+) -> None:
+    """Draw a slice through a volume, thin or thick, and print the picture's path."""
+    _refuse_pairs(preset=preset, tf=tf)
+    _refuse_pairs(plane=plane, normal=normal)
+    if (point is None) != (normal is None):
+        raise ArgumentError("--point and --normal belong together; give both, or a --plane")
+    _check_outputs(output, None)
+    from wavesplat.slicing import slice as cut
+
+    volume = _open_any(
+        input, series=series, time=time, channel=channel, dataset=dataset, level=level, shape=shape, dtype=dtype,
+        spacing=spacing, byte_order=byte_order, offset=offset,
+    )  # fmt: skip
+    is_colored = preset is not None or tf is not None
+    picture = cut(
+        volume,
+        (plane or "axial") if normal is None else (point, normal),
+        position,
+        size=size,
+        zoom=zoom,
+        center=center,
+        kernel=kernel,
+        thickness=thickness,
+        slab=slab,
+        window=window,
+        transfer_function=_transfer_function(volume, preset, tf, "over", input) if is_colored else None,
+        letters=letters,
+        scale_bar=scale_bar,
+        background=background,
+        threads=threads,
+    )
+    picture.save(output, bits=bits)
+    facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print(_as_json(facts) if json else output)
 
 

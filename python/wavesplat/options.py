@@ -1,14 +1,16 @@
-"""Names of the kernels, operators, qualities and views."""
+"""Names of the kernels, operators, qualities, views and planes."""
 
 from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = ["VIEWS", "Composite", "Kernel", "Quality"]
+__all__ = ["PLANES", "VIEWS", "Composite", "Kernel", "Plane", "Quality", "Slab"]
 
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
 Composite: TypeAlias = Literal["over", "maximum", "minimum", "mean", "sum", "first-hit"]
 Quality: TypeAlias = Literal["draft", "normal", "high"]
+Plane: TypeAlias = Literal["axial", "coronal", "sagittal"]
+Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
 
 #: Azimuth and elevation, degrees, of the six anatomical views.
 #: Superior and inferior have the patient's front at the top; inferior is how radiologists look at an axial slice.
@@ -20,3 +22,7 @@ VIEWS = {
     "superior": (180.0, 90.0),
     "inferior": (0.0, -90.0),
 }
+
+#: The axis across each anatomical plane, the axis that is up in its picture, and on which side the eye is.
+#: Axial is seen from the feet, coronal from the front, sagittal from the patient's left.
+PLANES = {"axial": ("z", "y", -1), "coronal": ("y", "z", 1), "sagittal": ("x", "z", -1)}

@@ -20,7 +20,7 @@ SUFFIXES = (".png", ".tif", ".tiff", ".exr")
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What `render` gives; it shows itself in a notebook.
+    """What `render` and `slice` give; it shows itself in a notebook.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Picture:
     depth : float32 array, shape (height, width), or None
         World units along the ray to where it is half absorbed; NaN where it never is.
     value : float32 array, shape (height, width), or None
-        For projections: the projected value, in sample units (sum: times world units); NaN outside the volume.
+        For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
     report : dict
         How the picture was made: times, sheets, tiles.
     """

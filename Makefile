@@ -92,8 +92,8 @@ spelling: $(STAMPS)/tools
 licences: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
 
-# The Python of the README, as a reader would run it.
-readme: $(STAMPS)/package
+# The Python of the README, as a reader would run it; the tools have the libraries for meshes.
+readme: $(STAMPS)/tools
 	@mkdir -p .cache/readme
 	awk '/^```python/ { on = 1; next } /^```/ { on = 0 } on' README.md > .cache/readme/quick_start.py
 	cd .cache/readme && python quick_start.py

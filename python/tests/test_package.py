@@ -36,7 +36,9 @@ def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
 
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
-    code = f"import sys, wavesplat.slicing, wavesplat.readers; print([m for m in {heavy} if m in sys.modules])"
+    heavy += ["skimage", "trimesh"]
+    modules = "wavesplat.rendering, wavesplat.slicing, wavesplat.readers, wavesplat.meshing"
+    code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

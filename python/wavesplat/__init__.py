@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from wavesplat._native import __version__
     from wavesplat.camera import Camera
     from wavesplat.crop import Crop
+    from wavesplat.meshing import Mesh, mesh
     from wavesplat.picture import Picture
     from wavesplat.readers import open
     from wavesplat.rendering import render
@@ -30,6 +31,7 @@ __all__ = [
     "Camera",
     "Crop",
     "Light",
+    "Mesh",
     "Picture",
     "Shading",
     "TransferFunction",
@@ -38,6 +40,7 @@ __all__ = [
     "__version__",
     "errors",
     "examples",
+    "mesh",
     "open",
     "reference",
     "render",
@@ -49,12 +52,14 @@ _HOMES = {
     "Camera": "camera",
     "Crop": "crop",
     "Light": "shading",
+    "Mesh": "meshing",
     "Picture": "picture",
     "Shading": "shading",
     "TransferFunction": "transfer_function",
     "Volume": "volume",
     "WaveletVolume": "wavelet_volume",
     "__version__": "_native",
+    "mesh": "meshing",
     "open": "readers",
     "render": "rendering",
     "slice": "slicing",

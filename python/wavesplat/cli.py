@@ -1,4 +1,4 @@
-"""The command line: `wavesplat render`, `wavesplat slice`, `wavesplat wavelet`, `wavesplat info`, `wavesplat demo`.
+"""The command line: `wavesplat` render, slice, mesh, wavelet, info, demo.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -435,6 +435,56 @@ def wavelet(
         facts |= {"file": str(output), "n_bytes_of_file": output.stat().st_size}
         text.append(f"file         {output}, {facts['n_bytes_of_file'] / 2**20:.3g} MiB")
     print(_as_json(facts) if json else "\n".join(text))
+
+
+@app.command(epilog=EPILOG)
+def mesh(
+    input: Input,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="OUT", help="Mesh to write: .ply, .stl, .obj, .glb, .gltf.", show_default=False
+        ),
+    ],
+    iso_value: Annotated[float, typer.Option(metavar="VALUE", help="The surface's value.", show_default=False)],
+    closed: Annotated[bool, typer.Option("--closed/--open", help="Close what the volume's faces or a box cut.")] = True,
+    step: Annotated[int, typer.Option(metavar="N", help="Take every n-th sample: fewer triangles.")] = 1,
+    crop: Annotated[
+        Any,
+        typer.Option(
+            metavar="X0,Y0,Z0,X1,Y1,Z1", parser=_numbers(6, "0,0,0,50,50,50"), help="Only this box, world units."
+        ),
+    ] = None,
+    crop_index: Annotated[
+        Any,
+        typer.Option(metavar="X0,Y0,Z0,X1,Y1,Z1", parser=_numbers(6, "0,0,0,50,50,50"), help="The same, in samples."),
+    ] = None,
+    series: Series = None,
+    time: Time = None,
+    channel: Channel = None,
+    dataset: Dataset = None,
+    level: Level = None,
+    shape: Shape = None,
+    dtype: Dtype = None,
+    spacing: Spacing = None,
+    byte_order: ByteOrder = None,
+    offset: Offset = 0,
+    json: Json = False,
+) -> None:
+    """Write the surface of one value as a triangle mesh, in world units, and print its path."""
+    _refuse_pairs(crop=crop, crop_index=crop_index)
+    from wavesplat import meshing
+    from wavesplat.output import check_writable
+
+    meshing.check_suffix(output)
+    check_writable(output)
+    volume = _open_any(
+        input, series=series, time=time, channel=channel, dataset=dataset, level=level, shape=shape, dtype=dtype,
+        spacing=spacing, byte_order=byte_order, offset=offset,
+    )  # fmt: skip
+    surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=_crop(crop, crop_index))
+    surface.save(output)
+    print(_as_json({"mesh": str(output), "input": input, **surface.facts()}) if json else output)
 
 
 @app.command(epilog=EPILOG)

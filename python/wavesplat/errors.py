@@ -5,7 +5,7 @@ Each message says what happened, where, and how to mend it; a path comes last.
 
 from __future__ import annotations
 
-__all__ = ["ArgumentError", "CancelledError", "FileError", "LimitError", "WavesplatError"]
+__all__ = ["ArgumentError", "CancelledError", "FileError", "LibraryError", "LimitError", "WavesplatError"]
 
 
 class WavesplatError(Exception):
@@ -18,6 +18,10 @@ class ArgumentError(WavesplatError, ValueError):
 
 class FileError(WavesplatError, OSError):
     """A file is missing, unreadable, truncated, of an unknown kind, or cannot be written."""
+
+
+class LibraryError(WavesplatError, ImportError):
+    """A library that only this task needs is not installed; the message says how to install it."""
 
 
 class LimitError(WavesplatError):

@@ -148,6 +148,16 @@ def test_a_cut_surface_is_closed_or_left_open():
     assert left_open.faces.max() == len(left_open.vertices) - 1
 
 
+def test_normals_of_a_sheet_of_one_sample_point_outside():
+    samples = np.zeros((9, 12, 12))
+    samples[4, 1:-1, 1:-1] = 10
+    samples[5:] = 4  # so that the gradient has the same sign on both sides
+    mesh = ws.mesh(ws.Volume(samples), 6)
+    corners = mesh.vertices[mesh.faces]
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.einsum("ij,ij->i", mesh.normals[mesh.faces].sum(axis=1), facing).min() > 0
+
+
 @pytest.mark.parametrize("steps", [AFFINES["plain"], AFFINES["mirrored and sheared"]])
 def test_a_crop_box_cuts_where_it_lies(steps):
     # The box leaves a quarter of the ball, and its planes lie between samples, oblique to them in the second case.

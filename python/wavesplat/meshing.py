@@ -45,7 +45,8 @@ class Mesh:
     faces : integer array, shape (m, 3)
         Vertices of each triangle, counter-clockwise seen from outside, where samples are smaller.
     normals : float64 array, shape (n, 3)
-        Unit vectors that point outside, from the volume's gradient; on cut faces, from the triangles.
+        Unit vectors that point outside, from the volume's gradient; on cut faces and where that points
+        inside, from the triangles.
     """
 
     vertices: Floats
@@ -228,9 +229,10 @@ def _in_world(volume: Volume, surface: Isosurface) -> Mesh:
     mirrored = np.linalg.det(matrix[:3, :3]) < 0
     faces = np.ascontiguousarray(surface.faces[:, ::-1] if mirrored else surface.faces, np.int32)
     normals = -surface.gradients @ np.linalg.inv(matrix[:3, :3])
-    flat = surface.on_cut | ~(np.linalg.norm(normals, axis=1) > 0)
-    if flat.any():
-        normals[flat] = _normals_of_faces(vertices, faces)[flat]
+    of_faces = _normals_of_faces(vertices, faces)
+    # Cuts have no gradient, and across a sheet as thin as a sample central differences may point inside.
+    unsure = surface.on_cut | ~(np.einsum("ij,ij->i", normals, of_faces) > 0)
+    normals[unsure] = of_faces[unsure]
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return Mesh(vertices, faces, normals / np.where(lengths > 0, lengths, 1))
 

@@ -36,7 +36,7 @@ def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
 
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
-    heavy += ["skimage", "trimesh"]
+    heavy += ["skimage", "trimesh", "sklearn"]
     modules = "wavesplat.rendering, wavesplat.slicing, wavesplat.readers, wavesplat.meshing"
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from wavesplat._native import __version__
     from wavesplat.camera import Camera
     from wavesplat.crop import Crop
+    from wavesplat.materials import Material, Materials
     from wavesplat.meshing import Mesh, mesh
     from wavesplat.picture import Picture
     from wavesplat.readers import open
@@ -31,6 +32,8 @@ __all__ = [
     "Camera",
     "Crop",
     "Light",
+    "Material",
+    "Materials",
     "Mesh",
     "Picture",
     "Shading",
@@ -52,6 +55,8 @@ _HOMES = {
     "Camera": "camera",
     "Crop": "crop",
     "Light": "shading",
+    "Material": "materials",
+    "Materials": "materials",
     "Mesh": "meshing",
     "Picture": "picture",
     "Shading": "shading",

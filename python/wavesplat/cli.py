@@ -18,6 +18,7 @@ from wavesplat.options import PLANES, VIEWS, Composite, Kernel, Quality, Slab
 
 if TYPE_CHECKING:
     from wavesplat.camera import Camera
+    from wavesplat.materials import Materials
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
@@ -139,6 +140,9 @@ def render(
         str | None, typer.Option(metavar="NAME", help="Transfer function by name; auto if neither is given.")
     ] = None,
     tf: Annotated[Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")] = None,
+    materials: Annotated[
+        str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
+    ] = None,
     view: Annotated[
         Any,
         typer.Option(metavar="NAME", parser=_one_of(tuple(VIEWS)), help=f"{', '.join(VIEWS)}; anterior if not given."),
@@ -215,6 +219,8 @@ def render(
 ) -> None:
     """Draw a picture of a volume and print its path."""
     _refuse_pairs(preset=preset, tf=tf)
+    _refuse_pairs(preset=preset, materials=materials)
+    _refuse_pairs(tf=tf, materials=materials)
     _refuse_pairs(view=view, azimuth=azimuth)
     _refuse_pairs(view=view, elevation=elevation)
     _refuse_pairs(crop=crop, crop_index=crop_index)
@@ -226,7 +232,7 @@ def render(
         spacing=spacing, byte_order=byte_order, offset=offset,
     )  # fmt: skip
     volume, drop_levels = _levels(volume, family, threshold, levels, bands)
-    transfer_function = _transfer_function(volume, preset, tf, composite, input)
+    transfer_function = _transfer_function(volume, preset, tf, materials, composite, input)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
         _note_what_stays_hidden(volume, transfer_function, composite)
@@ -632,10 +638,17 @@ def _levels(
 
 
 def _transfer_function(
-    volume: Volume | WaveletVolume, preset: str | None, file: Path | None, composite: str, path: str
+    volume: Volume | WaveletVolume,
+    preset: str | None,
+    file: Path | None,
+    materials: str | None,
+    composite: str,
+    path: str,
 ) -> TransferFunction:
     from wavesplat.transfer_function import TransferFunction
 
+    if materials is not None:
+        return _materials(volume, materials).transfer_function()
     if file is not None:
         return TransferFunction.load(file, volume)
     if preset not in (None, "auto"):
@@ -645,6 +658,14 @@ def _transfer_function(
     except ArgumentError as error:
         # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
         raise FileError(f"{error}: {path}") from None
+
+
+def _materials(volume: Volume | WaveletVolume, given: str) -> Materials:
+    from wavesplat.materials import Materials
+
+    if given == "fit":
+        return Materials.fit(volume)
+    return Materials.load(given) if given.endswith(".json") else Materials.preset(given)
 
 
 def _camera(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from wavesplat import _native, rendering
 from wavesplat.camera import Camera
 from wavesplat.crop import Crop
+from wavesplat.materials import Materials
 from wavesplat.options import Kernel
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
@@ -18,7 +19,7 @@ __all__ = ["raycast", "splat_literal"]
 
 def raycast(
     volume: Volume,
-    transfer_function: TransferFunction | str | None = None,
+    transfer_function: TransferFunction | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
     size: tuple[int, int] = (512, 512),
@@ -76,7 +77,7 @@ def raycast(
 
 def splat_literal(
     volume: Volume,
-    transfer_function: TransferFunction | str | None = None,
+    transfer_function: TransferFunction | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
     size: tuple[int, int] = (512, 512),

@@ -11,6 +11,7 @@ from wavesplat.camera import Camera
 from wavesplat.crop import Crop
 from wavesplat.errors import ArgumentError
 from wavesplat.grid import Grid
+from wavesplat.materials import Materials
 from wavesplat.options import Composite, Kernel, Quality
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
@@ -28,7 +29,7 @@ DEFAULT_SHADING = Shading()
 
 def render(
     volume: Volume | WaveletVolume,
-    transfer_function: TransferFunction | str | None = None,
+    transfer_function: TransferFunction | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
     size: tuple[int, int] = (512, 512),
@@ -56,7 +57,7 @@ def render(
     ----------
     volume : Volume or WaveletVolume
         What to draw, from `wavesplat.open` or an array, or from wavelet coefficients.
-    transfer_function : TransferFunction or str, optional
+    transfer_function : TransferFunction, Materials or str, optional
         Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`).
     camera : Camera or str, optional
         Or the name of a view, such as "left"; None is the anterior view.
@@ -169,17 +170,19 @@ def render(
 
 
 def chosen_transfer_function(
-    given: TransferFunction | str | None, volume: Volume | WaveletVolume, composite: str = "over"
+    given: TransferFunction | Materials | str | None, volume: Volume | WaveletVolume, composite: str = "over"
 ) -> TransferFunction:
-    """The transfer function itself, or the one that a preset name or None stands for."""
+    """The transfer function itself, or the one that materials, a preset name or None stand for."""
     if isinstance(given, TransferFunction):
         return given
+    if isinstance(given, Materials):
+        return given.transfer_function()
     if given is None or given == "auto":
         return TransferFunction.auto(volume, composite)
     if isinstance(given, str):
         return TransferFunction.preset(given, volume)
     raise ArgumentError(
-        f"transfer_function is a {type(given).__name__}; give a TransferFunction or the name of a preset"
+        f"transfer_function is a {type(given).__name__}; give a TransferFunction, Materials or the name of a preset"
     )
 
 

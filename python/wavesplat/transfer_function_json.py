@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import json
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat import json_object
+from wavesplat.errors import ArgumentError
 from wavesplat.transfer_function import TransferFunction
 
 if TYPE_CHECKING:
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 __all__ = ["load", "parse", "write"]
 
-VERSION = 1
+WHAT = "transfer function"
 FIELDS = {"version", "name", "description", "values", "opacity_unit", "opacity", "color", "gradient_opacity"}
 
 
 def write(transfer_function: TransferFunction) -> str:
     """JSON text of a transfer function; numbers read back exactly."""
     curves = {
-        "version": VERSION,
+        "version": 1,
         "opacity_unit": transfer_function.opacity_unit,
         "opacity": transfer_function.opacity,
         "color": transfer_function.color,
@@ -43,49 +43,19 @@ def write(transfer_function: TransferFunction) -> str:
 
 def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None) -> TransferFunction:
     """The transfer function in a file."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise FileError(
-            f"cannot read the transfer function: {error.strerror or error}; check the name: {path}"
-        ) from None
-    except UnicodeDecodeError:
-        raise FileError(f"the transfer function is not text; give a JSON file: {path}") from None
-    try:
-        return parse(text, volume)
-    except ArgumentError as error:
-        raise ArgumentError(f"{error}: {path}") from None
+    return json_object.load(path, WHAT, lambda text: parse(text, volume))
 
 
 def parse(text: str, volume: Volume | WaveletVolume | None) -> TransferFunction:
     """The transfer function in a JSON text."""
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"transfer function: not JSON: {error}") from None
-    if not isinstance(document, dict):
-        raise ArgumentError(
-            "transfer function: the JSON text is not an object; it must be {...} with opacity and color"
-        )
+    document = json_object.parse(text, WHAT, "opacity and color")
     _check_fields(document)
     return _build(document, volume)
 
 
 def _check_fields(document: dict[str, Any]) -> None:
-    for name in ("version", "opacity", "color"):
-        if name not in document:
-            raise ArgumentError(
-                f"transfer function: field {name!r} is missing; see TransferFunction.to_json for the form"
-            )
-    if document["version"] != VERSION:
-        raise ArgumentError(
-            f"transfer function: field 'version' is {document['version']!r}; this release reads version {VERSION}"
-        )
-    unknown = sorted(set(document) - FIELDS)
-    if unknown:
-        raise ArgumentError(
-            f"transfer function: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(FIELDS))}"
-        )
+    needed = ("version", "opacity", "color")
+    json_object.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="TransferFunction.to_json")
     for name in ("opacity", "color", "gradient_opacity"):
         if not isinstance(document.get(name, []), list):
             raise ArgumentError(f"transfer function: field {name!r} is not a list of nodes; write [[value, ...], ...]")

@@ -349,7 +349,7 @@ def slice(
         thickness=thickness,
         slab=slab,
         window=window,
-        transfer_function=_transfer_function(volume, preset, tf, "over", input) if is_colored else None,
+        transfer_function=_transfer_function(volume, preset, tf, None, "over", input) if is_colored else None,
         letters=letters,
         scale_bar=scale_bar,
         background=background,

@@ -87,7 +87,7 @@ def render(
         mostly less than what is reached, and less than what was asked for where nothing reaches that.
     drop_levels : int
         Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its
-        own resolution, with fewer sheets and texels (semi-orthogonal families: at the full one), and classified by
+        own resolution, with fewer sheets and texels (B-spline families: at the full one), and classified by
         the samples that it stands for, so that the picture keeps its brightness.
     band_weights : sequence of float, optional
         Of a WaveletVolume: a factor for each level's details, the finest first, and for the coarsest samples. Without
@@ -145,11 +145,12 @@ def render(
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     curves = chosen_transfer_function(transfer_function, volume, composite)._core
-    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves)
+    eye = chosen_camera(camera, volume, width / max(height, 1))._core
+    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, eye, height)
     result = _native.render(
         drawn,
         curves,
-        chosen_camera(camera, volume, width / max(height, 1))._core,
+        eye,
         width=width,
         height=height,
         kernel=kernel,

@@ -110,6 +110,17 @@ impl Camera {
         self.up
     }
 
+    /// Side of a pixel at a point, world units; 0 at the eye and behind it.
+    pub fn pixel_size(&self, point: DVec3, height_px: usize) -> f64 {
+        let half_height = match self.projection {
+            Projection::Orthographic { parallel_scale } => parallel_scale,
+            Projection::Perspective { view_angle_rad } => {
+                (view_angle_rad / 2.0).tan() * self.forward.dot(point - self.position).max(0.0)
+            }
+        };
+        2.0 * half_height / height_px.max(1) as f64
+    }
+
     /// The ray through pixel position `(x, y)`; pixel centres are at half-integers, `y` counts from the top.
     /// Origin and direction are affine in `(x, y)`.
     pub fn ray(&self, x_px: f64, y_px: f64, width_px: usize, height_px: usize) -> Ray {

@@ -88,6 +88,11 @@ impl Grid {
         mean_spacing(&self.world_from_index)
     }
 
+    /// World position of the middle of what is drawn.
+    pub fn middle(&self) -> DVec3 {
+        self.world_from_index.transform_point3((self.bounds[0] + self.bounds[1]) / 2.0)
+    }
+
     /// How much coarser this is than the volume of which it is a level: a ratio of spacings, 1 for a volume itself.
     pub fn coarseness(&self) -> f64 {
         self.mean_spacing() / self.opacity_unit

@@ -335,10 +335,12 @@ const QUALITIES: [(&str, [(f64, f64); 2]); 3] =
 
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
-/// samples of a coarser level, so that its picture is the finer one's at a lower resolution.
-pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64) -> Result<(f64, f64)> {
+/// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
+/// of which a pixel holds `samples_per_pixel`.
+pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[usize::from(is_steep)];
-    Ok((sheets_per_slice, (oversampling / coarseness).max(LEAST_OVERSAMPLING)))
+    let at_least = samples_per_pixel.clamp(LEAST_OVERSAMPLING, oversampling);
+    Ok((sheets_per_slice, (oversampling / coarseness).max(at_least)))
 }
 
 /// Texels per pixel at least.
@@ -353,9 +355,11 @@ mod tests {
         for (name, kernel) in Kernel::NAMES {
             assert_eq!(Kernel::from_name(name), Ok(kernel));
         }
+        let oversampling = |coarseness, per_pixel| quality_settings("normal", false, coarseness, per_pixel).unwrap().1;
+        assert_eq!([oversampling(1.0, 9.0), oversampling(4.0, 0.1), oversampling(4.0, 0.5)], [1.0, 0.25, 0.5]);
         let message = Kernel::from_name("cubic").unwrap_err().to_string();
         assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
-        assert!(quality_settings("best", false, 1.0).unwrap_err().to_string().contains("draft, normal, high"));
+        assert!(quality_settings("best", false, 1.0, 1.0).unwrap_err().to_string().contains("draft, normal, high"));
     }
 
     #[test]

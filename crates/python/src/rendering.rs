@@ -336,11 +336,14 @@ pub fn quality_settings(
     name: &str,
     volume: Drawable<'_>,
     transfer_function: &PyTransferFunction,
+    camera: &PyCamera,
+    height: usize,
 ) -> PyResult<(f64, f64)> {
     let curves = volume.transfer_function(&transfer_function.0, Composite::Over)?;
     volume.with_grid(py, |grid| {
         let is_steep = wavesplat_splat::is_steep(grid, &curves);
-        wavesplat_core::quality_settings(name, is_steep, grid.coarseness()).map_err(to_py)
+        let samples_per_pixel = camera.0.pixel_size(grid.middle(), height) / grid.mean_spacing();
+        wavesplat_core::quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel).map_err(to_py)
     })
 }
 

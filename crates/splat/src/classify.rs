@@ -48,7 +48,7 @@ pub struct Classifier {
 
 impl Classifier {
     /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
-    /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Volume::density_from_sample`].
+    /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Grid::density_from_sample`].
     /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, for [`Classifier::variation`].
     pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2], slab_thickness: f64) -> Self {
         let (offset, scale) = density_from_sample;

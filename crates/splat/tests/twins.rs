@@ -138,8 +138,10 @@ const SOFT: [(f64, f64); 3] = [(60.0, 0.0), (128.0, 0.05), (255.0, 0.2)];
 
 #[test]
 fn soft_pictures_approach_the_converged_ray_caster() {
-    let (normal, high) =
-        (wavesplat_core::quality_settings("normal", false, 1.0), wavesplat_core::quality_settings("high", false, 1.0));
+    let (normal, high) = (
+        wavesplat_core::quality_settings("normal", false, 1.0, 1.0),
+        wavesplat_core::quality_settings("high", false, 1.0, 1.0),
+    );
     check_against_raycast(Kernel::Linear, &SOFT, normal.unwrap(), (96, 1), 40.0);
     check_against_raycast(Kernel::Linear, &SOFT, high.unwrap(), (96, 1), 45.0);
 }
@@ -153,7 +155,7 @@ fn smooth_kernels_agree_with_the_ray_caster_too() {
 
 #[test]
 fn hard_pictures_approach_the_converged_ray_caster() {
-    let high = wavesplat_core::quality_settings("high", true, 1.0).unwrap();
+    let high = wavesplat_core::quality_settings("high", true, 1.0, 1.0).unwrap();
     check_against_raycast(Kernel::Linear, &[(127.0, 0.0), (128.0, 1.0)], high, (64, 16), 34.0);
 }
 

@@ -24,10 +24,11 @@ pub struct LevelGrid {
 }
 
 impl LevelGrid {
-    /// Level 0 is the finest grid itself. `None` where low samples are not evenly spaced: at further levels of the
-    /// semi-orthogonal families.
+    /// Level 0 is the finest grid itself. `None` where low coefficients are not samples: at further levels of the
+    /// semi-orthogonal families, where they are not evenly spaced either, and of [`Family::Spline4`], where they are those
+    /// of a cubic spline.
     pub fn new(plan: &Plan, level: usize) -> Option<Self> {
-        if level > 0 && plan.family().semi_orthogonal_order().is_some() {
+        if level > 0 && (plan.family().semi_orthogonal_order().is_some() || plan.family() == Family::Spline4) {
             return None;
         }
         let size = plan.low_size(level);

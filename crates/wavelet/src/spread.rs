@@ -77,13 +77,18 @@ impl Spread {
 
     /// The function for `level`. `spacing`: that of the finest grid, in the function's `opacity_unit`s.
     pub fn filter(&self, tf: &TransferFunction, level: usize, spacing: f64) -> Result<TransferFunction> {
+        let nodes = tf.opacity_nodes().iter().map(|node| node.value.clamp(self.lo, self.hi));
+        let most = nodes.chain([self.lo, self.hi]).map(|value| tf.opacity(value)).fold(0.0, f64::max);
+        let opacity = -(spacing * (-most).ln_1p()).exp_m1();
+        self.filter_over(tf, spacing * coherence_length(level, opacity))
+    }
+
+    /// The function with opacities averaged over a `length`, in its `opacity_unit`s.
+    pub fn filter_over(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
         let step = (self.hi - self.lo) / N_BINS as f64;
         if step <= 0.0 {
             return Ok(tf.clone());
         }
-        let nodes = tf.opacity_nodes().iter().map(|node| node.value.clamp(self.lo, self.hi));
-        let most = nodes.chain([self.lo, self.hi]).map(|value| tf.opacity(value)).fold(0.0, f64::max);
-        let length = spacing * coherence_length(level, -(spacing * (-most).ln_1p()).exp_m1());
         let associated = |bin: usize| {
             let mut sum = [0.0_f64; 4];
             for k in 0..N_PER_BIN {
@@ -125,7 +130,7 @@ const LEAST: f64 = 1e-4;
 /// between coarse samples must be as opaque as they were.
 fn coherence_length(level: usize, opacity: f64) -> f64 {
     let faint = 2.0_f64.powi(level as i32).min(4.0);
-    let opaque = 0.6 * level as f64;
+    let opaque = (0.6 * level as f64).min(faint);
     opaque + (faint - opaque) * (1.0 - opacity)
 }
 

@@ -527,10 +527,12 @@ fn sum_rows<const N: usize, T: Copy>(
     let Some(taps) = taps.first_chunk::<N>() else { return };
     let n = out.len();
     let rows: [&[T]; N] = std::array::from_fn(|k| &grid[from(taps[k].0)..][..n]);
+    // Copied, so that nothing that is written can be one of them.
+    let weights: [f32; N] = std::array::from_fn(|k| taps[k].1);
     for i in 0..n {
         let mut sum = 0.0;
         for k in 0..N {
-            sum += taps[k].1 * density(rows[k][i]);
+            sum += weights[k] * density(rows[k][i]);
         }
         out[i] = sum;
     }

@@ -234,7 +234,7 @@ impl Bricks {
         }
         let n = axes.map(|a| self.n[a]);
         let n_words = n[0].div_ceil(64);
-        let mut occupied = Occupied { side: self.side, n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
+        let mut occupied = Occupied { log_side: self.side.ilog2(), n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
         let [nx, ny, _] = self.n;
         let place = [0, 1, 2].map(|a| axes.iter().position(|axis| *axis == a).unwrap_or(a));
         for (i, [lo, hi]) in self.bounds.iter().enumerate() {
@@ -254,21 +254,32 @@ impl Bricks {
 /// One bit per brick, in runs along u.
 #[derive(Clone, Debug)]
 pub struct Occupied {
-    /// Cells of a brick along each axis.
-    pub side: usize,
+    /// Logarithm of the cells of a brick along each axis: every sheet of every tile asks, and a shift is cheap.
+    log_side: u32,
     n: [usize; 3],
     n_words: usize,
     bits: Vec<u64>,
 }
 
 impl Occupied {
+    /// Layer of bricks that a cell lies in.
+    #[inline(always)]
+    pub fn layer(&self, cell: usize) -> usize {
+        cell >> self.log_side
+    }
+
+    /// Cells of a brick along each axis.
+    pub fn side(&self) -> usize {
+        1 << self.log_side
+    }
+
     /// First and last brick that positions of an axis (0: u, 1: v), in samples, touch; `None` outside the volume.
     #[inline(always)]
     pub fn touched(&self, axis: usize, [lo, hi]: [f64; 2]) -> Option<[usize; 2]> {
         let n = self.n[axis];
         // Comparisons that are false for NaN count as outside.
-        let touches = hi >= 0.0 && lo <= (n * self.side) as f64;
-        touches.then(|| [(lo.max(0.0) as usize / self.side).min(n - 1), (hi as usize / self.side).min(n - 1)])
+        let touches = hi >= 0.0 && lo <= (n << self.log_side) as f64;
+        touches.then(|| [self.layer(lo.max(0.0) as usize).min(n - 1), self.layer(hi as usize).min(n - 1)])
     }
 
     /// Whether any of the bricks `u[0]..=u[1]`, `v[0]..=v[1]` is occupied in the layers `w[0]..=w[1]`.

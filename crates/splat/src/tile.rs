@@ -168,17 +168,12 @@ impl TileJob<'_> {
         hull
     }
 
-    /// Cells of a brick; all layers are one where everything counts.
-    fn brick_side(&self) -> usize {
-        self.occupied.as_ref().map_or(self.geometry.axes[2].n_samples, |occupied| occupied.side)
-    }
-
-    /// Which layers of bricks have something below the tile.
+    /// Which layers of bricks have something below the tile; a single one where everything counts.
     fn active_layers(&self, [i0, j0]: [usize; 2]) -> Vec<bool> {
         let n_cells = self.geometry.axes[2].n_samples - 1;
-        let side = self.brick_side();
+        let Some(occupied) = &self.occupied else { return vec![true] };
+        let side = occupied.side();
         let layer_is_active = |layer: usize| {
-            let Some(occupied) = &self.occupied else { return true };
             let cells = [layer * side, (layer * side + side - 1).min(n_cells - 1)];
             let w = [cells[0] as f64, cells[1] as f64 + 1.0];
             let u = occupied.touched(0, self.hull(0, [i0, i0 + TILE_U - 1], w));
@@ -197,7 +192,6 @@ impl TileJob<'_> {
         alive: BlockMask,
     ) -> Vec<ActiveSlab> {
         let ascending = self.geometry.plane.family.ascending;
-        let side = self.brick_side();
         let mut slabs = Vec::new();
         for k in 1..range.len() {
             let near = if ascending { range.start + k - 1 } else { range.end - k };
@@ -207,11 +201,12 @@ impl TileJob<'_> {
             // The slab lies in these cells; a sheet on a slice belongs to the cells on both sides.
             let last = self.geometry.axes[2].n_samples - 2;
             let cells = [(lo as usize).min(last), (hi.ceil() as usize).saturating_sub(1).min(last)];
-            if !layers[cells[0] / side..=cells[1] / side].contains(&true) {
-                continue;
-            }
             let mut blocks = alive;
             if let Some(occupied) = &self.occupied {
+                let reached = cells.map(|cell| occupied.layer(cell));
+                if !layers[reached[0]..=reached[1]].contains(&true) {
+                    continue;
+                }
                 let u: [_; N_STRIPS] = std::array::from_fn(|strip| {
                     let i = i0 + strip * LANES;
                     occupied.touched(0, self.hull(0, [i, i + LANES - 1], w))
@@ -220,10 +215,9 @@ impl TileJob<'_> {
                     let j = j0 + block * BLOCK_V;
                     occupied.touched(1, self.hull(1, [j, j + BLOCK_V - 1], w))
                 });
-                let layers = [cells[0] / side, cells[1] / side];
                 for block in bits(alive) {
                     let is_active = match (u[block / N_BLOCKS_V], v[block % N_BLOCKS_V]) {
-                        (Some(u), Some(v)) => occupied.any(u, v, layers),
+                        (Some(u), Some(v)) => occupied.any(u, v, reached),
                         _ => false,
                     };
                     if !is_active {

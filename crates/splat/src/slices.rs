@@ -515,7 +515,8 @@ pub fn sum_slices<T: Copy>(
     }
 }
 
-/// `out = Σ weight · density` over `N` slices, one pass.
+/// `out = Σ weight · density` over `N` slices, one pass, a vector at a time. Rows of a tile are short: what is left of
+/// one after its whole vectors is made with a vector that begins earlier, or reads on where the row is shorter than it.
 #[inline(always)]
 fn sum_rows<const N: usize, T: Copy>(
     grid: &[T],
@@ -525,16 +526,38 @@ fn sum_rows<const N: usize, T: Copy>(
     density: &impl Fn(T) -> f32,
 ) {
     let Some(taps) = taps.first_chunk::<N>() else { return };
-    let n = out.len();
-    let rows: [&[T]; N] = std::array::from_fn(|k| &grid[from(taps[k].0)..][..n]);
-    // Copied, so that nothing that is written can be one of them.
+    let rows: [&[T]; N] = std::array::from_fn(|k| &grid[from(taps[k].0)..]);
     let weights: [f32; N] = std::array::from_fn(|k| taps[k].1);
-    for i in 0..n {
-        let mut sum = 0.0;
-        for k in 0..N {
-            sum += weights[k] * density(rows[k][i]);
+    // All ends are checked before the first sample is read: compilers make vectors of what no branch interrupts.
+    let vectors = |i: usize| {
+        let mut vectors = [rows.first()?.get(i..)?.first_chunk::<LANES>()?; N];
+        for k in 1..N {
+            vectors[k] = rows[k].get(i..)?.first_chunk()?;
         }
-        out[i] = sum;
+        Some(vectors)
+    };
+    let n = out.len();
+    for i in (0..n).step_by(LANES) {
+        let i = i.min(n.saturating_sub(LANES));
+        let out = &mut out[i..];
+        let Some(vectors) = vectors(i) else {
+            // At the very end of the grid.
+            for (j, out) in out.iter_mut().enumerate() {
+                *out = (0..N).fold(0.0, |sum, k| sum + weights[k] * density(rows[k][i + j]));
+            }
+            continue;
+        };
+        let mut sums = [0.0; LANES];
+        for j in 0..LANES {
+            for k in 0..N {
+                sums[j] += weights[k] * density(vectors[k][j]);
+            }
+        }
+        if let Some(out) = out.first_chunk_mut::<LANES>() {
+            *out = sums;
+        } else {
+            out.copy_from_slice(&sums[..n - i]);
+        }
     }
 }
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from wavesplat._native import __version__
     from wavesplat.camera import Camera
     from wavesplat.crop import Crop
+    from wavesplat.labels import Label, Labels
     from wavesplat.materials import Material, Materials
     from wavesplat.meshing import Mesh, mesh
     from wavesplat.picture import Picture
@@ -25,12 +26,15 @@ if TYPE_CHECKING:
     from wavesplat.shading import Light, Shading
     from wavesplat.slicing import slice
     from wavesplat.transfer_function import TransferFunction
+    from wavesplat.transfer_function_2d import TransferFunction2D
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
 
 __all__ = [
     "Camera",
     "Crop",
+    "Label",
+    "Labels",
     "Light",
     "Material",
     "Materials",
@@ -38,6 +42,7 @@ __all__ = [
     "Picture",
     "Shading",
     "TransferFunction",
+    "TransferFunction2D",
     "Volume",
     "WaveletVolume",
     "__version__",
@@ -54,6 +59,8 @@ __all__ = [
 _HOMES = {
     "Camera": "camera",
     "Crop": "crop",
+    "Label": "labels",
+    "Labels": "labels",
     "Light": "shading",
     "Material": "materials",
     "Materials": "materials",
@@ -61,6 +68,7 @@ _HOMES = {
     "Picture": "picture",
     "Shading": "shading",
     "TransferFunction": "transfer_function",
+    "TransferFunction2D": "transfer_function_2d",
     "Volume": "volume",
     "WaveletVolume": "wavelet_volume",
     "__version__": "_native",

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 __all__ = [
     "Camera",
     "DecodedVolume",
+    "Labels",
     "Shading",
     "TransferFunction",
     "Volume",
@@ -97,7 +98,15 @@ class TransferFunction:
         opacity_unit: float | None,
         gradient_opacity: Sequence[tuple[float, float]],
     ) -> TransferFunction: ...
+    @staticmethod
+    def two_dimensional(
+        values: Sequence[float],
+        magnitudes: Sequence[float],
+        rgba: Sequence[tuple[float, float, float, float]],
+        opacity_unit: float | None,
+    ) -> TransferFunction: ...
     def evaluate(self, values: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def evaluate_at(self, values: NDArray[np.float64], magnitudes: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 @final
 class Camera:
@@ -124,13 +133,29 @@ class Shading:
         specular_power: float,
         gradient_offset: float,
         lights: Sequence[tuple[str, tuple[float, float, float], tuple[float, float, float]]],
+        ambient_occlusion: float,
+        occlusion_radius: float | None,
+        shadow: float,
     ) -> Shading: ...
+
+@final
+class Labels:
+    """Codes [z, y, x], places in `looks`: (name, (red, green, blue), opacity, scan, tint)."""
+
+    def __new__(
+        cls,
+        codes: NDArray[np.uint8] | NDArray[np.uint16],
+        looks: Sequence[tuple[str, tuple[float, float, float], float, float, float]],
+        world_from_index: NDArray[np.float64],
+        smooth: bool,
+    ) -> Labels: ...
 
 def render(
     volume: Volume | DecodedVolume,
     transfer_function: TransferFunction,
     camera: Camera,
     *,
+    labels: Labels | None,
     width: int,
     height: int,
     kernel: str,
@@ -154,6 +179,7 @@ def raycast(
     transfer_function: TransferFunction,
     camera: Camera,
     *,
+    labels: Labels | None,
     width: int,
     height: int,
     kernel: str,

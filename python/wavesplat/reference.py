@@ -7,11 +7,14 @@ from collections.abc import Sequence
 from wavesplat import _native, rendering
 from wavesplat.camera import Camera
 from wavesplat.crop import Crop
+from wavesplat.errors import ArgumentError
+from wavesplat.labels import Labels
 from wavesplat.materials import Materials
 from wavesplat.options import Kernel
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
 from wavesplat.transfer_function import TransferFunction
+from wavesplat.transfer_function_2d import TransferFunction2D
 from wavesplat.volume import Volume
 
 __all__ = ["raycast", "splat_literal"]
@@ -19,9 +22,10 @@ __all__ = ["raycast", "splat_literal"]
 
 def raycast(
     volume: Volume,
-    transfer_function: TransferFunction | Materials | str | None = None,
+    transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
+    labels: Labels | None = None,
     size: tuple[int, int] = (512, 512),
     step: float = 0.05,
     rays_per_pixel: int = 1,
@@ -35,8 +39,8 @@ def raycast(
 
     Parameters
     ----------
-    volume, transfer_function, camera, size, kernel, shading, crop, clip_planes, threads
-        As for `wavesplat.render`.
+    volume, transfer_function, camera, labels, size, kernel, shading, crop, clip_planes, threads
+        As for `wavesplat.render`, but only a Volume; of a WaveletVolume, give `to_volume()`.
     step : float, default 0.05
         Distance between samples of a ray, in voxels.
     rays_per_pixel : int, default 1
@@ -58,11 +62,15 @@ def raycast(
     >>> ws.reference.raycast(ws.examples.ripples(8), size=(8, 8), step=0.5).rgba.shape
     (8, 8, 4)
     """
+    _check_samples(volume)
+    if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
+        raise ArgumentError("the reference knows no ambient_occlusion and no shadow; give a Shading without them")
     width, height = rendering.checked_size(size)
     rgba = _native.raycast(
         volume._core,
         rendering.chosen_transfer_function(transfer_function, volume)._core,
         rendering.chosen_camera(camera, volume, width / max(height, 1))._core,
+        labels=rendering.chosen_labels(labels, volume),
         width=width,
         height=height,
         kernel=kernel,
@@ -77,7 +85,7 @@ def raycast(
 
 def splat_literal(
     volume: Volume,
-    transfer_function: TransferFunction | Materials | str | None = None,
+    transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
     size: tuple[int, int] = (512, 512),
@@ -111,6 +119,7 @@ def splat_literal(
     >>> ws.reference.splat_literal(ws.examples.ripples(8), size=(8, 8)).rgba.shape
     (8, 8, 4)
     """
+    _check_samples(volume)
     width, height = rendering.checked_size(size)
     rgba = _native.splat_literal(
         volume._core,
@@ -124,3 +133,10 @@ def splat_literal(
         threads=rendering.checked_count(threads, "threads"),
     )
     return Picture(rgba)
+
+
+def _check_samples(volume: object) -> None:
+    if not isinstance(volume, Volume):
+        raise ArgumentError(
+            f"the reference draws a Volume, not a {type(volume).__name__}; of a WaveletVolume, give its to_volume()"
+        )

@@ -11,11 +11,13 @@ from wavesplat.camera import Camera
 from wavesplat.crop import Crop
 from wavesplat.errors import ArgumentError
 from wavesplat.grid import Grid
+from wavesplat.labels import Labels
 from wavesplat.materials import Materials
 from wavesplat.options import Composite, Kernel, Quality
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
 from wavesplat.transfer_function import TransferFunction
+from wavesplat.transfer_function_2d import TransferFunction2D
 from wavesplat.vectors import Vector, vector
 from wavesplat.volume import Volume
 from wavesplat.wavelet_volume import WaveletVolume
@@ -29,9 +31,10 @@ DEFAULT_SHADING = Shading()
 
 def render(
     volume: Volume | WaveletVolume,
-    transfer_function: TransferFunction | Materials | str | None = None,
+    transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
+    labels: Labels | None = None,
     size: tuple[int, int] = (512, 512),
     kernel: Kernel = "linear",
     composite: Composite = "over",
@@ -57,10 +60,12 @@ def render(
     ----------
     volume : Volume or WaveletVolume
         What to draw, from `wavesplat.open` or an array, or from wavelet coefficients.
-    transfer_function : TransferFunction, Materials or str, optional
+    transfer_function : TransferFunction, TransferFunction2D, Materials or str, optional
         Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`).
     camera : Camera or str, optional
         Or the name of a view, such as "left"; None is the anterior view.
+    labels : Labels, optional
+        A segmentation beside the scan, with a look for every label; for "over".
     size : (width, height), default (512, 512)
         Pixels.
     kernel : str
@@ -144,6 +149,8 @@ def render(
         drawn = volume._core
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
+    if labels is not None and (composite != "over" or drop_levels != 0):
+        raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
     curves = chosen_transfer_function(transfer_function, volume, composite)._core
     eye = chosen_camera(camera, volume, width / max(height, 1))._core
     default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, eye, height)
@@ -151,6 +158,7 @@ def render(
         drawn,
         curves,
         eye,
+        labels=chosen_labels(labels, volume),
         width=width,
         height=height,
         kernel=kernel,
@@ -171,10 +179,12 @@ def render(
 
 
 def chosen_transfer_function(
-    given: TransferFunction | Materials | str | None, volume: Volume | WaveletVolume, composite: str = "over"
-) -> TransferFunction:
+    given: TransferFunction | TransferFunction2D | Materials | str | None,
+    volume: Volume | WaveletVolume,
+    composite: str = "over",
+) -> TransferFunction | TransferFunction2D:
     """The transfer function itself, or the one that materials, a preset name or None stand for."""
-    if isinstance(given, TransferFunction):
+    if isinstance(given, TransferFunction | TransferFunction2D):
         return given
     if isinstance(given, Materials):
         return given.transfer_function()
@@ -185,6 +195,15 @@ def chosen_transfer_function(
     raise ArgumentError(
         f"transfer_function is a {type(given).__name__}; give a TransferFunction, Materials or the name of a preset"
     )
+
+
+def chosen_labels(given: Labels | None, volume: Grid) -> _native.Labels | None:
+    """The labels as the compiled module takes them, if they lie on the volume's samples."""
+    if given is None:
+        return None
+    if not isinstance(given, Labels):
+        raise ArgumentError(f"labels is a {type(given).__name__}; give a wavesplat.Labels(segmentation, ...)")
+    return given.beside(volume)
 
 
 def chosen_camera(given: Camera | str | None, volume: Grid, aspect: float) -> Camera:

@@ -61,6 +61,12 @@ class Shading:
         Half the width of the difference that estimates the gradient, in voxels.
     lights : sequence of `Light`
         Empty means one white headlight.
+    ambient_occlusion : float, 0 to 1
+        How much hollows darken: all light is multiplied by the share of directions that are open near by.
+    occlusion_radius : float, optional
+        From how far away the volume occludes, world units; None is a tenth of its longest side.
+    shadow : float, 0 to 1
+        How dark the shadow of the first light is. The shadow of a headlight lies behind what casts it.
 
     Raises
     ------
@@ -72,6 +78,12 @@ class Shading:
     >>> import wavesplat as ws
     >>> ws.Shading(specular=0).diffuse
     0.7
+    >>> explaining = ws.Shading(ambient_occlusion=0.8, shadow=0.5, lights=[ws.Light((-1, 1, 1))])
+    >>> picture = ws.render(ws.examples.ct_pelvis(), "ct-bone", shading=explaining, size=(32, 32))
+
+    Notes
+    -----
+    Occlusion and shadow are worked out on a coarse copy of the volume, at most 96 cells along its longest side.
     """
 
     ambient: float
@@ -80,6 +92,9 @@ class Shading:
     specular_power: float
     gradient_offset: float
     lights: tuple[Light, ...]
+    ambient_occlusion: float
+    occlusion_radius: float | None
+    shadow: float
     _core: _native.Shading = field(repr=False, compare=False)
 
     def __init__(
@@ -91,14 +106,17 @@ class Shading:
         specular_power: float = 10.0,
         gradient_offset: float = 1.0,
         lights: Iterable[Light] = (),
+        ambient_occlusion: float = 0.0,
+        occlusion_radius: float | None = None,
+        shadow: float = 0.0,
     ) -> None:
         # Checked at once, so that an error points at the line that made it.
         lights = tuple(lights)
         native_lights = [(light.frame, light.direction, light.color) for light in lights]
-        core = _native.Shading(ambient, diffuse, specular, specular_power, gradient_offset, native_lights)
-        numbers = (ambient, diffuse, specular, specular_power, gradient_offset)
-        names = ("ambient", "diffuse", "specular", "specular_power", "gradient_offset", "lights", "_core")
-        for name, value in zip(names, (*numbers, lights, core), strict=True):
+        terms = (ambient, diffuse, specular, specular_power, gradient_offset)
+        held_off = (ambient_occlusion, occlusion_radius, shadow)
+        core = _native.Shading(*terms, native_lights, *held_off)
+        for name, value in zip(self.__dataclass_fields__, (*terms, lights, *held_off, core), strict=True):
             object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:

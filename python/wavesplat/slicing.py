@@ -24,6 +24,7 @@ from wavesplat.options import PLANES, Kernel, Plane, Slab
 from wavesplat.picture import Picture
 from wavesplat.rendering import checked_count, checked_size, chosen_transfer_function
 from wavesplat.transfer_function import TransferFunction
+from wavesplat.transfer_function_2d import TransferFunction2D
 from wavesplat.vectors import Vector, vector
 from wavesplat.volume import Volume
 from wavesplat.wavelet_volume import WaveletVolume
@@ -154,7 +155,10 @@ def slice(
         rgb = np.repeat(np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None], 3, axis=2)
         shown = np.isfinite(values)
     else:
-        rgba = chosen_transfer_function(transfer_function, volume)(values.ravel()).reshape(*values.shape, 4)
+        curves = chosen_transfer_function(transfer_function, volume)
+        if isinstance(curves, TransferFunction2D):
+            raise ArgumentError("a slice shows values, not gradients; give a TransferFunction, or none for grey")
+        rgba = curves(values.ravel()).reshape(*values.shape, 4)
         rgb, shown = rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0)
     picture = _on_background(rgb, shown, background)
     if letters:

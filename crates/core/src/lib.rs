@@ -8,6 +8,8 @@ mod camera;
 mod decoder;
 mod error;
 mod grid;
+mod joint;
+mod label;
 mod options;
 mod picture;
 mod transfer_function;
@@ -17,6 +19,8 @@ pub use camera::{Camera, Projection, Ray};
 pub use decoder::Decoder;
 pub use error::{Blame, Error, Result};
 pub use grid::Grid;
+pub use joint::Joint;
+pub use label::LabelLook;
 pub use options::{
     ClipPlane, Composite, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings,
 };

@@ -127,6 +127,12 @@ pub struct Shading {
     pub gradient_offset: f64,
     /// At least one light.
     pub lights: Vec<Light>,
+    /// How much hollows darken, `0..=1`.
+    pub ambient_occlusion: f32,
+    /// From how far away the volume occludes, world units; `None`: a tenth of its longest side.
+    pub occlusion_radius: Option<f64>,
+    /// How dark the shadow of the first light is, `0..=1`.
+    pub shadow: f32,
 }
 
 impl Default for Shading {
@@ -138,6 +144,9 @@ impl Default for Shading {
             specular_power: 10.0,
             gradient_offset: 1.0,
             lights: vec![Light::HEADLIGHT],
+            ambient_occlusion: 0.0,
+            occlusion_radius: None,
+            shadow: 0.0,
         }
     }
 }
@@ -165,6 +174,18 @@ impl Shading {
             let mend = "pass 1 for the usual central differences";
             let what = "shading: gradient_offset (voxels)";
             return Err(Error::out_of_range(what, self.gradient_offset, "between 0.01 and 4", mend));
+        }
+        for (name, strength) in [("ambient_occlusion", self.ambient_occlusion), ("shadow", self.shadow)] {
+            if !(0.0..=1.0).contains(&strength) {
+                let mend = "pass 0 for none and 1 for all of it";
+                return Err(Error::out_of_range(format!("shading: {name}"), strength, "between 0 and 1", mend));
+            }
+        }
+        if let Some(radius) = self.occlusion_radius
+            && !(radius.is_finite() && radius > 0.0)
+        {
+            let mend = "pass a length in world units, or nothing for a tenth of the volume";
+            return Err(Error::out_of_range("shading: occlusion_radius", radius, "a positive number", mend));
         }
         for (index, light) in self.lights.iter().enumerate() {
             let what = format!("shading: light {index}");
@@ -380,5 +401,7 @@ mod tests {
         check(|o| o.background = Some([2.0, 0.0, 0.0, 1.0]));
         check(|o| o.shading = Some(Shading { specular_power: 0.0, ..Shading::default() }));
         check(|o| o.shading = Some(Shading { ambient: -1.0, ..Shading::default() }));
+        check(|o| o.shading = Some(Shading { shadow: 1.5, ..Shading::default() }));
+        check(|o| o.shading = Some(Shading { occlusion_radius: Some(0.0), ..Shading::default() }));
     }
 }

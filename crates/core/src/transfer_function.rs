@@ -5,6 +5,7 @@
 //! same value make a step, which belongs to the upper side.
 
 use crate::error::{Error, Result};
+use crate::joint::Joint;
 
 /// A node of the opacity curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,7 @@ pub struct TransferFunction {
     color: Vec<ColorNode>,
     opacity_unit: Option<f64>,
     gradient: Vec<GradientNode>,
+    joint: Option<Joint>,
 }
 
 impl TransferFunction {
@@ -67,7 +69,7 @@ impl TransferFunction {
             let mend = "pass a length in world units, or nothing for the volume's mean spacing";
             return Err(Error::out_of_range("transfer function: opacity_unit", unit, "a positive number", mend));
         }
-        Ok(Self { opacity, color, opacity_unit, gradient: Vec::new() })
+        Ok(Self { opacity, color, opacity_unit, gradient: Vec::new(), joint: None })
     }
 
     /// The same with a factor of the extinction by the magnitude of the gradient; no nodes: 1 everywhere.
@@ -87,6 +89,48 @@ impl TransferFunction {
             }
         }
         Ok(Self { gradient, ..self })
+    }
+
+    /// Colour and opacity by value and magnitude of the gradient. Its curves over the value alone are bounds: the largest
+    /// opacity of any magnitude, and the colour of the lowest.
+    pub fn two_dimensional(joint: Joint, opacity_unit: Option<f64>) -> Result<Self> {
+        let rows = || (0..joint.magnitudes().len()).map(|row| joint.row(row));
+        let nodes = joint.values().iter().enumerate();
+        let opacity = nodes.clone().map(|(i, &value)| {
+            let opacity = rows().map(|row| row[i][3]).fold(0.0, f64::max);
+            OpacityNode { value, opacity }
+        });
+        let color = nodes.map(|(i, &value)| {
+            let [r, g, b, _] = joint.row(0)[i];
+            ColorNode { value, rgb: [r, g, b] }
+        });
+        let bounds = Self::new(opacity.collect(), color.collect(), opacity_unit)?;
+        Ok(Self { joint: Some(joint), ..bounds })
+    }
+
+    /// Colour and opacity by value and magnitude, where there is such a table.
+    pub fn joint(&self) -> Option<&Joint> {
+        self.joint.as_ref()
+    }
+
+    /// Whether the gradient matters for opacity or colour.
+    pub fn has_gradient(&self) -> bool {
+        self.joint.is_some() || !self.gradient.is_empty()
+    }
+
+    /// Optical depth per `opacity_unit` where the gradient has a magnitude, sample units per world unit; infinite for
+    /// opacity 1, and clear where a factor of 0 meets it.
+    pub fn optical_depth(&self, value: f64, magnitude: f64) -> f64 {
+        let opacity = self.joint.as_ref().map_or_else(|| self.opacity(value), |joint| joint.rgba(value, magnitude)[3]);
+        let factor = self.gradient_factor(magnitude);
+        if factor == 0.0 { 0.0 } else { -(-opacity).ln_1p() * factor }
+    }
+
+    /// Red, green, blue where the gradient has a magnitude.
+    pub fn color_at(&self, value: f64, magnitude: f64) -> [f64; 3] {
+        let Some(joint) = &self.joint else { return self.color(value) };
+        let [r, g, b, _] = joint.rgba(value, magnitude);
+        [r, g, b]
     }
 
     /// Opacity nodes in order of value.
@@ -193,6 +237,22 @@ mod tests {
             assert!(matches!(with(&bad), Err(Error::OutOfRange { .. })), "{bad:?}");
         }
         assert!(matches!(with(&[(1.0, 0.0), (0.0, 1.0)]), Err(Error::UnsortedCurve { .. })));
+    }
+
+    #[test]
+    fn curves_of_two_dimensions_are_bounded_by_those_of_one() {
+        let rgba = vec![[1.0, 0.0, 0.0, 0.1], [0.0, 1.0, 0.0, 0.6], [0.0, 0.0, 1.0, 0.5], [1.0, 1.0, 1.0, 0.2]];
+        let joint = Joint::new(vec![0.0, 10.0], vec![0.0, 2.0], rgba).unwrap();
+        let tf = TransferFunction::two_dimensional(joint, None).unwrap();
+        assert!(tf.has_gradient());
+        assert!((tf.optical_depth(0.0, 2.0) + 0.5_f64.ln()).abs() < 1e-12);
+        assert_eq!(tf.color_at(0.0, 1.0), [0.5, 0.0, 0.5]);
+        for i in 0..=40 {
+            for j in 0..=40 {
+                let (value, magnitude) = (f64::from(i) * 0.25, f64::from(j) * 0.05);
+                assert!(tf.optical_depth(value, magnitude) <= -(-tf.opacity(value)).ln_1p() + 1e-12);
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@ use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use wavesplat_core::{
-    Camera, ColorNode, Error, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction,
+    Camera, ColorNode, Error, GradientNode, Joint, Light, LightFrame, OpacityNode, Projection, Shading,
+    TransferFunction,
 };
 
 use crate::errors::to_py;
@@ -69,6 +70,35 @@ impl PyTransferFunction {
         tf.and_then(|tf| tf.with_gradient_opacity(gradient_opacity)).map(Self).map_err(to_py)
     }
 
+    /// By value and magnitude of the gradient; `rgba`: a row of values for every magnitude.
+    #[staticmethod]
+    fn two_dimensional(
+        values: Vec<f64>,
+        magnitudes: Vec<f64>,
+        rgba: Vec<[f64; 4]>,
+        opacity_unit: Option<f64>,
+    ) -> PyResult<Self> {
+        let joint = Joint::new(values, magnitudes, rgba);
+        joint.and_then(|joint| TransferFunction::two_dimensional(joint, opacity_unit)).map(Self).map_err(to_py)
+    }
+
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+    fn evaluate_at<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray1<'py, f64>,
+        magnitudes: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let row = |(&value, &magnitude): (&f64, &f64)| {
+            let [r, g, b] = self.0.color_at(value, magnitude);
+            vec![r, g, b, -(-self.0.optical_depth(value, magnitude)).exp_m1()]
+        };
+        let (values, magnitudes) = (values.as_array(), magnitudes.as_array());
+        let rows: Vec<Vec<f64>> = values.iter().zip(magnitudes.iter()).map(row).collect();
+        let n = rows.len();
+        numpy::PyArrayMethods::reshape(&rows.concat().into_pyarray(py), [n, 4])
+    }
+
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     fn evaluate<'py>(
         &self,
@@ -96,6 +126,7 @@ pub struct PyShading(pub Shading);
 #[pymethods]
 impl PyShading {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "numbers of one thing")]
     fn new(
         ambient: f32,
         diffuse: f32,
@@ -103,6 +134,9 @@ impl PyShading {
         specular_power: f32,
         gradient_offset: f64,
         lights: Vec<(String, Triple, (f32, f32, f32))>,
+        ambient_occlusion: f32,
+        occlusion_radius: Option<f64>,
+        shadow: f32,
     ) -> PyResult<Self> {
         let mut world_lights = Vec::new();
         for (frame, direction, (r, g, b)) in lights {
@@ -119,7 +153,17 @@ impl PyShading {
         if world_lights.is_empty() {
             world_lights.push(Light::HEADLIGHT);
         }
-        let shading = Shading { ambient, diffuse, specular, specular_power, gradient_offset, lights: world_lights };
+        let shading = Shading {
+            ambient,
+            diffuse,
+            specular,
+            specular_power,
+            gradient_offset,
+            lights: world_lights,
+            ambient_occlusion,
+            occlusion_radius,
+            shadow,
+        };
         shading.validate().map_err(to_py)?;
         Ok(Self(shading))
     }

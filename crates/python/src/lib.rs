@@ -2,6 +2,7 @@
 
 mod arguments;
 mod errors;
+mod labels;
 mod rendering;
 mod volume;
 mod wavelet;
@@ -14,6 +15,8 @@ mod _native {
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
     #[pymodule_export]
     use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
+    #[pymodule_export]
+    use crate::labels::PyLabels;
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, raycast, render, splat_literal};
     #[pymodule_export]

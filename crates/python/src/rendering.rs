@@ -18,6 +18,7 @@ use wavesplat_splat::{Monitor, reference};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
+use crate::labels::PyLabels;
 use crate::volume::{Drawable, PyVolume};
 
 /// Corners of a crop box.
@@ -134,7 +135,7 @@ fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>>
 
 /// See `_native.pyi`.
 #[pyfunction]
-#[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, composite, iso_value, shading,
+#[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value, shading,
     sheets_per_slice, oversampling, psnr, crop_index, crop_world, clip_planes, background, threads, depth, refined,
     progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
@@ -144,6 +145,7 @@ pub fn render<'py>(
     volume: Drawable<'py>,
     transfer_function: &PyTransferFunction,
     camera: &PyCamera,
+    labels: Option<&PyLabels>,
     width: usize,
     height: usize,
     kernel: &str,
@@ -184,16 +186,18 @@ pub fn render<'py>(
         monitor.watch(py, || {
             let slices = slices();
             let (tf, camera) = (&curves, &camera.0);
+            let labels = labels.map(|labels| &labels.0);
             let mut expected = None;
             if let Some(psnr_db) = psnr {
                 // The small pictures are a part of the work that is not told of.
                 let quiet = Quiet(&monitor);
-                let chosen = settings_for_psnr(&slices, tf, camera, &options, psnr_db, &quiet)?;
+                let chosen = settings_for_psnr(&slices, labels, tf, camera, &options, psnr_db, &quiet)?;
                 options.sheets_per_slice = chosen.sheets_per_slice;
                 options.oversampling = chosen.oversampling;
                 expected = Some(chosen.psnr_db);
             }
-            wavesplat_splat::render(&slices, tf, camera, &options, &monitor).map(|drawn| (drawn, expected))
+            let drawn = wavesplat_splat::render_labelled(&slices, labels, tf, camera, &options, &monitor);
+            drawn.map(|drawn| (drawn, expected))
         })
     })?;
     let ((mut picture, report), expected_psnr_db) = result.map_err(to_py)?;
@@ -224,7 +228,7 @@ pub fn render<'py>(
 
 /// See `_native.pyi`.
 #[pyfunction]
-#[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, shading, step, rays_per_pixel,
+#[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, shading, step, rays_per_pixel,
     crop_index, crop_world, clip_planes, threads))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 pub fn raycast<'py>(
@@ -232,6 +236,7 @@ pub fn raycast<'py>(
     volume: &PyVolume,
     transfer_function: &PyTransferFunction,
     camera: &PyCamera,
+    labels: Option<&PyLabels>,
     width: usize,
     height: usize,
     kernel: &str,
@@ -257,7 +262,8 @@ pub fn raycast<'py>(
     let picture = volume.with_volume(py, |v| {
         let (tf, camera) = (&transfer_function.0, &camera.0);
         let monitor = PyMonitor::new(None);
-        let cast = || reference::raycast::raycast(v, tf, camera, &options, sampling, &monitor);
+        let labels = labels.map(|labels| &labels.0);
+        let cast = || reference::raycast::raycast_labelled(v, labels, tf, camera, &options, sampling, &monitor);
         monitor.watch(py, cast)?.map_err(to_py)
     })?;
     image(py, picture)
@@ -343,9 +349,16 @@ pub fn quality_settings(
     volume.with_grid(py, |grid| {
         let is_steep = wavesplat_splat::is_steep(grid, &curves);
         let samples_per_pixel = camera.0.pixel_size(grid.middle(), height) / grid.mean_spacing();
-        wavesplat_core::quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel).map_err(to_py)
+        let settings = wavesplat_core::quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel);
+        let (sheets, oversampling) = settings.map_err(to_py)?;
+        // What two dimensions decide cannot be integrated along a slab: only more sheets find what is thin.
+        let finer = if is_steep && curves.joint().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
+        Ok((sheets * finer, oversampling))
     })
 }
+
+/// Times as many sheets for steep functions of two dimensions.
+const SHEETS_OF_TWO_DIMENSIONS: f64 = 3.0;
 
 /// Associated float RGBA to the bytes of an unassociated 8- or 16-bit PNG; colours are used as given.
 #[pyfunction]

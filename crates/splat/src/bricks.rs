@@ -262,6 +262,15 @@ pub struct Occupied {
 }
 
 impl Occupied {
+    /// The bricks of both; `None` where they are not the same bricks.
+    pub fn or(mut self, other: &Self) -> Option<Self> {
+        if (self.log_side, self.n) != (other.log_side, other.n) {
+            return None;
+        }
+        self.bits.iter_mut().zip(&other.bits).for_each(|(bits, other)| *bits |= other);
+        Some(self)
+    }
+
     /// Layer of bricks that a cell lies in.
     #[inline(always)]
     pub fn layer(&self, cell: usize) -> usize {

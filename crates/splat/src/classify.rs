@@ -16,7 +16,7 @@ use wavesplat_core::TransferFunction;
 pub use wavesplat_compute::simd::Entry;
 
 /// Optical depth that stands for opacity 1: opaque at any thickness above 1e-28 units.
-const OPAQUE: f64 = 1e30;
+pub const OPAQUE: f64 = 1e30;
 
 /// Entries of the table, at least and at most; and how many the narrowest segment of the curves gets.
 const MIN_ENTRIES: usize = 2048;

@@ -11,11 +11,14 @@
 //!
 //! Positions here are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
+use std::ops::Range;
+
 use wavesplat_compute::simd::{LANES, Lanes, Pair, Simd, Wide};
 use wavesplat_core::Composite;
 
 use crate::classify::{Classifier, N_PARTS, one_minus_exp_neg};
-use crate::gradient_opacity::GradientOpacity;
+use crate::extras::Extras;
+use crate::fields::{FieldPanels, FieldSheets, FieldValues};
 use crate::panel::Panel;
 use crate::rays::Rays;
 use crate::shade::Shader;
@@ -35,6 +38,12 @@ pub struct Slab<'a> {
     pub geometry: &'a SheetGeometry<'a>,
     /// Samples that both sheets are made of.
     pub panel: &'a Panel,
+    /// The fields on the sheet in front and on that behind, and where they lie.
+    pub fields: [&'a mut FieldSheets; 2],
+    /// For reconstructing chunks of fields.
+    pub field_geometries: &'a [SheetGeometry<'a>],
+    /// Samples that the sheets of fields are made of.
+    pub field_panels: &'a FieldPanels,
 }
 
 impl Slab<'_> {
@@ -73,11 +82,13 @@ pub trait Compositor {
     fn finish(&self, chunk: Chunk) -> Texels;
 }
 
-/// Emission and absorption. `BY_GRADIENT`: with gradient opacity; a constant, since most pictures have none.
-pub struct Over<'a, const BY_GRADIENT: bool> {
+/// Emission and absorption. `EXTRA`: with what few pictures have; a constant, so that the others do not pay for it.
+pub struct Over<'a, const EXTRA: bool> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
-    gradient_opacity: Option<&'a GradientOpacity>,
+    extras: &'a Extras,
+    /// The fields on the sheet in front and on that behind, where they were read last.
+    here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
     is_steep: bool,
     opaque: f32,
@@ -99,13 +110,13 @@ struct Piece<W: Wide> {
     extent: W::F,
 }
 
-impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
+impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
     /// Nothing drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
     /// `with_depth`: whether `s_half` is wanted.
     pub fn new(
         classifier: &'a Classifier,
         shader: Option<&'a Shader>,
-        gradient_opacity: Option<&'a GradientOpacity>,
+        extras: &'a Extras,
         is_steep: bool,
         opaque: f32,
         with_depth: bool,
@@ -113,7 +124,8 @@ impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
         Self {
             classifier,
             shader,
-            gradient_opacity,
+            extras,
+            here: Default::default(),
             is_steep,
             opaque,
             with_depth,
@@ -123,34 +135,50 @@ impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
         }
     }
 
-    /// Composites a sheet as it is from one position to another.
+    /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
     #[inline(always)]
     fn add_sheet<W: Wide>(
         &mut self,
         w: W,
         chunks: Chunks,
         rays: &Rays,
-        (sheet, geometry, panel): (&mut Sheet, &SheetGeometry, &Panel),
-        [from, to]: [f32; 2],
+        slab: &mut Slab,
+        (which, [from, to]): (usize, [f32; 2]),
     ) {
+        let Slab { geometry, panel, .. } = *slab;
+        if EXTRA {
+            self.read_fields(w, chunks, slab, which..which + 1);
+        }
+        let value = |this: &Self, field: usize| this.here[which].value(w, field);
+        let sheet = if which == 0 { &mut *slab.front } else { &mut *slab.back };
         let density = sheet.density(w, chunks);
-        if !self.see(w, chunks, rays, density, density) {
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, &|field| value(self, field));
+        if !self.see(w, chunks, rays, [density; 2]) && !matter_ahead {
             return;
         }
         let (from, mut extent) = extent(w, chunks, rays, [from, to]);
         if geometry.slices.has_mask() {
             extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
         }
-        let [r, g, b, depth] = self.classifier.look_up(w, density);
-        let mut length = w.mul(extent, rays.thickness(w, chunks));
-        if BY_GRADIENT && let Some(gradient_opacity) = self.gradient_opacity {
-            length = w.mul(length, gradient_opacity.factor(w, sheet.gradient(w, geometry, panel, chunks)));
+        let length = w.mul(extent, rays.thickness(w, chunks));
+        let mut classified = self.classifier.look_up(w, density);
+        let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
+        let needs_gradient = self.shader.is_some() || by_gradient.is_some();
+        let gradient = needs_gradient.then(|| sheet.gradient(w, geometry, panel, chunks));
+        if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
+            classified = by_gradient.classify(w, density, gradient, classified);
         }
-        let alpha = one_minus_exp_neg(w, w.mul(depth, length));
-        let mut rgb = [r, g, b];
-        if let Some(shader) = self.shader {
-            let gradient = sheet.gradient(w, geometry, panel, chunks);
-            rgb = shader.shade(w, rgb, gradient, rays.to_eye(w, chunks));
+        let [r, g, b, mut depth] = classified;
+        if EXTRA {
+            depth = w.mul(depth, self.extras.scan_share(w, &|field| value(self, field)));
+        }
+        let mut alpha = one_minus_exp_neg(w, w.mul(depth, length));
+        let to_eye = rays.to_eye(w, chunks);
+        let mut rgb = self.shade(w, [r, g, b], gradient, to_eye, &|field| value(self, field));
+        if EXTRA && let Some(matter) = self.extras.matter(w, &|field| value(self, field)) {
+            let gradient = self.here[which].gradient(w);
+            let value = |field| value(self, field);
+            (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, gradient, to_eye, &value);
         }
         self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
     }
@@ -160,9 +188,16 @@ impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
     fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
         let geometry = slab.geometry;
         let [s_front, s_back] = slab.s;
+        if EXTRA {
+            self.read_fields(w, chunks, slab, 0..2);
+        }
         let front = slab.front.density(w, chunks);
         let back = slab.back.density(w, chunks);
-        if !self.see(w, chunks, rays, w.min(front, back), w.max(front, back)) {
+        let matter_ahead = EXTRA && {
+            let ends = |field| [0, 1].map(|which| self.here[which].value(w, field));
+            self.see_matter(w, chunks, rays, &|field| w.max(ends(field)[0], ends(field)[1]))
+        };
+        if !self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) && !matter_ahead {
             return;
         }
         let (from, mut extent) = extent(w, chunks, rays, slab.s);
@@ -178,14 +213,18 @@ impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
         let passage = self.classifier.pass(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
         // the front of an opaque one.
-        let mut length = w.mul(extent, rays.thickness(w, chunks));
-        if BY_GRADIENT && let Some(gradient_opacity) = self.gradient_opacity {
-            // That in the middle of what is visible.
+        let whole_length = w.mul(extent, rays.thickness(w, chunks));
+        let mut length = whole_length;
+        if EXTRA {
+            // What holds in the middle of what is visible.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let at = w.add_mul(begin, middle, w.mul(extent, per_s));
-            let front = slab.front.gradient(w, geometry, slab.panel, chunks);
-            let back = slab.back.gradient(w, geometry, slab.panel, chunks);
-            length = w.mul(length, gradient_opacity.factor(w, between(w, front, back, at)));
+            if let Some(by_gradient) = &self.extras.by_gradient {
+                let front = slab.front.gradient(w, geometry, slab.panel, chunks);
+                let back = slab.back.gradient(w, geometry, slab.panel, chunks);
+                length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
+            }
+            length = w.mul(length, self.extras.scan_share(w, &|field| self.field_at(w, field, at)));
         }
         let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
         for (k, depth) in passage.depths.into_iter().enumerate() {
@@ -199,17 +238,98 @@ impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
         let mean = w.select(is_seen, w.div(moment, alpha), w.splat(0.5));
         let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
         let at = w.add_mul(begin, within, w.mul(extent, per_s));
-        let mut rgb = self.classifier.color(w, w.add_mul(front, at, change));
-        if let Some(shader) = self.shader {
+        let rgb = self.classifier.color(w, w.add_mul(front, at, change));
+        let gradient = self.shader.map(|_| {
             let front = slab.front.gradient(w, geometry, slab.panel, chunks);
             let back = slab.back.gradient(w, geometry, slab.panel, chunks);
-            rgb = shader.shade(w, rgb, between(w, front, back, at), rays.to_eye(w, chunks));
-        }
-        let (from, extent) = (
+            between(w, front, back, at)
+        });
+        let to_eye = rays.to_eye(w, chunks);
+        let mut rgb = self.shade(w, rgb, gradient, to_eye, &|field| self.field_at(w, field, at));
+        let mut visible = (
             w.add_mul(from, passage.first, extent),
             w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
         );
+        if EXTRA {
+            let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
+            let value = |field| self.field_at(w, field, middle);
+            if let Some(matter) = self.extras.matter(w, &value) {
+                let gradient = between(w, self.here[0].gradient(w), self.here[1].gradient(w), middle);
+                (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, gradient, to_eye, &value);
+                visible = (from, extent);
+            }
+        }
+        let (from, extent) = visible;
         self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
+    }
+
+    /// Reads the fields on the sheets in front (0) and behind (1).
+    #[inline(always)]
+    fn read_fields<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: Range<usize>) {
+        let shaded = self.extras.matter_field().filter(|_| self.extras.label_shader.is_some());
+        for k in which {
+            let from = (slab.field_geometries, slab.field_panels);
+            slab.fields[k].read(w, from, shaded, chunks, &mut self.here[k]);
+        }
+    }
+
+    /// Value of a field between the sheets, at a share of the way.
+    #[inline(always)]
+    fn field_at<W: Wide>(&self, w: W, field: usize, share: W::F) -> W::F {
+        let [front, back] = [0, 1].map(|which| self.here[which].value(w, field));
+        w.add_mul(front, share, w.sub(back, front))
+    }
+
+    /// The scan's colour in the light that gets there. `value`: of a field, there.
+    #[inline(always)]
+    fn shade<W: Wide>(
+        &self,
+        w: W,
+        rgb: [W::F; 3],
+        gradient: Option<[W::F; 3]>,
+        to_eye: [W::F; 3],
+        value: &impl Fn(usize) -> W::F,
+    ) -> [W::F; 3] {
+        if !EXTRA {
+            return match self.shader.zip(gradient) {
+                Some((shader, gradient)) => shader.shade(w, rgb, gradient, to_eye),
+                None => rgb,
+            };
+        }
+        let rgb = self.extras.tint(w, rgb, value);
+        lit(w, rgb, self.shader.zip(gradient), to_eye, self.extras.light(w, value))
+    }
+
+    /// Whether any ray that is not done can see labels' own matter.
+    #[inline(always)]
+    fn see_matter<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, value: &impl Fn(usize) -> W::F) -> bool {
+        let Some(field) = self.extras.matter_field() else { return false };
+        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), value(field)))
+    }
+
+    /// Mixes the labels' own matter into what the scan has in the same space.
+    #[expect(clippy::too_many_arguments, reason = "two things, and what both need")]
+    #[inline(always)]
+    fn add_matter<W: Wide>(
+        &self,
+        w: W,
+        (rgb, alpha): ([W::F; 3], W::F),
+        (depth, color): (W::F, [W::F; 3]),
+        length: W::F,
+        gradient: [W::F; 3],
+        to_eye: [W::F; 3],
+        value: &impl Fn(usize) -> W::F,
+    ) -> ([W::F; 3], W::F) {
+        let own = one_minus_exp_neg(w, w.mul(depth, length));
+        let shader = self.extras.label_shader.as_ref();
+        let color = lit(w, color, shader.map(|shader| (shader, gradient)), to_eye, self.extras.light(w, value));
+        let sum = w.add(alpha, own);
+        let share = w.select(w.lt(w.splat(0.0), sum), w.div(own, sum), w.splat(0.0));
+        let mut mixed = rgb;
+        for c in 0..3 {
+            mixed[c] = w.add_mul(rgb[c], share, w.sub(color[c], rgb[c]));
+        }
+        (mixed, w.sub(sum, w.mul(alpha, own)))
     }
 
     #[inline(always)]
@@ -248,16 +368,39 @@ impl<'a, const BY_GRADIENT: bool> Over<'a, BY_GRADIENT> {
         }
     }
 
-    /// Whether any ray that is not done can see something of densities between `lo` and `hi`.
+    /// Whether any ray that is not done can see something of densities from the first to the second.
     #[inline(always)]
-    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, lo: W::F, hi: W::F) -> bool {
+    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, [lo, hi]: [W::F; 2]) -> bool {
         let [least, most] = self.classifier.visible_range();
+        self.see_where(w, chunks, rays, w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most))))
+    }
+
+    /// Whether any ray that is not done is among some.
+    #[inline(always)]
+    fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> bool {
         let alpha = chunks.map(|chunk| w.one().load(&self.rgba[chunk.index()][3].0));
         let is_open = w.lt(w.join(alpha[0], alpha[1]), w.splat(self.opaque));
-        let visible = w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most)));
         let [first, second] = w.all_bits(w.and(visible, is_open));
         (first & !rays.missed(chunks[0])) | (second & !rays.missed(chunks[1])) != 0
     }
+}
+
+/// A colour in light of which a part is held off: all of it, and that of the first light.
+#[inline(always)]
+fn lit<W: Wide>(
+    w: W,
+    rgb: [W::F; 3],
+    shader: Option<(&Shader, [W::F; 3])>,
+    to_eye: [W::F; 3],
+    [open, first]: [Option<W::F>; 2],
+) -> [W::F; 3] {
+    let rgb = match (shader, first) {
+        (Some((shader, gradient)), Some(first)) => shader.shade_in_shadow(w, rgb, gradient, to_eye, first),
+        (Some((shader, gradient)), None) => shader.shade(w, rgb, gradient, to_eye),
+        (None, Some(first)) => rgb.map(|c| w.mul(c, first)),
+        (None, None) => rgb,
+    };
+    open.map_or(rgb, |open| rgb.map(|c| w.mul(c, open)))
 }
 
 /// Part of the way from one vector to another.
@@ -279,7 +422,7 @@ fn extent<W: Wide>(w: W, chunks: Chunks, rays: &Rays, [from, to]: [f32; 2]) -> (
     (from, w.max(w.sub(to, from), w.splat(0.0)))
 }
 
-impl<const BY_GRADIENT: bool> Over<'_, BY_GRADIENT> {
+impl<const EXTRA: bool> Over<'_, EXTRA> {
     /// Adds a slab to one chunk or two.
     #[inline(always)]
     fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
@@ -288,17 +431,15 @@ impl<const BY_GRADIENT: bool> Over<'_, BY_GRADIENT> {
         }
         let [s_front, s_back] = slab.s;
         let half = 0.5 * (s_back - s_front);
-        let front = (&mut *slab.front, slab.geometry, slab.panel);
-        self.add_sheet(w, chunks, rays, front, [s_front - half, s_front + half]);
+        self.add_sheet(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
         if slab.is_last {
             // No slab follows whose front this sheet would be.
-            let behind = (&mut *slab.back, slab.geometry, slab.panel);
-            self.add_sheet(w, chunks, rays, behind, [s_back - half, s_back]);
+            self.add_sheet(w, chunks, rays, slab, (1, [s_back - half, s_back]));
         }
     }
 }
 
-impl<const BY_GRADIENT: bool> Compositor for Over<'_, BY_GRADIENT> {
+impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
     #[inline(always)]
     fn is_done(&self, chunk: Chunk) -> bool {
         self.done[chunk.index()]
@@ -306,9 +447,12 @@ impl<const BY_GRADIENT: bool> Compositor for Over<'_, BY_GRADIENT> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        let geometries = slab.field_geometries;
         slab.front.prepare(s, slab.geometry, block);
+        slab.fields[0].prepare(s, geometries, block);
         if self.is_steep || slab.is_last {
             slab.back.prepare(s, slab.geometry, block);
+            slab.fields[1].prepare(s, geometries, block);
         }
         for [first, second] in block.pairs() {
             let alive = [first, second].map(|chunk| !rays.none(chunk) && !self.is_done(chunk));

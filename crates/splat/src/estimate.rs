@@ -9,7 +9,8 @@
 
 use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, TransferFunction};
 
-use crate::render::{Monitor, render, render_part};
+use crate::labels::Labels;
+use crate::render::{Monitor, render_labelled, render_part};
 use crate::slices::Slices;
 
 /// Settings and what they should reach.
@@ -44,6 +45,7 @@ const OVERVIEW_PX: usize = 64;
 /// Chooses settings for a picture. The options' own settings are not used. PSNR between 20 and 80 dB.
 pub fn settings_for_psnr(
     slices: &Slices,
+    labels: Option<&Labels>,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
@@ -65,7 +67,7 @@ pub fn settings_for_psnr(
         ..options.clone()
     };
     let overview = with(full.map(|n| n.min(OVERVIEW_PX)), 0.5, 1.0);
-    let (overview, _) = render(slices, tf, camera, &overview, monitor)?;
+    let (overview, _) = render_labelled(slices, labels, tf, camera, &overview, monitor)?;
     let (parts, n_covered) = parts(&overview, full);
     let measure = |efforts: &[f64], settings: &dyn Fn(f64) -> [f64; 2]| {
         let mut square = vec![0.0; efforts.len() - 1];
@@ -73,7 +75,7 @@ pub fn settings_for_psnr(
             let draw = |effort: &f64| {
                 let [sheets, oversampling] = settings(*effort);
                 let options = with(full, sheets, oversampling);
-                render_part(slices, tf, camera, &options, *part, monitor).map(|(picture, _)| picture)
+                render_part(slices, labels, tf, camera, &options, *part, monitor).map(|(picture, _)| picture)
             };
             let pictures: Vec<Picture> = efforts.iter().map(draw).collect::<Result<_>>()?;
             for (square, picture) in square.iter_mut().zip(&pictures) {

@@ -13,13 +13,17 @@
 pub mod base_plane;
 pub mod blocks;
 pub mod bricks;
+pub mod by_gradient;
 pub mod classify;
 pub mod composite;
 pub mod estimate;
+pub mod extras;
+pub mod fields;
 pub mod footprint;
-pub mod gradient_opacity;
 pub mod interval;
 pub mod kernel;
+pub mod labels;
+pub mod light;
 pub mod panel;
 pub mod plane;
 pub mod prefilter;
@@ -32,4 +36,4 @@ pub mod slices;
 mod tile;
 pub mod warp;
 
-pub use render::{Monitor, Report, is_steep, render, render_base_planes, render_base_planes_at};
+pub use render::{Monitor, Report, is_steep, render, render_base_planes, render_base_planes_at, render_labelled};

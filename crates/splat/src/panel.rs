@@ -52,7 +52,7 @@ impl Panel {
     ) {
         let [axis_u, axis_v, axis_w] = &geometry.axes;
         let across = geometry.plane.family.axes[0] != 0;
-        if !across && !geometry.slices.is_decoded() {
+        if !geometry.is_own_grid() || (!across && !geometry.slices.is_decoded()) {
             return;
         }
         if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {

@@ -4,18 +4,23 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{Camera, Composite, Error, Grid, Picture, RenderOptions, Result, Shading, TransferFunction};
 
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
 use crate::bricks::Occupied;
+use crate::by_gradient::ByGradient;
 use crate::classify::Classifier;
 use crate::composite::{Compositor, FirstHit, Over, Project};
-use crate::gradient_opacity::GradientOpacity;
+use crate::extras::Extras;
+use crate::fields::Field;
 use crate::interval::Region;
+use crate::labels::Labels;
+use crate::light::{Dimness, LightTerms};
 use crate::rays::RayGeometry;
-use crate::shade::Shader;
+use crate::shade::{Shader, light_direction};
 use crate::sheet::{Chunk, N_STRIPS, SheetGeometry, TILE_U, TILE_V};
 use crate::slices::Slices;
 use crate::tile::{SheetSpacing, TileJob, Work};
@@ -65,12 +70,25 @@ pub fn render(
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Picture, Report)> {
-    render_part(slices, tf, camera, options, [[0, 0], [options.width_px, options.height_px]], monitor)
+    render_labelled(slices, None, tf, camera, options, monitor)
+}
+
+/// As [`render`], with a segmentation beside the scan.
+pub fn render_labelled(
+    slices: &Slices,
+    labels: Option<&Labels>,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    monitor: &dyn Monitor,
+) -> Result<(Picture, Report)> {
+    render_part(slices, labels, tf, camera, options, [[0, 0], [options.width_px, options.height_px]], monitor)
 }
 
 /// Draws a part of the picture: `part` is its first pixel and its size.
 pub(crate) fn render_part(
     slices: &Slices,
+    labels: Option<&Labels>,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
@@ -81,7 +99,7 @@ pub(crate) fn render_part(
         let full = [options.width_px, options.height_px];
         let rays = IndexRays::new(camera, slices.grid().index_from_world(), full[0], full[1]).part(first_px);
         let (pictures, mut report) =
-            draw_base_planes(Level::best(), slices, tf, camera, options, (&rays, size), monitor)?;
+            draw_base_planes(Level::best(), (slices, labels), tf, camera, options, (&rays, size), monitor)?;
         report.n_threads = parallel::n_threads();
         // One read per texel that a pixel covers along each axis.
         let reads = if options.composite.is_projection() { 1 } else { options.oversampling.round().max(1.0) as usize };
@@ -140,12 +158,12 @@ pub fn render_base_planes_at(
 ) -> Result<(Vec<BasePicture>, Report)> {
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, slices.grid().index_from_world(), size[0], size[1]);
-    draw_base_planes(level, slices, tf, camera, options, (&rays, size), monitor)
+    draw_base_planes(level, (slices, None), tf, camera, options, (&rays, size), monitor)
 }
 
 fn draw_base_planes(
     level: Level,
-    slices: &Slices,
+    (slices, labels): (&Slices, Option<&Labels>),
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
@@ -155,7 +173,9 @@ fn draw_base_planes(
     options.validate()?;
     let region = Region::new(slices.grid(), options)?;
     let planes = base_planes(camera, rays, size, options.oversampling, region.bounds)?;
-    let scene = Scene::new(level, slices, tf, camera, options);
+    let mut scene = Scene::new(level, slices, tf, camera, options);
+    let light = scene.light(labels)?;
+    scene.set_fields(labels, light.as_ref())?;
     let mut report = Report {
         n_nonfinite_samples: slices.grid().statistics().n_nonfinite,
         n_base_planes: planes.len(),
@@ -205,6 +225,16 @@ struct Scene<'a> {
     tf: &'a TransferFunction,
     classifier: Classifier,
     opacity_unit: f64,
+    labels: Option<&'a Labels>,
+    fields: Vec<Field<'a>>,
+    light: Option<LightTerms>,
+}
+
+/// Shares of light that get to the cells of a coarse volume.
+struct Light {
+    dimness: Dimness,
+    openness: Option<Vec<f32>>,
+    shadow: Option<Vec<f32>>,
 }
 
 impl<'a> Scene<'a> {
@@ -219,7 +249,40 @@ impl<'a> Scene<'a> {
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
         let classifier = Classifier::new(tf, grid.density_from_sample(), slices.range(), slab_thickness);
-        Self { level, grid, slices, camera, options, tf, classifier, opacity_unit }
+        let (labels, fields, light) = (None, Vec::new(), None);
+        Self { level, grid, slices, camera, options, tf, classifier, opacity_unit, labels, fields, light }
+    }
+
+    /// What is held off of the light, where that is wanted.
+    fn light(&self, labels: Option<&Labels>) -> Result<Option<Light>> {
+        let shading = self.options.shading.as_ref().filter(|_| self.options.composite == Composite::Over);
+        let Some(shading) = shading.filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0) else { return Ok(None) };
+        let dimness = Dimness::new(self.slices, &self.classifier, self.opacity_unit, labels)?;
+        let size = self.grid.size();
+        let sides = self.grid.spacing() * DVec3::from_array(size.map(|n| n as f64));
+        let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
+        let openness = (shading.ambient_occlusion > 0.0).then(|| dimness.openness(radius));
+        let first = shading.lights.first().filter(|_| shading.shadow > 0.0);
+        let shadow = first.map(|light| dimness.shadow(light_direction(self.camera, light)));
+        Ok(Some(Light { dimness, openness, shadow }))
+    }
+
+    /// Lists the fields of light and labels.
+    fn set_fields(&mut self, labels: Option<&'a Labels>, light: Option<&'a Light>) -> Result<()> {
+        self.labels = labels.filter(|_| self.options.composite == Composite::Over);
+        if let (Some(light), Some(shading)) = (light, &self.options.shading) {
+            let mut terms = LightTerms::default();
+            if let Some(openness) = &light.openness {
+                terms.openness = Some((self.fields.len(), shading.ambient_occlusion));
+                self.fields.push(light.dimness.field(openness)?);
+            }
+            if let Some(shadow) = &light.shadow {
+                terms.shadow = Some((self.fields.len(), shading.shadow));
+                self.fields.push(light.dimness.field(shadow)?);
+            }
+            self.light = Some(terms);
+        }
+        Ok(())
     }
 
     fn draw_plane(
@@ -231,13 +294,24 @@ impl<'a> Scene<'a> {
         let world_from_index = self.grid.world_from_index();
         let shaded = !self.options.composite.is_projection();
         let shading = self.options.shading.as_ref().filter(|_| shaded);
-        let shader =
-            shading.map(|s| Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, self.slices.range()));
-        let (_, density_scale) = self.grid.density_from_sample();
-        let gradient_opacity = GradientOpacity::new(self.tf, world_from_index.matrix3, &plane.family, density_scale);
-        let gradient_opacity = gradient_opacity.filter(|_| self.options.composite == Composite::Over);
+        let shader_for =
+            |range| shading.map(|s| Shader::new(s, self.camera, world_from_index.matrix3, &plane.family, range));
+        let shader = shader_for(self.slices.range());
+        let mut extras = Extras::default();
+        let mut label_fields = Vec::new();
+        if self.options.composite == Composite::Over {
+            let map = self.grid.density_from_sample();
+            extras.by_gradient = ByGradient::new(self.tf, world_from_index.matrix3, &plane.family, map);
+            extras.light = self.light;
+            if let Some(labels) = self.labels {
+                extras.labels = Some(labels.terms().after(self.fields.len()));
+                extras.label_shader = shader_for([0.0, 1.0]);
+                label_fields = labels.fields();
+            }
+        }
         let gradient_offset = shading.map(|s| s.gradient_offset);
-        let gradient_offset = gradient_offset.or(gradient_opacity.as_ref().map(|_| Shading::default().gradient_offset));
+        let gradient_offset =
+            gradient_offset.or(extras.by_gradient.as_ref().map(|_| Shading::default().gradient_offset));
         let size = self.grid.size();
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
         let axes = plane.family.axes;
@@ -247,22 +321,34 @@ impl<'a> Scene<'a> {
             rays: RayGeometry { plane, region, world_from_index, opacity_unit },
             spacing,
             occupied,
+            fields: self
+                .fields
+                .iter()
+                .chain(&label_fields)
+                .map(|f| SheetGeometry::of_field(self.level, plane, f))
+                .collect(),
         };
         let with_depth = self.options.with_depth;
         let (picture, work) = match self.options.composite {
             Composite::Over => {
                 let plain = !self.options.refined;
                 let is_steep = !plain && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP;
+                // A function of two dimensions has no integral along a slab.
+                let is_steep = is_steep && !extras.by_gradient.as_ref().is_some_and(ByGradient::decides_color);
                 let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
-                let occupied = bricks.occupied(axes, |[lo, hi]| self.classifier.any_opacity(lo, hi));
+                let mut occupied = Some(bricks.occupied(axes, |[lo, hi]| self.classifier.any_opacity(lo, hi)));
+                if let Some(field) = extras.matter_field() {
+                    let matter = label_fields[field - self.fields.len()].slices.bricks();
+                    let covered = matter.occupied(axes, |[_, hi]| hi > 0.0);
+                    occupied = occupied.and_then(|occupied| occupied.or(&covered));
+                }
                 let (classifier, shader) = (&self.classifier, shader.as_ref());
-                let job = job(self.opacity_unit, Some(occupied));
-                let by_gradient = gradient_opacity.as_ref();
-                if by_gradient.is_some() {
-                    let over = || Over::<true>::new(classifier, shader, by_gradient, is_steep, opaque, with_depth);
+                let job = job(self.opacity_unit, occupied);
+                if extras.any() {
+                    let over = || Over::<true>::new(classifier, shader, &extras, is_steep, opaque, with_depth);
                     draw_tiles(&job, progress, with_depth, over)
                 } else {
-                    let over = || Over::<false>::new(classifier, shader, None, is_steep, opaque, with_depth);
+                    let over = || Over::<false>::new(classifier, shader, &extras, is_steep, opaque, with_depth);
                     draw_tiles(&job, progress, with_depth, over)
                 }
             }

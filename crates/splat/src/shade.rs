@@ -99,11 +99,7 @@ impl Shader {
     /// gradients ([`on_gradient`]).
     #[inline(always)]
     pub fn shade<S: Wide>(&self, s: S, rgb: [S::F; 3], gradient: [S::F; 3], to_eye: [S::F; 3]) -> [S::F; 3] {
-        let [gu, gv, gw] = gradient;
-        let squared = self.metric.squared(s, gradient);
-        let exists = s.lt(s.splat(self.vanishing), squared);
-        let inverse = s.select(exists, s.rsqrt(squared), s.splat(0.0));
-        let n_v = s.mul(s.add(s.add(s.mul(gu, to_eye[0]), s.mul(gv, to_eye[1])), s.mul(gw, to_eye[2])), inverse);
+        let (exists, inverse, n_v) = self.normal(s, gradient, to_eye);
         if let [light] = &self.lights[..]
             && light.rgb == [1.0; 3]
         {
@@ -120,10 +116,51 @@ impl Shader {
             let [r, g, b] = rgb;
             return [s.add(s.mul(r, lit), specular), s.add(s.mul(g, lit), specular), s.add(s.mul(b, lit), specular)];
         }
+        self.sum_lights(s, rgb, gradient, to_eye, (exists, inverse, n_v), None)
+    }
+
+    /// As [`Shader::shade`], where only a share of the first light gets there.
+    #[inline(always)]
+    pub fn shade_in_shadow<S: Wide>(
+        &self,
+        s: S,
+        rgb: [S::F; 3],
+        gradient: [S::F; 3],
+        to_eye: [S::F; 3],
+        share: S::F,
+    ) -> [S::F; 3] {
+        self.sum_lights(s, rgb, gradient, to_eye, self.normal(s, gradient, to_eye), Some(share))
+    }
+
+    /// Whether there is a normal, the inverse magnitude of the gradient, and `n · v`.
+    #[inline(always)]
+    fn normal<S: Wide>(&self, s: S, gradient: [S::F; 3], to_eye: [S::F; 3]) -> (S::M, S::F, S::F) {
+        let [gu, gv, gw] = gradient;
+        let squared = self.metric.squared(s, gradient);
+        let exists = s.lt(s.splat(self.vanishing), squared);
+        let inverse = s.select(exists, s.rsqrt(squared), s.splat(0.0));
+        let n_v = s.mul(s.add(s.add(s.mul(gu, to_eye[0]), s.mul(gv, to_eye[1])), s.mul(gw, to_eye[2])), inverse);
+        (exists, inverse, n_v)
+    }
+
+    /// The sum over all lights; of the first only a share, where one is given.
+    #[inline(always)]
+    fn sum_lights<S: Wide>(
+        &self,
+        s: S,
+        rgb: [S::F; 3],
+        gradient: [S::F; 3],
+        to_eye: [S::F; 3],
+        normal: (S::M, S::F, S::F),
+        first: Option<S::F>,
+    ) -> [S::F; 3] {
         let mut lit = [s.splat(self.ambient); 3];
         let mut highlight = [s.splat(0.0); 3];
-        for light in &self.lights {
-            let (diffuse, specular) = self.terms(s, light, gradient, to_eye, (exists, inverse, n_v));
+        for (k, light) in self.lights.iter().enumerate() {
+            let (mut diffuse, mut specular) = self.terms(s, light, gradient, to_eye, normal);
+            if let Some(share) = first.filter(|_| k == 0) {
+                (diffuse, specular) = (s.mul(diffuse, share), s.mul(specular, share));
+            }
             for c in 0..3 {
                 lit[c] = s.add_mul(lit[c], diffuse, s.splat(light.rgb[c]));
                 highlight[c] = s.add_mul(highlight[c], specular, s.splat(light.rgb[c]));

@@ -11,6 +11,7 @@ use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Level, Math, Simd, Wide};
 
 use crate::base_plane::BasePlane;
+use crate::fields::Field;
 use crate::footprint::{Axis, AxisFootprints, Footprint, Group};
 use crate::panel::Panel;
 use crate::slices::{Slices, Window};
@@ -109,6 +110,8 @@ pub struct SheetGeometry<'a> {
     pub axes: [Axis; 3],
     /// Vectors to use.
     pub level: Level,
+    /// Position among the samples of index position 0, along u, v, w, and per index step: fields may be coarser.
+    from_index: [(f64, f64); 3],
 }
 
 impl<'a> SheetGeometry<'a> {
@@ -121,7 +124,28 @@ impl<'a> SheetGeometry<'a> {
         gradient_offset: Option<f64>,
     ) -> Self {
         let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], offset: gradient_offset };
-        Self { plane, slices, axes: plane.family.axes.map(axis), level }
+        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: [(0.0, 1.0); 3] }
+    }
+
+    /// The same texels over the samples of a field.
+    pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
+        let size = field.slices.grid().size();
+        let from_index = plane.family.axes.map(|a| field.from_index[a]);
+        Self { from_index, ..Self::new(level, plane, &field.slices, size, field.gradient_offset) }
+    }
+
+    /// Whether index positions are those of the samples.
+    pub fn is_own_grid(&self) -> bool {
+        self.from_index == [(0.0, 1.0); 3]
+    }
+
+    /// Where the texels of the sheet at an index position w lie among the samples: position of texel 0 and change per
+    /// texel, along u and v, and position along w.
+    fn sheet(&self, w: f64) -> ([(f64, f64); 2], f64) {
+        let [u, v] = self.plane.sheet(w);
+        let [of_u, of_v, (origin_w, per_w)] = self.from_index;
+        let inside = |(x, dx): (f64, f64), (origin, per_index): (f64, f64)| (origin + per_index * x, per_index * dx);
+        ([inside(u, of_u), inside(v, of_v)], origin_w + per_w * w)
     }
 }
 
@@ -173,10 +197,10 @@ impl Sheet {
         [i0, j0]: [usize; 2],
         blocks: BlockMask,
     ) {
-        self.w = w;
         self.has_density = 0;
         self.has_gradient = 0;
-        let [(u0, du), (v0, dv)] = geometry.plane.sheet(w);
+        let ([(u0, du), (v0, dv)], w) = geometry.sheet(w);
+        self.w = w;
         let [axis_u, axis_v, axis_w] = &geometry.axes;
         geometry.level.run(
             #[inline(always)]
@@ -216,11 +240,6 @@ impl Sheet {
             geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
         }
         self.part = Some(part);
-    }
-
-    /// Where the sheet lies.
-    pub fn w(&self) -> f64 {
-        self.w
     }
 
     /// First number and samples of a part.

@@ -8,6 +8,7 @@ use wavesplat_compute::simd::{Kernel, LANES, Simd};
 
 use crate::bricks::Occupied;
 use crate::composite::{Compositor, Slab};
+use crate::fields::{FieldPanels, FieldSheets};
 use crate::panel::Panel;
 use crate::rays::{RayGeometry, Rays};
 use crate::sheet::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, Sheet, SheetGeometry, TILE_U, TILE_V};
@@ -53,6 +54,8 @@ pub struct TileJob<'a> {
     pub spacing: SheetSpacing,
     /// Bricks that change anything; `None`: all.
     pub occupied: Option<Occupied>,
+    /// Where the fields lie.
+    pub fields: Vec<SheetGeometry<'a>>,
 }
 
 /// Numbers for the report.
@@ -98,15 +101,17 @@ impl TileJob<'_> {
         let mut compositor = compositor();
         let sign = if self.geometry.plane.family.ascending { 1.0 } else { -1.0 };
         let (mut front, mut back) = (Sheet::default(), Sheet::default());
+        let (mut front_fields, mut back_fields) = (FieldSheets::default(), FieldSheets::default());
         let mut in_front = None;
         let mut panel = Panel::default();
+        let mut field_panels = FieldPanels::new(self.fields.len());
         for (k, slab) in slabs.iter().enumerate() {
             let blocks = slab.blocks & alive;
             if blocks == 0 {
                 continue;
             }
             let w = slab.sheets.map(|sheet| self.spacing.w(sheet));
-            panel.cover(&self.geometry, w, |serves| {
+            let texels = |serves: &dyn Fn(f64) -> bool| {
                 let is_served = |slab: &&ActiveSlab| slab.sheets.iter().all(|s| serves(self.spacing.w(*s)));
                 let n_served = slabs[k..].iter().take_while(is_served);
                 // The last sheet that it serves is prepared for the slab after it too.
@@ -122,14 +127,18 @@ impl TileJob<'_> {
                     [first[0] + from[0] * LANES, first[1] + from[1] * BLOCK_V],
                     [first[0] + (to[0] + 1) * LANES - 1, first[1] + (to[1] + 1) * BLOCK_V - 1],
                 ]
-            });
+            };
+            panel.cover(&self.geometry, w, texels);
+            field_panels.cover(&self.fields, w, texels);
             if in_front != Some(slab.sheets[0]) {
                 front.combine(&self.geometry, &panel, w[0], first, blocks);
+                front_fields.combine(&self.fields, &field_panels, w[0], first, blocks);
             }
             // What is behind this slab is in front of the next.
             let next = slabs.get(k + 1).filter(|next| next.sheets[0] == slab.sheets[1]);
             let next = next.map_or(0, |next| next.blocks & alive);
             back.combine(&self.geometry, &panel, w[1], first, blocks | next);
+            back_fields.combine(&self.fields, &field_panels, w[1], first, blocks | next);
             for block in bits(blocks) {
                 let done = level.dispatch(AddBlock {
                     compositor: &mut compositor,
@@ -141,6 +150,9 @@ impl TileJob<'_> {
                         back: &mut back,
                         geometry: &self.geometry,
                         panel: &panel,
+                        fields: [&mut front_fields, &mut back_fields],
+                        field_geometries: &self.fields,
+                        field_panels: &field_panels,
                     },
                     block: Block::new(block),
                 });
@@ -150,6 +162,7 @@ impl TileJob<'_> {
                 }
             }
             std::mem::swap(&mut front, &mut back);
+            std::mem::swap(&mut front_fields, &mut back_fields);
             in_front = Some(slab.sheets[1]);
         }
         Some(compositor)

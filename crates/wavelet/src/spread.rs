@@ -18,7 +18,7 @@
 //! same coarse value share one.
 
 use wavesplat_compute::parallel;
-use wavesplat_core::{ColorNode, Decoder, OpacityNode, Result, TransferFunction};
+use wavesplat_core::{ColorNode, Decoder, Joint, OpacityNode, Result, TransferFunction};
 
 use crate::coarse::LevelGrid;
 
@@ -85,37 +85,68 @@ impl Spread {
 
     /// The function with opacities averaged over a `length`, in its `opacity_unit`s.
     pub fn filter_over(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
-        let step = (self.hi - self.lo) / N_BINS as f64;
-        if step <= 0.0 {
+        if self.hi <= self.lo {
             return Ok(tf.clone());
         }
+        let values = || (0..N_BINS).map(|bin| self.lo + (bin as f64 + 0.5) * self.step());
+        // Gradients of coarse samples stand for themselves.
+        if let Some(joint) = tf.joint() {
+            let magnitudes = joint.magnitudes();
+            let rows = magnitudes.iter().map(|m| {
+                let at = |value: f64| joint.rgba(value, *m);
+                self.filtered(at, length)
+            });
+            let rgba = rows.collect::<Vec<_>>().concat();
+            let joint = Joint::new(values().collect(), magnitudes.to_vec(), rgba)?;
+            return TransferFunction::two_dimensional(joint, tf.opacity_unit());
+        }
+        let rgba = self.filtered(
+            |value| {
+                let [r, g, b] = tf.color(value);
+                [r, g, b, tf.opacity(value)]
+            },
+            length,
+        );
+        let nodes = values().zip(&rgba);
+        let opacity = nodes.clone().map(|(value, rgba)| OpacityNode { value, opacity: rgba[3] });
+        let color = nodes.map(|(value, &[r, g, b, _])| ColorNode { value, rgb: [r, g, b] });
+        TransferFunction::new(opacity.collect(), color.collect(), tf.opacity_unit())?
+            .with_gradient_opacity(tf.gradient_nodes().to_vec())
+    }
+
+    /// Values from one bin to the next.
+    fn step(&self) -> f64 {
+        (self.hi - self.lo) / N_BINS as f64
+    }
+
+    /// Colour and opacity in the middle of every bin, averaged over a `length`.
+    fn filtered(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64) -> Vec<[f64; 4]> {
+        let step = self.step();
         let associated = |bin: usize| {
             let mut sum = [0.0_f64; 4];
             for k in 0..N_PER_BIN {
                 let value = self.lo + (bin as f64 + (k as f64 + 0.5) / N_PER_BIN as f64) * step;
-                let opacity = -(length * (-tf.opacity(value)).ln_1p()).exp_m1() / N_PER_BIN as f64;
-                let rgb = tf.color(value);
-                (0..3).for_each(|c| sum[c] += rgb[c] * opacity);
-                sum[3] += opacity;
+                let [r, g, b, opacity] = rgba(value);
+                let opacity = -(length * (-opacity).ln_1p()).exp_m1() / N_PER_BIN as f64;
+                [r, g, b, 1.0].into_iter().zip(&mut sum).for_each(|(c, sum)| *sum += c * opacity);
             }
             sum
         };
         let own: Vec<[f64; 4]> = (0..N_BINS).map(associated).collect();
-        let (mut opacity, mut color) = (Vec::with_capacity(N_BINS), Vec::with_capacity(N_BINS));
-        for (d, row) in self.shares.chunks_exact(N_BINS).enumerate() {
+        let filtered = |(d, row): (usize, &[f32])| {
             let mut sum = [0.0; 4];
             for (share, own) in row.iter().zip(&own).filter(|(share, _)| **share > 0.0) {
                 (0..4).for_each(|c| sum[c] += f64::from(*share) * own[c]);
             }
-            let value = self.lo + (d as f64 + 0.5) * step;
             let mean = sum[3].clamp(0.0, 1.0);
-            let alpha = if mean < LEAST { 0.0 } else { -((-mean).ln_1p() / length).exp_m1() };
-            opacity.push(OpacityNode { value, opacity: alpha.clamp(0.0, 1.0) });
-            let rgb = if mean < LEAST { tf.color(value) } else { [0, 1, 2].map(|c| (sum[c] / sum[3]).clamp(0.0, 1.0)) };
-            color.push(ColorNode { value, rgb });
-        }
-        // Gradients of coarse samples stand for themselves.
-        TransferFunction::new(opacity, color, tf.opacity_unit())?.with_gradient_opacity(tf.gradient_nodes().to_vec())
+            if mean < LEAST {
+                let [r, g, b, _] = rgba(self.lo + (d as f64 + 0.5) * step);
+                return [r, g, b, 0.0];
+            }
+            let [r, g, b] = [0, 1, 2].map(|c| (sum[c] / sum[3]).clamp(0.0, 1.0));
+            [r, g, b, (-((-mean).ln_1p() / length).exp_m1()).clamp(0.0, 1.0)]
+        };
+        self.shares.chunks_exact(N_BINS).enumerate().map(filtered).collect()
     }
 }
 

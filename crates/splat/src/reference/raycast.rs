@@ -9,13 +9,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
-use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
+use wavesplat_core::{Camera, Error, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
 
 use crate::Monitor;
 use crate::base_plane::IndexRays;
 use crate::interval::Region;
 use crate::kernel;
 use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
+use crate::labels::{Labels, own_depth};
 use crate::shade::{light_direction, vanishing_gradient_squared};
 use crate::slices::Slices;
 
@@ -43,6 +44,19 @@ pub fn raycast(
     sampling: RaycastOptions,
     monitor: &dyn Monitor,
 ) -> Result<Picture> {
+    raycast_labelled(volume, None, tf, camera, options, sampling, monitor)
+}
+
+/// As [`raycast`], with a segmentation beside the scan.
+pub fn raycast_labelled(
+    volume: &Volume,
+    labels: Option<&Labels>,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    sampling: RaycastOptions,
+    monitor: &dyn Monitor,
+) -> Result<Picture> {
     options.validate()?;
     let mend = "pass a step in voxels, 0.05 for a converged picture";
     if !(sampling.step >= 1e-3 && sampling.step <= 10.0) {
@@ -56,7 +70,8 @@ pub fn raycast(
     let region = Region::new(volume.grid(), options)?;
     parallel::with_threads(options.n_threads, || {
         let slices = Slices::new(volume, options.kernel);
-        let caster = Caster::new(volume, &slices, tf, camera, options.shading.as_ref(), region, sampling.step);
+        let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
+        let caster = Caster::new(volume, sampler, labels, camera, region, sampling.step);
         let rays = IndexRays::new(camera, volume.grid().index_from_world(), options.width_px, options.height_px);
         let stopped = AtomicBool::new(false);
         let n_done = AtomicUsize::new(0);
@@ -132,35 +147,14 @@ impl<'a> Sampler<'a> {
 
     /// Density at an index position, clamped to the volume; `None` where a hole is reached.
     pub fn density(&self, position: DVec3) -> Option<f64> {
-        let kernel = self.slices.kernel();
-        let mut first = [0; 3];
-        let mut weights = [[0.0; MAX_TAPS]; 3];
-        for axis in 0..3 {
-            let x = position[axis].clamp(0.0, (self.size[axis] - 1) as f64);
-            (first[axis], weights[axis]) = taps(kernel, x);
-        }
-        let n = n_taps(kernel);
-        let mut index = [[0; MAX_TAPS]; 3];
-        for axis in 0..3 {
-            for t in 0..n {
-                index[axis][t] = fold(kernel, first[axis] + t as i64, self.size[axis]);
+        let mut sum = Some(0.0);
+        for_each_tap(self.slices.kernel(), self.size, position, |at, weight| {
+            if weight != 0.0 && self.slices.is_hole(at) {
+                sum = None;
             }
-        }
-        let mut sum = 0.0;
-        for tz in 0..n {
-            for ty in 0..n {
-                let weight_zy = weights[2][tz] * weights[1][ty];
-                for tx in 0..n {
-                    let weight = weight_zy * weights[0][tx];
-                    let at = [index[0][tx], index[1][ty], index[2][tz]];
-                    if weight != 0.0 && self.slices.is_hole(at) {
-                        return None;
-                    }
-                    sum += weight * self.slices.at(at);
-                }
-            }
-        }
-        Some(sum)
+            sum = sum.map(|sum| sum + weight * self.slices.at(at));
+        });
+        sum
     }
 
     /// Index-space gradient by differences over twice the offset, stopping at the faces; holes count as filled.
@@ -176,21 +170,27 @@ impl<'a> Sampler<'a> {
         gradient
     }
 
-    /// Optical depth per `opacity_unit` of a density; infinite for opacity 1.
-    pub fn optical_depth(&self, density: f64) -> f64 {
+    /// Optical depth per `opacity_unit` of a density and an index-space gradient; infinite for opacity 1.
+    pub fn optical_depth(&self, density: f64, index_gradient: DVec3) -> f64 {
         let (offset, scale) = self.density_map;
-        -(-self.tf.opacity(density / scale + offset)).ln_1p()
+        self.tf.optical_depth(density / scale + offset, self.magnitude(index_gradient))
     }
 
-    /// Factor of the optical depth by an index-space gradient.
-    pub fn gradient_factor(&self, index_gradient: DVec3) -> f64 {
+    /// Magnitude of the gradient, sample units per world unit.
+    fn magnitude(&self, index_gradient: DVec3) -> f64 {
         let (_, scale) = self.density_map;
-        self.tf.gradient_factor((self.gradient_from_index * index_gradient).length() / scale)
+        (self.gradient_from_index * index_gradient).length() / scale
     }
 
-    /// Whether the gradient matters for the optical depth.
-    pub fn has_gradient_opacity(&self) -> bool {
-        !self.tf.gradient_nodes().is_empty()
+    /// Whether a density can be seen whatever its gradient.
+    fn may_be_seen(&self, density: f64) -> bool {
+        let (offset, scale) = self.density_map;
+        self.tf.opacity(density / scale + offset) > 0.0
+    }
+
+    /// Whether the gradient matters: for the optical depth, the colour, or light.
+    pub fn needs_gradient(&self) -> bool {
+        self.tf.has_gradient() || self.shading.is_some()
     }
 
     /// Distance of differences for the gradient, voxels.
@@ -198,25 +198,24 @@ impl<'a> Sampler<'a> {
         self.shading.map_or_else(|| Shading::default().gradient_offset, |s| s.gradient_offset)
     }
 
-    /// Unassociated colour of a density, shaded with the gradient at `position`.
-    pub fn color(&self, density: f64, position: DVec3, to_eye: DVec3) -> [f64; 3] {
-        let Some(shading) = self.shading else { return self.unshaded(density) };
-        self.shade(density, self.gradient(position, shading.gradient_offset), to_eye)
-    }
-
-    /// Unassociated colour of a density without light.
-    pub fn unshaded(&self, density: f64) -> [f64; 3] {
+    /// Unassociated colour of a density and an index-space gradient, without light.
+    pub fn unshaded(&self, density: f64, index_gradient: DVec3) -> [f64; 3] {
         let (offset, scale) = self.density_map;
-        self.tf.color(density / scale + offset)
+        self.tf.color_at(density / scale + offset, self.magnitude(index_gradient))
     }
 
-    /// Unassociated colour of a density, shaded with an index-space gradient.
+    /// Unassociated colour of a density and an index-space gradient, shaded with it.
     pub fn shade(&self, density: f64, index_gradient: DVec3, to_eye: DVec3) -> [f64; 3] {
-        let rgb = self.unshaded(density);
+        self.light(self.unshaded(density, index_gradient), index_gradient, to_eye, self.vanishing)
+    }
+
+    /// A colour in the light on an index-space gradient, which is none where its square in the world is at most
+    /// `vanishing`.
+    fn light(&self, rgb: [f64; 3], index_gradient: DVec3, to_eye: DVec3, vanishing: f64) -> [f64; 3] {
         let Some(shading) = self.shading else { return rgb };
         let gradient = self.gradient_from_index * index_gradient;
         let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
-        if gradient.length_squared() <= self.vanishing {
+        if gradient.length_squared() <= vanishing {
             return rgb.map(|c| c * ambient);
         }
         let normal = gradient.normalize();
@@ -238,8 +237,64 @@ impl<'a> Sampler<'a> {
     }
 }
 
+/// Calls `work` with every sample that a position, clamped to the volume, reaches, and its weight.
+fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: impl FnMut([usize; 3], f64)) {
+    let n = n_taps(kernel);
+    let mut weights = [[0.0; MAX_TAPS]; 3];
+    let mut index = [[0; MAX_TAPS]; 3];
+    for axis in 0..3 {
+        let x = position[axis].clamp(0.0, (size[axis] - 1) as f64);
+        let (first, along) = taps(kernel, x);
+        weights[axis] = along;
+        for t in 0..n {
+            index[axis][t] = fold(kernel, first + t as i64, size[axis]);
+        }
+    }
+    for tz in 0..n {
+        for ty in 0..n {
+            let weight_zy = weights[2][tz] * weights[1][ty];
+            for tx in 0..n {
+                work([index[0][tx], index[1][ty], index[2][tz]], weight_zy * weights[0][tx]);
+            }
+        }
+    }
+}
+
+/// What labels make of a place.
+#[derive(Default)]
+struct Mixture {
+    /// Share of the scan that is left, and of that with the tint.
+    scan: f64,
+    tint: f64,
+    tint_rgb: [f64; 3],
+    /// Optical depth of own matter, and its colour times it.
+    own: f64,
+    own_rgb: [f64; 3],
+}
+
+impl Mixture {
+    /// By the coverage of every label at an index position.
+    fn new(labels: &Labels, size: [usize; 3], position: DVec3) -> Self {
+        let mut mixture = Self::default();
+        for_each_tap(labels.kernel, size, position, |[x, y, z], weight| {
+            let look = &labels.looks[labels.codes.get((z * size[1] + y) * size[0] + x)];
+            let (tint, own) = (weight * look.scan * look.tint, weight * own_depth(look));
+            mixture.scan += weight * look.scan;
+            mixture.tint += tint;
+            mixture.own += own;
+            for c in 0..3 {
+                mixture.tint_rgb[c] += tint * look.rgb[c];
+                mixture.own_rgb[c] += own * look.rgb[c];
+            }
+        });
+        mixture
+    }
+}
+
 struct Caster<'a> {
     sampler: Sampler<'a>,
+    labels: Option<&'a Labels>,
+    size: [usize; 3],
     region: Region,
     world_from_index: DMat3,
     step_world: f64,
@@ -250,17 +305,17 @@ struct Caster<'a> {
 impl<'a> Caster<'a> {
     fn new(
         volume: &Volume,
-        slices: &'a Slices<'a>,
-        tf: &'a TransferFunction,
+        sampler: Sampler<'a>,
+        labels: Option<&'a Labels>,
         camera: &Camera,
-        shading: Option<&'a Shading>,
         region: Region,
         step: f64,
     ) -> Self {
-        let sampler = Sampler::new(volume, slices, tf, camera, shading);
         let blocks = Blocks::new(&sampler, volume.grid().size());
         Self {
             sampler,
+            labels,
+            size: volume.grid().size(),
             region,
             world_from_index: volume.grid().world_from_index().matrix3,
             step_world: step * volume.grid().spacing().min_element(),
@@ -286,21 +341,42 @@ impl<'a> Caster<'a> {
         let mut transmittance = 1.0;
         for s in 0..n_steps as u64 {
             let position = origin + direction * (t_in + (s as f64 + 0.5) * dt);
-            if !self.blocks.is_active(position) {
+            let mixture = self.labels.map(|labels| Mixture::new(labels, self.size, position));
+            let own = mixture.as_ref().map_or(0.0, |mixture| mixture.own);
+            if own == 0.0 && !self.blocks.is_active(position) {
                 continue;
             }
-            let Some(density) = self.sampler.density(position) else { continue };
-            let mut depth = self.sampler.optical_depth(density);
-            if depth > 0.0 && self.sampler.has_gradient_opacity() {
-                let gradient = self.sampler.gradient(position, self.sampler.gradient_offset());
-                depth *= self.sampler.gradient_factor(gradient);
-            }
-            // Not a number: infinite depth times 0, which is clear.
-            if depth.is_nan() || depth <= 0.0 {
+            let sampler = &self.sampler;
+            let Some(density) = sampler.density(position) else { continue };
+            if own == 0.0 && !sampler.may_be_seen(density) {
                 continue;
             }
-            let opacity = -(-depth * thickness).exp_m1();
-            let color = self.sampler.color(density, position, to_eye);
+            let mut gradient = DVec3::ZERO;
+            if sampler.needs_gradient() {
+                gradient = sampler.gradient(position, sampler.gradient_offset());
+            }
+            let mut depth = sampler.optical_depth(density, gradient);
+            let mut rgb_here = sampler.unshaded(density, gradient);
+            if let Some(Mixture { scan, tint, tint_rgb, .. }) = &mixture {
+                // Opacity 1 is infinite; where nothing is left of it, it is clear.
+                depth = if *scan > 0.0 { depth * scan } else { 0.0 };
+                if *scan > 0.0 {
+                    rgb_here = [0, 1, 2].map(|c| rgb_here[c] * (1.0 - tint / scan) + tint_rgb[c] / scan);
+                }
+            }
+            if depth + own <= 0.0 {
+                continue;
+            }
+            let mut color = sampler.light(rgb_here, gradient, to_eye, sampler.vanishing);
+            if let Some(mixture) = mixture.filter(|_| own > 0.0) {
+                let vanishing = vanishing_gradient_squared(self.world_from_index, [0.0, 1.0]);
+                let own_rgb = mixture.own_rgb.map(|c| c / own);
+                let own_color = sampler.light(own_rgb, self.own_gradient(position), to_eye, vanishing);
+                // Infinite where the scan is opaque.
+                let share = if depth.is_infinite() { 0.0 } else { own / (depth + own) };
+                color = [0, 1, 2].map(|c| color[c] + (own_color[c] - color[c]) * share);
+            }
+            let opacity = -(-(depth + own) * thickness).exp_m1();
             for c in 0..3 {
                 rgb[c] += transmittance * opacity * color[c];
             }
@@ -310,6 +386,16 @@ impl<'a> Caster<'a> {
             }
         }
         [rgb[0], rgb[1], rgb[2], 1.0 - transmittance]
+    }
+}
+
+impl Caster<'_> {
+    /// Index-space gradient of the labels' own matter by differences of a voxel either side.
+    fn own_gradient(&self, position: DVec3) -> DVec3 {
+        let Some(labels) = self.labels else { return DVec3::ZERO };
+        let own = |position: DVec3| Mixture::new(labels, self.size, position).own;
+        let along = |axis: DVec3| (own(position + axis) - own(position - axis)) / 2.0;
+        DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
 }
 

@@ -127,7 +127,7 @@ pub fn base_plane(
     for k in 0..=spacing.n_slabs {
         let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
         let splat = |footprints| splatter.sheet(plane.sheet(w), plane.size, w, footprints);
-        let (value, difference) = (Footprint::Value, gradient_offset(&sampler, options));
+        let (value, difference) = (Footprint::Value, gradient_offset(&sampler));
         let density = splat([value; 3]);
         let gradient = difference.map(|d| {
             let d = Footprint::Difference(d);
@@ -286,8 +286,8 @@ impl ShadedSheet<'_> {
 }
 
 /// Distance of differences, where gradients are wanted.
-fn gradient_offset(sampler: &Sampler, options: &RenderOptions) -> Option<f64> {
-    (options.shading.is_some() || sampler.has_gradient_opacity()).then(|| sampler.gradient_offset())
+fn gradient_offset(sampler: &Sampler) -> Option<f64> {
+    sampler.needs_gradient().then(|| sampler.gradient_offset())
 }
 
 fn from_uvw(axes: [usize; 3], uvw: [f64; 3]) -> DVec3 {
@@ -297,12 +297,8 @@ fn from_uvw(axes: [usize; 3], uvw: [f64; 3]) -> DVec3 {
 }
 
 fn over(pixel: &mut [f64; 4], sampler: &Sampler, density: f64, thickness: f64, gradient: DVec3, to_eye: DVec3) {
-    let mut depth = sampler.optical_depth(density);
-    if sampler.has_gradient_opacity() {
-        depth *= sampler.gradient_factor(gradient);
-    }
-    // Not a number: infinite depth times 0, which is clear.
-    if depth.is_nan() || depth <= 0.0 || thickness <= 0.0 {
+    let depth = sampler.optical_depth(density, gradient);
+    if depth <= 0.0 || thickness <= 0.0 {
         return;
     }
     let opacity = -(-depth * thickness).exp_m1();

@@ -1,0 +1,85 @@
+//! What few pictures have, at a texel: functions of the gradient, light that is held off, labels.
+//!
+//! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
+//! there ([`crate::light`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour is mixed with
+//! that of the labels that tint it, and labels with an opacity of their own add the matter `Σ c_l τ_l`, with `c_l` the
+//! coverage of label `l` ([`crate::labels`]).
+
+use wavesplat_compute::simd::Wide;
+
+use crate::by_gradient::ByGradient;
+use crate::labels::LabelTerms;
+use crate::light::LightTerms;
+use crate::shade::Shader;
+
+/// All of it; none as a rule.
+#[derive(Default)]
+pub struct Extras {
+    /// What the gradient decides.
+    pub by_gradient: Option<ByGradient>,
+    /// Which fields hold the light, and how much they count.
+    pub light: Option<LightTerms>,
+    /// Which fields hold the labels.
+    pub labels: Option<LabelTerms>,
+    /// Shades the labels' own matter, where there is light.
+    pub label_shader: Option<Shader>,
+}
+
+/// Colours below this depth do not matter.
+const LEAST: f32 = 1e-20;
+
+impl Extras {
+    /// Whether there is any.
+    pub fn any(&self) -> bool {
+        self.by_gradient.is_some() || self.light.is_some() || self.labels.is_some()
+    }
+
+    /// The field of the labels' own matter.
+    #[inline(always)]
+    pub fn matter_field(&self) -> Option<usize> {
+        self.labels.as_ref().and_then(|labels| labels.matter)
+    }
+
+    /// Share of the scan's optical depth that labels leave. `value`: of a field, here.
+    #[inline(always)]
+    pub fn scan_share<W: Wide>(&self, w: W, value: &impl Fn(usize) -> W::F) -> W::F {
+        self.labels.as_ref().and_then(|labels| labels.scan).map_or_else(|| w.splat(1.0), value)
+    }
+
+    /// The scan's colour with the tint of labels.
+    #[inline(always)]
+    pub fn tint<W: Wide>(&self, w: W, rgb: [W::F; 3], value: &impl Fn(usize) -> W::F) -> [W::F; 3] {
+        let Some(labels) = &self.labels else { return rgb };
+        let Some(tint) = labels.tint else { return rgb };
+        // Shares of what is left of the scan.
+        let of_scan = w.div(w.splat(1.0), w.max(self.scan_share(w, value), w.splat(LEAST)));
+        let kept = w.sub(w.splat(1.0), w.mul(value(tint), of_scan));
+        let mut tinted = rgb;
+        for c in 0..3 {
+            tinted[c] = w.add_mul(w.mul(rgb[c], kept), value(tint + 1 + c), of_scan);
+        }
+        tinted
+    }
+
+    /// Optical depth and colour of the labels' own matter.
+    #[inline(always)]
+    pub fn matter<W: Wide>(&self, w: W, value: &impl Fn(usize) -> W::F) -> Option<(W::F, [W::F; 3])> {
+        let field = self.matter_field()?;
+        let depth = w.max(value(field), w.splat(0.0));
+        let inverse = w.div(w.splat(1.0), w.max(depth, w.splat(LEAST)));
+        Some((depth, [1, 2, 3].map(|c| w.mul(value(field + c), inverse))))
+    }
+
+    /// Factors of all light and of that of the first light.
+    #[inline(always)]
+    pub fn light<W: Wide>(&self, w: W, value: &impl Fn(usize) -> W::F) -> [Option<W::F>; 2] {
+        let Some(light) = &self.light else { return [None; 2] };
+        let factor = |term: Option<(usize, f32)>| {
+            term.map(|(field, strength)| {
+                let held_off = w.sub(w.splat(1.0), value(field));
+                w.max(w.sub(w.splat(1.0), w.mul(w.splat(strength), held_off)), w.splat(0.0))
+            })
+        };
+        [factor(light.openness), factor(light.shadow)]
+    }
+}

@@ -1,0 +1,115 @@
+//! Fields: what else is known at a texel beside the density, such as how much light gets there, or how much of it is a
+//! label.
+//!
+//! A field has samples of its own, on the volume's grid or an evenly coarser one along the same axes, and is reconstructed
+//! in sheets at the same texels, so that it costs a fraction of what a gather at every texel would.
+
+use wavesplat_compute::simd::{Lanes, Simd, Wide};
+
+use crate::panel::Panel;
+use crate::sheet::{Block, BlockMask, Chunk, Sheet, SheetGeometry};
+use crate::slices::Slices;
+
+/// Samples of a field and where they lie.
+pub struct Field<'a> {
+    /// Their values are densities.
+    pub slices: Slices<'a>,
+    /// Index position in the field of index position 0 of the volume, along x, y and z, and per index step of it.
+    pub from_index: [(f64, f64); 3],
+    /// Half distance of differences, field samples; `None` where the gradient of the field is not wanted.
+    pub gradient_offset: Option<f64>,
+}
+
+/// The sheets of all fields at one place.
+#[derive(Default)]
+pub struct FieldSheets(Vec<Sheet>);
+
+/// The samples of all fields that a run of sheets needs.
+pub struct FieldPanels(Vec<Panel>);
+
+impl FieldPanels {
+    /// Nothing loaded yet.
+    pub fn new(n_fields: usize) -> Self {
+        Self((0..n_fields).map(|_| Panel::default()).collect())
+    }
+
+    /// As [`Panel::cover`], for every field.
+    pub fn cover(
+        &mut self,
+        geometries: &[SheetGeometry],
+        w: [f64; 2],
+        texels: impl Fn(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2],
+    ) {
+        for (panel, geometry) in self.0.iter_mut().zip(geometries) {
+            panel.cover(geometry, w, &texels);
+        }
+    }
+}
+
+impl FieldSheets {
+    /// As [`Sheet::combine`], for every field.
+    pub fn combine(
+        &mut self,
+        geometries: &[SheetGeometry],
+        panels: &FieldPanels,
+        w: f64,
+        first: [usize; 2],
+        blocks: BlockMask,
+    ) {
+        self.0.resize_with(geometries.len(), Sheet::default);
+        for ((sheet, geometry), panel) in self.0.iter_mut().zip(geometries).zip(&panels.0) {
+            sheet.combine(geometry, panel, w, first, blocks);
+        }
+    }
+
+    /// As [`Sheet::prepare`], for every field.
+    #[inline(always)]
+    pub fn prepare<S: Simd>(&mut self, s: S, geometries: &[SheetGeometry], block: Block) {
+        for (sheet, geometry) in self.0.iter_mut().zip(geometries) {
+            sheet.prepare(s, geometry, block);
+        }
+    }
+
+    /// Reads the values of all fields at chunks, and the gradient of one of them.
+    #[inline(always)]
+    pub fn read<W: Wide>(
+        &mut self,
+        w: W,
+        (geometries, panels): (&[SheetGeometry], &FieldPanels),
+        gradient_of: Option<usize>,
+        chunks: [Chunk; 2],
+        out: &mut FieldValues,
+    ) {
+        out.values.resize(self.0.len(), Default::default());
+        for (sheet, value) in self.0.iter().zip(&mut out.values) {
+            w.store_to(sheet.density(w, chunks), value, [0, 1]);
+        }
+        if let Some(field) = gradient_of {
+            let gradient = self.0[field].gradient(w, &geometries[field], &panels.0[field], chunks);
+            for c in 0..3 {
+                w.store_to(gradient[c], &mut out.gradient[c], [0, 1]);
+            }
+        }
+    }
+}
+
+/// What fields are at one chunk or two. In memory, since there may be any number of fields.
+#[derive(Default)]
+pub struct FieldValues {
+    values: Vec<[Lanes; 2]>,
+    gradient: [[Lanes; 2]; 3],
+}
+
+impl FieldValues {
+    /// Value of a field.
+    #[inline(always)]
+    pub fn value<W: Wide>(&self, w: W, field: usize) -> W::F {
+        w.load_from(&self.values[field], [0, 1])
+    }
+
+    /// The gradient that was read, along u, v, w per index step of the field.
+    #[inline(always)]
+    pub fn gradient<W: Wide>(&self, w: W) -> [W::F; 3] {
+        [0, 1, 2].map(|c| w.load_from(&self.gradient[c], [0, 1]))
+    }
+}

@@ -1,0 +1,266 @@
+//! Light that explains: ambient occlusion, and the shadow of the first light, from the volume itself.
+//!
+//! Gradients alone make flat pictures: a hollow is as bright as a ridge. Both kinds of light are worked out once per
+//! transfer function on a coarse copy of the volume, as shares of light that get to its cells, and are fields of the
+//! picture ([`crate::fields`]).
+//!
+//! A share is swept through the coarse volume slice by slice, as light travels: what leaves a slice is what got there
+//! times `exp(−τ ℓ)`, and the next slice gets it shifted by the slope of the light, just as sheets are sheared for the
+//! eye. The shadow is one sweep along the first light. The openness of a place is the mean over directions all around,
+//! with light that comes back over the distance `radius`, so that only what is near occludes, as in Hernell, Ljung,
+//! Ynnerman, *Local ambient occlusion in direct volume rendering* (2010). A flat face sees half of the directions: that
+//! counts as open.
+
+use glam::DVec3;
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{Grid, Result, Samples, Volume};
+
+use crate::classify::Classifier;
+use crate::fields::Field;
+use crate::labels::{Labels, own_depth};
+use crate::slices::{Slices, Window};
+use wavesplat_core::Kernel;
+
+/// Cells of the coarse volume along its longest side, at most.
+const MAX_CELLS: f64 = 96.0;
+
+/// Directions that openness is the mean of, in as many parts as may run at once.
+const N_DIRECTIONS: usize = 32;
+const N_PARTS: usize = 8;
+
+/// Mean opacity that counts as opaque.
+const OPAQUE: f64 = 0.9999;
+
+/// Which fields hold the light, and how much they count, `0..=1`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LightTerms {
+    /// Openness.
+    pub openness: Option<(usize, f32)>,
+    /// Share of the first light.
+    pub shadow: Option<(usize, f32)>,
+}
+
+/// The coarse volume: how much each of its cells dims light.
+pub struct Dimness {
+    /// Optical depth per world unit, `[z][y][x]`.
+    extinction: Vec<f32>,
+    grid: Grid,
+    /// Samples of the volume per cell, along x, y, z.
+    per_cell: [usize; 3],
+}
+
+impl Dimness {
+    /// Of what a classifier shows. `opacity_unit`: world units.
+    pub fn new(slices: &Slices, classifier: &Classifier, opacity_unit: f64, labels: Option<&Labels>) -> Result<Self> {
+        let grid = slices.grid();
+        let size @ [nx, ny, nz] = grid.size();
+        let spacing = grid.spacing().to_array();
+        let longest = (0..3).map(|a| spacing[a] * size[a] as f64).fold(0.0, f64::max);
+        let per_cell =
+            [0, 1, 2].map(|a| ((longest / MAX_CELLS / spacing[a]).round().max(1.0) as usize).min(size[a] / 2));
+        let n = [0, 1, 2].map(|a| size[a].div_ceil(per_cell[a]));
+        // Opacities of a sample's own length are averaged, not optical depths: of a wall only its area counts.
+        let length = grid.mean_spacing();
+        let per_unit = (length / opacity_unit) as f32;
+        let looks: Vec<[f32; 2]> = labels
+            .map_or(Vec::new(), |l| l.looks.iter().map(|look| [look.scan as f32, own_depth(look) as f32]).collect());
+        // A part of the samples tells enough.
+        let skip = per_cell.map(|n| n.div_ceil(3));
+        let layers = parallel::map(n[2], |cz| {
+            let mut sums = vec![[0.0_f32; 2]; n[0] * n[1]];
+            let mut slice = vec![0.0; nx * ny];
+            for z in (cz * per_cell[2]..((cz + 1) * per_cell[2]).min(nz)).step_by(skip[2]) {
+                let window = Window { u: [0, nx as i64 - 1], v: [0, ny as i64 - 1] };
+                slices.combine(Level::best(), [0, 1, 2], &[(z, 1.0)], window, &mut slice, nx);
+                for y in (0..ny).step_by(skip[1]) {
+                    for x in (0..nx).step_by(skip[0]) {
+                        let mut depth = classifier.look_up_one(slice[y * nx + x])[3];
+                        if let Some(labels) = labels {
+                            let [scan, own] = looks[labels.codes.get((z * ny + y) * nx + x)];
+                            depth = depth * scan + own;
+                        }
+                        let [sum, count] = &mut sums[y / per_cell[1] * n[0] + x / per_cell[0]];
+                        *sum += 1.0 - (-depth * per_unit).exp();
+                        *count += 1.0;
+                    }
+                }
+            }
+            let extinction = |[sum, count]: [f32; 2]| {
+                let mean = f64::from(sum / count.max(1.0)).min(OPAQUE);
+                (-(-mean).ln_1p() / length) as f32
+            };
+            sums.into_iter().map(extinction).collect::<Vec<_>>()
+        });
+        let extinction = layers.concat();
+        let world_from_index = grid.world_from_index();
+        let step = |a: usize| world_from_index.matrix3.col(a) * per_cell[a] as f64;
+        let mut coarse = world_from_index;
+        coarse.matrix3 = glam::DMat3::from_cols(step(0), step(1), step(2));
+        let middle = |a: usize| (per_cell[a] as f64 - 1.0) / 2.0;
+        coarse.translation = world_from_index.transform_point3(DVec3::new(middle(0), middle(1), middle(2)));
+        let volume = Volume::new("light", Samples::F32(&extinction), n, coarse)?;
+        let grid = volume.grid().clone();
+        Ok(Self { extinction, grid, per_cell })
+    }
+
+    /// Share of a light that gets to each cell; `to_light` in world space.
+    pub fn shadow(&self, to_light: DVec3) -> Vec<f32> {
+        self.sweep(-to_light, None)
+    }
+
+    /// Openness of each cell: 1 where nothing is near on one side at least. `radius`: world units.
+    pub fn openness(&self, radius: f64) -> Vec<f32> {
+        let parts = parallel::map(N_PARTS, |part| {
+            let mut sum = vec![0.0_f32; self.extinction.len()];
+            for i in (part..N_DIRECTIONS).step_by(N_PARTS) {
+                let share = self.sweep(direction(i), Some(radius));
+                sum.iter_mut().zip(share).for_each(|(sum, share)| *sum += share);
+            }
+            sum
+        });
+        let open = |i: usize| {
+            let mean = parts.iter().map(|part| part[i]).sum::<f32>() / N_DIRECTIONS as f32;
+            (2.0 * mean).min(1.0)
+        };
+        (0..self.extinction.len()).map(open).collect()
+    }
+
+    /// Share of what enters along a world direction that gets to each cell, without what the cell itself keeps off.
+    fn sweep(&self, direction: DVec3, radius: Option<f64>) -> Vec<f32> {
+        let size = self.grid.size();
+        let stride = [1, size[0], size[0] * size[1]];
+        let along = self.grid.index_from_world().matrix3 * direction;
+        let w = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
+        let [u, v] = [(w + 1) % 3, (w + 2) % 3];
+        let per_slice = along[w].abs();
+        let slope = [along[u] / per_slice, along[v] / per_slice];
+        let length = (direction.length() / per_slice) as f32;
+        let come_back = radius.map_or(1.0, |radius| (-f64::from(length) / radius).exp() as f32);
+        let (n_u, n_v) = (size[u], size[v]);
+        // Light from beyond the sides is not dimmed.
+        let mut leaving = vec![1.0_f32; n_u * n_v];
+        let mut share = vec![1.0_f32; self.extinction.len()];
+        // From where light comes, a texel back: the lower one of the two and the upper one's share.
+        let back = |slope: f64| {
+            let below = (-slope).floor();
+            (below as i64, (-slope - below) as f32)
+        };
+        let ((du, tu), (dv, tv)) = (back(slope[0]), back(slope[1]));
+        for k in 0..size[w] {
+            let slice = if along[w] > 0.0 { k } else { size[w] - 1 - k };
+            let mut next = vec![0.0_f32; n_u * n_v];
+            for j in 0..n_v {
+                let row = |d: i64| {
+                    let j = j as i64 + d;
+                    (0..n_v as i64).contains(&j).then(|| &leaving[j as usize * n_u..][..n_u])
+                };
+                let (low, high) = (row(dv), row(dv + 1));
+                for i in 0..n_u {
+                    let at = |row: Option<&[f32]>, d: i64| {
+                        let i = i as i64 + d;
+                        row.filter(|_| (0..n_u as i64).contains(&i)).map_or(1.0, |row| row[i as usize])
+                    };
+                    let across = |row: Option<&[f32]>| at(row, du) * (1.0 - tu) + at(row, du + 1) * tu;
+                    let mut light = across(low) * (1.0 - tv) + across(high) * tv;
+                    if k == 0 {
+                        light = 1.0;
+                    }
+                    light = 1.0 - (1.0 - light) * come_back;
+                    let cell = i * stride[u] + j * stride[v] + slice * stride[w];
+                    share[cell] = light;
+                    next[j * n_u + i] = light * (-self.extinction[cell] * length).exp();
+                }
+            }
+            leaving = next;
+        }
+        share
+    }
+
+    /// Numbers of every cell as a field.
+    pub fn field<'a>(&self, numbers: &'a [f32]) -> Result<Field<'a>> {
+        let (size, world_from_index) = (self.grid.size(), self.grid.world_from_index());
+        let statistics = wavesplat_core::Statistics { min: 0.0, max: 1.0, n_nonfinite: 0 };
+        // Numbers are densities: from 0 to 1 already.
+        let volume = Volume::with_statistics("light", Samples::F32(numbers), size, world_from_index, statistics)?;
+        let from_index = self.per_cell.map(|n| {
+            let per_index = 1.0 / n as f64;
+            (0.5 * per_index - 0.5, per_index)
+        });
+        Ok(Field { slices: Slices::new(&volume, Kernel::Linear), from_index, gradient_offset: None })
+    }
+}
+
+/// Evenly spread directions: a spiral of equal areas (Fibonacci lattice).
+fn direction(i: usize) -> DVec3 {
+    let z = 1.0 - (2 * i + 1) as f64 / N_DIRECTIONS as f64;
+    let angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt()) * i as f64;
+    let across = (1.0 - z * z).sqrt();
+    DVec3::new(across * angle.cos(), across * angle.sin(), z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DAffine3;
+    use wavesplat_core::{ColorNode, OpacityNode, TransferFunction};
+
+    fn dimness(samples: &[u8], size: [usize; 3], opacity: f64) -> Dimness {
+        let volume = Volume::new("test", Samples::U8(samples), size, DAffine3::IDENTITY).unwrap();
+        let nodes = vec![OpacityNode { value: 0.0, opacity: 0.0 }, OpacityNode { value: 1.0, opacity }];
+        let tf = TransferFunction::new(nodes, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], Some(1.0)).unwrap();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let classifier = Classifier::new(&tf, volume.grid().density_from_sample(), slices.range(), 1.0);
+        Dimness::new(&slices, &classifier, 1.0, None).unwrap()
+    }
+
+    #[test]
+    fn light_fades_along_its_way_by_beer_and_lambert() {
+        let dimness = dimness(&[1; 12 * 10 * 8], [12, 10, 8], 0.3);
+        for (axis, to_light) in [(0, DVec3::X), (1, DVec3::NEG_Y), (2, DVec3::Z)] {
+            let share = dimness.shadow(to_light);
+            for i in 0..share.len() {
+                let index = [i % 12, i / 12 % 10, i / 120];
+                let size = [12, 10, 8];
+                let before = if to_light[axis] > 0.0 { size[axis] - 1 - index[axis] } else { index[axis] };
+                let want = 0.7_f64.powi(before as i32);
+                assert!((f64::from(share[i]) - want).abs() < 1e-4, "{axis} {index:?}: {} for {want}", share[i]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_casts_its_shadow_along_the_light() {
+        // A plate of one opaque slice, half of the volume wide; light at 45 degrees.
+        let mut samples = vec![0; 32 * 16 * 16];
+        for z in 12..13 {
+            for y in 0..16 {
+                (0..16).for_each(|x| samples[(z * 16 + y) * 32 + x] = 1);
+            }
+        }
+        let share = dimness(&samples, [32, 16, 16], 0.999).shadow(DVec3::new(-1.0, 0.0, 1.0));
+        let at = |x: usize, z: usize| share[(z * 16 + 8) * 32 + x];
+        assert!(at(14, 4) < 0.01 && at(22, 4) < 0.01 && at(25, 4) > 0.99, "{} {} {}", at(14, 4), at(22, 4), at(25, 4));
+        assert!(at(14, 14) > 0.99);
+    }
+
+    #[test]
+    fn hollows_are_closed_and_faces_open() {
+        // Solid below z = 12 with a narrow shaft.
+        let mut samples = vec![0; 24 * 24 * 24];
+        for z in 0..12 {
+            for y in 0..24 {
+                for x in 0..24 {
+                    let in_shaft = (11..13).contains(&x) && (11..13).contains(&y) && z > 2;
+                    samples[(z * 24 + y) * 24 + x] = u8::from(!in_shaft);
+                }
+            }
+        }
+        let dimness = dimness(&samples, [24, 24, 24], 0.999);
+        let open = dimness.openness(8.0);
+        let at = |x: usize, z: usize| open[(z * 24 + 12) * 24 + x];
+        assert!(at(5, 12) > 0.85, "a face: {}", at(5, 12));
+        assert!(at(12, 20) > 0.95, "in the open: {}", at(12, 20));
+        assert!(at(12, 4) < 0.5 * at(5, 12), "deep in the shaft: {}", at(12, 4));
+    }
+}

@@ -1,0 +1,212 @@
+//! What few pictures have, against the ray caster, which evaluates every sample on its own: functions of two dimensions,
+//! labels; and what light that is held off must do.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{
+    Camera, Joint, Kernel, LabelLook, Light, LightFrame, Picture, Projection, RenderOptions, Shading, TransferFunction,
+};
+use wavesplat_splat::labels::{Codes, Labels};
+use wavesplat_splat::reference::raycast::{RaycastOptions, raycast, raycast_labelled};
+use wavesplat_splat::slices::Slices;
+use wavesplat_splat::{render, render_base_planes_at, render_labelled};
+use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
+
+const SAMPLING: RaycastOptions = RaycastOptions { step: 0.1, rays_per_pixel: 4 };
+
+fn oblique(phantom: &Phantom, parallel_scale: f64) -> Camera {
+    camera_towards(phantom.centre(), DVec3::new(0.7, 0.6, 0.5), 60.0, Projection::Orthographic { parallel_scale })
+}
+
+fn fine(shading: Option<Shading>) -> RenderOptions {
+    RenderOptions {
+        width_px: 48,
+        height_px: 48,
+        sheets_per_slice: 8.0,
+        oversampling: 3.0,
+        shading,
+        ..RenderOptions::default()
+    }
+}
+
+fn mean_error(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.rgba.as_flattened().iter().zip(b.rgba.as_flattened());
+    pairs.map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / (4 * a.rgba.len()) as f64
+}
+
+/// Red where the gradient is small, blue where it is large, and only values around 130.
+fn two_dimensional() -> TransferFunction {
+    let row = |rgb: [f64; 3], most: f64| [0.0, most, most, 0.0].map(|a| [rgb[0], rgb[1], rgb[2], a]);
+    let rgba = [row([1.0, 0.2, 0.1], 0.05), row([0.9, 0.8, 0.2], 0.0), row([0.1, 0.3, 1.0], 0.5)].concat();
+    let joint = Joint::new(vec![60.0, 110.0, 150.0, 200.0], vec![0.0, 10.0, 40.0], rgba).unwrap();
+    TransferFunction::two_dimensional(joint, None).unwrap()
+}
+
+#[test]
+fn functions_of_two_dimensions_are_those_of_direct_evaluation() {
+    let phantom = Phantom::ripples(20);
+    let volume = phantom.volume();
+    let camera = oblique(&phantom, 8.0);
+    for shading in [None, Some(Shading::default())] {
+        let options = fine(shading);
+        let tf = two_dimensional();
+        let want = raycast(&volume, &tf, &camera, &options, SAMPLING, &()).unwrap();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let got = render(&slices, &tf, &camera, &options, &()).unwrap().0;
+        let error = mean_error(&got, &want);
+        assert!(error < 1e-3, "{error}");
+        // Without the gradient it would be another picture.
+        let bounds = TransferFunction::new(tf.opacity_nodes().to_vec(), tf.color_nodes().to_vec(), None).unwrap();
+        let plain = render(&slices, &bounds, &camera, &options, &()).unwrap().0;
+        assert!(mean_error(&plain, &want) > 2e-2);
+    }
+}
+
+/// A scan of a shell in fog; label 1 is a ball beside the middle, label 2 the lower half around it.
+fn labelled() -> (Phantom, Vec<u8>) {
+    let n = 20;
+    let centre = DVec3::splat(9.5);
+    let phantom =
+        Phantom::sample([n; 3], glam::DAffine3::IDENTITY, |p| 250.0 - 30.0 * (p.distance(centre) - 6.0).abs());
+    let code = |i: usize| {
+        let p = DVec3::new((i % n) as f64, (i / n % n) as f64, (i / (n * n)) as f64);
+        if p.distance(DVec3::new(7.0, 10.0, 10.0)) < 4.0 { 1 } else { 2 * u8::from(p.z < 9.0) }
+    };
+    (phantom, (0..n * n * n).map(code).collect())
+}
+
+fn looks(ball: LabelLook, half: LabelLook) -> Vec<LabelLook> {
+    vec![LabelLook::NONE, ball, half]
+}
+
+#[test]
+fn labels_are_those_of_direct_evaluation() {
+    let (phantom, codes) = labelled();
+    let volume = phantom.volume();
+    let camera = oblique(&phantom, 11.0);
+    let tf = opacity_ramp(&[(100.0, 0.0), (250.0, 0.3)], None);
+    let hidden = LabelLook { scan: 0.0, ..LabelLook::NONE };
+    let tinted = LabelLook { rgb: [0.1, 0.9, 0.2], tint: 0.8, scan: 0.5, ..LabelLook::NONE };
+    let solid = LabelLook { rgb: [0.9, 0.1, 0.1], opacity: 0.6, scan: 0.0, tint: 0.0 };
+    let slices = Slices::new(&volume, Kernel::Linear);
+    for (name, looks) in
+        [("hidden", looks(LabelLook::NONE, hidden)), ("tinted", looks(tinted, hidden)), ("solid", looks(solid, tinted))]
+    {
+        for kernel in [Kernel::Linear, Kernel::Gaussian] {
+            for shading in [None, Some(Shading::default())] {
+                let codes = Codes::U8(Arc::from(&codes[..]));
+                let labels = Labels::new(codes, looks.clone(), volume.grid(), kernel, 1 << 24).unwrap();
+                let options = fine(shading);
+                let want = raycast_labelled(&volume, Some(&labels), &tf, &camera, &options, SAMPLING, &()).unwrap();
+                let got = render_labelled(&slices, Some(&labels), &tf, &camera, &options, &()).unwrap().0;
+                let error = mean_error(&got, &want);
+                assert!(error < 1e-3, "{name} {kernel:?}: {error}");
+                let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
+                assert!(mean_error(&plain, &want) > 1e-2, "{name}: labels matter");
+            }
+        }
+    }
+}
+
+#[test]
+fn labels_with_the_looks_of_nothing_change_nothing() {
+    let (phantom, codes) = labelled();
+    let volume = phantom.volume();
+    let camera = oblique(&phantom, 11.0);
+    let tf = opacity_ramp(&[(100.0, 0.0), (250.0, 0.3)], None);
+    let codes = Codes::U16(codes.iter().map(|c| u16::from(*c)).collect());
+    let labels = Labels::new(codes, vec![LabelLook::NONE; 3], volume.grid(), Kernel::Linear, 1 << 24).unwrap();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(Shading::default())) };
+    let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
+    let got = render_labelled(&slices, Some(&labels), &tf, &camera, &options, &()).unwrap().0;
+    assert!(mean_error(&got, &plain) < 1e-7);
+}
+
+/// A plate above a floor, in the light of the first light only.
+fn plate() -> Phantom {
+    Phantom::sample([30, 30, 24], glam::DAffine3::IDENTITY, |p| {
+        let plate = (16.0..19.0).contains(&p.z) && (10.0..20.0).contains(&p.x) && (10.0..20.0).contains(&p.y);
+        if plate || p.z < 4.0 { 200.0 } else { 0.0 }
+    })
+}
+
+#[test]
+fn shadows_fall_where_the_light_does_not_get() {
+    let phantom = plate();
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(90.0, 0.0), (110.0, 0.95)], None);
+    // From above; the light comes from the side, so the shadow lies beside the plate.
+    let camera = Camera::new(
+        DVec3::new(14.5, 14.5, 60.0),
+        DVec3::new(14.5, 14.5, 12.0),
+        DVec3::Y,
+        Projection::Orthographic { parallel_scale: 15.0 },
+    )
+    .unwrap();
+    let light = Light { frame: LightFrame::World, to_light: DVec3::new(0.7, 0.0, 1.0), rgb: [1.0; 3] };
+    let draw = |shadow: f32| {
+        let shading = Shading { lights: vec![light], shadow, ..Shading::default() };
+        let options = RenderOptions { width_px: 30, height_px: 30, ..fine(Some(shading)) };
+        render(&Slices::new(&volume, Kernel::Linear), &tf, &camera, &options, &()).unwrap().0
+    };
+    let (lit, shadowed) = (draw(0.0), draw(1.0));
+    // Pixel x is index x. The plate's shadow is moved by about 0.7 * 13 towards lower x.
+    let share = |x: usize| shadowed.rgba[15 * 30 + x][1] / lit.rgba[15 * 30 + x][1];
+    assert!(share(6) < 0.4, "in the shadow: {}", share(6));
+    assert!(share(15) > 0.9, "on the plate: {}", share(15));
+    assert!(share(25) > 0.9, "on the floor in the light: {}", share(25));
+}
+
+#[test]
+fn ambient_occlusion_darkens_hollows_more_than_faces() {
+    let phantom = Phantom::sample([32, 32, 20], glam::DAffine3::IDENTITY, |p| {
+        let in_shaft = (p.x - 8.0).abs() < 2.5 && (p.y - 16.0).abs() < 2.5 && p.z > 3.0;
+        if p.z < 14.0 && !in_shaft { 200.0 } else { 0.0 }
+    });
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(90.0, 0.0), (110.0, 0.95)], None);
+    let camera = camera_towards(phantom.centre(), DVec3::Z, 60.0, Projection::Orthographic { parallel_scale: 16.0 });
+    let draw = |ambient_occlusion: f32, shading: Shading| {
+        let shading = Shading { ambient_occlusion, occlusion_radius: Some(8.0), ..shading };
+        let options = RenderOptions { width_px: 32, height_px: 32, ..fine(Some(shading)) };
+        render(&Slices::new(&volume, Kernel::Linear), &tf, &camera, &options, &()).unwrap().0
+    };
+    let (open, closed) = (draw(0.0, Shading::default()), draw(1.0, Shading::default()));
+    let brightness = |picture: &Picture, in_shaft: bool| {
+        let pixels = picture.rgba.iter().enumerate().filter(|(i, _)| {
+            let (x, y) = (i % 32, i / 32);
+            let inside = (14..18).contains(&y) && ((6..10).contains(&x) || (22..26).contains(&x));
+            let face = (14..18).contains(&y) && (14..18).contains(&x);
+            if in_shaft { inside } else { face }
+        });
+        pixels.map(|(_, p)| f64::from(p[1])).fold(f64::INFINITY, f64::min)
+    };
+    let face = brightness(&closed, false) / brightness(&open, false);
+    let shaft = brightness(&closed, true) / brightness(&open, true);
+    assert!(face > 0.8, "{face}");
+    assert!(shaft < 0.6 * face, "{shaft} and {face}");
+}
+
+#[test]
+fn every_simd_level_gives_the_same_bits() {
+    let (phantom, _) = labelled();
+    let volume = phantom.volume();
+    let camera = oblique(&phantom, 11.0);
+    let shading = Shading { ambient_occlusion: 0.7, shadow: 0.5, ..Shading::default() };
+    let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(shading)) };
+    let slices = Slices::new(&volume, Kernel::Linear);
+    for tf in [two_dimensional(), opacity_ramp(&[(90.0, 0.0), (110.0, 0.95)], None)] {
+        let draw = |level: Level| {
+            let (pictures, _) = render_base_planes_at(level, &slices, &tf, &camera, &options, &()).unwrap();
+            pictures.into_iter().map(|p| p.texels).collect::<Vec<_>>()
+        };
+        let want = draw(Level::best());
+        assert!(want.iter().flatten().any(|texel| texel[3] > 0.1));
+        for level in Level::all() {
+            assert!(draw(level) == want, "{}", level.name());
+        }
+    }
+}

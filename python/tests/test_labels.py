@@ -1,0 +1,109 @@
+"""Labels: segmentations beside a scan."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+from wavesplat.errors import ArgumentError
+
+
+@pytest.fixture(scope="module")
+def scan():
+    return ws.examples.ct_pelvis()
+
+
+def ball(scan, where, radius):
+    """True in a ball; `where` and `radius` as fractions of the volume's sides."""
+    z, y, x = np.indices(scan.shape, sparse=True)
+    distance = sum(((i / n - c) ** 2) for i, n, c in zip((z, y, x), scan.shape, where, strict=True))
+    return distance < radius**2
+
+
+def test_pictures_agree_with_direct_evaluation(scan):
+    # Bones tinted, a solid ball in the middle, and one side of the body hidden.
+    segmentation = np.where(scan.samples > 150, 1, 0)
+    segmentation[:, :, : scan.shape[2] // 3] = 7
+    segmentation[ball(scan, (0.5, 0.5, 0.5), 0.15)] = 300
+    looks = {
+        1: ws.Label("#ffc060", opacity=0, tint=0.7),
+        7: ws.Label("black", opacity=0, scan=0),
+        300: ws.Label((0.8, 0.1, 0.1), 0.4),
+    }
+    labels = ws.Labels(segmentation, looks)
+    camera = ws.Camera.orbit(scan, 30, 20, zoom=6)
+    sampling = {"step": 0.1, "rays_per_pixel": 9}
+    want = ws.reference.raycast(scan, "ct-soft-tissue", camera, labels=labels, size=(32, 32), **sampling)
+    settings = {"size": (32, 32), "sheets_per_slice": 12, "oversampling": 3}
+    got = ws.render(scan, "ct-soft-tissue", camera, labels=labels, **settings)
+    plain = ws.render(scan, "ct-soft-tissue", camera, **settings)
+    assert np.abs(got.rgba - want.rgba).mean() < 1e-3
+    assert np.abs(plain.rgba - want.rgba).mean() > 3e-2
+
+
+def test_hiding_a_label_is_removing_its_samples(scan):
+    table = np.zeros(scan.shape, np.uint8)
+    table[:, : scan.shape[1] // 2] = 1
+    labels = ws.Labels(table, {1: ws.Label("grey", opacity=0, scan=0)}, smooth=False)
+    view = {"camera": "left", "size": (40, 40)}
+    hidden = ws.render(scan, "ct-soft-tissue", labels=labels, **view).rgba
+    whole = ws.render(scan, "ct-soft-tissue", **view).rgba
+    half = scan.shape[1] // 2
+    lower, upper = (0, half, 0), (scan.shape[2] - 1, scan.shape[1] - 1, scan.shape[0] - 1)
+    cut = ws.render(scan, "ct-soft-tissue", crop=ws.Crop(lower, upper, space="index"), **view).rgba
+    # The last half sample fades out.
+    assert np.abs(hidden - cut).mean() < 0.1 * np.abs(whole - cut).mean()
+
+
+def test_label_numbers_are_never_interpolated():
+    # Between labels 1 and 3 lies nothing of label 2, whose look is opaque green.
+    segmentation = np.ones((16, 16, 16), np.uint8)
+    segmentation[:, :, 8:] = 3
+    segmentation[0, 0, 0] = 2
+    scan = ws.Volume(np.zeros(segmentation.shape, np.float32) + np.arange(16))
+    nothing = ws.TransferFunction([(0, 0)], [(0, 1, 1, 1)], opacity_unit=1.0)
+    looks = {1: ws.Label((1, 0, 0), 0.9), 2: ws.Label((0, 1, 0), 1.0), 3: ws.Label((0, 0, 1), 0.9)}
+    picture = ws.render(
+        scan, nothing, "anterior", labels=ws.Labels(segmentation, looks), shading=None, size=(64, 64)
+    ).rgba
+    assert picture[20:44, :, 3].max() > 0.99
+    assert picture[20:44, :, 1].max() < 1e-3
+
+
+def test_every_number_gets_a_colour_of_its_own():
+    segmentation = np.arange(27, dtype=np.int64).reshape(3, 3, 3) * 1000
+    labels = ws.Labels(segmentation)
+    assert labels.numbers[:3] == (0, 1000, 2000)
+    assert 0 not in labels.labels
+    assert len({label.color for label in labels.labels.values()}) == 26
+
+
+def test_labels_of_floats_and_of_volumes(scan):
+    numbers = np.where(scan.samples > 200, 2.0, 0.0)
+    segmentation = ws.Volume(numbers, world_from_index=scan.world_from_index)
+    labels = ws.Labels(segmentation)
+    assert labels.numbers == (0, 2)
+    copy = pickle.loads(pickle.dumps(labels))  # noqa: S301
+    pictures = [ws.render(scan, labels=each, size=(24, 24)).rgba for each in (labels, copy)]
+    assert np.array_equal(*pictures)
+
+
+def test_what_does_not_fit_is_refused(scan):
+    ones = np.ones(scan.shape, np.uint8)
+    with pytest.raises(ArgumentError, match="no whole numbers"):
+        ws.Labels(ones + 0.5)
+    with pytest.raises(ArgumentError, match="no sample of the segmentation is 5"):
+        ws.Labels(ones, {5: ws.Label("white")})
+    with pytest.raises(ArgumentError, match="resample it"):
+        ws.render(scan, labels=ws.Labels(ones[1:]))
+    with pytest.raises(ArgumentError, match="beside the scan"):
+        ws.render(scan, labels=ws.Labels(ws.Volume(ones, spacing=(1, 1, 1))))
+    with pytest.raises(ArgumentError, match="composite"):
+        ws.render(scan, labels=ws.Labels(ones), composite="maximum")
+    with pytest.raises(ArgumentError, match=r"give a wavesplat\.Labels"):
+        ws.render(scan, labels=ones)
+    with pytest.raises(ArgumentError, match="tint is 2"):
+        ws.Label("white", tint=2)
+    with pytest.raises(ArgumentError, match="no mapping"):
+        ws.Labels(ones, [ws.Label("white")])

@@ -1,3 +1,4 @@
+import inspect
 import json
 import os
 import signal
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+
+COMMANDS = ("render", "slice", "info", "wavelet", "mesh", "demo")
 
 
 def check(done, code, *, stdout="", stderr=""):
@@ -24,7 +27,7 @@ def check(done, code, *, stdout="", stderr=""):
 
 def test_version_and_help(wavesplat):
     check(wavesplat("--version"), 0, stdout=f"wavesplat {ws.__version__}\n")
-    for arguments in (["--help"], ["render", "--help"], ["info", "-h"], ["demo", "--help"]):
+    for arguments in (["--help"], *([command, "--help"] for command in COMMANDS), ["info", "-h"]):
         done = wavesplat(*arguments)
         assert done.returncode == 0
         assert "Exit codes: 0 it worked; 1 the file" in done.stdout
@@ -184,6 +187,49 @@ def test_info_reads_raw(wavesplat, tmp_path):
     (tmp_path / "a.raw").write_bytes(bytes(24))
     done = wavesplat("info", tmp_path / "a.raw", "--shape", "2,3,4", "--dtype", "uint8", "--spacing", "1,2,3", "--json")
     assert json.loads(done.stdout)["spacing_xyz"] == [1, 2, 3]
+
+
+@pytest.mark.parametrize("command", [command for command in COMMANDS if command != "demo"])
+def test_every_command_that_reads_takes_the_options_of_open(wavesplat, command):
+    options = [name for name in inspect.signature(ws.open).parameters if name != "path"]
+    shown = wavesplat(command, "--help").stdout
+    assert all(f"\n  --{name.replace('_', '-')} " in shown for name in options)
+
+
+def test_wavelets_are_made_told_of_and_drawn(wavesplat, ramp_file, tmp_path):
+    kept = tmp_path / "a.wavelets"
+    done = wavesplat("wavelet", ramp_file, "-o", kept, "--family", "cdf53", "--keep", "0.1", "--json")
+    facts = json.loads(done.stdout)
+    assert facts["family"] == "cdf53"
+    assert facts["kept_fraction"] == pytest.approx(0.1, rel=0.01)
+    assert facts["n_bytes_of_file"] == kept.stat().st_size
+    told = json.loads(wavesplat("info", kept, "--json").stdout)
+    assert told == {name: facts[name] for name in told} | {"name": told["name"]}
+    out = tmp_path / "a.png"
+    for source, options in [
+        (kept, ["--levels", "2", "--bands", "0.5,1"]),
+        (ramp_file, ["--threshold", "3", "--family", "haar"]),
+    ]:
+        check(wavesplat("render", source, "-o", out, "--size", "16x16", *options), 0, stdout=f"{out}\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["info", "COEFFICIENTS", "--time", "0", "--byte-order", "big"],
+            "--byte-order, --time say nothing about",
+        ),
+        (["render", "COEFFICIENTS", "-o", "OUT", "--threshold", "1"], "--threshold is for samples"),
+        (["render", "COEFFICIENTS", "-o", "OUT", "--levels", "9"], "--levels is 9; 'a' has 1, so give 0 to 1"),
+        (["wavelet", "COEFFICIENTS"], "load it with wavesplat.WaveletVolume.load"),
+    ],
+)
+def test_wrong_arguments_about_wavelets_exit_with_2(wavesplat, tmp_path, arguments, message):
+    places = {"COEFFICIENTS": tmp_path / "a.wavelets", "OUT": tmp_path / "a.png"}
+    samples = np.random.default_rng(1).random((4, 4, 4), np.float32)
+    ws.WaveletVolume.from_volume(ws.Volume(samples, name="a"), levels=1).save(places["COEFFICIENTS"])
+    check(wavesplat(*[places.get(a, a) for a in arguments]), 2, stderr=message)
 
 
 def test_demo(wavesplat, tmp_path):

@@ -1,0 +1,47 @@
+"""`wavesplat mesh`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from wavesplat.cli.crop_options import box, chosen_crop
+from wavesplat.cli.parsers import refuse_pairs
+from wavesplat.cli.printing import print_result
+from wavesplat.cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat.cli.shared_options import Json
+
+__all__ = ["mesh"]
+
+
+@takes_reader_options
+def mesh(
+    input: Input,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="OUT", help="Mesh to write: .ply, .stl, .obj, .glb, .gltf.", show_default=False
+        ),
+    ],
+    iso_value: Annotated[float, typer.Option(metavar="VALUE", help="The surface's value.", show_default=False)],
+    *,
+    closed: Annotated[bool, typer.Option("--closed/--open", help="Close what the volume's faces or a box cut.")] = True,
+    step: Annotated[int, typer.Option(metavar="N", help="Take every n-th sample: fewer triangles.")] = 1,
+    crop: Annotated[Any, box("Only this box, world units.")] = None,
+    crop_index: Annotated[Any, box("The same, in samples.")] = None,
+    reader: ReaderOptions,
+    json: Json = False,
+) -> None:
+    """Write the surface of one value as a triangle mesh, in world units, and print its path."""
+    refuse_pairs(crop=crop, crop_index=crop_index)
+    from wavesplat import meshing
+    from wavesplat.output import check_writable
+
+    meshing.check_suffix(output)
+    check_writable(output)
+    volume = open_any(input, reader)
+    surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=chosen_crop(crop, crop_index))
+    surface.save(output)
+    print_result({"mesh": str(output), "input": input, **surface.facts()}, output, as_json=json)

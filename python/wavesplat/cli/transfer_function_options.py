@@ -1,0 +1,55 @@
+"""The transfer function that `--preset`, `--tf` or `--materials` names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    from wavesplat.materials import Materials
+    from wavesplat.transfer_function import TransferFunction
+    from wavesplat.volume import Volume
+    from wavesplat.wavelet_volume import WaveletVolume
+
+__all__ = ["TransferFunctionFile", "chosen_transfer_function"]
+
+TransferFunctionFile = Annotated[
+    Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")
+]
+
+
+def chosen_transfer_function(
+    volume: Volume | WaveletVolume,
+    path: str,
+    *,
+    preset: str | None,
+    tf: Path | None,
+    materials: str | None = None,
+    composite: str = "over",
+) -> TransferFunction:
+    """The one that is named, or one from the histogram. `path`: where the volume came from, for messages."""
+    from wavesplat.transfer_function import TransferFunction
+
+    if materials is not None:
+        return _materials(volume, materials).transfer_function()
+    if tf is not None:
+        return TransferFunction.load(tf, volume)
+    if preset not in (None, "auto"):
+        return TransferFunction.preset(preset, volume)
+    try:
+        return TransferFunction.auto(volume, composite)
+    except ArgumentError as error:
+        # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
+        raise FileError(f"{error}: {path}") from None
+
+
+def _materials(volume: Volume | WaveletVolume, given: str) -> Materials:
+    from wavesplat.materials import Materials
+
+    if given == "fit":
+        return Materials.fit(volume)
+    return Materials.load(given) if given.endswith(".json") else Materials.preset(given)

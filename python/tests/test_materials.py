@@ -1,6 +1,6 @@
-import builtins
 import json
 import pickle
+import sys
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wavesplat as ws
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError, FileError, LibraryError
 from wavesplat.materials_json import preset_names
 
 unit = st.floats(0, 1)
@@ -286,15 +286,8 @@ def test_one_material_is_clear():
 
 
 def test_a_fit_without_scikit_learn_says_what_to_install(monkeypatch):
-    real = builtins.__import__
-
-    def without(name, *arguments):
-        if name.startswith("sklearn"):
-            raise ImportError(name)
-        return real(name, *arguments)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(ArgumentError, match=r"pip install wavesplat\[fit\]"):
+    monkeypatch.setitem(sys.modules, "sklearn.mixture", None)
+    with pytest.raises(LibraryError, match=r"sklearn is not installed: pip install 'wavesplat\[fit\]'"):
         ws.Materials.fit(phantom(10))
 
 

@@ -218,7 +218,9 @@ class Materials:
         Raises
         ------
         ArgumentError
-            If the volume has fewer different values than materials, or scikit-learn is missing.
+            If the volume has fewer different values than materials.
+        LibraryError
+            If scikit-learn is not installed (`pip install wavesplat[fit]`).
 
         Examples
         --------

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from wavesplat import histogram
 from wavesplat.errors import ArgumentError
+from wavesplat.libraries import library
 from wavesplat.materials import Material, Materials
 from wavesplat.wavelet_volume import WaveletVolume
 
@@ -101,15 +102,11 @@ def _quantiles(volume: Volume | WaveletVolume, n_materials: int) -> NDArray[np.f
 
 
 def _mixture(values: NDArray[np.float64], n_materials: int) -> Any:
-    try:
-        from sklearn.mixture import GaussianMixture
-    except ImportError:
-        raise ArgumentError(
-            "fitting materials needs scikit-learn, which is not installed; pip install wavesplat[fit]"
-        ) from None
     least = LEAST_DEVIATION * float(values[-1] - values[0])
     # k-means puts the first means; a seed makes it, and with it the fit, the same every time.
-    mixture = GaussianMixture(n_materials, covariance_type="tied", reg_covar=least**2, random_state=0, max_iter=1000)
+    mixture = library("sklearn.mixture", extra="fit").GaussianMixture(
+        n_materials, covariance_type="tied", reg_covar=least**2, random_state=0, max_iter=1000
+    )
     return mixture.fit(values[:, None])
 
 

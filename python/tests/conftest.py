@@ -56,11 +56,11 @@ def wavesplat():
         return subprocess.run(
             [sys.executable, "-m", "wavesplat", *map(str, arguments)],
             capture_output=True,
-            text=True,
+            encoding="utf-8",  # libraries in this process may have changed its locale
             timeout=120,
             check=False,
             cwd=cwd,
-            env={**os.environ, **environment},
+            env={**os.environ, "PYTHONUTF8": "1", **environment},
         )
 
     return run

@@ -145,7 +145,7 @@ def test_failures_exit_with_1_and_leave_nothing(wavesplat, ramp_file, tmp_path):
     np.save(tmp_path / "4d.npy", np.zeros((2, 4, 4, 4)))
     check(wavesplat("render", tmp_path / "4d.npy", "-o", out), 1, stderr="time=0..1")
     check(wavesplat("render", ramp_file, "-o", tmp_path / "no" / "a.png"), 1, stderr="folder does not exist")
-    check(wavesplat("render", ramp_file, "-o", tmp_path / "a.jpg"), 1, stderr="use one of .png, .tif, .tiff, .exr")
+    check(wavesplat("render", ramp_file, "-o", tmp_path / "a.jpg"), 1, stderr="use one of: .png, .tif, .tiff, .exr")
     check(
         wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "no.json"),
         1,
@@ -154,8 +154,50 @@ def test_failures_exit_with_1_and_leave_nothing(wavesplat, ramp_file, tmp_path):
     assert not [entry for entry in tmp_path.iterdir() if "a." in entry.name]
 
 
-def test_bad_outputs_are_found_before_the_work(wavesplat, tmp_path):
-    check(wavesplat("render", tmp_path / "no.nii", "-o", tmp_path / "no" / "a.png"), 1, stderr="folder does not exist")
+@pytest.mark.parametrize(
+    ("command", "suffix", "options"),
+    [
+        ("render", "png", []),
+        ("slice", "exr", []),
+        ("mesh", "stl", ["--iso-value", "1"]),
+        ("wavelet", "wavelets", []),
+    ],
+)
+def test_bad_outputs_are_found_before_the_work(wavesplat, tmp_path, command, suffix, options):
+    def run(output, *more):
+        return wavesplat(command, tmp_path / "no.nii", "-o", output, *options, *more)
+
+    check(run(tmp_path / "no" / f"a.{suffix}"), 1, stderr="folder does not exist")
+    check(run(tmp_path / "a.jpg"), 1, stderr="as .jpg; use one of: .")
+    check(run(tmp_path / "no.nii" / f"a.{suffix}"), 1, stderr="folder does not exist")
+    check(run(tmp_path / f"a.{suffix}"), 1, stderr="no such file or folder; check the name: ")
+    if command in ("render", "slice"):
+        check(run(tmp_path / f"a.{suffix}", "--bits", "12"), 2, stderr="bits is 12")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["render", "IN", "-o", "IN"], "INPUT and --output are the same file"),
+        (["slice", "IN", "-o", "IN"], "INPUT and --output are the same file"),
+        (["render", "IN", "-o", "OUT", "--report", "OUT"], "--output and --report are the same file"),
+        (["render", "IN", "-o", "OUT", "--report", "IN"], "INPUT and --report are the same file"),
+    ],
+)
+def test_no_file_is_written_over_another_of_the_command(wavesplat, tmp_path, arguments, message):
+    import tifffile
+
+    places = {"IN": tmp_path / "a.tif", "OUT": tmp_path / "." / "b.png"}
+    tifffile.imwrite(places["IN"], np.random.default_rng(1).random((4, 4, 4), np.float32), photometric="minisblack")
+    before = places["IN"].read_bytes()
+    check(wavesplat(*[places.get(a, a) for a in arguments]), 2, stderr=message)
+    assert places["IN"].read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.tif"]
+
+
+def test_demo_finds_out_first_whether_it_can_write(wavesplat, tmp_path):
+    (tmp_path / "ripples.png").mkdir()  # the last picture
+    check(wavesplat("demo", "-o", tmp_path), 1, stderr="this is a folder")
 
 
 def test_notes_go_to_stderr_and_quiet_stops_them(wavesplat, tmp_path):

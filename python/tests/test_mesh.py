@@ -271,7 +271,7 @@ def test_a_missing_library_is_named(monkeypatch):
 
 def test_files_that_cannot_be_written(tmp_path, monkeypatch):
     mesh = ws.mesh(half_ball(), 0, step=4)
-    with pytest.raises(ws.errors.FileError, match=r"kind '\.vtk'; use one of \.ply, \.stl, \.obj, \.glb, \.gltf"):
+    with pytest.raises(ws.errors.FileError, match=r"as \.vtk; use one of: \.ply, \.stl, \.obj, \.glb, \.gltf"):
         mesh.save(tmp_path / "a.vtk")
     with pytest.raises(ws.errors.FileError, match="the folder does not exist"):
         mesh.save(tmp_path / "no" / "a.stl")
@@ -310,7 +310,7 @@ def test_the_command_says_as_json_what_it_made(wavesplat, ramp_file, tmp_path):
     [
         (["IN", "-o", "a.stl"], 2, "--iso-value"),
         (["IN", "-o", "a.stl", "--iso-value", "300"], 2, "its samples are 0 to 255"),
-        (["IN", "-o", "a.jpg", "--iso-value", "100"], 1, "use one of .ply, .stl, .obj, .glb, .gltf"),
+        (["IN", "-o", "a.jpg", "--iso-value", "100"], 1, "use one of: .ply, .stl, .obj, .glb, .gltf"),
         (["no.nii", "-o", "no/a.stl", "--iso-value", "100"], 1, "folder does not exist"),
         (["IN", "-o", "a.stl", "--iso-value", "9", "--crop", "1,1,1,2,2,2", "--crop-index", "1,1,1,2,2,2"], 2, "twice"),
     ],

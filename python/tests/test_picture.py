@@ -48,7 +48,7 @@ def test_notebooks_get_a_png():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.jpg", r"'.jpg'; use one of .png, .tif, .tiff, .exr: .*a.jpg$"),
+        ("a.jpg", r"as \.jpg; use one of: \.png, \.tif, \.tiff, \.exr: .*a\.jpg$"),
         ("a", "without a suffix"),
         ("nowhere/a.png", "folder does not exist.*a.png$"),
         ("folder.png", "this is a folder.*folder.png$"),
@@ -85,3 +85,5 @@ def test_a_failure_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, suffi
 def test_bits_are_8_or_16(tmp_path):
     with pytest.raises(ArgumentError, match="bits is 12"):
         PICTURE.save(tmp_path / "a.png", bits=12)
+    with pytest.raises(ArgumentError, match="bits is 12"):
+        PICTURE.save(tmp_path / "a.tif", bits=12)

@@ -55,11 +55,18 @@ def test_a_wavelet_volume_without_coefficients_is_kept(tmp_path):
 
 
 def test_other_names_are_refused(tmp_path, coefficients):
-    with pytest.raises(ws.errors.ArgumentError, match=r"ends in \.wavelets"):
+    with pytest.raises(ws.errors.FileError, match=r"coefficients as \.npz; use one of: \.wavelets: .*head\.npz"):
         coefficients.save(tmp_path / "head.npz")
     with pytest.raises(ws.errors.FileError, match="the folder does not exist"):
         coefficients.save(tmp_path / "none" / "head.wavelets")
     assert not list(tmp_path.iterdir())
+
+
+def test_suffixes_may_be_in_capitals(wavesplat, tmp_path, coefficients):
+    coefficients.save(tmp_path / "HEAD.WAVELETS")
+    assert wavesplat("info", tmp_path / "HEAD.WAVELETS").returncode == 0
+    with pytest.raises(ws.errors.ArgumentError, match="a file of wavelet coefficients"):
+        ws.open(tmp_path / "HEAD.WAVELETS")
 
 
 def test_a_write_that_fails_leaves_what_was_there(tmp_path, coefficients, monkeypatch):

@@ -9,6 +9,7 @@ from typing import Any
 
 from wavesplat import examples
 from wavesplat.camera import Camera
+from wavesplat.output import check_output
 from wavesplat.rendering import render
 from wavesplat.volume import Volume
 
@@ -59,7 +60,10 @@ SCENES = (
 
 def draw(folder: Path) -> Iterator[Path]:
     """Draw each scene to a PNG file in the folder, which must exist, and give its path."""
-    for scene in SCENES:
+    paths = [folder / f"{scene.name}.png" for scene in SCENES]
+    for path in paths:
+        check_output(path, "pictures")
+    for scene, path in zip(SCENES, paths, strict=True):
         volume = scene.volume()
         camera = Camera.orbit(volume, scene.azimuth, scene.elevation, view_angle=scene.view_angle, zoom=scene.zoom)
         picture = render(
@@ -70,6 +74,5 @@ def draw(folder: Path) -> Iterator[Path]:
             background="black",
             **scene.options,
         )
-        path = folder / f"{scene.name}.png"
         picture.save(path)
         yield path

@@ -10,26 +10,23 @@ from dataclasses import dataclass
 from math import isfinite
 from operator import index
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat.crop import Crop
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError
 from wavesplat.isosurface import Isosurface, isosurface
 from wavesplat.libraries import library
-from wavesplat.output import check_writable, write_atomically
+from wavesplat.output import check_output, write_atomically
 from wavesplat.volume import Volume
 from wavesplat.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["SUFFIXES", "Mesh", "check_suffix", "mesh"]
-
-SUFFIXES = (".ply", ".stl", ".obj", ".glb", ".gltf")
+__all__ = ["Mesh", "mesh"]
 
 Floats = NDArray[np.float64]
 
@@ -109,8 +106,7 @@ class Mesh:
         LibraryError
             If trimesh is not installed.
         """
-        suffix = check_suffix(path)
-        check_writable(path)
+        suffix = check_output(path, "meshes")
         content = _encoded(self.to_trimesh(), suffix)
         write_atomically(path, lambda part: part.write_bytes(content))
 
@@ -170,15 +166,6 @@ def mesh(
     _check_range(volume, iso_value)
     surface = isosurface(volume, iso_value, step=step, crop=crop)
     return _in_world(volume, surface if closed else _left_open(surface, volume.name))
-
-
-def check_suffix(path: str | PathLike[str]) -> str:
-    """The suffix in lower case, if a mesh can be written under it; else a `FileError`."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        known = ", ".join(SUFFIXES)
-        raise FileError(f"cannot write meshes of kind {suffix or 'without a suffix'!r}; use one of {known}: {path}")
-    return suffix
 
 
 # Arguments -----------------------------------------------------------------------------------------------------------

@@ -1,4 +1,7 @@
-"""Files appear whole or not at all: written beside their place under another name, then moved there."""
+"""What can be written where, and files that appear whole or not at all.
+
+A file is written beside its place under another name, then moved there.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,30 @@ import os
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
+from typing import Literal, TypeAlias
 
 from wavesplat.errors import FileError
 
-__all__ = ["check_writable", "write_atomically"]
+__all__ = ["SUFFIXES", "Kind", "check_output", "check_writable", "write_atomically"]
+
+Kind: TypeAlias = Literal["pictures", "meshes", "wavelet coefficients"]
+
+#: What each kind of result is written as; the suffix chooses the format.
+SUFFIXES: dict[Kind, tuple[str, ...]] = {
+    "pictures": (".png", ".tif", ".tiff", ".exr"),
+    "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
+    "wavelet coefficients": (".wavelets",),
+}
+
+
+def check_output(path: str | PathLike[str], kind: Kind) -> str:
+    """The suffix in lower case, if a result of this kind can be written there; else a `FileError`."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES[kind]:
+        given = f"as {suffix}" if suffix else "to a name without a suffix"
+        raise FileError(f"cannot write {kind} {given}; use one of: {', '.join(SUFFIXES[kind])}: {path}")
+    check_writable(path)
+    return suffix
 
 
 def check_writable(path: str | PathLike[str]) -> Path:

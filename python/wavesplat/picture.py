@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError
 
-__all__ = ["SUFFIXES", "Picture"]
-
-SUFFIXES = (".png", ".tif", ".tiff", ".exr")
+__all__ = ["Picture", "check_bits"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +101,8 @@ class Picture:
         """
         from wavesplat import output
 
-        suffix = check_suffix(path)
+        suffix = output.check_output(path, "pictures")
+        check_bits(bits)
         if suffix == ".png":
             content = self._png(bits)
             output.write_atomically(path, lambda part: part.write_bytes(content))
@@ -116,8 +115,6 @@ class Picture:
         return self._png(8)
 
     def _png(self, bits: int) -> bytes:
-        if bits not in (8, 16):
-            raise ArgumentError(f"bits is {bits!r}; a PNG file has 8 or 16 bits per channel")
         return _native.encode_png(np.ascontiguousarray(self.rgba, dtype=np.float32), bits)
 
     def _write_tiff(self, path: Path) -> None:
@@ -141,10 +138,7 @@ class Picture:
             raise OSError(str(error)) from error
 
 
-def check_suffix(path: str | PathLike[str]) -> str:
-    """The suffix in lower case, if a picture can be written under it; else a `FileError`."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        known = ", ".join(SUFFIXES)
-        raise FileError(f"cannot write pictures of kind {suffix or 'without a suffix'!r}; use one of {known}: {path}")
-    return suffix
+def check_bits(bits: int) -> None:
+    """An `ArgumentError` if a PNG file cannot have so many bits per channel."""
+    if bits not in (8, 16):
+        raise ArgumentError(f"bits is {bits!r}; a PNG file has 8 or 16 bits per channel")

@@ -16,16 +16,15 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat.errors import ArgumentError, FileError
 from wavesplat.grid import Grid
-from wavesplat.output import write_atomically
+from wavesplat.output import check_output, write_atomically
 from wavesplat.readers import payload
 from wavesplat.readers.request import reading
 from wavesplat.volume import Volume
 
-__all__ = ["WaveletVolume", "check_suffix"]
+__all__ = ["WaveletVolume"]
 
 #: What counts as the size of a coefficient.
 NORMALISATIONS = ("l2", "peak")
-
 
 #: Bytes of decoded samples that are kept for the next picture, unless something else is asked for.
 CACHE_BYTES = 1 << 29
@@ -255,12 +254,10 @@ class WaveletVolume(Grid):
 
         Raises
         ------
-        ArgumentError
-            If the name has another suffix.
         FileError
-            If the file cannot be written.
+            If the name has another suffix or the file cannot be written.
         """
-        check_suffix(path)
+        check_output(path, "wavelet coefficients")
         has_block, masks, values = self._core.parts()
         arrays: dict[str, Any] = {
             "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
@@ -360,12 +357,6 @@ class WaveletVolume(Grid):
             f"<WaveletVolume {self._name!r}: z, y, x {' x '.join(map(str, self._shape))}, {self._family}, "
             f"{self.n_levels} levels, {100 * self.kept_fraction:.3g} % of the coefficients in {self.nbytes} bytes>"
         )
-
-
-def check_suffix(path: str | PathLike[str]) -> None:
-    """An `ArgumentError` if coefficients are not kept under such a name."""
-    if not str(path).endswith(".wavelets"):
-        raise ArgumentError(f"cannot save coefficients as {path}; give a name that ends in .wavelets")
 
 
 def _rebuild(

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat.cli.crop_options import box, chosen_crop
+from wavesplat.cli.outputs import check_outputs
 from wavesplat.cli.parsers import refuse_pairs
 from wavesplat.cli.printing import print_result
 from wavesplat.cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
@@ -36,11 +37,9 @@ def mesh(
 ) -> None:
     """Write the surface of one value as a triangle mesh, in world units, and print its path."""
     refuse_pairs(crop=crop, crop_index=crop_index)
+    check_outputs(input, output, "meshes")
     from wavesplat import meshing
-    from wavesplat.output import check_writable
 
-    meshing.check_suffix(output)
-    check_writable(output)
     volume = open_any(input, reader)
     surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=chosen_crop(crop, crop_index))
     surface.save(output)

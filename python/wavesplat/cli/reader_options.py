@@ -91,7 +91,7 @@ def open_samples(path: str, reader: ReaderOptions) -> Volume:
 
 def open_any(path: str, reader: ReaderOptions) -> Volume | WaveletVolume:
     """A volume of samples, or a file of wavelet coefficients."""
-    if not path.endswith(".wavelets"):
+    if not path.lower().endswith(".wavelets"):
         return open_samples(path, reader)
     from wavesplat.wavelet_volume import WaveletVolume
 

@@ -10,6 +10,7 @@ import typer
 
 from wavesplat.cli import parsers
 from wavesplat.cli.crop_options import box, chosen_crop
+from wavesplat.cli.outputs import check_outputs
 from wavesplat.cli.printing import json_text, message, print_result
 from wavesplat.cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat.cli.shared_options import (
@@ -106,8 +107,11 @@ def render(
     parsers.refuse_pairs(view=view, azimuth=azimuth)
     parsers.refuse_pairs(view=view, elevation=elevation)
     parsers.refuse_pairs(crop=crop, crop_index=crop_index)
-    _check_outputs(output, report)
+    check_outputs(input, output, "pictures", report)
+    from wavesplat.picture import check_bits
     from wavesplat.rendering import DEFAULT_SHADING
+
+    check_bits(bits)
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
     transfer_function = chosen_transfer_function(
@@ -140,17 +144,6 @@ def render(
     if report is not None:
         _write_report(report, facts)
     print_result(facts, output, as_json=json)
-
-
-def _check_outputs(output: Path, report: Path | None) -> None:
-    """Find out before the work whether its result can be kept."""
-    from wavesplat.output import check_writable
-    from wavesplat.picture import check_suffix
-
-    check_suffix(output)
-    check_writable(output)
-    if report is not None:
-        check_writable(report)
 
 
 def _levels(

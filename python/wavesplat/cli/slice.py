@@ -7,6 +7,7 @@ from typing import Annotated, Any, get_args
 import typer
 
 from wavesplat.cli import parsers
+from wavesplat.cli.outputs import check_outputs
 from wavesplat.cli.printing import print_result
 from wavesplat.cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat.cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Threads, Zoom
@@ -82,13 +83,11 @@ def slice(
     parsers.refuse_pairs(plane=plane, normal=normal)
     if (point is None) != (normal is None):
         raise ArgumentError("--point and --normal belong together; give both, or a --plane")
-    from wavesplat.output import check_writable
-    from wavesplat.picture import check_suffix
-
-    check_suffix(output)
-    check_writable(output)
+    check_outputs(input, output, "pictures")
+    from wavesplat.picture import check_bits
     from wavesplat.slicing import slice as cut
 
+    check_bits(bits)
     volume = open_any(input, reader)
     is_colored = preset is not None or tf is not None
     picture = cut(

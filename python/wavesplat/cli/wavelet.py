@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from wavesplat.cli.outputs import check_outputs
 from wavesplat.cli.parsers import one_of
 from wavesplat.cli.printing import print_result
 from wavesplat.cli.reader_options import Input, ReaderOptions, open_samples, takes_reader_options
@@ -37,11 +38,11 @@ def wavelet(
     json: Json = False,
 ) -> None:
     """Analyse a volume, drop small wavelet coefficients, say what is left, and keep it in a file."""
-    from wavesplat import describe
-    from wavesplat.wavelet_volume import WaveletVolume, check_suffix
-
     if output is not None:
-        check_suffix(output)
+        check_outputs(input, output, "wavelet coefficients")
+    from wavesplat import describe
+    from wavesplat.wavelet_volume import WaveletVolume
+
     volume = open_samples(input, reader)
     wavelets = WaveletVolume.from_volume(
         volume, family, threshold=threshold, keep=keep, psnr=psnr, levels=levels, normalisation=normalisation

@@ -137,7 +137,7 @@ def open(
     (2, 3, 4)
     """
     request = Request(path, series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset)
-    if str(path).endswith(".wavelets"):
+    if str(path).lower().endswith(".wavelets"):
         raise ArgumentError(
             f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
         )

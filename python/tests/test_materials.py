@@ -148,6 +148,7 @@ ENTRY = {"name": "bone", "probability": [[150, 0], [300, 1]], "color": [1, 1, 1]
         ({"materials": [ENTRY, ENTRY]}, "two are named 'bone'"),
         ({"material": []}, "unknown field 'material'.*materials"),
         ({"opacity_unit": "mm"}, "'opacity_unit' is 'mm'"),
+        ({"opacity_unit": True}, "'opacity_unit' is True"),
         ({"opacity_unit": -1}, "opacity_unit.*-1.*positive"),
     ],
 )

@@ -70,6 +70,7 @@ GOOD = {"version": 1, "opacity": [[0, 0], [1, 1]], "color": [[0, 1, 1, 1]]}
         ({"opacity": "thin"}, "'opacity' is not a list"),
         ({"colour": []}, "unknown field 'colour'.*color"),
         ({"opacity_unit": "mm"}, "'opacity_unit' is 'mm'"),
+        ({"opacity_unit": True}, "'opacity_unit' is True"),
         ({"values": "percent"}, "'values' is 'percent'"),
         ({"opacity": [[0, 2]]}, "between 0 and 1"),
         ({"values": "fraction"}, "pass the volume"),

@@ -1,4 +1,7 @@
-"""What our JSON texts share: one object, with a version, whose errors name the file and the field."""
+"""What our JSON texts share: one object, with a version, whose errors name the file and the field.
+
+Transfer functions and materials are such texts; presets are files of them in a folder of the package.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,23 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from wavesplat.errors import ArgumentError, FileError
+from wavesplat.output import write_atomically
 
-__all__ = ["check_fields", "load", "parse"]
+__all__ = ["check_fields", "check_list", "load", "names_in", "optional_number", "parse", "save", "write"]
 
 T = TypeVar("T")
+
+VERSION = 1
+
+
+def write(fields: dict[str, Any]) -> str:
+    """JSON text of an object with these fields and the version; numbers read back exactly."""
+    return json.dumps({"version": VERSION, **fields}, indent=2, ensure_ascii=False) + "\n"
+
+
+def save(path: str | PathLike[str], text: str) -> None:
+    """Write a JSON text to a file, or raise a `FileError` and leave nothing behind."""
+    write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
 
 
 def load(path: str | PathLike[str], what: str, build: Callable[[str], T]) -> T:
@@ -47,9 +63,28 @@ def check_fields(
     for name in needed:
         if name not in document:
             raise ArgumentError(f"{what}: field {name!r} is missing; see {hint} for the form")
-    version = document.get("version", 1)
-    if version != 1:
-        raise ArgumentError(f"{what}: field 'version' is {version!r}; this release reads version 1")
+    version = document.get("version", VERSION)
+    if version != VERSION:
+        raise ArgumentError(f"{what}: field 'version' is {version!r}; this release reads version {VERSION}")
     unknown = sorted(set(document) - set(known))
     if unknown:
         raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(known))}")
+
+
+def check_list(document: dict[str, Any], what: str, name: str, form: str) -> None:
+    """Refuse a field that is there and no list. `form`: how such a list is written."""
+    if not isinstance(document.get(name, []), list):
+        raise ArgumentError(f"{what}: field {name!r} is not a list; write {form}")
+
+
+def optional_number(document: dict[str, Any], what: str, name: str) -> float | None:
+    """The number in a field; None if it is null or not there."""
+    number: Any = document.get(name)
+    if number is not None and (isinstance(number, bool) or not isinstance(number, int | float)):
+        raise ArgumentError(f"{what}: field {name!r} is {number!r}; it must be a number or null")
+    return number
+
+
+def names_in(folder: Any) -> list[str]:
+    """Names of the JSON files in a folder of the package, without the suffix, in alphabetical order."""
+    return sorted(entry.name.removesuffix(".json") for entry in folder.iterdir() if entry.name.endswith(".json"))

@@ -285,10 +285,9 @@ class Materials:
         FileError
             If the file cannot be written; nothing is left behind.
         """
-        from wavesplat import output
+        from wavesplat import json_object
 
-        text = self.to_json()
-        output.write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
+        json_object.save(path, self.to_json())
 
     def _claims(self, values: NDArray[np.float64], side: Literal["left", "right"]) -> NDArray[np.float64]:
         """What the curves say of values, or, from the left, of values just below them, [n, material]."""

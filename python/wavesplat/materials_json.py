@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from importlib.resources import files
 from os import PathLike
@@ -29,12 +28,8 @@ PRESETS = files("wavesplat.presets") / "materials"
 
 def write(materials: Materials) -> str:
     """JSON text of materials; numbers read back exactly."""
-    document = {
-        "version": 1,
-        "opacity_unit": materials.opacity_unit,
-        "materials": [asdict(material) for material in materials.materials],
-    }
-    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+    listed = [asdict(material) for material in materials.materials]
+    return json_object.write({"opacity_unit": materials.opacity_unit, "materials": listed})
 
 
 def load(path: str | PathLike[str]) -> Materials:
@@ -46,11 +41,8 @@ def parse(text: str) -> Materials:
     """The materials in a JSON text."""
     document = json_object.parse(text, WHAT, "materials")
     json_object.check_fields(document, WHAT, needed=("version", "materials"), known=FIELDS, hint=HINT)
-    if not isinstance(document["materials"], list):
-        raise ArgumentError("materials: field 'materials' is not a list; write [{...}, ...]")
-    unit = document.get("opacity_unit")
-    if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
-        raise ArgumentError(f"materials: field 'opacity_unit' is {unit!r}; it must be a number or null")
+    json_object.check_list(document, WHAT, "materials", "[{...}, ...]")
+    unit = json_object.optional_number(document, WHAT, "opacity_unit")
     return Materials((_material(entry, number) for number, entry in enumerate(document["materials"])), unit)
 
 
@@ -63,7 +55,7 @@ def preset(name: str) -> Materials:
 
 def preset_names() -> list[str]:
     """Names of all presets, in alphabetical order."""
-    return sorted(entry.name.removesuffix(".json") for entry in PRESETS.iterdir() if entry.name.endswith(".json"))
+    return json_object.names_in(PRESETS)
 
 
 def _material(entry: Any, number: int) -> Material:

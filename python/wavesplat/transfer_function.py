@@ -227,10 +227,9 @@ class TransferFunction:
         FileError
             If the file cannot be written; nothing is left behind.
         """
-        from wavesplat import output
+        from wavesplat import json_object
 
-        text = self.to_json()
-        output.write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
+        json_object.save(path, self.to_json())
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.opacity, self.color, self.opacity_unit, self.gradient_opacity)

@@ -10,7 +10,6 @@
 
 from __future__ import annotations
 
-import json
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -30,15 +29,14 @@ FIELDS = {"version", "name", "description", "values", "opacity_unit", "opacity",
 
 def write(transfer_function: TransferFunction) -> str:
     """JSON text of a transfer function; numbers read back exactly."""
-    curves = {
-        "version": 1,
+    curves: dict[str, Any] = {
         "opacity_unit": transfer_function.opacity_unit,
         "opacity": transfer_function.opacity,
         "color": transfer_function.color,
     }
     if transfer_function.gradient_opacity:
         curves["gradient_opacity"] = transfer_function.gradient_opacity
-    return json.dumps(curves, indent=2) + "\n"
+    return json_object.write(curves)
 
 
 def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None) -> TransferFunction:
@@ -57,11 +55,7 @@ def _check_fields(document: dict[str, Any]) -> None:
     needed = ("version", "opacity", "color")
     json_object.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="TransferFunction.to_json")
     for name in ("opacity", "color", "gradient_opacity"):
-        if not isinstance(document.get(name, []), list):
-            raise ArgumentError(f"transfer function: field {name!r} is not a list of nodes; write [[value, ...], ...]")
-    unit = document.get("opacity_unit")
-    if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
-        raise ArgumentError(f"transfer function: field 'opacity_unit' is {unit!r}; it must be a number or null")
+        json_object.check_list(document, WHAT, name, "nodes, [[value, ...], ...]")
     if document.get("values", "samples") not in ("samples", "fraction"):
         raise ArgumentError(
             f'transfer function: field \'values\' is {document["values"]!r}; it is "samples" or "fraction"'
@@ -69,8 +63,9 @@ def _check_fields(document: dict[str, Any]) -> None:
 
 
 def _build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> TransferFunction:
+    unit = json_object.optional_number(document, WHAT, "opacity_unit")
     gradient = document.get("gradient_opacity", [])
-    curves = TransferFunction(document["opacity"], document["color"], document.get("opacity_unit"), gradient)
+    curves = TransferFunction(document["opacity"], document["color"], unit, gradient)
     if document.get("values") != "fraction":
         return curves
     if volume is None:

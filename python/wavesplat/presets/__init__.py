@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from wavesplat import transfer_function_json
+from wavesplat import json_object, transfer_function_json
 from wavesplat.errors import ArgumentError
 from wavesplat.transfer_function import TransferFunction
 
@@ -18,8 +18,7 @@ __all__ = ["names", "preset"]
 
 def names() -> list[str]:
     """Names of all presets, in alphabetical order."""
-    stored = (entry.name for entry in files(__name__).iterdir())
-    return sorted(["auto", *(name.removesuffix(".json") for name in stored if name.endswith(".json"))])
+    return sorted(["auto", *json_object.names_in(files(__name__))])
 
 
 def preset(name: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:

@@ -69,9 +69,26 @@ pub struct Corner {
     pub size: [usize; 3],
 }
 
-/// Runs `work(axis, bundle)` on all lines of a box along all axes that have an order: the row of the bundle in which
-/// each coefficient is found. Axes without one are left alone.
+/// Runs `analyse(axis, bundle)` or `synthesise(axis, bundle)`, as the direction says, on all lines of a box along all
+/// axes that have an order: the row of the bundle in which each coefficient is found. Axes without one are left alone.
 pub fn transform<T: Copy + Default + Send + Sync>(
+    data: &mut [T],
+    corner: Corner,
+    orders: [Option<&[usize]>; 3],
+    direction: Direction,
+    width: simd::Level,
+    analyse: impl Fn(usize, &mut Lines<T>) + Sync + Send,
+    synthesise: impl Fn(usize, &mut Lines<T>) + Sync + Send,
+) {
+    // The direction is decided here, once, not for every bundle.
+    match direction {
+        Direction::Analysis => on_lines(data, corner, orders, direction, width, analyse),
+        Direction::Synthesis => on_lines(data, corner, orders, direction, width, synthesise),
+    }
+}
+
+/// One direction of [`transform`].
+fn on_lines<T: Copy + Default + Send + Sync>(
     data: &mut [T],
     corner: Corner,
     orders: [Option<&[usize]>; 3],

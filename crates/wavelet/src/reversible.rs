@@ -45,33 +45,23 @@ fn run_level(plan: &Plan, level: usize, data: &mut [i32], direction: Direction) 
     let [nx, ny, _] = plan.size();
     let corner = Corner { pitch: [nx, ny], size: plan.low_size(level) };
     let orders = [0, 1, 2].map(|axis| plan.step(level, axis).order());
-    let width = simd::Level::best();
-    match direction {
-        Direction::Analysis => lines::transform(
-            data,
-            corner,
-            orders,
-            direction,
-            width,
-            #[inline(always)]
-            |_, lines| {
-                lift(&mut lines.rows, 1, |x, sum| x.wrapping_sub(sum >> 1));
-                lift(&mut lines.rows, 0, |x, sum| x.wrapping_add(sum.wrapping_add(2) >> 2));
-            },
-        ),
-        Direction::Synthesis => lines::transform(
-            data,
-            corner,
-            orders,
-            direction,
-            width,
-            #[inline(always)]
-            |_, lines| {
-                lift(&mut lines.rows, 0, |x, sum| x.wrapping_sub(sum.wrapping_add(2) >> 2));
-                lift(&mut lines.rows, 1, |x, sum| x.wrapping_add(sum >> 1));
-            },
-        ),
-    }
+    lines::transform(
+        data,
+        corner,
+        orders,
+        direction,
+        simd::Level::best(),
+        #[inline(always)]
+        |_, lines| {
+            lift(&mut lines.rows, 1, |x, sum| x.wrapping_sub(sum >> 1));
+            lift(&mut lines.rows, 0, |x, sum| x.wrapping_add(sum.wrapping_add(2) >> 2));
+        },
+        #[inline(always)]
+        |_, lines| {
+            lift(&mut lines.rows, 0, |x, sum| x.wrapping_sub(sum.wrapping_add(2) >> 2));
+            lift(&mut lines.rows, 1, |x, sum| x.wrapping_add(sum >> 1));
+        },
+    );
 }
 
 /// Changes the rows of one parity by the sum of their neighbours.

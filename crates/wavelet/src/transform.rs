@@ -89,27 +89,17 @@ fn run_level<T: Sample>(
     let steps = [0, 1, 2].map(|axis| plan.step(level, axis));
     let corner = Corner { pitch, size: plan.low_size(level) };
     let orders = steps.map(|step| step.order());
-    // The direction is decided here, once, not for every bundle.
-    match direction {
-        Direction::Analysis => lines::transform(
-            data,
-            corner,
-            orders,
-            direction,
-            width,
-            #[inline(always)]
-            |axis, lines| steps[axis].analyse(lines),
-        ),
-        Direction::Synthesis => lines::transform(
-            data,
-            corner,
-            orders,
-            direction,
-            width,
-            #[inline(always)]
-            |axis, lines| steps[axis].synthesise(lines),
-        ),
-    }
+    lines::transform(
+        data,
+        corner,
+        orders,
+        direction,
+        width,
+        #[inline(always)]
+        |axis, lines| steps[axis].analyse(lines),
+        #[inline(always)]
+        |axis, lines| steps[axis].synthesise(lines),
+    );
 }
 
 #[cfg(test)]

@@ -4,6 +4,9 @@ Times on shared machines vary by a factor, counts do not. The frames are those o
 one thread; the count of one frame is that of three frames less that of one, halved, so that set-up falls out. Valgrind
 knows no AVX-512, so these are the counts of the AVX2 kernels. Exit code 1 if a count is more than 10 % above the one
 in `instructions.json`; `--record` writes that file.
+
+Vector instructions that are functions of their own in the program are an error too, of any width: they are called from
+a closure or function that is not `#[inline(always)]`, which costs a call and a trip through memory per instruction.
 """
 
 from __future__ import annotations
@@ -39,6 +42,12 @@ def run(scene: str, n_frames: int) -> tuple[int, int]:
     return int(collected[1]), int(done.stdout)
 
 
+def calls_of_vector_instructions() -> list[str]:
+    """Names of vector instructions that were not inlined."""
+    names = subprocess.run(["nm", "--demangle", str(FRAMES)], capture_output=True, text=True, check=True).stdout
+    return sorted(set(re.findall(r"core_arch::.*::(_mm(?:256|512)_\w+)", names)))
+
+
 def main() -> int:
     """Count, print, compare."""
     counts = {}
@@ -49,6 +58,9 @@ def main() -> int:
         RECORD.write_text(json.dumps(counts, indent=1) + "\n", encoding="utf-8")
     recorded = json.loads(RECORD.read_text(encoding="utf-8"))
     status = 0
+    if called := calls_of_vector_instructions():
+        print(f"called, not inlined: {', '.join(called)}; some closure or function around them lacks inline(always)")
+        status = 1
     for scene, count in counts.items():
         change = count / recorded[scene]
         print(f"{scene}: {count} instructions per texel, {recorded[scene]} recorded, {change - 1:+.1%}")

@@ -9,7 +9,7 @@
 //! both, and looked up bilinearly.
 
 use glam::DMat3;
-use wavesplat_compute::simd::{LANES, Simd as _, Wide};
+use wavesplat_compute::simd::{LANES, Simd, Wide};
 use wavesplat_core::{Joint, TransferFunction};
 
 use crate::base_plane::Family;
@@ -152,24 +152,29 @@ impl Table {
     #[inline(always)]
     fn look_up<W: Wide>(&self, w: W, density: W::F, magnitude: W::F) -> [W::F; 4] {
         let (density, magnitude) = (w.part(density), w.part(magnitude));
-        let [first, second] = [0, 1].map(|half| {
-            let (mut densities, mut magnitudes) = ([0.0; LANES], [0.0; LANES]);
-            w.one().store(density[half], &mut densities);
-            w.one().store(magnitude[half], &mut magnitudes);
-            let mut rgbd = [[0.0; LANES]; 4];
-            for lane in 0..LANES {
-                let (i, t) = Self::cell(self.along[0], densities[lane]);
-                let (j, s) = Self::cell(self.along[1], magnitudes[lane]);
-                let row = &self.entries[j * self.along[0].n + i..];
-                let above = &self.entries[(j + 1) * self.along[0].n + i..];
-                for c in 0..4 {
-                    let low = row[0][c] + (row[1][c] - row[0][c]) * t;
-                    let high = above[0][c] + (above[1][c] - above[0][c]) * t;
-                    rgbd[c][lane] = low + (high - low) * s;
-                }
+        let [r, g, b, depth] = self.look_up_half(w.one(), density[0], magnitude[0]);
+        let [r2, g2, b2, depth2] = self.look_up_half(w.one(), density[1], magnitude[1]);
+        [w.join(r, r2), w.join(g, g2), w.join(b, b2), w.join(depth, depth2)]
+    }
+
+    #[inline(always)]
+    fn look_up_half<S: Simd>(&self, s: S, density: S::F, magnitude: S::F) -> [S::F; 4] {
+        let (mut densities, mut magnitudes) = ([0.0; LANES], [0.0; LANES]);
+        s.store(density, &mut densities);
+        s.store(magnitude, &mut magnitudes);
+        let mut rgbd = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            let (i, t) = Self::cell(self.along[0], densities[lane]);
+            let (j, s) = Self::cell(self.along[1], magnitudes[lane]);
+            let row = &self.entries[j * self.along[0].n + i..];
+            let above = &self.entries[(j + 1) * self.along[0].n + i..];
+            for c in 0..4 {
+                let low = row[0][c] + (row[1][c] - row[0][c]) * t;
+                let high = above[0][c] + (above[1][c] - above[0][c]) * t;
+                rgbd[c][lane] = low + (high - low) * s;
             }
-            rgbd.map(|lanes| w.one().load(&lanes))
-        });
-        std::array::from_fn(|c| w.join(first[c], second[c]))
+        }
+        let [r, g, b, depth] = &rgbd;
+        [s.load(r), s.load(g), s.load(b), s.load(depth)]
     }
 }

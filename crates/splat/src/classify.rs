@@ -157,7 +157,7 @@ impl Classifier {
     #[inline(always)]
     pub fn color<S: Math>(&self, s: S, density: S::F) -> [S::F; 3] {
         if let Some(color) = self.only_color {
-            return color.map(|c| s.splat(c));
+            return [s.splat(color[0]), s.splat(color[1]), s.splat(color[2])];
         }
         let [r, g, b, _] = self.look_up(s, density);
         [r, g, b]

@@ -18,7 +18,7 @@ use wavesplat_core::Composite;
 
 use crate::classify::{Classifier, N_PARTS, one_minus_exp_neg};
 use crate::extras::Extras;
-use crate::fields::{FieldPanels, FieldSheets, FieldValues};
+use crate::fields::{FieldPanels, FieldPoint, FieldSheets, FieldValues};
 use crate::panel::Panel;
 use crate::rays::Rays;
 use crate::shade::Shader;
@@ -149,10 +149,9 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             self.read_fields(w, chunks, slab, which..which + 1);
         }
-        let value = |this: &Self, field: usize| this.here[which].value(w, field);
         let sheet = if which == 0 { &mut *slab.front } else { &mut *slab.back };
         let density = sheet.density(w, chunks);
-        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, &|field| value(self, field));
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, which..which + 1);
         if !self.see(w, chunks, rays, [density; 2]) && !matter_ahead {
             return;
         }
@@ -164,21 +163,20 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let mut classified = self.classifier.look_up(w, density);
         let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
         let needs_gradient = self.shader.is_some() || by_gradient.is_some();
-        let gradient = needs_gradient.then(|| sheet.gradient(w, geometry, panel, chunks));
+        let gradient = if needs_gradient { Some(sheet.gradient(w, geometry, panel, chunks)) } else { None };
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
             classified = by_gradient.classify(w, density, gradient, classified);
         }
         let [r, g, b, mut depth] = classified;
+        let point = FieldPoint::on(&self.here[which]);
         if EXTRA {
-            depth = w.mul(depth, self.extras.scan_share(w, &|field| value(self, field)));
+            depth = w.mul(depth, self.extras.scan_share(w, &point));
         }
         let mut alpha = one_minus_exp_neg(w, w.mul(depth, length));
         let to_eye = rays.to_eye(w, chunks);
-        let mut rgb = self.shade(w, [r, g, b], gradient, to_eye, &|field| value(self, field));
-        if EXTRA && let Some(matter) = self.extras.matter(w, &|field| value(self, field)) {
-            let gradient = self.here[which].gradient(w);
-            let value = |field| value(self, field);
-            (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, gradient, to_eye, &value);
+        let mut rgb = self.shade(w, [r, g, b], gradient, to_eye, &point);
+        if EXTRA && let Some(matter) = self.extras.matter(w, &point) {
+            (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
         }
         self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
     }
@@ -193,10 +191,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         }
         let front = slab.front.density(w, chunks);
         let back = slab.back.density(w, chunks);
-        let matter_ahead = EXTRA && {
-            let ends = |field| [0, 1].map(|which| self.here[which].value(w, field));
-            self.see_matter(w, chunks, rays, &|field| w.max(ends(field)[0], ends(field)[1]))
-        };
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, 0..2);
         if !self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) && !matter_ahead {
             return;
         }
@@ -224,7 +219,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
                 let back = slab.back.gradient(w, geometry, slab.panel, chunks);
                 length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
             }
-            length = w.mul(length, self.extras.scan_share(w, &|field| self.field_at(w, field, at)));
+            length = w.mul(length, self.extras.scan_share(w, &FieldPoint::between(&self.here, at)));
         }
         let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
         for (k, depth) in passage.depths.into_iter().enumerate() {
@@ -239,23 +234,23 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
         let at = w.add_mul(begin, within, w.mul(extent, per_s));
         let rgb = self.classifier.color(w, w.add_mul(front, at, change));
-        let gradient = self.shader.map(|_| {
+        let mut gradient = None;
+        if self.shader.is_some() {
             let front = slab.front.gradient(w, geometry, slab.panel, chunks);
             let back = slab.back.gradient(w, geometry, slab.panel, chunks);
-            between(w, front, back, at)
-        });
+            gradient = Some(between(w, front, back, at));
+        }
         let to_eye = rays.to_eye(w, chunks);
-        let mut rgb = self.shade(w, rgb, gradient, to_eye, &|field| self.field_at(w, field, at));
+        let mut rgb = self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at));
         let mut visible = (
             w.add_mul(from, passage.first, extent),
             w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
         );
         if EXTRA {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
-            let value = |field| self.field_at(w, field, middle);
-            if let Some(matter) = self.extras.matter(w, &value) {
-                let gradient = between(w, self.here[0].gradient(w), self.here[1].gradient(w), middle);
-                (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, gradient, to_eye, &value);
+            let point = FieldPoint::between(&self.here, middle);
+            if let Some(matter) = self.extras.matter(w, &point) {
+                (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, to_eye, &point);
                 visible = (from, extent);
             }
         }
@@ -273,14 +268,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         }
     }
 
-    /// Value of a field between the sheets, at a share of the way.
-    #[inline(always)]
-    fn field_at<W: Wide>(&self, w: W, field: usize, share: W::F) -> W::F {
-        let [front, back] = [0, 1].map(|which| self.here[which].value(w, field));
-        w.add_mul(front, share, w.sub(back, front))
-    }
-
-    /// The scan's colour in the light that gets there. `value`: of a field, there.
+    /// The scan's colour in the light that gets to a point.
     #[inline(always)]
     fn shade<W: Wide>(
         &self,
@@ -288,7 +276,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         rgb: [W::F; 3],
         gradient: Option<[W::F; 3]>,
         to_eye: [W::F; 3],
-        value: &impl Fn(usize) -> W::F,
+        point: &FieldPoint<W>,
     ) -> [W::F; 3] {
         if !EXTRA {
             return match self.shader.zip(gradient) {
@@ -296,19 +284,22 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
                 None => rgb,
             };
         }
-        let rgb = self.extras.tint(w, rgb, value);
-        lit(w, rgb, self.shader.zip(gradient), to_eye, self.extras.light(w, value))
+        let rgb = self.extras.tint(w, rgb, point);
+        lit(w, rgb, self.shader.zip(gradient), to_eye, self.extras.light(w, point))
     }
 
-    /// Whether any ray that is not done can see labels' own matter.
+    /// Whether any ray that is not done can see labels' own matter on the sheets in front (0) and behind (1).
     #[inline(always)]
-    fn see_matter<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, value: &impl Fn(usize) -> W::F) -> bool {
+    fn see_matter<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, which: Range<usize>) -> bool {
         let Some(field) = self.extras.matter_field() else { return false };
-        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), value(field)))
+        let mut most = w.splat(0.0);
+        for k in which {
+            most = w.max(most, self.here[k].value(w, field));
+        }
+        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), most))
     }
 
     /// Mixes the labels' own matter into what the scan has in the same space.
-    #[expect(clippy::too_many_arguments, reason = "two things, and what both need")]
     #[inline(always)]
     fn add_matter<W: Wide>(
         &self,
@@ -316,13 +307,12 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         (rgb, alpha): ([W::F; 3], W::F),
         (depth, color): (W::F, [W::F; 3]),
         length: W::F,
-        gradient: [W::F; 3],
         to_eye: [W::F; 3],
-        value: &impl Fn(usize) -> W::F,
+        point: &FieldPoint<W>,
     ) -> ([W::F; 3], W::F) {
         let own = one_minus_exp_neg(w, w.mul(depth, length));
-        let shader = self.extras.label_shader.as_ref();
-        let color = lit(w, color, shader.map(|shader| (shader, gradient)), to_eye, self.extras.light(w, value));
+        let shader = self.extras.label_shader.as_ref().zip(Some(point.gradient(w)));
+        let color = lit(w, color, shader, to_eye, self.extras.light(w, point));
         let sum = w.add(alpha, own);
         let share = w.select(w.lt(w.splat(0.0), sum), w.div(own, sum), w.splat(0.0));
         let mut mixed = rgb;
@@ -334,7 +324,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
 
     #[inline(always)]
     fn add_piece<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, piece: &Piece<W>) {
-        let places = chunks.map(Chunk::index);
+        let places = [chunks[0].index(), chunks[1].index()];
         let s = w.one();
         let ([r, g, b, a], [r2, g2, b2, a2]) = (&self.rgba[places[0]], &self.rgba[places[1]]);
         let before = w.join(s.load(&a.0), s.load(&a2.0));
@@ -378,8 +368,9 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
     /// Whether any ray that is not done is among some.
     #[inline(always)]
     fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> bool {
-        let alpha = chunks.map(|chunk| w.one().load(&self.rgba[chunk.index()][3].0));
-        let is_open = w.lt(w.join(alpha[0], alpha[1]), w.splat(self.opaque));
+        let [first, second] = [&self.rgba[chunks[0].index()][3].0, &self.rgba[chunks[1].index()][3].0];
+        let alpha = w.join(w.one().load(first), w.one().load(second));
+        let is_open = w.lt(alpha, w.splat(self.opaque));
         let [first, second] = w.all_bits(w.and(visible, is_open));
         (first & !rays.missed(chunks[0])) | (second & !rays.missed(chunks[1])) != 0
     }
@@ -397,10 +388,19 @@ fn lit<W: Wide>(
     let rgb = match (shader, first) {
         (Some((shader, gradient)), Some(first)) => shader.shade_in_shadow(w, rgb, gradient, to_eye, first),
         (Some((shader, gradient)), None) => shader.shade(w, rgb, gradient, to_eye),
-        (None, Some(first)) => rgb.map(|c| w.mul(c, first)),
+        (None, Some(first)) => scaled(w, rgb, first),
         (None, None) => rgb,
     };
-    open.map_or(rgb, |open| rgb.map(|c| w.mul(c, open)))
+    match open {
+        Some(open) => scaled(w, rgb, open),
+        None => rgb,
+    }
+}
+
+/// A vector times a number.
+#[inline(always)]
+fn scaled<W: Wide>(w: W, [x, y, z]: [W::F; 3], factor: W::F) -> [W::F; 3] {
+    [w.mul(x, factor), w.mul(y, factor), w.mul(z, factor)]
 }
 
 /// Part of the way from one vector to another.
@@ -449,18 +449,32 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         let geometries = slab.field_geometries;
         slab.front.prepare(s, slab.geometry, block);
-        slab.fields[0].prepare(s, geometries, block);
-        if self.is_steep || slab.is_last {
+        let needs_back = self.is_steep || slab.is_last;
+        if needs_back {
             slab.back.prepare(s, slab.geometry, block);
-            slab.fields[1].prepare(s, geometries, block);
+        }
+        if EXTRA {
+            slab.fields[0].prepare(s, geometries, block);
+            if needs_back {
+                slab.fields[1].prepare(s, geometries, block);
+            }
         }
         for [first, second] in block.pairs() {
-            let alive = [first, second].map(|chunk| !rays.none(chunk) && !self.is_done(chunk));
-            match alive {
-                [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab),
-                [true, false] => self.add_chunks(s, [first; 2], rays, slab),
-                [false, true] => self.add_chunks(s, [second; 2], rays, slab),
-                [false, false] => {}
+            let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
+            // Two at a time, where that pays for the code it takes.
+            if EXTRA {
+                for (chunk, is_alive) in [(first, one), (second, other)] {
+                    if is_alive {
+                        self.add_chunks(s, [chunk; 2], rays, slab);
+                    }
+                }
+                continue;
+            }
+            match (one, other) {
+                (true, true) => self.add_chunks(Pair(s), [first, second], rays, slab),
+                (true, false) => self.add_chunks(s, [first; 2], rays, slab),
+                (false, true) => self.add_chunks(s, [second; 2], rays, slab),
+                (false, false) => {}
             }
         }
     }
@@ -614,7 +628,7 @@ impl FirstHit<'_> {
         if new == 0 {
             return;
         }
-        let mut rgb = self.rgb.map(|c| s.splat(c));
+        let mut rgb = [s.splat(self.rgb[0]), s.splat(self.rgb[1]), s.splat(self.rgb[2])];
         if let Some(shader) = self.shader {
             let front = slab.front.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
             let back = slab.back.gradient(s, slab.geometry, slab.panel, [chunk; 2]);

@@ -8,6 +8,7 @@
 use wavesplat_compute::simd::Wide;
 
 use crate::by_gradient::ByGradient;
+use crate::fields::FieldPoint;
 use crate::labels::LabelTerms;
 use crate::light::LightTerms;
 use crate::shade::Shader;
@@ -40,46 +41,55 @@ impl Extras {
         self.labels.as_ref().and_then(|labels| labels.matter)
     }
 
-    /// Share of the scan's optical depth that labels leave. `value`: of a field, here.
+    /// Share of the scan's optical depth that labels leave.
     #[inline(always)]
-    pub fn scan_share<W: Wide>(&self, w: W, value: &impl Fn(usize) -> W::F) -> W::F {
-        self.labels.as_ref().and_then(|labels| labels.scan).map_or_else(|| w.splat(1.0), value)
+    pub fn scan_share<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> W::F {
+        match self.labels.as_ref().and_then(|labels| labels.scan) {
+            Some(field) => point.value(w, field),
+            None => w.splat(1.0),
+        }
     }
 
     /// The scan's colour with the tint of labels.
     #[inline(always)]
-    pub fn tint<W: Wide>(&self, w: W, rgb: [W::F; 3], value: &impl Fn(usize) -> W::F) -> [W::F; 3] {
+    pub fn tint<W: Wide>(&self, w: W, rgb: [W::F; 3], point: &FieldPoint<W>) -> [W::F; 3] {
         let Some(labels) = &self.labels else { return rgb };
         let Some(tint) = labels.tint else { return rgb };
         // Shares of what is left of the scan.
-        let of_scan = w.div(w.splat(1.0), w.max(self.scan_share(w, value), w.splat(LEAST)));
-        let kept = w.sub(w.splat(1.0), w.mul(value(tint), of_scan));
+        let of_scan = w.div(w.splat(1.0), w.max(self.scan_share(w, point), w.splat(LEAST)));
+        let kept = w.sub(w.splat(1.0), w.mul(point.value(w, tint), of_scan));
         let mut tinted = rgb;
         for c in 0..3 {
-            tinted[c] = w.add_mul(w.mul(rgb[c], kept), value(tint + 1 + c), of_scan);
+            tinted[c] = w.add_mul(w.mul(rgb[c], kept), point.value(w, tint + 1 + c), of_scan);
         }
         tinted
     }
 
     /// Optical depth and colour of the labels' own matter.
     #[inline(always)]
-    pub fn matter<W: Wide>(&self, w: W, value: &impl Fn(usize) -> W::F) -> Option<(W::F, [W::F; 3])> {
+    pub fn matter<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> Option<(W::F, [W::F; 3])> {
         let field = self.matter_field()?;
-        let depth = w.max(value(field), w.splat(0.0));
+        let depth = w.max(point.value(w, field), w.splat(0.0));
         let inverse = w.div(w.splat(1.0), w.max(depth, w.splat(LEAST)));
-        Some((depth, [1, 2, 3].map(|c| w.mul(value(field + c), inverse))))
+        let mut color = [inverse; 3];
+        for c in 0..3 {
+            color[c] = w.mul(point.value(w, field + 1 + c), inverse);
+        }
+        Some((depth, color))
     }
 
     /// Factors of all light and of that of the first light.
     #[inline(always)]
-    pub fn light<W: Wide>(&self, w: W, value: &impl Fn(usize) -> W::F) -> [Option<W::F>; 2] {
+    pub fn light<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> [Option<W::F>; 2] {
         let Some(light) = &self.light else { return [None; 2] };
-        let factor = |term: Option<(usize, f32)>| {
-            term.map(|(field, strength)| {
-                let held_off = w.sub(w.splat(1.0), value(field));
-                w.max(w.sub(w.splat(1.0), w.mul(w.splat(strength), held_off)), w.splat(0.0))
-            })
-        };
-        [factor(light.openness), factor(light.shadow)]
+        [factor(w, light.openness, point), factor(w, light.shadow, point)]
     }
+}
+
+/// What a field leaves of light.
+#[inline(always)]
+fn factor<W: Wide>(w: W, term: Option<(usize, f32)>, point: &FieldPoint<W>) -> Option<W::F> {
+    let (field, strength) = term?;
+    let held_off = w.sub(w.splat(1.0), point.value(w, field));
+    Some(w.max(w.sub(w.splat(1.0), w.mul(w.splat(strength), held_off)), w.splat(0.0)))
 }

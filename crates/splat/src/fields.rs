@@ -110,6 +110,50 @@ impl FieldValues {
     /// The gradient that was read, along u, v, w per index step of the field.
     #[inline(always)]
     pub fn gradient<W: Wide>(&self, w: W) -> [W::F; 3] {
-        [0, 1, 2].map(|c| w.load_from(&self.gradient[c], [0, 1]))
+        let [u, v, n] = &self.gradient;
+        [w.load_from(u, [0, 1]), w.load_from(v, [0, 1]), w.load_from(n, [0, 1])]
+    }
+}
+
+/// Where fields are read: on a sheet, or part of the way to the next one.
+pub struct FieldPoint<'a, W: Wide> {
+    front: &'a FieldValues,
+    back: Option<(&'a FieldValues, W::F)>,
+}
+
+impl<'a, W: Wide> FieldPoint<'a, W> {
+    /// On a sheet.
+    #[inline(always)]
+    pub fn on(sheet: &'a FieldValues) -> Self {
+        Self { front: sheet, back: None }
+    }
+
+    /// A share of the way from one sheet to the next.
+    #[inline(always)]
+    pub fn between([front, back]: &'a [FieldValues; 2], share: W::F) -> Self {
+        Self { front, back: Some((back, share)) }
+    }
+
+    /// Value of a field there.
+    #[inline(always)]
+    pub fn value(&self, w: W, field: usize) -> W::F {
+        let front = self.front.value(w, field);
+        match self.back {
+            Some((back, share)) => w.add_mul(front, share, w.sub(back.value(w, field), front)),
+            None => front,
+        }
+    }
+
+    /// The gradient that was read, there.
+    #[inline(always)]
+    pub fn gradient(&self, w: W) -> [W::F; 3] {
+        let mut gradient = self.front.gradient(w);
+        if let Some((back, share)) = self.back {
+            let back = back.gradient(w);
+            for c in 0..3 {
+                gradient[c] = w.add_mul(gradient[c], share, w.sub(back[c], gradient[c]));
+            }
+        }
+        gradient
     }
 }

@@ -115,14 +115,15 @@ impl Rays {
     /// Length of one slice distance along the rays, in `opacity_unit`s.
     #[inline(always)]
     pub fn thickness<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
-        let [a, b] = chunks.map(|chunk| self.directions(chunk));
+        let (a, b) = (self.directions(chunks[0]), self.directions(chunks[1]));
         w.join(w.one().load(&a.thickness.0), w.one().load(&b.thickness.0))
     }
 
     /// Unit world vectors towards the eye, as forms on index gradients ([`on_gradient`]).
     #[inline(always)]
     pub fn to_eye<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
-        let [[ax, ay, az], [bx, by, bz]] = chunks.map(|chunk| &self.directions(chunk).to_eye);
+        let [ax, ay, az] = &self.directions(chunks[0]).to_eye;
+        let [bx, by, bz] = &self.directions(chunks[1]).to_eye;
         let s = w.one();
         [
             w.join(s.load(&ax.0), s.load(&bx.0)),

@@ -89,7 +89,8 @@ impl BasePicture {
         let rows = self.texels.as_flattened().get(start * 4..start * 4 + 3 * n_row + LANES)?;
         let row = |r: usize| rows[r * n_row..].first_chunk::<LANES>();
         let (first, second, third, fourth) = (s.load(row(0)?), s.load(row(1)?), s.load(row(2)?), s.load(row(3)?));
-        let [w0, w1, w2, w3] = catmull_rom(fv).map(|weight| s.splat(weight));
+        let [w0, w1, w2, w3] = catmull_rom(fv);
+        let (w0, w1, w2, w3) = (s.splat(w0), s.splat(w1), s.splat(w2), s.splat(w3));
         let down = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
         let [a, b, c, d] = quads(s, down);
         let wu = catmull_rom(fu);

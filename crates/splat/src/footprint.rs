@@ -95,7 +95,7 @@ pub struct Axis {
 
 impl Axis {
     /// Taps of the difference footprint.
-    fn n_difference_taps(&self, offset: f64) -> usize {
+    pub fn n_difference_taps(&self, offset: f64) -> usize {
         n_taps(self.kernel) + (2.0 * offset).ceil() as usize
     }
 

@@ -72,7 +72,7 @@ impl Panel {
         self.run = run;
         self.first = reached(axis_w, run)[0].max(0) as usize;
         let [from, to] = texels(&|w| run[0] <= w && w <= run[1]);
-        let window = |axis: &Axis, k: usize| {
+        let along = |axis: &Axis, k: usize| {
             let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
             for w in run {
                 let (origin, step) = geometry.plane.sheet(w)[k];
@@ -81,9 +81,9 @@ impl Panel {
                     hull = [hull[0].min(x), hull[1].max(x)];
                 }
             }
-            reached(axis, hull)
+            window(axis, hull)
         };
-        let window = Window { u: window(axis_u, 0), v: window(axis_v, 1) };
+        let window = Window { u: along(axis_u, 0), v: along(axis_v, 1) };
         self.window = Some(window);
         self.stride = window.n_u().next_multiple_of(LANES);
         let axes = geometry.plane.family.axes;
@@ -129,6 +129,15 @@ impl Panel {
     }
 }
 
+/// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
+fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
+    let [from, to] = reached(axis, [lo, hi]);
+    let Some(offset) = axis.offset else { return [from, to] };
+    // A difference that starts at a face is as long as any other; its last weights are 0.
+    let first = (hi - offset).max(0.0).floor() as i64 - reach(axis.kernel) as i64;
+    [from, to.max(first + axis.n_difference_taps(offset) as i64)]
+}
+
 /// First and last sample that values and differences at the positions of an interval reach, with one to spare for
 /// positions in f32.
 fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
@@ -136,4 +145,35 @@ fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     let before = reach(axis.kernel) as i64 + offset + 1;
     let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
     [lo.floor() as i64 - before, hi.floor() as i64 + after]
+}
+
+#[cfg(test)]
+mod tests {
+    use wavesplat_core::Kernel;
+
+    use super::*;
+    use crate::footprint::AxisFootprints;
+
+    #[test]
+    fn windows_hold_the_footprints_of_their_texels() {
+        for (name, kernel) in Kernel::NAMES {
+            for offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
+                for (n_samples, origin, step) in
+                    [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)]
+                {
+                    let axis = Axis { kernel, n_samples, offset };
+                    let mut footprints = AxisFootprints::default();
+                    footprints.build(&axis, origin, step, 2);
+                    let last = (n_samples - 1) as f64;
+                    let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
+                    let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
+                    let [first, end] = footprints.window;
+                    assert!(
+                        from <= first && end <= to,
+                        "{name} {offset:?} {origin}: [{first}, {end}] in [{from}, {to}]"
+                    );
+                }
+            }
+        }
+    }
 }

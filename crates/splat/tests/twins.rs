@@ -292,6 +292,34 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     }
 }
 
+/// Differences of any width find their samples in panels, also at the faces, where they are not centred.
+#[test]
+fn panels_hold_what_wide_differences_need() {
+    let phantom = Phantom::sample([41, 38, 36], DAffine3::IDENTITY, |p| {
+        130.0 + 60.0 * (p.x * 0.8).sin() * (p.y * 0.6).cos() + 50.0 * (p.z * 0.5 + p.x * 0.3).sin()
+    });
+    let volume = phantom.volume();
+    let tf = opacity_ramp(&[(20.0, 0.02), (240.0, 0.3)], None);
+    let projection = Projection::Orthographic { parallel_scale: 26.0 };
+    let decoder = Arc::new(Boxes(phantom.clone()));
+    for (_, kernel) in Kernel::NAMES {
+        let slices = Slices::new(&volume, kernel);
+        let decoded = Arc::new(Prepared::of_decoder(decoder.clone(), volume.grid(), kernel, 1 << 22));
+        let decoded = decoded.slices(volume.grid()).expect("it is of a decoder");
+        for gradient_offset in [0.5, 1.7, 2.0, 2.5, 4.0] {
+            for from in [DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.2, -1.0, 0.3)] {
+                let camera = camera_towards(phantom.centre(), from, 90.0, projection);
+                let shading = Some(Shading { gradient_offset, ..Shading::default() });
+                let options =
+                    RenderOptions { width_px: 48, height_px: 48, kernel, shading, ..RenderOptions::default() };
+                let draw = |slices: &Slices| render(slices, &tf, &camera, &options, &()).unwrap().0;
+                let difference = max_difference(&draw(&decoded).rgba, &draw(&slices).rgba);
+                assert!(difference < 1e-4, "{kernel:?} {gradient_offset} {from}: {difference}");
+            }
+        }
+    }
+}
+
 /// Slices across x are turned in panels; the same volume with x and z swapped needs none.
 #[test]
 fn panels_hold_all_that_their_sheets_need() {

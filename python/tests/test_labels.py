@@ -107,3 +107,29 @@ def test_what_does_not_fit_is_refused(scan):
         ws.Label("white", tint=2)
     with pytest.raises(ArgumentError, match="no mapping"):
         ws.Labels(ones, [ws.Label("white")])
+
+
+def test_the_command_line_draws_labels_and_light(tmp_path, scan):
+    import nibabel
+    from typer.testing import CliRunner
+
+    from wavesplat.cli import app
+
+    def written(samples, name):
+        image = nibabel.Nifti1Image(np.transpose(samples, (2, 1, 0)), scan.world_from_index)
+        nibabel.save(image, tmp_path / name)
+        return str(tmp_path / name)
+
+    source = written(scan.samples, "scan.nii")
+    labels = written((scan.samples > 200).astype(np.uint8), "labels.nii")
+    plain, shown, failed = (tmp_path / name for name in ("plain.png", "shown.png", "failed.png"))
+
+    def run(*arguments):
+        return CliRunner().invoke(app, ["render", source, *map(str, arguments), "--size", "40x40"])
+
+    assert run("-o", plain).exit_code == 0
+    result = run("-o", shown, "--labels", labels, "--occlusion", 0.8, "--shadow", 0.5)
+    assert result.exit_code == 0, result.output
+    assert plain.read_bytes() != shown.read_bytes()
+    assert run("-o", failed, "--shadow", 0.5, "--no-shading").exit_code != 0
+    assert not failed.exists()

@@ -38,8 +38,10 @@ impl Codes {
 /// Optical depth that stands for opacity 1: coverage 1 % of it is faint, and a unit of it lets 1e-7 through.
 const OPAQUE: f64 = 16.0;
 
-/// Half distance of the differences for the gradient of own matter, voxels.
+/// Half distance of the differences for the gradient of own matter, voxels; and where stairs are to be smoothed: wide
+/// enough for the normals to see several of them.
 const GRADIENT_OFFSET: f64 = 1.0;
+const SMOOTH_GRADIENT_OFFSET: f64 = 2.5;
 
 /// Codes, looks and what is made of them.
 pub struct Labels {
@@ -124,10 +126,15 @@ impl Labels {
         self.terms
     }
 
+    /// Half distance of the differences for the gradient of own matter, voxels.
+    pub fn gradient_offset(&self) -> f64 {
+        if self.kernel == Kernel::Linear { GRADIENT_OFFSET } else { SMOOTH_GRADIENT_OFFSET }
+    }
+
     /// The fields.
     pub fn fields(&self) -> Vec<Field<'_>> {
         let field = |(i, channel): (usize, &Arc<Prepared>)| {
-            let gradient_offset = (self.terms.matter == Some(i)).then_some(GRADIENT_OFFSET);
+            let gradient_offset = (self.terms.matter == Some(i)).then_some(self.gradient_offset());
             let slices = channel.slices(&self.grid)?;
             Some(Field { slices, from_index: [(0.0, 1.0); 3], gradient_offset })
         };

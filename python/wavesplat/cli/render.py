@@ -31,6 +31,8 @@ from wavesplat.options import VIEWS, Composite, Quality
 
 if TYPE_CHECKING:
     from wavesplat.camera import Camera
+    from wavesplat.labels import Labels
+    from wavesplat.shading import Shading
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
@@ -49,6 +51,9 @@ def render(
     tf: TransferFunctionFile = None,
     materials: Annotated[
         str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
+    ] = None,
+    labels: Annotated[
+        str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
     ] = None,
     view: Annotated[
         Any,
@@ -93,6 +98,10 @@ def render(
     crop: Annotated[Any, box("Draw only this box, world units.")] = None,
     crop_index: Annotated[Any, box("The same, in samples.")] = None,
     shading: Annotated[bool, typer.Option(help="Light the surfaces, or draw colours as they are.")] = True,
+    occlusion: Annotated[float, typer.Option(metavar="0..1", help="How much hollows darken.")] = 0.0,
+    shadow: Annotated[
+        float, typer.Option(metavar="0..1", help="How dark shadows are, with the light from the upper left.")
+    ] = 0.0,
     bits: Bits = 8,
     threads: Threads = None,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
@@ -109,14 +118,15 @@ def render(
     parsers.refuse_pairs(crop=crop, crop_index=crop_index)
     check_outputs(input, output, "pictures", report)
     from wavesplat.picture import check_bits
-    from wavesplat.rendering import DEFAULT_SHADING
 
     check_bits(bits)
+    light = _shading(shading, occlusion, shadow)
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
     transfer_function = chosen_transfer_function(
         volume, input, preset=preset, tf=tf, materials=materials, composite=composite
     )
+    segmentation = None if labels is None else _labels(labels)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
         _note_what_stays_hidden(volume, transfer_function, composite)
@@ -125,11 +135,12 @@ def render(
         transfer_function,
         camera,
         shown=not quiet and sys.stderr.isatty(),
+        labels=segmentation,
         size=size,
         kernel=kernel,
         composite=composite,
         iso_value=iso_value,
-        shading=DEFAULT_SHADING if shading else None,
+        shading=light,
         quality=quality,
         sheets_per_slice=sheets_per_slice,
         oversampling=oversampling,
@@ -144,6 +155,25 @@ def render(
     if report is not None:
         _write_report(report, facts)
     print_result(facts, output, as_json=json)
+
+
+def _shading(is_lit: bool, occlusion: float, shadow: float) -> Shading | None:
+    """The usual light; with shadows, one from the upper left of the eye, since those of a headlight are not seen."""
+    from wavesplat.shading import Light, Shading
+
+    if not is_lit:
+        if occlusion or shadow:
+            raise ArgumentError("--occlusion and --shadow are light; leave out --no-shading")
+        return None
+    lights = [Light((-1, 1, 1.5))] if shadow else []
+    return Shading(lights=lights, ambient_occlusion=occlusion, shadow=shadow)
+
+
+def _labels(path: str) -> Labels:
+    from wavesplat.labels import Labels
+    from wavesplat.readers import open
+
+    return Labels(open(path))
 
 
 def _levels(

@@ -390,11 +390,12 @@ impl<'a> Caster<'a> {
 }
 
 impl Caster<'_> {
-    /// Index-space gradient of the labels' own matter by differences of a voxel either side.
+    /// Index-space gradient of the labels' own matter by differences.
     fn own_gradient(&self, position: DVec3) -> DVec3 {
         let Some(labels) = self.labels else { return DVec3::ZERO };
         let own = |position: DVec3| Mixture::new(labels, self.size, position).own;
-        let along = |axis: DVec3| (own(position + axis) - own(position - axis)) / 2.0;
+        let offset = labels.gradient_offset();
+        let along = |axis: DVec3| (own(position + offset * axis) - own(position - offset * axis)) / (2.0 * offset);
         DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
 }

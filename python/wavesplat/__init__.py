@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from wavesplat.rendering import render
     from wavesplat.shading import Light, Shading
     from wavesplat.slicing import slice
+    from wavesplat.standard import StandardSplatting
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.transfer_function_2d import TransferFunction2D
     from wavesplat.volume import Volume
@@ -41,6 +42,7 @@ __all__ = [
     "Mesh",
     "Picture",
     "Shading",
+    "StandardSplatting",
     "TransferFunction",
     "TransferFunction2D",
     "Volume",
@@ -67,6 +69,7 @@ _HOMES = {
     "Mesh": "meshing",
     "Picture": "picture",
     "Shading": "shading",
+    "StandardSplatting": "standard",
     "TransferFunction": "transfer_function",
     "TransferFunction2D": "transfer_function_2d",
     "Volume": "volume",

@@ -20,6 +20,7 @@ __all__ = [
     "quality_settings",
     "raycast",
     "render",
+    "render_standard",
     "splat_literal",
 ]
 
@@ -172,6 +173,25 @@ def render(
     threads: int | None,
     depth: bool,
     refined: bool,
+    progress: Callable[[float], object] | None,
+) -> RenderResult: ...
+def render_standard(
+    volume: Volume | DecodedVolume,
+    transfer_function: TransferFunction,
+    camera: Camera,
+    *,
+    width: int,
+    height: int,
+    kernel: str,
+    shading: Shading | None,
+    oversampling: float,
+    buffer: str,
+    view_angle_correction: bool,
+    crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],
+    background: tuple[float, float, float, float] | None,
+    threads: int | None,
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def raycast(

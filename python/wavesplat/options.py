@@ -1,11 +1,13 @@
-"""Names of the kernels, operators, qualities, views and planes."""
+"""Names of the methods, kernels, operators, qualities, views and planes."""
 
 from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = ["PLANES", "VIEWS", "Composite", "Kernel", "Plane", "Quality", "Slab"]
+__all__ = ["PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Method", "Plane", "Quality", "Slab"]
 
+Method: TypeAlias = Literal["high-resolution", "standard"]
+Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
 Composite: TypeAlias = Literal["over", "maximum", "minimum", "mean", "sum", "first-hit"]
 Quality: TypeAlias = Literal["draft", "normal", "high"]

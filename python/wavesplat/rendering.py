@@ -13,9 +13,10 @@ from wavesplat.errors import ArgumentError
 from wavesplat.grid import Grid
 from wavesplat.labels import Labels
 from wavesplat.materials import Materials
-from wavesplat.options import Composite, Kernel, Quality
+from wavesplat.options import Composite, Kernel, Method, Quality
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
+from wavesplat.standard import StandardSplatting, chosen_standard, draw_standard
 from wavesplat.transfer_function import TransferFunction
 from wavesplat.transfer_function_2d import TransferFunction2D
 from wavesplat.vectors import Vector, vector
@@ -52,6 +53,8 @@ def render(
     threads: int | None = None,
     depth: bool = False,
     refined: bool = True,
+    method: Method = "high-resolution",
+    standard: StandardSplatting | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Picture:
     """A picture of the volume, by high-resolution splatting.
@@ -110,6 +113,12 @@ def render(
     refined : bool
         Pre-integrate the space between sheets where the transfer function is steep, so that hard surfaces are found and
         shaded where they are, and stop rays that are opaque. False: plain sheets, as the method has it.
+    method : str
+        "high-resolution", or "standard": the older technique, which splats colours and opacities where this one splats
+        densities (Westover 1990). It blurs, and is there to be compared with; it has no other composites than "over",
+        and of `quality` it takes the texels per pixel.
+    standard : StandardSplatting, optional
+        Which buffers "standard" has, and whether it corrects for the view angle.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
 
@@ -140,6 +149,18 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
+    standard = chosen_standard(
+        method,
+        standard,
+        composite=composite,
+        iso_value=iso_value,
+        sheets_per_slice=sheets_per_slice,
+        psnr=psnr,
+        drop_levels=drop_levels,
+        labels=labels,
+        depth=depth,
+        refined=refined,
+    )
     if isinstance(volume, WaveletVolume):
         volume = volume.bands(band_weights)
         drawn: _native.Volume | _native.DecodedVolume = volume._decoded(drop_levels)
@@ -154,6 +175,21 @@ def render(
     curves = chosen_transfer_function(transfer_function, volume, composite)._core
     eye = chosen_camera(camera, volume, width / max(height, 1))._core
     default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, eye, height)
+    if standard is not None:
+        return draw_standard(
+            standard,
+            drawn,
+            curves,
+            eye,
+            size=(width, height),
+            kernel=kernel,
+            shading=None if shading is None else shading._core,
+            oversampling=default_oversampling if oversampling is None else float(oversampling),
+            region=region(crop, clip_planes),
+            background=colors.parse(background),
+            threads=checked_count(threads, "threads"),
+            progress=progress,
+        )
     result = _native.render(
         drawn,
         curves,

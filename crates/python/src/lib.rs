@@ -4,6 +4,7 @@ mod arguments;
 mod errors;
 mod labels;
 mod rendering;
+mod standard;
 mod volume;
 mod wavelet;
 
@@ -19,6 +20,8 @@ mod _native {
     use crate::labels::PyLabels;
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, raycast, render, splat_literal};
+    #[pymodule_export]
+    use crate::standard::render_standard;
     #[pymodule_export]
     use crate::volume::PyVolume;
     #[pymodule_export]

@@ -24,18 +24,18 @@ use crate::volume::{Drawable, PyVolume};
 /// Corners of a crop box.
 pub type Corners = Option<(Triple, Triple)>;
 
-fn crop(index: Corners, world: Corners) -> Option<Crop> {
+pub(crate) fn crop(index: Corners, world: Corners) -> Option<Crop> {
     let index = index.map(|(lo, hi)| Crop::Index { lo: vector(lo), hi: vector(hi) });
     index.or(world.map(|(lo, hi)| Crop::World { lo: vector(lo), hi: vector(hi) }))
 }
 
-fn clip_planes(planes: Vec<(Triple, Triple)>) -> Vec<ClipPlane> {
+pub(crate) fn clip_planes(planes: Vec<(Triple, Triple)>) -> Vec<ClipPlane> {
     planes.into_iter().map(|(origin, normal)| ClipPlane { origin: vector(origin), normal: vector(normal) }).collect()
 }
 
 /// Tells a Python function about progress, from worker threads, at most every few hundredths of a second; stops when
 /// it says so or when the caller is interrupted.
-struct PyMonitor {
+pub(crate) struct PyMonitor {
     callback: Option<Py<PyAny>>,
     state: Mutex<MonitorState>,
     interrupted: AtomicBool,
@@ -51,12 +51,12 @@ struct MonitorState {
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
 impl PyMonitor {
-    fn new(callback: Option<Py<PyAny>>) -> Self {
+    pub(crate) fn new(callback: Option<Py<PyAny>>) -> Self {
         Self { callback, state: Mutex::default(), interrupted: AtomicBool::new(false) }
     }
 
     /// Runs `work` without the interpreter lock on another thread, while this one looks out for signals.
-    fn watch<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    pub(crate) fn watch<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
         let mut interrupt = None;
         let result = py.detach(|| {
             std::thread::scope(|scope| {
@@ -128,7 +128,7 @@ impl Monitor for PyMonitor {
     }
 }
 
-fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>> {
+pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyArray3<f32>>> {
     let Picture { width_px, height_px, rgba, .. } = picture;
     rgba.into_flattened().into_pyarray(py).reshape([height_px, width_px, 4])
 }

@@ -33,6 +33,7 @@ mod render;
 pub mod shade;
 pub mod sheet;
 pub mod slices;
+pub mod standard;
 mod tile;
 pub mod warp;
 

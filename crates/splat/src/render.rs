@@ -130,7 +130,7 @@ pub(crate) fn render_part(
 }
 
 /// Largest colour that shading makes of white.
-fn brightest(shading: &Shading) -> f32 {
+pub(crate) fn brightest(shading: &Shading) -> f32 {
     let channel = |c: usize| shading.lights.iter().map(|l| l.rgb[c]).sum::<f32>();
     let light = (0..3).map(channel).fold(0.0, f32::max);
     (shading.ambient + (shading.diffuse + shading.specular) * light).max(1.0)
@@ -183,8 +183,7 @@ fn draw_base_planes(
         ..Report::default()
     };
     let n_tiles_all: usize = planes.iter().map(|p| p.size[0].div_ceil(TILE_U) * p.size[1].div_ceil(TILE_V)).sum();
-    let progress =
-        Progress { monitor, n_done: AtomicUsize::new(0), n_all: n_tiles_all, stopped: AtomicBool::new(false) };
+    let progress = Progress::new(monitor, n_tiles_all);
     let mut pictures = Vec::new();
     for plane in planes {
         let (picture, work, n_sheets) = scene.draw_plane(&plane, &region, &progress)?;
@@ -413,19 +412,27 @@ fn draw_tiles<C: Compositor>(
     Ok(all.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-struct Progress<'a> {
+/// Tells a monitor of tiles that are done, and remembers that it asked to stop.
+pub(crate) struct Progress<'a> {
     monitor: &'a dyn Monitor,
     n_done: AtomicUsize,
     n_all: usize,
     stopped: AtomicBool,
 }
 
-impl Progress<'_> {
-    fn is_stopped(&self) -> bool {
+impl<'a> Progress<'a> {
+    /// Of this many tiles.
+    pub(crate) fn new(monitor: &'a dyn Monitor, n_all: usize) -> Self {
+        Self { monitor, n_done: AtomicUsize::new(0), n_all, stopped: AtomicBool::new(false) }
+    }
+
+    /// Whether the monitor asked to stop.
+    pub(crate) fn is_stopped(&self) -> bool {
         self.stopped.load(Ordering::Relaxed)
     }
 
-    fn tile_done(&self) {
+    /// One more is done.
+    pub(crate) fn tile_done(&self) {
         let done = self.n_done.fetch_add(1, Ordering::Relaxed) + 1;
         if self.monitor.progress(done as f32 / self.n_all as f32).is_break() {
             self.stopped.store(true, Ordering::Relaxed);

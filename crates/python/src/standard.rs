@@ -1,0 +1,75 @@
+//! Standard splatting.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use wavesplat_core::{Composite, Kernel, RenderOptions};
+use wavesplat_splat::standard::{self, Buffer, StandardOptions};
+
+use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple};
+use crate::errors::to_py;
+use crate::rendering::{Corners, PyMonitor, clip_planes, crop, image};
+use crate::volume::Drawable;
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (volume, transfer_function, camera, *, width, height, kernel, shading, oversampling, buffer,
+    view_angle_correction, crop_index, crop_world, clip_planes, background, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
+pub fn render_standard<'py>(
+    py: Python<'py>,
+    volume: Drawable<'py>,
+    transfer_function: &PyTransferFunction,
+    camera: &PyCamera,
+    width: usize,
+    height: usize,
+    kernel: &str,
+    shading: Option<&PyShading>,
+    oversampling: f64,
+    buffer: &str,
+    view_angle_correction: bool,
+    crop_index: Corners,
+    crop_world: Corners,
+    clip_planes: Vec<(Triple, Triple)>,
+    background: Option<[f32; 4]>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = RenderOptions {
+        width_px: width,
+        height_px: height,
+        kernel: Kernel::from_name(kernel).map_err(to_py)?,
+        shading: shading.map(|s| s.0.clone()),
+        oversampling,
+        crop: crop(volume.own_index(crop_index), crop_world),
+        clip_planes: self::clip_planes(clip_planes),
+        background,
+        n_threads: threads,
+        ..RenderOptions::default()
+    };
+    options.validate().map_err(to_py)?;
+    let standard = StandardOptions { buffer: Buffer::from_name(buffer).map_err(to_py)?, view_angle_correction };
+    let monitor = PyMonitor::new(progress);
+    let curves = volume.transfer_function(&transfer_function.0, Composite::Over)?;
+    // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
+    let result = volume.with_slices(py, Kernel::Linear, |slices| {
+        monitor.watch(py, || standard::render(&slices(), &curves, &camera.0, &options, standard, &monitor))
+    })?;
+    let (picture, report) = result.map_err(to_py)?;
+    let dict = PyDict::new(py);
+    dict.set_item("depth", py.None())?;
+    dict.set_item("value", py.None())?;
+    dict.set_item("rgba", image(py, picture)?)?;
+    let numbers = PyDict::new(py);
+    numbers.set_item("method", "standard")?;
+    numbers.set_item("buffer", buffer)?;
+    numbers.set_item("view_angle_correction", view_angle_correction)?;
+    numbers.set_item("oversampling", oversampling)?;
+    numbers.set_item("n_splats", report.n_splats)?;
+    numbers.set_item("n_sheets", report.n_sheets)?;
+    numbers.set_item("n_nonfinite_samples", report.n_nonfinite_samples)?;
+    numbers.set_item("n_threads", report.n_threads)?;
+    numbers.set_item("simd", report.simd)?;
+    dict.set_item("report", numbers)?;
+    Ok(dict)
+}

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from wavesplat.standard import StandardSplatting
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.transfer_function_2d import TransferFunction2D
+    from wavesplat.variant import Variant
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
 
@@ -45,6 +46,7 @@ __all__ = [
     "StandardSplatting",
     "TransferFunction",
     "TransferFunction2D",
+    "Variant",
     "Volume",
     "WaveletVolume",
     "__version__",
@@ -72,6 +74,7 @@ _HOMES = {
     "StandardSplatting": "standard",
     "TransferFunction": "transfer_function",
     "TransferFunction2D": "transfer_function_2d",
+    "Variant": "variant",
     "Volume": "volume",
     "WaveletVolume": "wavelet_volume",
     "__version__": "_native",

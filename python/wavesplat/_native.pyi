@@ -12,6 +12,7 @@ __all__ = [
     "Labels",
     "Shading",
     "TransferFunction",
+    "Variant",
     "Volume",
     "WaveletVolume",
     "__version__",
@@ -151,6 +152,19 @@ class Labels:
         smooth: bool,
     ) -> Labels: ...
 
+@final
+class Variant:
+    """How splatting is carried out; `footprint_entries` count where `footprint` is a table."""
+
+    def __new__(
+        cls,
+        view_angle_correction: bool,
+        kernel_slicing: bool,
+        gradient: str,
+        footprint: str,
+        footprint_entries: int,
+    ) -> Variant: ...
+
 def render(
     volume: Volume | DecodedVolume,
     transfer_function: TransferFunction,
@@ -173,6 +187,7 @@ def render(
     threads: int | None,
     depth: bool,
     refined: bool,
+    variant: Variant | None,
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def render_standard(

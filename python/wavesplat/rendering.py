@@ -19,6 +19,7 @@ from wavesplat.shading import Shading
 from wavesplat.standard import StandardSplatting, chosen_standard, draw_standard
 from wavesplat.transfer_function import TransferFunction
 from wavesplat.transfer_function_2d import TransferFunction2D
+from wavesplat.variant import Variant
 from wavesplat.vectors import Vector, vector
 from wavesplat.volume import Volume
 from wavesplat.wavelet_volume import WaveletVolume
@@ -55,6 +56,7 @@ def render(
     refined: bool = True,
     method: Method = "high-resolution",
     standard: StandardSplatting | None = None,
+    variant: Variant | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Picture:
     """A picture of the volume, by high-resolution splatting.
@@ -119,6 +121,8 @@ def render(
         and of `quality` it takes the texels per pixel.
     standard : StandardSplatting, optional
         Which buffers "standard" has, and whether it corrects for the view angle.
+    variant : Variant, optional
+        Leave out, or change, a part of the method; for studies.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
 
@@ -209,6 +213,7 @@ def render(
         threads=checked_count(threads, "threads"),
         depth=bool(depth),
         refined=bool(refined),
+        variant=None if variant is None else variant._core,
         progress=progress,
     )
     return Picture(result["rgba"], result["depth"], result["value"], result["report"])

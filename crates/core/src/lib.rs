@@ -13,6 +13,7 @@ mod label;
 mod options;
 mod picture;
 mod transfer_function;
+mod variant;
 mod volume;
 
 pub use camera::{Camera, Projection, Ray};
@@ -26,4 +27,5 @@ pub use options::{
 };
 pub use picture::Picture;
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
+pub use variant::{FootprintTable, GradientScheme, MAX_GRADIENT_OFFSET, Variant};
 pub use volume::{Sample, Samples, Statistics, Volume};

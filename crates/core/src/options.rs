@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::variant::{MAX_GRADIENT_OFFSET, Variant};
 
 /// Reconstruction kernel, separable; the same along all three axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,7 +77,7 @@ impl Composite {
     }
 }
 
-fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
+pub(crate) fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
     known.iter().find(|(n, _)| *n == name).map(|&(_, value)| value).ok_or_else(|| Error::UnknownName {
         what,
         name: name.to_owned(),
@@ -123,7 +124,7 @@ pub struct Shading {
     pub specular: f32,
     /// Exponent of the highlight.
     pub specular_power: f32,
-    /// Half distance of the gradient's differences, voxels.
+    /// Half distance of the gradient's differences, voxels; the whole distance where they go to one side.
     pub gradient_offset: f64,
     /// At least one light.
     pub lights: Vec<Light>,
@@ -170,7 +171,7 @@ impl Shading {
                 mend,
             ));
         }
-        if !(self.gradient_offset >= 0.01 && self.gradient_offset <= 4.0) {
+        if !(self.gradient_offset >= 0.01 && self.gradient_offset <= MAX_GRADIENT_OFFSET) {
             let mend = "pass 1 for the usual central differences";
             let what = "shading: gradient_offset (voxels)";
             return Err(Error::out_of_range(what, self.gradient_offset, "between 0.01 and 4", mend));
@@ -259,6 +260,8 @@ pub struct RenderOptions {
     /// Pre-integrate slabs where the transfer function is steep, and stop rays that are opaque; off: plain sheets, as the
     /// method has it.
     pub refined: bool,
+    /// How splatting is carried out.
+    pub variant: Variant,
     /// Box that is drawn.
     pub crop: Option<Crop>,
     /// Half spaces that are drawn.
@@ -283,6 +286,7 @@ impl Default for RenderOptions {
             sheets_per_slice,
             oversampling,
             refined: true,
+            variant: Variant::default(),
             crop: None,
             clip_planes: Vec::new(),
             background: None,
@@ -345,6 +349,7 @@ impl RenderOptions {
             let mend = "pass red, green, blue (and opacity) between 0 and 1";
             return Err(Error::out_of_range("background", format!("{rgba:?}"), "a colour", mend));
         }
+        self.variant.validate()?;
         self.shading.as_ref().map_or(Ok(()), Shading::validate)
     }
 }
@@ -370,6 +375,7 @@ const LEAST_OVERSAMPLING: f64 = 0.1;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::variant::FootprintTable;
 
     #[test]
     fn names_round_trip_and_unknown_ones_list_the_known() {
@@ -403,5 +409,6 @@ mod tests {
         check(|o| o.shading = Some(Shading { ambient: -1.0, ..Shading::default() }));
         check(|o| o.shading = Some(Shading { shadow: 1.5, ..Shading::default() }));
         check(|o| o.shading = Some(Shading { occlusion_radius: Some(0.0), ..Shading::default() }));
+        check(|o| o.variant.footprint = FootprintTable::Nearest { per_sample: 0 });
     }
 }

@@ -4,8 +4,8 @@ use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use wavesplat_core::{
-    Camera, ColorNode, Error, GradientNode, Joint, Light, LightFrame, OpacityNode, Projection, Shading,
-    TransferFunction,
+    Camera, ColorNode, Error, FootprintTable, GradientNode, GradientScheme, Joint, Light, LightFrame, OpacityNode,
+    Projection, Shading, TransferFunction, Variant,
 };
 
 use crate::errors::to_py;
@@ -166,5 +166,27 @@ impl PyShading {
         };
         shading.validate().map_err(to_py)?;
         Ok(Self(shading))
+    }
+}
+
+/// See `_native.pyi`.
+#[pyclass(name = "Variant", frozen, module = "wavesplat._native")]
+pub struct PyVariant(pub Variant);
+
+#[pymethods]
+impl PyVariant {
+    #[new]
+    fn new(
+        view_angle_correction: bool,
+        kernel_slicing: bool,
+        gradient: &str,
+        footprint: &str,
+        footprint_entries: u32,
+    ) -> PyResult<Self> {
+        let gradient = GradientScheme::from_name(gradient).map_err(to_py)?;
+        let footprint = FootprintTable::from_name(footprint, footprint_entries).map_err(to_py)?;
+        let variant = Variant { view_angle_correction, kernel_slicing, gradient, footprint };
+        variant.validate().map_err(to_py)?;
+        Ok(Self(variant))
     }
 }

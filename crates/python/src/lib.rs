@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 mod _native {
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
     #[pymodule_export]
-    use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
+    use crate::arguments::{PyCamera, PyShading, PyTransferFunction, PyVariant};
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]

@@ -16,7 +16,7 @@ use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::{Monitor, reference};
 
-use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
+use crate::arguments::{PyCamera, PyShading, PyTransferFunction, PyVariant, Triple, vector};
 use crate::errors::to_py;
 use crate::labels::PyLabels;
 use crate::volume::{Drawable, PyVolume};
@@ -137,7 +137,7 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
 #[pyfunction]
 #[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value, shading,
     sheets_per_slice, oversampling, psnr, crop_index, crop_world, clip_planes, background, threads, depth, refined,
-    progress))]
+    variant, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn render<'py>(
@@ -162,6 +162,7 @@ pub fn render<'py>(
     threads: Option<usize>,
     depth: bool,
     refined: bool,
+    variant: Option<&PyVariant>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut options = RenderOptions {
@@ -177,6 +178,7 @@ pub fn render<'py>(
         background,
         with_depth: depth,
         refined,
+        variant: variant.map(|v| v.0).unwrap_or_default(),
         n_threads: threads,
     };
     options.validate().map_err(to_py)?;

@@ -4,12 +4,16 @@
 //! per sheet in O(U + V). The *difference footprint* `[h(x + d − l) − h(x − d − l)] / 2d` gives the derivative; with
 //! the linear kernel and d = 1 that is the trilinearly interpolated central difference. Positions beyond the first
 //! and last sample stop there: the outside is empty, not zero density.
+//!
+//! A difference over whole texels, `d = k · step`, is that of two texels of the sheet, as sheet buffers give it
+//! ([`Difference`]).
 
 use wavesplat_compute::simd::{LANES, Lanes};
-use wavesplat_core::Kernel;
+use wavesplat_core::{GradientScheme, Kernel, MAX_GRADIENT_OFFSET};
 
 use crate::kernel::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
 use crate::slices::SliceTap;
+use crate::weights::{Taps, Weights};
 
 /// Weights of a run of positions, in groups of [`LANES`].
 #[derive(Clone, Debug, Default)]
@@ -33,6 +37,17 @@ impl Footprint {
         self.index.resize(n_groups, Lanes::default());
         self.dense.resize(n_groups, false);
         self.weights.resize(n_groups * n_taps, Lanes::default());
+    }
+
+    /// Position `i` is sample `first + i`.
+    pub fn make_one_to_one(&mut self, n_groups: usize, first: usize) {
+        self.reset(n_groups, 1);
+        for g in 0..n_groups {
+            self.base[g] = (first + g * LANES) as u32;
+            self.index[g] = Lanes(std::array::from_fn(|i| i as u32));
+            self.dense[g] = true;
+            self.weights[g] = Lanes::splat(1.0);
+        }
     }
 
     /// First sample of a position.
@@ -82,6 +97,58 @@ pub struct AxisFootprints {
     pub window: [i64; 2],
 }
 
+/// The difference that stands for the derivative along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Its distance, samples, `0.01..=4`: to either side, or to one.
+    pub offset: f64,
+    /// Whether it goes to larger indices only: `[V(x + d) − V(x)] / d`.
+    pub is_forward: bool,
+    /// Whether it is that of two texels, [`whole_steps`] apart.
+    pub is_of_texels: bool,
+}
+
+/// The whole number of steps, at least one, nearest to an offset; as an offset, at most 4 samples.
+pub fn whole_steps(offset: f64, step: f64) -> f64 {
+    let step = step.abs();
+    // Where a sheet passes the eye all its texels are one.
+    let whole = if step > 0.0 { (offset / step).round().max(1.0) * step } else { offset };
+    whole.min(MAX_GRADIENT_OFFSET)
+}
+
+impl Difference {
+    /// Within the sheets: along u and v.
+    pub fn within(scheme: GradientScheme, offset: f64) -> Self {
+        Self { offset, is_forward: scheme.is_forward(), is_of_texels: scheme.is_of_sheets() }
+    }
+
+    /// Across sheets that lie `step` slices apart.
+    pub fn across(scheme: GradientScheme, offset: f64, step: f64) -> Self {
+        let offset = if scheme.is_of_sheets() { whole_steps(offset, step) } else { offset };
+        Self { offset, is_forward: scheme.is_forward(), is_of_texels: false }
+    }
+
+    /// The same where texels lie `step` samples apart.
+    pub fn of_step(self, step: f64) -> Self {
+        if self.is_of_texels { Self { offset: whole_steps(self.offset, step), ..self } } else { self }
+    }
+
+    /// Largest offset for any texels.
+    pub fn max_offset(&self) -> f64 {
+        if self.is_of_texels { MAX_GRADIENT_OFFSET } else { self.offset }
+    }
+
+    /// Its ends, counted from the position.
+    pub fn ends(&self) -> [f64; 2] {
+        [if self.is_forward { 0.0 } else { -self.offset }, self.offset]
+    }
+
+    /// Distance between its ends.
+    fn extent(&self) -> f64 {
+        if self.is_forward { self.offset } else { 2.0 * self.offset }
+    }
+}
+
 /// What a footprint is built from.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
@@ -89,44 +156,52 @@ pub struct Axis {
     pub kernel: Kernel,
     /// Samples along the axis.
     pub n_samples: usize,
-    /// Half distance of the differences, samples; `None` without gradient.
-    pub offset: Option<f64>,
+    /// `None` without gradient.
+    pub difference: Option<Difference>,
+    /// Where weights come from.
+    pub weights: Weights,
 }
 
 impl Axis {
     /// Taps of the difference footprint.
-    pub fn n_difference_taps(&self, offset: f64) -> usize {
-        n_taps(self.kernel) + (2.0 * offset).ceil() as usize
+    pub fn n_difference_taps(&self, difference: Difference) -> usize {
+        n_taps(self.kernel) + difference.extent().ceil() as usize
     }
 
-    fn last(&self) -> f64 {
+    /// Position of the last sample.
+    pub fn last(&self) -> f64 {
         (self.n_samples - 1) as f64
     }
 
-    /// `[V(x + d) − V(x − d)] / 2d` as taps.
-    fn difference(&self, x: f64, offset: f64) -> (i64, [f64; 3 * MAX_TAPS]) {
-        let (first_lo, lo) = taps(self.kernel, (x - offset).max(0.0));
-        let (first_hi, hi) = taps(self.kernel, (x + offset).min(self.last()));
+    /// `[V(x + d) − V(x − d)] / 2d`, or the forward difference, as taps.
+    fn difference(&self, x: f64, difference: Difference, taps: impl Fn(f64) -> Taps) -> (i64, [f64; 3 * MAX_TAPS]) {
+        let (ends, extent) = (difference.ends(), difference.extent());
+        let [(first_lo, lo), (first_hi, hi)] = ends.map(|end| taps((x + end).clamp(0.0, self.last())));
         let mut weights = [0.0; 3 * MAX_TAPS];
         let shift = (first_hi - first_lo) as usize;
         for t in 0..MAX_TAPS {
-            weights[t] -= lo[t] / (2.0 * offset);
-            weights[t + shift] += hi[t] / (2.0 * offset);
+            weights[t] -= lo[t] / extent;
+            weights[t + shift] += hi[t] / extent;
         }
         (first_lo, weights)
     }
 
     /// Slices that reach the sheet at `w`, folded, with their weights; those of weight 0 are left out.
     pub fn slice_taps(&self, w: f64) -> Vec<SliceTap> {
-        let (first, weights) = taps(self.kernel, w.clamp(0.0, self.last()));
+        let (first, weights) = self.taps(w.clamp(0.0, self.last()));
         self.folded(first, &weights)
     }
 
     /// As [`Axis::slice_taps`] for the derivative through the sheet.
     pub fn slice_difference_taps(&self, w: f64) -> Vec<SliceTap> {
-        let Some(offset) = self.offset else { return Vec::new() };
-        let (first, weights) = self.difference(w.clamp(0.0, self.last()), offset);
+        let Some(difference) = self.difference else { return Vec::new() };
+        let (first, weights) = self.difference(w.clamp(0.0, self.last()), difference, |w| self.taps(w));
         self.folded(first, &weights)
+    }
+
+    /// Taps across the slices.
+    fn taps(&self, w: f64) -> Taps {
+        self.weights.taps(self.kernel, w)
     }
 
     fn folded(&self, first: i64, weights: &[f64]) -> Vec<SliceTap> {
@@ -142,19 +217,26 @@ impl AxisFootprints {
     pub fn build(&mut self, axis: &Axis, origin: f64, step: f64, n_groups: usize) {
         let n_value = n_taps(axis.kernel);
         self.value.reset(n_groups, n_value);
-        let (offset, n_difference) = (axis.offset.unwrap_or(0.0), axis.offset.map_or(0, |d| axis.n_difference_taps(d)));
+        let difference = axis.difference.map(|difference| difference.of_step(step));
+        let n_difference = difference.map_or(0, |difference| axis.n_difference_taps(difference));
         self.difference.reset(if n_difference > 0 { n_groups } else { 0 }, n_difference);
+        let offset = difference.map_or(0.0, |difference| difference.offset);
         let end = origin + step * (n_groups * LANES - 1) as f64;
         let (lo, hi) = (origin.min(end), origin.max(end));
         // A whole offset moves the taps by whole samples, and away from the faces nothing stops there. With the linear
         // kernel stopping at a face is the same as going on with its sample repeated.
         let inside = axis.kernel == Kernel::Linear || (lo >= offset && hi + offset <= axis.last());
-        let window = if inside && offset.fract() == 0.0 && near_taps(axis.kernel, 0.0).is_some() {
-            self.build_inside(axis, [origin, step], n_groups, offset as usize)
-        } else {
-            self.build_anywhere(axis, [origin, step], n_groups)
+        let is_usual = difference.is_none_or(|d| !d.is_forward && !d.is_of_texels) && offset.fract() == 0.0;
+        self.window = match axis.weights {
+            Weights::Exact if inside && is_usual && near_taps(axis.kernel, 0.0).is_some() => {
+                self.build_inside(axis, [origin, step], n_groups, offset as usize)
+            }
+            Weights::Exact => self.build_anywhere(axis, [origin, step], n_groups, difference, |x| taps(axis.kernel, x)),
+            weights => {
+                let taps = |x| weights.taps(axis.kernel, x);
+                self.build_anywhere(axis, [origin, step], n_groups, difference, taps)
+            }
         };
-        self.window = window;
     }
 
     /// f32 positions, counted from a sample near each group, so that the compiler can use whole vectors. Firsts are
@@ -228,22 +310,31 @@ impl AxisFootprints {
         [lowest, highest]
     }
 
-    /// Any position, kernel and offset.
-    fn build_anywhere(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize) -> [i64; 2] {
-        let offset = axis.offset;
+    /// Any position, kernel, difference and weights.
+    fn build_anywhere(
+        &mut self,
+        axis: &Axis,
+        [origin, step]: [f64; 2],
+        n_groups: usize,
+        difference: Option<Difference>,
+        taps: impl Fn(f64) -> Taps,
+    ) -> [i64; 2] {
         let n = n_groups * LANES;
         let mut window = [i64::MAX, i64::MIN];
         let mut firsts = Vec::with_capacity(n);
         for i in 0..n {
             let (g, lane) = (i / LANES, i % LANES);
-            let x = (origin + step * i as f64).clamp(0.0, axis.last());
-            let (first, weights) = taps(axis.kernel, x);
+            let position = origin + step * i as f64;
+            let x = position.clamp(0.0, axis.last());
+            let (first, weights) = taps(x);
             for t in 0..self.value.n_taps {
                 self.value.weights[g * self.value.n_taps + t].0[lane] = weights[t] as f32;
             }
             let mut first_difference = first;
-            if let Some(offset) = offset {
-                let (first, weights) = axis.difference(x, offset);
+            if let Some(difference) = difference {
+                // A texel beyond the faces has the value there; differences of texels count them as they are.
+                let x = if difference.is_of_texels { position } else { x };
+                let (first, weights) = axis.difference(x, difference, &taps);
                 for t in 0..self.difference.n_taps {
                     self.difference.weights[g * self.difference.n_taps + t].0[lane] = weights[t] as f32;
                 }
@@ -263,7 +354,7 @@ impl AxisFootprints {
             }
         };
         fill(0, &mut self.value);
-        if offset.is_some() {
+        if difference.is_some() {
             fill(1, &mut self.difference);
         }
         window
@@ -275,7 +366,19 @@ mod tests {
     use super::*;
 
     fn axis(kernel: Kernel, offset: f64) -> Axis {
-        Axis { kernel, n_samples: 12, offset: Some(offset) }
+        let difference = Some(Difference::within(GradientScheme::Footprint, offset));
+        Axis { kernel, n_samples: 12, difference, weights: Weights::Exact }
+    }
+
+    /// All weights of a position, by sample.
+    fn dense(axis: &Axis, tables: &AxisFootprints, table: &Footprint, i: usize) -> [f64; 40] {
+        let mut dense = [0.0; 40];
+        for t in 0..table.n_taps {
+            let sample = tables.window[0] + (table.first(i) + t) as i64;
+            assert!(sample <= tables.window[1]);
+            dense[fold(axis.kernel, sample, axis.n_samples)] += f64::from(table.weight(i, t));
+        }
+        dense
     }
 
     /// The footprint's mass is 1 and its difference's mass is 0, wherever the texel lies between the samples.
@@ -315,29 +418,73 @@ mod tests {
     fn tables_inside_are_the_tables_anywhere() {
         for (_, kernel) in Kernel::NAMES {
             for (origin, step) in [(3.1, 0.11), (2.0, 0.25), (8.9, -0.15), (3.0, 0.5)] {
-                let axis = Axis { kernel, n_samples: 40, offset: Some(1.0) };
+                let axis = Axis { n_samples: 40, ..axis(kernel, 1.0) };
                 let (mut fast, mut slow) = (AxisFootprints::default(), AxisFootprints::default());
                 fast.build(&axis, origin, step, 2);
                 slow.value.reset(2, n_taps(kernel));
                 slow.difference.reset(2, n_taps(kernel) + 2);
-                slow.window = slow.build_anywhere(&axis, [origin, step], 2);
+                let exact = |x| taps(kernel, x);
+                slow.window = slow.build_anywhere(&axis, [origin, step], 2, axis.difference, exact);
                 for i in 0..2 * LANES {
                     for (fast_table, slow_table) in [(&fast.value, &slow.value), (&fast.difference, &slow.difference)] {
-                        let dense = |tables: &AxisFootprints, table: &Footprint| {
-                            let mut dense = [0.0_f32; 50];
-                            for t in 0..table.n_taps {
-                                let sample = tables.window[0] + (table.first(i) + t) as i64;
-                                assert!(sample <= tables.window[1]);
-                                dense[(sample + 4) as usize] += table.weight(i, t);
-                            }
-                            dense
-                        };
-                        let (a, b) = (dense(&fast, fast_table), dense(&slow, slow_table));
+                        let (a, b) = (dense(&axis, &fast, fast_table, i), dense(&axis, &slow, slow_table, i));
                         assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5), "{kernel:?} {origin} {i}");
                     }
                 }
             }
         }
+    }
+
+    /// Differences of texels are just that, also beyond the faces; others are those of the values at their ends.
+    #[test]
+    fn differences_are_of_the_values_at_their_ends() {
+        for (_, kernel) in Kernel::NAMES {
+            for weights in [Weights::Exact, Weights::Table { per_sample: 3 }] {
+                for (_, scheme) in GradientScheme::NAMES {
+                    for (offset, step) in [(0.01, 0.3), (1.0, 0.3), (1.0, -0.4), (0.75, 2.5)] {
+                        let difference = Difference::within(scheme, offset);
+                        let axis = Axis { kernel, n_samples: 40, difference: Some(difference), weights };
+                        let mut tables = AxisFootprints::default();
+                        let origin = if step > 0.0 { -1.7 } else { 13.0 };
+                        tables.build(&axis, origin, step, 2);
+                        let [from, to] = difference.of_step(step).ends();
+                        for i in 0..2 * LANES {
+                            let got = dense(&axis, &tables, &tables.difference, i);
+                            let x = origin + step * i as f64;
+                            let x = if scheme.is_of_sheets() { x } else { x.clamp(0.0, 39.0) };
+                            let mut want = [0.0; 40];
+                            for (end, sign) in [(to, 1.0), (from, -1.0)] {
+                                let (first, taps) = weights.taps(kernel, (x + end).clamp(0.0, 39.0));
+                                let share = sign / (to - from);
+                                for (sample, weight) in (first..).zip(taps) {
+                                    want[fold(kernel, sample, 40)] += share * weight;
+                                }
+                            }
+                            let differs = got.iter().zip(&want).any(|(got, want)| (got - want).abs() > 2e-5 / offset);
+                            assert!(!differs, "{kernel:?} {weights:?} {scheme:?} {offset} {step} texel {i}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn offsets_become_whole_steps() {
+        for (offset, step, want) in [
+            (0.01, 0.25, 0.25),
+            (0.6, 0.25, 0.5),
+            (1.0, -0.25, 1.0),
+            (1.0, 0.3, 0.9),
+            (1.0, 3.0, 3.0),
+            (1.0, 9.0, MAX_GRADIENT_OFFSET),
+            (0.5, 0.0, 0.5),
+        ] {
+            let got = whole_steps(offset, step);
+            assert!((got - want).abs() < 1e-12, "{offset} in steps of {step}: {got}");
+        }
+        assert_eq!(Difference::across(GradientScheme::SheetForward, 0.2, 0.5).ends(), [0.0, 0.5]);
+        assert_eq!(Difference::across(GradientScheme::Footprint, 0.2, 0.5).ends(), [-0.2, 0.2]);
     }
 
     #[test]

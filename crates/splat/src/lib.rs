@@ -24,6 +24,7 @@ pub mod interval;
 pub mod kernel;
 pub mod labels;
 pub mod light;
+pub mod noise;
 pub mod panel;
 pub mod plane;
 pub mod prefilter;
@@ -36,5 +37,6 @@ pub mod slices;
 pub mod standard;
 mod tile;
 pub mod warp;
+pub mod weights;
 
 pub use render::{Monitor, Report, is_steep, render, render_base_planes, render_base_planes_at, render_labelled};

@@ -25,7 +25,8 @@ pub struct Rays {
 /// Directions of the rays of a chunk.
 #[derive(Clone, Copy)]
 pub struct Directions {
-    /// Length of one slice distance along the ray, in `opacity_unit`s.
+    /// Length of one slice distance along the ray, or across the slices without view-angle correction, in
+    /// `opacity_unit`s.
     pub thickness: Lanes,
     /// Unit world vectors towards the eye, as forms on index gradients ([`on_gradient`]).
     pub to_eye: [Lanes; 3],
@@ -41,6 +42,8 @@ pub struct RayGeometry<'a> {
     pub world_from_index: DAffine3,
     /// World length that opacities belong to.
     pub opacity_unit: f64,
+    /// Whether slabs are as thick as the ray's way through them, `dz / cos θ`; else `dz`.
+    pub view_angle_correction: bool,
 }
 
 impl Rays {
@@ -112,7 +115,7 @@ impl Rays {
         [w.join(s.load(&lo_a.0), s.load(&lo_b.0)), w.join(s.load(&hi_a.0), s.load(&hi_b.0))]
     }
 
-    /// Length of one slice distance along the rays, in `opacity_unit`s.
+    /// Thickness of one slice distance, in `opacity_unit`s ([`Directions::thickness`]).
     #[inline(always)]
     pub fn thickness<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
         let (a, b) = (self.directions(chunks[0]), self.directions(chunks[1]));
@@ -162,6 +165,7 @@ impl RayGeometry<'_> {
     fn directions(&self, i: usize, j: usize) -> Directions {
         let family = &self.plane.family;
         let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
+        let across = columns[0].cross(columns[1]).normalize().dot(columns[2]).abs();
         let form = on_gradient(self.world_from_index.matrix3, family).transpose();
         let sign = if family.ascending { 1.0 } else { -1.0 };
         let mut directions = Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] };
@@ -169,7 +173,8 @@ impl RayGeometry<'_> {
             let slope = self.plane.ray((i + k) as f64, j as f64).slope;
             let per_slice = columns[0] * slope[0] + columns[1] * slope[1] + columns[2];
             let length = per_slice.length();
-            directions.thickness.0[k] = (length / self.opacity_unit) as f32;
+            let thickness = if self.view_angle_correction { length } else { across };
+            directions.thickness.0[k] = (thickness / self.opacity_unit) as f32;
             let to_eye = form * (per_slice * (-sign / length));
             for c in 0..3 {
                 directions.to_eye[c].0[k] = to_eye[c] as f32;

@@ -19,6 +19,7 @@ use crate::fields::Field;
 use crate::interval::Region;
 use crate::labels::Labels;
 use crate::light::{Dimness, LightTerms};
+use crate::noise::keeps_bounds;
 use crate::rays::RayGeometry;
 use crate::shade::{Shader, light_direction};
 use crate::sheet::{Chunk, N_STRIPS, SheetGeometry, TILE_U, TILE_V};
@@ -315,11 +316,18 @@ impl<'a> Scene<'a> {
         let spacing = SheetSpacing::new(size[plane.family.axes[2]], self.options.sheets_per_slice);
         let axes = plane.family.axes;
         let bricks = self.slices.bricks();
+        let variant = &self.options.variant;
         let job = |opacity_unit: f64, occupied: Option<Occupied>| TileJob {
-            geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset),
-            rays: RayGeometry { plane, region, world_from_index, opacity_unit },
+            geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset, variant, spacing.step),
+            rays: RayGeometry {
+                plane,
+                region,
+                world_from_index,
+                opacity_unit,
+                view_angle_correction: variant.view_angle_correction,
+            },
             spacing,
-            occupied,
+            occupied: occupied.filter(|_| keeps_bounds(variant, self.slices.kernel())),
             fields: self
                 .fields
                 .iter()
@@ -330,7 +338,7 @@ impl<'a> Scene<'a> {
         let with_depth = self.options.with_depth;
         let (picture, work) = match self.options.composite {
             Composite::Over => {
-                let plain = !self.options.refined;
+                let plain = !(self.options.refined && variant.may_pre_integrate());
                 let is_steep = !plain && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP;
                 // A function of two dimensions has no integral along a slab.
                 let is_steep = is_steep && !extras.by_gradient.as_ref().is_some_and(ByGradient::decides_color);

@@ -10,11 +10,15 @@
 use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Level, Math, Simd, Wide};
 
+use wavesplat_core::Variant;
+
 use crate::base_plane::BasePlane;
 use crate::fields::Field;
-use crate::footprint::{Axis, AxisFootprints, Footprint, Group};
+use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group};
+use crate::noise::{NoisySheet, noisy_entries, sheet_number};
 use crate::panel::Panel;
 use crate::slices::{Slices, Window};
+use crate::weights::Weights;
 
 /// Strips of a tile.
 pub const N_STRIPS: usize = 4;
@@ -108,6 +112,8 @@ pub struct SheetGeometry<'a> {
     pub slices: &'a Slices<'a>,
     /// Axes u, v, w with kernel and gradient offset.
     pub axes: [Axis; 3],
+    /// Entries per sample distance of a footprint table with noise on the samples, where there is one.
+    pub noisy_entries: Option<u32>,
     /// Vectors to use.
     pub level: Level,
     /// Position among the samples of index position 0, along u, v, w, and per index step: fields may be coarser.
@@ -115,23 +121,36 @@ pub struct SheetGeometry<'a> {
 }
 
 impl<'a> SheetGeometry<'a> {
-    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
+    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted. `sheet_step`: slice
+    /// distances between sheets.
     pub fn new(
         level: Level,
         plane: &'a BasePlane,
         slices: &'a Slices<'a>,
         size: [usize; 3],
         gradient_offset: Option<f64>,
+        variant: &Variant,
+        sheet_step: f64,
     ) -> Self {
-        let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], offset: gradient_offset };
-        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: [(0.0, 1.0); 3] }
+        let [u, v, w] = plane.family.axes;
+        let axis = |a: usize, weights, difference: &dyn Fn(f64) -> Difference| Axis {
+            kernel: slices.kernel(),
+            n_samples: size[a],
+            difference: gradient_offset.map(difference),
+            weights,
+        };
+        let within = |a: usize| axis(a, Weights::within(variant), &|d| Difference::within(variant.gradient, d));
+        let across = |d| Difference::across(variant.gradient, d, sheet_step);
+        let axes = [within(u), within(v), axis(w, Weights::across(variant), &across)];
+        Self { plane, slices, axes, noisy_entries: noisy_entries(variant), level, from_index: [(0.0, 1.0); 3] }
     }
 
-    /// The same texels over the samples of a field.
+    /// The same texels over the samples of a field, which has no variants.
     pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
         let size = field.slices.grid().size();
         let from_index = plane.family.axes.map(|a| field.from_index[a]);
-        Self { from_index, ..Self::new(level, plane, &field.slices, size, field.gradient_offset) }
+        let own = Self::new(level, plane, &field.slices, size, field.gradient_offset, &Variant::default(), 1.0);
+        Self { from_index, ..own }
     }
 
     /// Whether index positions are those of the samples.
@@ -162,6 +181,11 @@ pub struct Sheet {
     part: Option<Part>,
     stride: usize,
     n_v: usize,
+    /// Rows of a strip that are upsampled along u: one per sample row.
+    n_rows: usize,
+    /// Position of the tile's first texel and distance to the next, samples; only with noise.
+    first_texel: [f64; 2],
+    texel_step: [f64; 2],
     /// Combined slices at sample resolution: density, derivative through the sheet, holes.
     density: Vec<f32>,
     through: Vec<f32>,
@@ -212,12 +236,14 @@ impl Sheet {
         let n_u = (self.u.window[1] - self.u.window[0] + 1) as usize;
         self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
         self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);
+        // With noise: a row per texel row, of values, and another, of derivatives along v.
+        self.n_rows = if geometry.noisy_entries.is_some() { 2 * TILE_V } else { self.n_v };
         for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u] {
-            rows.resize(N_STRIPS * self.n_v, Lanes::default());
+            rows.resize(N_STRIPS * self.n_rows, Lanes::default());
         }
         for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
             flags.clear();
-            flags.resize(N_STRIPS * self.n_v, false);
+            flags.resize(N_STRIPS * self.n_rows, false);
         }
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
@@ -234,12 +260,19 @@ impl Sheet {
         }
         if geometry.slices.has_mask() {
             self.holes.resize(self.stride * self.n_v, 0.0);
-            self.holes_u.resize(N_STRIPS * self.n_v, Lanes::default());
+            self.holes_u.resize(N_STRIPS * self.n_rows, Lanes::default());
             // A hole counts wherever it has a weight, of either sign.
             let taps: Vec<_> = taps.iter().map(|&(slice, weight)| (slice, weight.abs())).collect();
             geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
         }
         self.part = Some(part);
+        if geometry.noisy_entries.is_some() {
+            // Texels are splatted one by one, and stand where their sample rows would.
+            self.first_texel = [u0 + du * i0 as f64, v0 + dv * j0 as f64];
+            self.texel_step = [du, dv];
+            self.v.value.make_one_to_one(TILE_V / LANES, 0);
+            self.v.difference.make_one_to_one(TILE_V / LANES, TILE_V);
+        }
     }
 
     /// First number and samples of a part.
@@ -256,7 +289,7 @@ impl Sheet {
     fn upsample_density<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, strip: usize, rows: Range<usize>) {
         let group = self.u.value.group(strip);
         for r in rows {
-            let place = strip * self.n_v + r;
+            let place = strip * self.n_rows + r;
             if !self.has_density_u[place] {
                 self.has_density_u[place] = true;
                 let samples = &self.density[r * self.stride..(r + 1) * self.stride];
@@ -274,6 +307,9 @@ impl Sheet {
     pub fn prepare<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, block: Block) {
         if self.has_density >> block.place() & 1 == 0 {
             self.has_density |= 1 << block.place();
+            if let Some(per_sample) = geometry.noisy_entries {
+                return self.splat_density(geometry, per_sample, block);
+            }
             self.upsample_density(s, geometry, block.strip, reached_by(&self.v.value, block.rows()));
         }
     }
@@ -288,10 +324,13 @@ impl Sheet {
         if !self.has_through {
             self.combine_through(geometry, panel);
         }
+        if let Some(per_sample) = geometry.noisy_entries {
+            return self.splat_gradient(geometry, per_sample, block);
+        }
         let strip = block.strip;
         let (of_value, of_difference) = (self.u.value.group(strip), self.u.difference.group(strip));
         for r in reached_by(&self.v.value, block.rows()) {
-            let place = strip * self.n_v + r;
+            let place = strip * self.n_rows + r;
             if !self.has_gradient_u[place] {
                 self.has_gradient_u[place] = true;
                 let samples = r * self.stride..(r + 1) * self.stride;
@@ -306,10 +345,57 @@ impl Sheet {
         self.upsample_density(s, geometry, strip, rows);
     }
 
+    /// What noisy texels are splatted by.
+    fn noisy<'g>(&self, geometry: &'g SheetGeometry, per_sample: u32) -> NoisySheet<'g> {
+        let [u, v, _] = &geometry.axes;
+        let first = [self.u.window[0], self.v.window[0]];
+        NoisySheet { axes: [u, v], per_sample, sheet: sheet_number(self.w), first, stride: self.stride }
+    }
+
+    /// Rows of a block with noise, the place of each and the positions of its texels.
+    fn texels(&self, block: Block) -> impl Iterator<Item = (usize, [[f64; 2]; LANES])> + use<> {
+        let ([u, v], [du, dv]) = (self.first_texel, self.texel_step);
+        let (strip, n_rows) = (block.strip, self.n_rows);
+        block.rows().map(move |row| {
+            let at = |lane: usize| [u + du * (strip * LANES + lane) as f64, v + dv * row as f64];
+            (strip * n_rows + row, std::array::from_fn(at))
+        })
+    }
+
+    /// Densities of a block with noise.
+    #[inline(never)]
+    fn splat_density(&mut self, geometry: &SheetGeometry, per_sample: u32, block: Block) {
+        let noisy = self.noisy(geometry, per_sample);
+        for (place, texels) in self.texels(block) {
+            self.density_u[place] = Lanes(texels.map(|at| noisy.value(&self.density, at) as f32));
+            if geometry.slices.has_mask() {
+                self.holes_u[place] = Lanes(texels.map(|at| f32::from(u8::from(noisy.reaches(&self.holes, at)))));
+            }
+        }
+    }
+
+    /// Gradient of a block with noise.
+    #[inline(never)]
+    fn splat_gradient(&mut self, geometry: &SheetGeometry, per_sample: u32, block: Block) {
+        let noisy = self.noisy(geometry, per_sample);
+        let [du, dv] = self.texel_step;
+        let [u, v, _] = &geometry.axes;
+        let (Some(along_u), Some(along_v)) = (u.difference, v.difference) else { return };
+        let (along_u, along_v) = (along_u.of_step(du), along_v.of_step(dv));
+        for (place, texels) in self.texels(block) {
+            let derivative =
+                |axis, difference| Lanes(texels.map(|at| noisy.derivative(&self.density, at, axis, difference) as f32));
+            let (along_u, along_v) = (derivative(0, along_u), derivative(1, along_v));
+            self.along_u[place] = along_u;
+            self.density_u[place + TILE_V] = along_v;
+            self.through_u[place] = Lanes(texels.map(|at| noisy.value(&self.through, at) as f32));
+        }
+    }
+
     /// Densities of one chunk or two. After [`Sheet::prepare`].
     #[inline(always)]
     pub fn density<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
-        blend_rows(w, &self.density_u[chunks[0].strip * self.n_v..], &self.v.value, chunks)
+        blend_rows(w, &self.density_u[chunks[0].strip * self.n_rows..], &self.v.value, chunks)
     }
 
     /// Where chunks reach a hole. After [`Sheet::prepare`].
@@ -317,7 +403,7 @@ impl Sheet {
     pub fn hole<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::M {
         let s = w.one();
         let [mut first, mut second] = [s.splat(0.0); 2];
-        let rows = &self.holes_u[chunks[0].strip * self.n_v..];
+        let rows = &self.holes_u[chunks[0].strip * self.n_rows..];
         for t in 0..self.v.value.n_taps {
             for (sum, chunk) in [(&mut first, chunks[0]), (&mut second, chunks[1])] {
                 let weight = s.splat(self.v.value.weight(chunk.row, t).abs());
@@ -338,7 +424,7 @@ impl Sheet {
         chunks: [Chunk; 2],
     ) -> [W::F; 3] {
         self.prepare_gradient(w.one(), geometry, panel, chunks[0].block());
-        let first = chunks[0].strip * self.n_v;
+        let first = chunks[0].strip * self.n_rows;
         [
             blend_rows(w, &self.along_u[first..], &self.v.value, chunks),
             blend_rows(w, &self.density_u[first..], &self.v.difference, chunks),

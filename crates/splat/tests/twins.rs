@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Composite, Decoder, GradientNode, Kernel, Light, LightFrame, Picture, Projection, RenderOptions, Shading,
+    Composite, Decoder, FootprintTable, GradientNode, GradientScheme, Kernel, Light, LightFrame, Picture, Projection,
+    RenderOptions, Shading, TransferFunction, Variant,
 };
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_splat::reference::splat;
@@ -27,7 +28,6 @@ fn scene() -> Phantom {
 #[test]
 fn the_fast_path_equals_the_literal_splatter() {
     let phantom = scene();
-    let volume = phantom.volume();
     let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
     let coloured = Light { frame: LightFrame::World, to_light: DVec3::new(1.0, 2.0, -1.0), rgb: [1.0, 0.4, 0.2] };
     let shadings = [
@@ -37,38 +37,82 @@ fn the_fast_path_equals_the_literal_splatter() {
     ];
     let mut n_compared = 0;
     for (_, kernel) in Kernel::NAMES {
-        for (from, projection) in [
-            (DVec3::new(0.2, 0.3, 1.0), ORTHOGRAPHIC),
-            (DVec3::new(-1.0, 0.5, 0.4), ORTHOGRAPHIC),
-            (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE),
-        ] {
-            for shading in &shadings {
-                let camera = camera_towards(phantom.centre(), from, 30.0, projection);
-                let options = RenderOptions {
-                    width_px: 40,
-                    height_px: 32,
-                    kernel,
-                    sheets_per_slice: 1.5,
-                    shading: shading.clone(),
-                    refined: false,
-                    ..RenderOptions::default()
-                };
-                let slices = Slices::new(&volume, kernel);
-                let (pictures, _) = render_base_planes(&slices, &tf, &camera, &options, &()).unwrap();
-                for picture in &pictures {
-                    let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
-                    for (t, (texel, want)) in picture.texels.iter().zip(&want).enumerate() {
-                        for c in 0..4 {
-                            let (got, want) = (f64::from(texel[c]), want[c]);
-                            assert!((got - want).abs() < 1e-4, "{kernel:?} {from} texel {t}: {got} for {want}");
-                        }
-                        n_compared += usize::from(want[3] > 0.1);
-                    }
-                }
-            }
+        for shading in &shadings {
+            n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), Variant::default());
         }
     }
     assert!(n_compared > 5000, "{n_compared} texels show something");
+}
+
+/// Base planes from three sides against the literal splatter; how many texels show something.
+fn check_twin(
+    phantom: &Phantom,
+    tf: &TransferFunction,
+    kernel: Kernel,
+    shading: Option<&Shading>,
+    variant: Variant,
+) -> usize {
+    let volume = phantom.volume();
+    let slices = Slices::new(&volume, kernel);
+    let mut n_compared = 0;
+    for (from, projection) in [
+        (DVec3::new(0.2, 0.3, 1.0), ORTHOGRAPHIC),
+        (DVec3::new(-1.0, 0.5, 0.4), ORTHOGRAPHIC),
+        (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE),
+    ] {
+        let camera = camera_towards(phantom.centre(), from, 30.0, projection);
+        let options = RenderOptions {
+            width_px: 40,
+            height_px: 32,
+            kernel,
+            sheets_per_slice: 1.5,
+            shading: shading.cloned(),
+            refined: false,
+            variant,
+            ..RenderOptions::default()
+        };
+        let (pictures, _) = render_base_planes(&slices, tf, &camera, &options, &()).unwrap();
+        for picture in &pictures {
+            let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &picture.plane).unwrap();
+            for (t, (texel, want)) in picture.texels.iter().zip(&want).enumerate() {
+                for c in 0..4 {
+                    let (got, want) = (f64::from(texel[c]), want[c]);
+                    assert!((got - want).abs() < 1e-4, "{kernel:?} {variant:?} {from} texel {t}: {got} for {want}");
+                }
+                n_compared += usize::from(want[3] > 0.1);
+            }
+        }
+    }
+    n_compared
+}
+
+#[test]
+fn every_variant_equals_its_literal_twin() {
+    let phantom = scene();
+    let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
+    let default = Variant::default();
+    let (nearest, noise) = (FootprintTable::Nearest { per_sample: 5 }, FootprintTable::NearestNoise { per_sample: 3 });
+    let variants = [
+        (Variant { view_angle_correction: false, ..default }, 1.0),
+        (Variant { kernel_slicing: false, ..default }, 1.0),
+        (Variant { kernel_slicing: false, gradient: GradientScheme::SheetForward, ..default }, 0.5),
+        (Variant { gradient: GradientScheme::FootprintForward, ..default }, 0.1),
+        (Variant { gradient: GradientScheme::FootprintForward, ..default }, 1.0),
+        (Variant { gradient: GradientScheme::SheetCentral, ..default }, 0.01),
+        (Variant { gradient: GradientScheme::SheetCentral, ..default }, 1.0),
+        (Variant { gradient: GradientScheme::SheetForward, ..default }, 3.9),
+        (Variant { footprint: nearest, ..default }, 1.0),
+        (Variant { footprint: noise, ..default }, 0.75),
+        (Variant { footprint: noise, gradient: GradientScheme::SheetCentral, ..default }, 1.0),
+    ];
+    let mut n_compared = 0;
+    for (_, kernel) in Kernel::NAMES {
+        for (variant, gradient_offset) in variants {
+            let shading = Shading { gradient_offset, ..Shading::default() };
+            n_compared += check_twin(&phantom, &tf, kernel, Some(&shading), variant);
+        }
+    }
+    assert!(n_compared > 20_000, "{n_compared} texels show something");
 }
 
 /// The original form (sheets as textures, gradients from three buffers) is the same method, blurred by its textures.

@@ -35,7 +35,7 @@ const TRANSPARENT: f64 = 1e-7;
 /// Cells per side of the blocks that are skipped where nothing in them is visible.
 const BLOCK: usize = 4;
 
-/// Draws `options.composite = over` by ray casting; sheets and oversampling of the options are not used.
+/// Draws `options.composite = over` by ray casting; sheets, oversampling and variant of the options are not used.
 pub fn raycast(
     volume: &Volume,
     tf: &TransferFunction,

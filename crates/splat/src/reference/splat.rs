@@ -12,18 +12,24 @@
 //! ```
 //!
 //! Two forms. [`base_plane`] has the texels of the fast path (those of each sheet on the same rays) and takes the
-//! gradient from difference footprints: the fast path must equal it to rounding. [`image`] is the original: one
-//! buffer layout for all sheets, the gradient from three consecutive sheet buffers, and every sheet resampled on its
-//! way to the picture as a texture on its polygon. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
+//! gradient from difference footprints, or from the texels and sheet buffers beside each, in any [`Variant`]: the fast
+//! path must equal it to rounding. [`image`] is the original: one buffer layout for all sheets, the gradient from three
+//! consecutive sheet buffers in all variants, and every sheet resampled on its way to the picture as a texture on its
+//! polygon. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
-use wavesplat_core::{Camera, Picture, RenderOptions, Result, TransferFunction, Volume};
+use wavesplat_core::{
+    Camera, FootprintTable, Kernel, Picture, RenderOptions, Result, TransferFunction, Variant, Volume,
+};
 
 use super::raycast::Sampler;
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
+use crate::footprint::whole_steps;
 use crate::interval::Region;
-use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
+use crate::kernel::{fold, n_taps, taps, weight};
+use crate::noise::{LEAST_SUM, displacement, sheet_number};
+use crate::prefilter;
 use crate::slices::Slices;
 use crate::tile::SheetSpacing;
 
@@ -41,14 +47,15 @@ type Layout = [(f64, f64); 2];
 enum Footprint {
     /// h(x − l)
     Value,
-    /// [h(x + d − l) − h(x − d − l)] / 2d
-    Difference(f64),
+    /// [h(x + b − l) − h(x + a − l)] / (b − a)
+    Difference { a: f64, b: f64 },
 }
 
 struct Splatter<'a> {
     slices: &'a Slices<'a>,
     size: [usize; 3],
     axes: [usize; 3],
+    variant: Variant,
 }
 
 impl Splatter<'_> {
@@ -56,27 +63,52 @@ impl Splatter<'_> {
     fn weights(&self, axis: usize, x: f64, footprint: Footprint) -> Vec<f64> {
         let n = self.size[axis];
         let last = (n - 1) as f64;
-        let kernel = self.slices.kernel();
         let mut weights = vec![0.0; n];
         let mut add = |x: f64, factor: f64| {
-            let (first, w): (i64, [f64; MAX_TAPS]) = taps(kernel, x.clamp(0.0, last));
-            for (t, w) in w[..n_taps(kernel)].iter().enumerate() {
-                weights[fold(kernel, first + t as i64, n)] += factor * w;
+            for (sample, weight) in self.reach(axis, x.clamp(0.0, last)) {
+                weights[fold(self.slices.kernel(), sample, n)] += factor * weight;
             }
         };
         match footprint {
             Footprint::Value => add(x, 1.0),
-            Footprint::Difference(d) => {
+            Footprint::Difference { a, b } => {
                 let x = x.clamp(0.0, last);
-                add(x + d, 0.5 / d);
-                add(x - d, -0.5 / d);
+                add(x + b, 1.0 / (b - a));
+                add(x + a, -1.0 / (b - a));
             }
         }
         weights
     }
 
-    /// Clears a buffer and splats every sample that reaches the sheet at `w`.
-    fn sheet(&self, layout: Layout, size: [usize; 2], w: f64, footprints: [Footprint; 3]) -> SheetBuffer {
+    /// The samples that reach a position and their weights.
+    fn reach(&self, axis: usize, x: f64) -> Vec<(i64, f64)> {
+        let kernel = self.slices.kernel();
+        let nearest = (x + 0.5).floor();
+        let at = if axis == self.axes[2] && !self.variant.kernel_slicing {
+            if prefilter::pole(kernel).is_none() {
+                return vec![(nearest as i64, 1.0)];
+            }
+            // Spline coefficients are not the samples; these weights make them the samples of the slice.
+            nearest
+        } else {
+            x
+        };
+        let (first, weights) = taps(kernel, at);
+        let exact = (0..n_taps(kernel)).map(|t| (first + t as i64, weights[t]));
+        match self.variant.footprint {
+            FootprintTable::Nearest { per_sample } if axis != self.axes[2] => {
+                let entries = exact.map(|(sample, _)| (sample, entry(kernel, x - sample as f64, per_sample)));
+                normalised(entries.collect())
+            }
+            _ => exact.collect(),
+        }
+    }
+
+    /// Clears a buffer and splats every sample that reaches the sheet at `w`, with the noise of sheet `sheet`.
+    fn sheet(&self, layout: Layout, size: [usize; 2], w: f64, sheet: i64, footprints: [Footprint; 3]) -> SheetBuffer {
+        if let FootprintTable::NearestNoise { per_sample } = self.variant.footprint {
+            return self.noisy_sheet(layout, size, w, sheet, per_sample, footprints[2]);
+        }
         let [u, v, through] = self.axes;
         let table = |axis: usize, (origin, step): (f64, f64), n: usize, footprint: Footprint| -> Vec<Vec<f64>> {
             (0..n).map(|i| self.weights(axis, origin + step * i as f64, footprint)).collect()
@@ -107,9 +139,130 @@ impl Splatter<'_> {
         }
         buffer
     }
+
+    /// The same with every sample displaced by up to half an entry of the footprint table.
+    fn noisy_sheet(
+        &self,
+        layout: Layout,
+        size: [usize; 2],
+        w: f64,
+        sheet: i64,
+        per_sample: u32,
+        through: Footprint,
+    ) -> SheetBuffer {
+        let kernel = self.slices.kernel();
+        let [u, v, axis_w] = self.axes;
+        let slices = self.weights(axis_w, w, through);
+        let density = |sample_u: i64, sample_v: i64| {
+            let mut index = [0; 3];
+            index[u] = fold(kernel, sample_u, self.size[u]);
+            index[v] = fold(kernel, sample_v, self.size[v]);
+            let of_slice = |(slice, weight): (usize, &f64)| {
+                index[axis_w] = slice;
+                if *weight == 0.0 { 0.0 } else { weight * self.slices.at(index) }
+            };
+            slices.iter().enumerate().map(of_slice).sum::<f64>()
+        };
+        let texel = |i: usize, j: usize| {
+            let at = [(u, layout[0], i), (v, layout[1], j)]
+                .map(|(axis, (origin, step), i)| (origin + step * i as f64).clamp(0.0, (self.size[axis] - 1) as f64));
+            let [near_u, near_v] = at.map(|x| taps(kernel, x).0);
+            let splats = |amount: f64| {
+                let mut splats = Vec::new();
+                for sample_v in near_v..near_v + n_taps(kernel) as i64 {
+                    for sample_u in near_u..near_u + n_taps(kernel) as i64 {
+                        let noise = displacement(sheet, [sample_u, sample_v]);
+                        let weights =
+                            [(at[0], sample_u, noise[0]), (at[1], sample_v, noise[1])].map(|(x, sample, noise)| {
+                                let displaced = sample as f64 + amount * noise / f64::from(per_sample);
+                                entry(kernel, x - displaced, per_sample)
+                            });
+                        splats.push(((sample_u, sample_v), weights[0] * weights[1]));
+                    }
+                }
+                splats
+            };
+            let mut splats_here = splats(1.0);
+            if splats_here.iter().map(|(_, weight)| weight).sum::<f64>() < LEAST_SUM {
+                splats_here = splats(0.0);
+            }
+            let weighted = normalised(splats_here).into_iter();
+            weighted.map(|((sample_u, sample_v), weight)| weight * density(sample_u, sample_v)).sum()
+        };
+        let all = (0..size[0] * size[1]).map(|t| texel(t % size[0], t / size[0])).collect();
+        SheetBuffer { n_u: size[0], density: all }
+    }
+
+    /// Derivatives along u, v, w at every texel of the sheet at `w`, from differences over `offset`, per index step.
+    fn gradient(
+        &self,
+        layout: Layout,
+        size: [usize; 2],
+        w: f64,
+        offset: f64,
+        spacing: SheetSpacing,
+    ) -> [SheetBuffer; 3] {
+        let scheme = self.variant.gradient;
+        let sheet = sheet_number(w);
+        std::array::from_fn(|c| {
+            let texel = if c < 2 { layout[c].1 } else { spacing.step };
+            let b = if scheme.is_of_sheets() { whole_steps(offset, texel) } else { offset };
+            let a = if scheme.is_forward() { 0.0 } else { -b };
+            let is_noisy = matches!(self.variant.footprint, FootprintTable::NearestNoise { .. });
+            if c == 2 && is_noisy {
+                return self.sheet(
+                    layout,
+                    size,
+                    w,
+                    sheet,
+                    [Footprint::Value, Footprint::Value, Footprint::Difference { a, b }],
+                );
+            }
+            if !scheme.is_of_sheets() && !is_noisy {
+                let mut footprints = [Footprint::Value; 3];
+                footprints[c] = Footprint::Difference { a, b };
+                return self.sheet(layout, size, w, sheet, footprints);
+            }
+            // The buffer as its texels lie when moved along an axis: the same one some texels on, or another sheet's.
+            let moved = |by: f64| {
+                let (mut layout, mut w) = (layout, w);
+                *if c < 2 { &mut layout[c].0 } else { &mut w } += by;
+                self.sheet(layout, size, w, sheet, [Footprint::Value; 3])
+            };
+            let (mut after, before) = (moved(b), moved(a));
+            after
+                .density
+                .iter_mut()
+                .zip(&before.density)
+                .for_each(|(after, before)| *after = (*after - before) / (b - a));
+            after
+        })
+    }
 }
 
-/// Associated RGBA of every texel of a base plane, before the warp; difference footprints for the gradient.
+/// Weight at the entry nearest to a distance from a sample.
+fn entry(kernel: Kernel, distance: f64, per_sample: u32) -> f64 {
+    let per_sample = f64::from(per_sample);
+    weight(kernel, (distance * per_sample + 0.5).floor() / per_sample)
+}
+
+/// Weights scaled to sum 1.
+fn normalised<T>(weights: Vec<(T, f64)>) -> Vec<(T, f64)> {
+    let sum: f64 = weights.iter().map(|(_, weight)| weight).sum();
+    weights.into_iter().map(|(sample, weight)| (sample, weight / sum)).collect()
+}
+
+/// World length that a slab one slice distance thick stands for, where rays go `along` per slice.
+fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, variant: &Variant) -> f64 {
+    if variant.view_angle_correction {
+        return (world_from_index * along).length();
+    }
+    // The height of the cell over its face.
+    let face = world_from_index.col(axes[0]).cross(world_from_index.col(axes[1]));
+    world_from_index.determinant().abs() / face.length()
+}
+
+/// Associated RGBA of every texel of a base plane, before the warp, in the options' variant.
 pub fn base_plane(
     volume: &Volume,
     slices: &Slices,
@@ -121,30 +274,28 @@ pub fn base_plane(
     options.validate()?;
     let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, options.shading.as_ref());
-    let splatter = Splatter { slices, size: volume.grid().size(), axes: plane.family.axes };
+    let splatter = Splatter { slices, size: volume.grid().size(), axes: plane.family.axes, variant: options.variant };
     let spacing = SheetSpacing::new(volume.grid().size()[plane.family.axes[2]], options.sheets_per_slice);
     let mut image = vec![[0.0; 4]; plane.size[0] * plane.size[1]];
     for k in 0..=spacing.n_slabs {
         let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
-        let splat = |footprints| splatter.sheet(plane.sheet(w), plane.size, w, footprints);
-        let (value, difference) = (Footprint::Value, gradient_offset(&sampler));
-        let density = splat([value; 3]);
-        let gradient = difference.map(|d| {
-            let d = Footprint::Difference(d);
-            [splat([d, value, value]), splat([value, d, value]), splat([value, value, d])]
-        });
+        let layout = plane.sheet(w);
+        let density = splatter.sheet(layout, plane.size, w, sheet_number(w), [Footprint::Value; 3]);
+        let gradient =
+            gradient_offset(&sampler).map(|offset| splatter.gradient(layout, plane.size, w, offset, spacing));
         for (t, pixel) in image.iter_mut().enumerate() {
             let ray = plane.ray((t % density.n_u) as f64, (t / density.n_u) as f64);
             let [lo, hi] = region.texel_interval(plane, &ray);
             let half = 0.5 * spacing.step;
             let extent = ((w + half).min(hi) - (w - half).max(lo)).max(0.0);
             let direction = from_uvw(plane.family.axes, [ray.slope[0], ray.slope[1], 1.0]);
-            let world = volume.grid().world_from_index().matrix3 * direction;
-            let to_eye = world.normalize() * if plane.family.ascending { -1.0 } else { 1.0 };
+            let world_from_index = volume.grid().world_from_index().matrix3;
+            let to_eye = (world_from_index * direction).normalize() * if plane.family.ascending { -1.0 } else { 1.0 };
             let index_gradient = gradient
                 .as_ref()
                 .map_or(DVec3::ZERO, |g| from_uvw(plane.family.axes, std::array::from_fn(|c| g[c].density[t])));
-            let thickness = extent * world.length() / sampler.opacity_unit();
+            let length = slice_length(world_from_index, plane.family.axes, direction, &options.variant);
+            let thickness = extent * length / sampler.opacity_unit();
             over(pixel, &sampler, density.density[t], thickness, index_gradient, to_eye);
         }
     }
@@ -187,7 +338,7 @@ fn draw_family(
     image: &mut [[f64; 4]],
 ) {
     let family = plane.family;
-    let splatter = Splatter { slices, size: volume.grid().size(), axes: family.axes };
+    let splatter = Splatter { slices, size: volume.grid().size(), axes: family.axes, variant: options.variant };
     let spacing = SheetSpacing::new(volume.grid().size()[family.axes[2]], options.sheets_per_slice);
     // One layout for all sheets: the whole slice, as dense as the base plane is where it is densest.
     let last = family.uvw(volume.grid().last_index());
@@ -198,7 +349,10 @@ fn draw_family(
     let layout: Layout = std::array::from_fn(|c| (0.0, last[c] / (size[c] - 1) as f64));
     let order = |k: usize| if family.ascending { k } else { spacing.n_slabs - k };
     // All sheet buffers that shading can ask for: the pseudo-code runs one sheet ahead and keeps three.
-    let splat = |k: usize| splatter.sheet(layout, size, spacing.w(order(k)), [Footprint::Value; 3]);
+    let splat = |k: usize| {
+        let w = spacing.w(order(k));
+        splatter.sheet(layout, size, w, sheet_number(w), [Footprint::Value; 3])
+    };
     let mut buffers: [Option<SheetBuffer>; 3] = [None, Some(splat(0)), None];
     for k in 0..=spacing.n_slabs {
         buffers[2] = (k < spacing.n_slabs).then(|| splat(k + 1));
@@ -217,9 +371,10 @@ fn draw_family(
                     let half = 0.5 * spacing.step;
                     let extent = ((w + half).min(hi) - (w - half).max(lo)).max(0.0);
                     let direction = from_uvw(family.axes, [ray.slope[0], ray.slope[1], 1.0]);
-                    let world = volume.grid().world_from_index().matrix3 * direction;
-                    let to_eye = world.normalize() * if family.ascending { -1.0 } else { 1.0 };
-                    let thickness = extent * world.length() / sampler.opacity_unit();
+                    let world_from_index = volume.grid().world_from_index().matrix3;
+                    let to_eye = (world_from_index * direction).normalize() * if family.ascending { -1.0 } else { 1.0 };
+                    let length = slice_length(world_from_index, family.axes, direction, &options.variant);
+                    let thickness = extent * length / sampler.opacity_unit();
                     let at = [ray.at_zero[0] + ray.slope[0] * w, ray.at_zero[1] + ray.slope[1] * w];
                     shaded.composite(pixel, sampler, at, thickness, to_eye);
                 }

@@ -1,0 +1,340 @@
+"""Each switch changes the picture in the way that theory says."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+from wavesplat.errors import ArgumentError
+
+SIZE = (96, 96)
+SOFT = ws.TransferFunction(
+    [(60, 0), (128, 0.05), (255, 0.2)], [(60, 0.3, 0.5, 0.9), (128, 0.9, 0.9, 0.9), (255, 0.9, 0.4, 0.2)]
+)
+
+
+def psnr_db(got: ws.Picture, want: ws.Picture) -> float:
+    difference = got.rgba[..., :3].astype(float) - want.rgba[..., :3]
+    return float(-10 * np.log10(np.mean(difference**2)))
+
+
+def ball(n: int = 32, radius: float = 10.0, center: tuple[float, float, float] | None = None) -> ws.Volume:
+    """A ball whose value falls evenly from 255 to 0 across its radius."""
+    x0, y0, z0 = center or ((n - 1) / 2,) * 3
+    z, y, x = np.mgrid[:n, :n, :n]
+    distance = np.sqrt((x - x0) ** 2 + (y - y0) ** 2 + (z - z0) ** 2)
+    return ws.Volume(np.clip(255 * ((radius - distance) / 8 + 0.5), 0, 255).astype(np.float32))
+
+
+@pytest.fixture(scope="module")
+def ripples():
+    """The volume, a camera that sees its sheets obliquely, and the converged picture."""
+    volume = ws.examples.ripples(24)
+    camera = ws.Camera.orbit(volume, 35, 30)
+    return volume, camera, ws.reference.raycast(volume, SOFT, camera, size=SIZE, step=0.1)
+
+
+def draw(ripples, **options) -> ws.Picture:
+    volume, camera, _ = ripples
+    variant = ws.Variant(**options.pop("variant", {}))
+    settings = {"size": SIZE, "sheets_per_slice": 2, "oversampling": 1, "refined": False} | options
+    return ws.render(volume, SOFT, camera, variant=variant, **settings)
+
+
+# The view angle
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 60])
+def test_a_slab_is_as_thick_as_the_way_through_it_or_not(degrees):
+    opacity = 0.3
+    # Fog ten units thick and very wide, its slices so dense that rays at any of these angles run most along z.
+    fog = ws.Volume(np.ones((11, 40, 40), np.float32), spacing=(4, 4, 1))
+    curve = ws.TransferFunction([(0, opacity)], [(0, 1, 1, 1)], opacity_unit=10.0)
+    angle = np.radians(degrees)
+    center = np.array([78.0, 78.0, 5.0])
+    camera = ws.Camera(
+        center + 100 * np.array([np.sin(angle), 0, np.cos(angle)]), center, (0, 1, 0), parallel_scale=10.0
+    )
+    for corrected in (True, False):
+        variant = ws.Variant(view_angle_correction=corrected)
+        rgba = ws.render(fog, curve, camera, size=(9, 9), shading=None, variant=variant).rgba
+        want = 1 - (1 - opacity) ** (1 / np.cos(angle)) if corrected else opacity
+        np.testing.assert_allclose(rgba[..., 3], want, atol=1e-5)
+
+
+def test_without_correction_sums_depend_on_the_view_and_means_do_not():
+    fog = ws.Volume(np.ones((11, 40, 40), np.float32), spacing=(4, 4, 1))
+    camera = ws.Camera((178, 78, 62.7), (78, 78, 5), (0, 1, 0), parallel_scale=10.0)
+    middle = (4, 4)
+    values = {}
+    for composite in ("sum", "mean"):
+        for corrected in (True, False):
+            variant = ws.Variant(view_angle_correction=corrected)
+            picture = ws.render(fog, SOFT, camera, size=(9, 9), composite=composite, variant=variant)
+            values[composite, corrected] = picture.value[middle]
+    assert values["sum", True] == pytest.approx(20, rel=1e-2)
+    assert values["sum", False] == pytest.approx(10, rel=1e-5)
+    assert values["mean", True] == pytest.approx(1, rel=1e-5)
+    assert values["mean", False] == pytest.approx(1, rel=1e-5)
+
+
+def test_the_correction_pays(ripples):
+    want = ripples[2]
+    plain = draw(ripples, variant={"view_angle_correction": False})
+    assert psnr_db(plain, want) < psnr_db(draw(ripples), want) - 6
+    assert plain.rgba[..., 3].mean() < want.rgba[..., 3].mean() - 0.01
+
+
+# Slicing the kernel
+
+
+def test_without_slicing_sheets_repeat_slices():
+    # Samples that are seen only in the fourth slice; the rays run along z.
+    samples = np.zeros((9, 16, 16), np.float32)
+    samples[4] = 1
+    volume = ws.Volume(samples)
+    curve = ws.TransferFunction([(0.99, 0), (1, 0.5)], [(0, 1, 1, 1)])
+    camera = ws.Camera.orbit(volume, 0, 90)
+    opacity = {}
+    for sliced in (True, False):
+        options = {"sheets_per_slice": 10, "refined": False, "shading": None, "size": (9, 9)}
+        picture = ws.render(volume, curve, camera, variant=ws.Variant(kernel_slicing=sliced), **options)
+        opacity[sliced] = picture.rgba[4, 4, 3]
+    # One sheet of ten reaches the value, or all the ten that are nearest to the slice.
+    assert opacity[True] == pytest.approx(1 - 0.5**0.1, abs=1e-4)
+    assert opacity[False] == pytest.approx(0.5, abs=1e-4)
+
+
+@pytest.mark.parametrize("kernel", ["linear", "catmull-rom", "bspline2", "bspline3"])
+def test_on_the_slices_interpolating_kernels_have_nothing_to_slice(ripples, kernel):
+    one = {"sheets_per_slice": 1, "kernel": kernel, "shading": None}
+    sliced, own = draw(ripples, **one), draw(ripples, variant={"kernel_slicing": False}, **one)
+    np.testing.assert_allclose(own.rgba, sliced.rgba, atol=2e-5)
+
+
+def test_slicing_the_kernel_pays(ripples):
+    want = ripples[2]
+    assert psnr_db(draw(ripples, variant={"kernel_slicing": False}), want) < psnr_db(draw(ripples), want) - 4
+
+
+@pytest.mark.parametrize("switch", ["view_angle_correction", "kernel_slicing"])
+def test_what_contradicts_pre_integration_is_drawn_with_plain_sheets(switch):
+    volume = ws.examples.ripples(16)
+    hard = ws.TransferFunction([(127, 0), (128, 1)], [(128, 1, 1, 1)])
+    camera = ws.Camera.orbit(volume, 35, 30)
+    pictures = [
+        ws.render(volume, hard, camera, size=SIZE, refined=refined, variant=ws.Variant(**{switch: False})).rgba
+        for refined in (True, False)
+    ]
+    np.testing.assert_array_equal(*pictures)
+
+
+# Gradients
+
+DIFFUSE = {"ambient": 0.0, "diffuse": 1.0, "specular": 0.0}
+
+
+def lit_ball(gradient: str, offset: float, *, light: tuple[float, float, float] = (0, 0, 1)) -> np.ndarray:
+    """Brightness of the ball's surface, seen along -y from the front, its right and left the volume's -x and +x."""
+    volume = ball()
+    shading = ws.Shading(gradient_offset=offset, lights=[ws.Light(light)], **DIFFUSE)
+    surface = ws.TransferFunction([(100, 0), (101, 1)], [(0, 1, 1, 1)])
+    camera = ws.Camera.orbit(volume, 0, 0, zoom=2.5)
+    options = {"size": (97, 97), "sheets_per_slice": 8, "refined": False, "shading": shading}
+    return ws.render(volume, surface, camera, variant=ws.Variant(gradient=gradient), **options).rgba[..., 0]
+
+
+def asymmetry(lit: np.ndarray) -> float:
+    """Mean difference of the left half and the right half mirrored."""
+    return float(np.abs(lit - lit[:, ::-1]).mean() / lit.mean())
+
+
+def test_forward_differences_look_from_one_side():
+    central, forward = lit_ball("footprint", 1.0), lit_ball("footprint-forward", 1.0)
+    assert asymmetry(central) < 0.005
+    assert asymmetry(forward) > 0.01
+
+
+def test_the_shorter_the_offset_the_less_a_forward_difference_leans():
+    leaning = [asymmetry(lit_ball("footprint-forward", offset)) for offset in (0.1, 1.0, 4.0)]
+    assert leaning[0] < leaning[1] < leaning[2]
+
+
+def test_a_short_offset_of_the_linear_kernel_shows_the_cells():
+    # The gradient of a trilinear function jumps from cell to cell, so that the light has steps where the ball is round.
+    # Differences over half a sample to either side, or more, bridge the jumps.
+    def largest_kink(offset: float) -> float:
+        return float(np.abs(np.diff(lit_ball("footprint", offset)[30:67, 30:67], n=2)).max())
+
+    assert largest_kink(0.1) > 4 * max(largest_kink(offset) for offset in (0.5, 0.75, 1.0))
+
+
+def test_sheet_differences_are_footprints_a_whole_number_of_texels_wide():
+    volume = ball()
+    camera = ws.Camera.view(volume, "anterior")
+    # The rays run along y. Sheets lie a quarter of a slice apart, and so do texels.
+    side = 2 * camera.parallel_scale
+    n = round(side * 4)
+    camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, parallel_scale=n / 8)
+    options = {"size": (n, n), "sheets_per_slice": 4, "oversampling": 1, "refined": False}
+
+    def shaded(gradient: str, offset: float) -> np.ndarray:
+        shading = ws.Shading(gradient_offset=offset)
+        return ws.render(volume, SOFT, camera, shading=shading, variant=ws.Variant(gradient=gradient), **options).rgba
+
+    for ours, theirs in (("sheet-central", "footprint"), ("sheet-forward", "footprint-forward")):
+        # 0.01 is the neighbour, and 0.6 half a sample, since texels lie no nearer to it.
+        for offset, texels in ((0.01, 1), (0.25, 1), (0.5, 2), (0.6, 2), (1.0, 4)):
+            np.testing.assert_allclose(shaded(ours, offset), shaded(theirs, texels / 4), atol=1e-3)
+    assert np.abs(shaded("sheet-central", 0.01) - shaded("sheet-central", 1.0)).max() > 0.05
+
+
+# Footprint tables
+
+
+@pytest.mark.parametrize("footprint", ["nearest", "nearest-noise"])
+def test_tables_converge_to_exact_weights(ripples, footprint):
+    exact = draw(ripples)
+    errors = [
+        psnr_db(draw(ripples, variant={"footprint": footprint, "footprint_entries": entries}), exact)
+        for entries in (2, 8, 64, 1024)
+    ]
+    assert errors == sorted(errors)
+    assert errors[0] < 45
+    assert errors[-1] > 70
+
+
+def test_a_coarse_table_is_worse_than_exact_weights(ripples):
+    want = ripples[2]
+    for footprint in ("nearest", "nearest-noise"):
+        coarse = draw(ripples, variant={"footprint": footprint, "footprint_entries": 2})
+        assert psnr_db(coarse, want) < psnr_db(draw(ripples), want) - 1
+
+
+def ramp_values(footprint: str) -> np.ndarray:
+    """A row of the mean along z of a volume that rises evenly along x, at eight texels a sample; half the samples."""
+    samples = np.broadcast_to(np.arange(24, dtype=np.float32), (16, 24, 24))
+    volume = ws.Volume(np.ascontiguousarray(samples))
+    camera = ws.Camera.orbit(volume, 0, 90)
+    camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, parallel_scale=6.0)
+    variant = ws.Variant(footprint=footprint, footprint_entries=2)
+    options = {"size": (96, 96), "composite": "mean", "variant": variant, "oversampling": 1}
+    return ws.render(volume, camera=camera, **options).value
+
+
+def test_tables_make_stairs_of_slopes_and_noise_makes_grain_of_stairs():
+    exact, stairs, grain = (ramp_values(footprint) for footprint in ("exact", "nearest", "nearest-noise"))
+    # Half of a table's steps: two entries a sample, eight texels a sample.
+    steps = np.abs(np.diff(exact[48])), np.abs(np.diff(stairs[48]))
+    assert steps[0].max() == pytest.approx(1 / 8, abs=1e-3)
+    assert (steps[1] < 1e-3).mean() > 0.5
+    assert steps[1].max() > 0.4
+    # Rows of stairs are alike; grain differs from row to row.
+    assert np.abs(np.diff(stairs, axis=0)).max() < 1e-3
+    assert np.abs(np.diff(grain, axis=0)).max() > 0.01
+
+    # The mean over all sheets and rows has lost the stairs.
+    def lost(picture: np.ndarray) -> float:
+        return float(np.abs((picture - exact).mean(axis=0)).max())
+
+    assert lost(grain) < 0.4 * lost(stairs)
+
+
+def test_noise_leaves_alone_what_is_flat():
+    flat = ws.Volume(np.full((12, 12, 12), 7.0, np.float32))
+    variant = ws.Variant(footprint="nearest-noise", footprint_entries=2)
+    value = ws.render(flat, SOFT, "left", size=(24, 24), composite="mean", variant=variant).value
+    np.testing.assert_allclose(value[np.isfinite(value)], 7, rtol=1e-6)
+
+
+def test_noise_repeats_whatever_the_threads(ripples):
+    noise = {"footprint": "nearest-noise", "footprint_entries": 3}
+    for view_angle in (None, 40.0):
+        volume = ripples[0]
+        camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle)
+        pictures = [draw((volume, camera, None), variant=noise, threads=threads).rgba for threads in (1, 2, 2)]
+        assert pictures[0].tobytes() == pictures[1].tobytes() == pictures[2].tobytes()
+    assert psnr_db(draw(ripples, variant=noise), draw(ripples, variant=noise | {"footprint": "nearest"})) < 60
+
+
+def test_holes_stay_holes_with_any_weights():
+    samples = np.full((12, 12, 12), 100.0, np.float32)
+    samples[4:8, 4:8, 4:8] = np.nan
+    volume = ws.Volume(samples)
+    camera = ws.Camera.orbit(volume, 20, 10)
+    shown = {}
+    for footprint in ("exact", "nearest", "nearest-noise"):
+        variant = ws.Variant(footprint=footprint, footprint_entries=16)
+        picture = ws.render(volume, SOFT, camera, size=SIZE, shading=None, variant=variant)
+        assert np.isfinite(picture.rgba).all()
+        shown[footprint] = picture.rgba[..., 3]
+    assert shown["exact"].min() < shown["exact"].max() - 0.2
+    for footprint in ("nearest", "nearest-noise"):
+        assert np.abs(shown[footprint] - shown["exact"]).mean() < 0.02
+
+
+# The switchboard
+
+
+def test_the_default_is_the_renderer_as_it_is(ripples):
+    volume, camera, _ = ripples
+    for options in ({}, {"kernel": "bspline3"}, {"composite": "maximum"}, {"shading": None}, {"refined": False}):
+        with_default = ws.render(volume, SOFT, camera, size=SIZE, variant=ws.Variant(), **options).rgba
+        without = ws.render(volume, SOFT, camera, size=SIZE, **options).rgba
+        assert with_default.tobytes() == without.tobytes()
+
+
+@pytest.mark.parametrize("composite", ["over", "maximum", "minimum", "mean", "sum", "first-hit"])
+def test_every_operator_and_view_draws_every_variant(composite):
+    volume = ws.examples.ripples(12)
+    changes = [
+        {"view_angle_correction": False},
+        {"kernel_slicing": False},
+        {"gradient": "footprint-forward"},
+        {"gradient": "sheet-central"},
+        {"gradient": "sheet-forward"},
+        {"footprint": "nearest", "footprint_entries": 3},
+        {"footprint": "nearest-noise", "footprint_entries": 3},
+        {"kernel_slicing": False, "gradient": "sheet-forward", "footprint": "nearest-noise"},
+    ]
+    wavelets = ws.WaveletVolume.from_volume(volume, threshold=1)
+    for change in changes:
+        # Coarse texels, wide sheets and the eye inside the volume are where offsets in texels are far or vanish.
+        for camera, sheets in (
+            (ws.Camera.orbit(volume, 35, 30), 0.1),
+            (ws.Camera((5, 5.2, 5.1), (11, 9, 8), (0, 0, 1), view_angle=100), 3),
+        ):
+            options = {"composite": composite, "iso_value": 128 if composite == "first-hit" else None}
+            options |= {"size": (17, 13), "sheets_per_slice": sheets, "oversampling": 0.3, "kernel": "catmull-rom"}
+            for drawn in (volume, wavelets):
+                picture = ws.render(drawn, SOFT, camera, variant=ws.Variant(**change), **options)
+                assert np.isfinite(picture.rgba).all()
+
+
+def test_variants_are_values():
+    variant = ws.Variant(gradient="sheet-central", footprint="nearest", footprint_entries=4)
+    assert pickle.loads(pickle.dumps(variant)) == variant  # noqa: S301
+    assert dataclasses.replace(variant, footprint_entries=8) != variant
+    assert "sheet-central" in repr(variant)
+    assert "_core" not in repr(variant)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        variant.kernel_slicing = False
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"gradient": "central"}, 'unknown gradient "central".*sheet-forward'),
+        ({"footprint": "linear"}, 'unknown footprint "linear".*exact, nearest, nearest-noise'),
+        ({"footprint": "nearest", "footprint_entries": 1}, "footprint_entries is 1.*between 2 and 1024"),
+        ({"footprint_entries": -3}, "footprint_entries is -3"),
+        ({"footprint": "nearest", "footprint_entries": 2.5}, "footprint_entries is 2.5.*whole number"),
+    ],
+)
+def test_bad_variants_are_refused_where_they_are_made(options, message):
+    with pytest.raises(ArgumentError, match=message):
+        ws.Variant(**options)

@@ -175,3 +175,15 @@ def test_choices_are_checked_where_they_are_made(options, message):
 def test_choices_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         VIEW.buffer = "axis"
+
+
+def test_the_command_line_has_both_methods(tmp_path, ramp_file, wavesplat):
+    fine, coarse, failed = (tmp_path / name for name in ("fine.png", "coarse.png", "failed.png"))
+    options = ["--size", "40x30", "--quiet"]
+    assert wavesplat("render", ramp_file, "-o", fine, *options).returncode == 0
+    assert wavesplat("render", ramp_file, "-o", coarse, *options, "--method", "standard").returncode == 0
+    assert fine.read_bytes() != coarse.read_bytes()
+    refused = wavesplat("render", ramp_file, "-o", failed, "--method", "standard", "--composite", "maximum")
+    assert refused.returncode != 0
+    assert "composited with over" in refused.stderr
+    assert not failed.exists()

@@ -92,3 +92,16 @@ def test_the_reference_says_what_it_draws():
     for draw in (ws.reference.raycast, ws.reference.splat_literal):
         with pytest.raises(ArgumentError, match="to_volume"):
             draw(volume, size=(4, 4))
+
+
+def test_the_command_line_reads_files_of_both_kinds(tmp_path, ramp_file, wavesplat):
+    one, two = tmp_path / "one.json", tmp_path / "two.json"
+    ws.TransferFunction([(0, 0), (255, 0.5)], [(0, 1, 1, 1)]).save(one)
+    ws.TransferFunction2D.boundaries([(120, 10, 5, "#ff8040", 0.8)]).save(two)
+    pictures = []
+    for tf in (one, two):
+        picture = tmp_path / f"{tf.stem}.png"
+        done = wavesplat("render", ramp_file, "-o", picture, "--tf", tf, "--size", "32x32")
+        assert done.returncode == 0, done.stderr
+        pictures.append(picture.read_bytes())
+    assert pictures[0] != pictures[1]

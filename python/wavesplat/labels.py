@@ -8,6 +8,7 @@ from __future__ import annotations
 import colorsys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -142,6 +143,46 @@ class Labels:
         parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {})
         for name, value in zip(self.__dataclass_fields__, parts, strict=True):
             object.__setattr__(self, name, value)
+
+    @classmethod
+    def open(
+        cls, path: str | PathLike[str], *, table: str | PathLike[str] | None = None, smooth: bool = True
+    ) -> Labels:
+        """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
+
+        They are in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI files as TotalSegmentator
+        writes them. Labels without a colour get one of their own.
+
+        Parameters
+        ----------
+        path : path
+            The segmentation.
+        table : path, optional
+            Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of 3D Slicer
+            (.ctbl), or a .tsv with the columns index, name and color (BIDS).
+        smooth : bool, default True
+            See `Labels`.
+
+        Raises
+        ------
+        FileError
+            If a file cannot be read.
+        ArgumentError
+            If the samples are no labels.
+        """
+        from wavesplat import label_names
+        from wavesplat.readers import open as open_volume
+
+        # The table first: it is small, and may be the wrong file.
+        given = None if table is None else label_names.in_table(table)
+        segmentation = open_volume(path)
+        named = label_names.in_file(path) if given is None else given
+        labels = cls(segmentation, smooth=smooth)
+        looks = dict(labels.labels)
+        for number, (name, color) in named.items():
+            if number in looks:
+                looks[number] = Label(color or looks[number].color, name=name)
+        return cls(segmentation, looks, smooth=smooth)
 
     def check_beside(self, scan: Grid) -> None:
         """Refuse a scan whose samples are not those of the segmentation.

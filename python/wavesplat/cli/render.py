@@ -25,15 +25,20 @@ from wavesplat.cli.shared_options import (
     Threshold,
     Zoom,
 )
-from wavesplat.cli.transfer_function_options import TransferFunctionFile, chosen_transfer_function
+from wavesplat.cli.transfer_function_options import (
+    TransferFunctionFile,
+    chosen_transfer_function,
+    function_in_file,
+)
 from wavesplat.errors import ArgumentError
-from wavesplat.options import VIEWS, Composite, Quality
+from wavesplat.options import VIEWS, Composite, Method, Quality
 
 if TYPE_CHECKING:
     from wavesplat.camera import Camera
     from wavesplat.labels import Labels
     from wavesplat.shading import Shading
     from wavesplat.transfer_function import TransferFunction
+    from wavesplat.transfer_function_2d import TransferFunction2D
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
 
@@ -55,6 +60,11 @@ def render(
     labels: Annotated[
         str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
     ] = None,
+    label_table: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
+    ] = None,
+    method: Annotated[Any, parsers.choice(get_args(Method))] = "high-resolution",
     view: Annotated[
         Any,
         typer.Option(
@@ -123,10 +133,12 @@ def render(
     light = _shading(shading, occlusion, shadow)
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
-    transfer_function = chosen_transfer_function(
-        volume, input, preset=preset, tf=tf, materials=materials, composite=composite
+    transfer_function = (
+        chosen_transfer_function(volume, input, preset=preset, tf=None, materials=materials, composite=composite)
+        if tf is None
+        else function_in_file(tf, volume)
     )
-    segmentation = None if labels is None else _labels(labels)
+    segmentation = _labels(labels, label_table)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
         _note_what_stays_hidden(volume, transfer_function, composite)
@@ -136,6 +148,7 @@ def render(
         camera,
         shown=not quiet and sys.stderr.isatty(),
         labels=segmentation,
+        method=method,
         size=size,
         kernel=kernel,
         composite=composite,
@@ -169,11 +182,14 @@ def _shading(is_lit: bool, occlusion: float, shadow: float) -> Shading | None:
     return Shading(lights=lights, ambient_occlusion=occlusion, shadow=shadow)
 
 
-def _labels(path: str) -> Labels:
+def _labels(path: str | None, table: Path | None) -> Labels | None:
     from wavesplat.labels import Labels
-    from wavesplat.readers import open
 
-    return Labels(open(path))
+    if path is None:
+        if table is not None:
+            raise ArgumentError("--label-table names the labels of a segmentation; give it with --labels")
+        return None
+    return Labels.open(path, table=table)
 
 
 def _levels(
@@ -221,12 +237,16 @@ def _camera(
 
 
 def _note_what_stays_hidden(
-    volume: Volume | WaveletVolume, transfer_function: TransferFunction, composite: str
+    volume: Volume | WaveletVolume, transfer_function: TransferFunction | TransferFunction2D, composite: str
 ) -> None:
     import numpy as np
 
+    from wavesplat.transfer_function import TransferFunction
+
     if volume.n_nonfinite:
         message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
+    if not isinstance(transfer_function, TransferFunction):
+        return
     low, high = volume.value_range
     nodes = [value for value, _ in transfer_function.opacity if low <= value <= high]
     if composite == "over" and not transfer_function(np.array([low, high, *nodes]))[:, 3].any():
@@ -237,7 +257,12 @@ def _note_what_stays_hidden(
 
 
 def _drawn(
-    volume: Volume | WaveletVolume, transfer_function: TransferFunction, camera: Camera, *, shown: bool, **options: Any
+    volume: Volume | WaveletVolume,
+    transfer_function: TransferFunction | TransferFunction2D,
+    camera: Camera,
+    *,
+    shown: bool,
+    **options: Any,
 ) -> Any:
     """The picture; a bar shows how far it is, if `shown`, and Ctrl-C stops it."""
     from wavesplat import progress

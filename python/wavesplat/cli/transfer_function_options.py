@@ -12,10 +12,11 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from wavesplat.materials import Materials
     from wavesplat.transfer_function import TransferFunction
+    from wavesplat.transfer_function_2d import TransferFunction2D
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
 
-__all__ = ["TransferFunctionFile", "chosen_transfer_function"]
+__all__ = ["TransferFunctionFile", "chosen_transfer_function", "function_in_file"]
 
 TransferFunctionFile = Annotated[
     Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")
@@ -45,6 +46,17 @@ def chosen_transfer_function(
     except ArgumentError as error:
         # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
         raise FileError(f"{error}: {path}") from None
+
+
+def function_in_file(path: Path, volume: Volume | WaveletVolume) -> TransferFunction | TransferFunction2D:
+    """Of the sample value alone, or of value and gradient magnitude; the fields of the file tell."""
+    from wavesplat import json_object
+    from wavesplat.transfer_function import TransferFunction
+    from wavesplat.transfer_function_2d import TransferFunction2D
+
+    what = "transfer function"
+    document = json_object.load(path, what, lambda text: json_object.parse(text, what, "opacity and color"))
+    return TransferFunction2D.load(path) if "rgba" in document else TransferFunction.load(path, volume)
 
 
 def _materials(volume: Volume | WaveletVolume, given: str) -> Materials:

@@ -1,0 +1,153 @@
+"""Names and colours of labels, from the segmentation's file or from a table beside it.
+
+In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), and the label table that
+Connectome Workbench and TotalSegmentator put into an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`).
+Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), and the look-up tables of BIDS (.tsv with the
+columns index, name and, if they are there, color).
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable
+from html import unescape
+from os import PathLike
+from pathlib import Path
+from typing import TypeAlias
+
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["Named", "in_file", "in_table"]
+
+#: Name, and colour 0..1 where there is one.
+Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
+
+#: Headers longer than this hold no names.
+MOST_HEADER_BYTES = 2**22
+
+
+def in_file(path: str | PathLike[str]) -> dict[int, Named]:
+    """What a segmentation's own file says, by number; empty where it says nothing."""
+    name = Path(path).name.lower()
+    if name.endswith((".nrrd", ".nhdr")):
+        return _segments(_nrrd_header(Path(path)))
+    if name.endswith((".nii", ".nii.gz")):
+        return _nifti_labels(Path(path))
+    return {}
+
+
+def in_table(path: str | PathLike[str]) -> dict[int, Named]:
+    """A table of names.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read, or is none of the known tables.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or error
+        raise FileError(f"cannot read the table of labels: {reason}; check the name: {path}") from None
+    except UnicodeDecodeError:
+        raise FileError(f"the table of labels is not text: {path}") from None
+    read = _bids if str(path).lower().endswith(".tsv") else _columns
+    try:
+        found = read(text)
+    except (ArgumentError, ValueError, IndexError) as error:
+        raise FileError(f"the table of labels: {error}: {path}") from None
+    if not found:
+        raise FileError(
+            "the table of labels holds none; give ITK-SNAP's label descriptions, a colour table of 3D Slicer (.ctbl), "
+            f"or a .tsv with the columns index and name: {path}"
+        )
+    return found
+
+
+def _nrrd_header(path: Path) -> dict[str, str]:
+    """The pairs `key:=value` of a header, which ends at the first empty line."""
+    with path.open("rb") as file:
+        header = re.split(rb"\r?\n\r?\n", file.read(MOST_HEADER_BYTES), maxsplit=1)[0]
+    pairs = (line.partition(":=") for line in header.decode("utf-8", "replace").splitlines() if ":=" in line)
+    return {key.strip(): value.strip() for key, _, value in pairs}
+
+
+def _segments(header: dict[str, str]) -> dict[int, Named]:
+    found: dict[int, Named] = {}
+    for key, value in header.items():
+        match = re.fullmatch(r"(Segment\d+)_LabelValue", key)
+        if match is None or not value.isdecimal():
+            continue
+        numbers = _floats(header.get(f"{match[1]}_Color", "").split())
+        name = header.get(f"{match[1]}_Name") or header.get(f"{match[1]}_ID") or value
+        found[int(value)] = (name, _color(numbers, 1.0))
+    return found
+
+
+def _nifti_labels(path: Path) -> dict[int, Named]:
+    import nibabel
+
+    try:
+        image = nibabel.load(path)
+        extensions = list(getattr(image.header, "extensions", []))
+    except Exception:  # noqa: BLE001 - nibabel raises anything on a damaged extension; the samples may be sound
+        return {}
+    found: dict[int, Named] = {}
+    for extension in extensions:
+        content = extension.get_content()
+        text = content.decode("utf-8", "replace") if isinstance(content, bytes) else str(content)
+        for attributes, name in re.findall(r"<Label\b([^>]*)>(.*?)</Label>", text, re.DOTALL):
+            values: dict[str, str] = dict(re.findall(r'(\w+)\s*=\s*"([^"]*)"', attributes))
+            key = values.get("Key", values.get("Index", ""))
+            if key.isdecimal():
+                plain = re.sub(r"<!\[CDATA\[(.*?)\]\]>", r"\1", name, flags=re.DOTALL)
+                numbers = _floats([values.get(channel, "") for channel in ("Red", "Green", "Blue")])
+                found[int(key)] = (unescape(plain).strip() or key, _color(numbers, 1.0))
+    return found
+
+
+def _columns(text: str) -> dict[int, Named]:
+    """ITK-SNAP: `1 255 0 0 1 1 1 "liver"`. 3D Slicer: `1 liver 255 0 0 255`, in place of blanks underscores."""
+    found: dict[int, Named] = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        quoted = re.fullmatch(r'\s*(\d+)\s+(.*?)\s+"(.*)"\s*', line)
+        fields = line.split()
+        if quoted is not None:
+            index, name, numbers = quoted[1], quoted[3], _floats(quoted[2].split()[:3])
+        elif fields[0].isdecimal() and len(fields) >= 5:
+            index, name, numbers = fields[0], fields[1].replace("_", " "), _floats(fields[2:5])
+        else:
+            raise ArgumentError(f"line {number} is {line.strip()!r}; it must be a number, a name and a colour 0..255")
+        found[int(index)] = (name, _color(numbers, 255.0))
+    return found
+
+
+def _bids(text: str) -> dict[int, Named]:
+    rows = csv.DictReader(text.splitlines(), delimiter="\t")
+    if not {"index", "name"} <= set(rows.fieldnames or ()):
+        raise ArgumentError("its first line must name the columns index and name")
+    found: dict[int, Named] = {}
+    for row in rows:
+        code = (row.get("color") or "").lstrip("#")
+        is_code = re.fullmatch(r"[0-9a-fA-F]{6}", code) is not None
+        numbers = [float(int(code[i : i + 2], 16)) for i in (0, 2, 4)] if is_code else []
+        found[int(row["index"])] = (row["name"], _color(numbers, 255.0))
+    return found
+
+
+def _floats(fields: Iterable[str]) -> list[float]:
+    try:
+        return [float(field) for field in fields]
+    except ValueError:
+        return []
+
+
+def _color(numbers: list[float], white: float) -> tuple[float, float, float] | None:
+    """Three numbers as a colour, None if they are none."""
+    if len(numbers) != 3 or not all(0 <= number <= white for number in numbers):
+        return None
+    red, green, blue = (number / white for number in numbers)
+    return red, green, blue

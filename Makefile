@@ -20,7 +20,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study-wavelets study-lod bench roofline instructions clean \
+.PHONY: help demo test check fmt quality study study-wavelets study-lod bench roofline instructions clean \
 	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -41,6 +41,9 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
+
+study: $(STAMPS)/study ## draw by old and high-resolution splatting and ray casting, and compare, on a page; minutes
+	BENCH_DATA=$(BENCH_DATA) python studies/method/method.py --out $(OUT)/study $(STUDY)
 
 study-wavelets: $(STAMPS)/study ## repeat the paper's experiments on wavelets; STUDY_WAVELETS="--only ripples" takes seconds
 	BENCH_DATA=$(BENCH_DATA) python studies/wavelets/wavelets.py --out $(OUT)/study-wavelets $(STUDY_WAVELETS)

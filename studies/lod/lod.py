@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import argparse
 import datetime as dt
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -37,9 +36,9 @@ import wavesplat as ws
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import machine
+from subjects import DATA, ROOT
+from tables import as_markdown
 
-ROOT = Path(__file__).resolve().parents[2]
-DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
 RESULTS = Path(__file__).with_name("RESULTS.md")
 
 #: Azimuth and elevation, degrees.
@@ -198,12 +197,6 @@ def table(rows: Sequence[Row]) -> list[list[str]]:
         missed = ", ".join(row.misses()) or "none"
         lines.append([row.subject, row.curve, changes(row.plain), changes(row.ours), frames, missed])
     return lines
-
-
-def as_markdown(lines: list[list[str]]) -> str:
-    """A table of Markdown."""
-    head, *body = (f"| {' | '.join(line)} |" for line in lines)
-    return "\n".join([head, "|" + " --- |" * len(lines[0]), *body])
 
 
 def save_pages(pages: dict[str, list[list[Array]]], folder: Path) -> None:

@@ -40,6 +40,7 @@ import wavesplat as ws
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 import machine
+from tables import as_markdown, as_text
 
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = ROOT / ".cache" / "quality"
@@ -249,18 +250,6 @@ def table(scores: dict[Case, dict[str, Score]], rows: str) -> tuple[list[list[st
             ]
         lines.append(line)
     return lines, met
-
-
-def as_text(lines: list[list[str]]) -> str:
-    """Columns padded with blanks."""
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines)
-
-
-def as_markdown(lines: list[list[str]]) -> str:
-    """A Markdown table."""
-    heading, *body = ["| " + " | ".join(line) + " |" for line in lines]
-    return "\n".join([heading, "|" + " --- |" * len(lines[0]), *body])
 
 
 def record(scores: dict[Case, dict[str, Score]], size_px: int) -> None:

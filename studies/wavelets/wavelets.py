@@ -36,11 +36,10 @@ import argparse
 import datetime as dt
 import hashlib
 import math
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -52,9 +51,10 @@ import wavesplat as ws
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import machine
+import subjects
+from tables import as_markdown, as_text
 
 ROOT = Path(__file__).resolve().parents[2]
-DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
 CACHE = ROOT / ".cache" / "study-wavelets"
 RESULTS = Path(__file__).with_name("RESULTS.md")
 
@@ -94,43 +94,14 @@ class Printed:
 class Subject:
     """A volume of the study, in the units of its file; `window` becomes 0..255."""
 
-    source: Callable[[], ws.Volume]
+    drawn: subjects.Drawn
     window: tuple[float, float]
-    #: Where the opacity is 0, 0.05 and 0.2.
-    soft: tuple[float, float, float]
-    #: Where it steps from 0 to 1.
-    hard: float
-    #: Azimuth and elevation, degrees.
-    view: tuple[float, float]
     printed: Printed
-    #: What the oblique pictures show.
-    crop: ws.Crop | None = None
-
-
-CT_FILE = "ct_pelvis_right.nii.gz"
-#: Without the table under the patient, whose thin shell is near the step and makes half of the error.
-CT_CROP = ws.Crop((12, 0, 0), (248, 143, 69), space="index") if (DATA / CT_FILE).exists() else None
-
-
-def scan(file: str, bundled: Callable[[], ws.Volume]) -> ws.Volume:
-    """A scan from the data folder, or the bundled one."""
-    path = DATA / file
-    return ws.open(path) if path.exists() else bundled()
-
-
-def ct() -> ws.Volume:
-    """Half a pelvis."""
-    return scan(CT_FILE, ws.examples.ct_pelvis)
-
-
-def mri() -> ws.Volume:
-    """A head."""
-    return scan("mri_head_t1.nii.gz", ws.examples.mri_head)
 
 
 def mri_half() -> ws.Volume:
     """The head averaged over 2 x 2 x 2 samples."""
-    whole = mri()
+    whole = subjects.mri()
     nz, ny, nx = (n // 2 for n in whole.shape)
     pairs = whole.samples[: 2 * nz, : 2 * ny, : 2 * nx].reshape(nz, 2, ny, 2, nx, 2)
     wider = np.diag([2.0, 2.0, 2.0, 1.0])
@@ -144,10 +115,10 @@ PRINTED_MRI = Printed(17, 16, 1.27, {0: 3.25, 16: 2.72, 32: 8.74}, (0, 16, 32, 6
 
 #: The windows of the heads end at 255, since their files hold 8 bits, and at the brightest of the averages.
 SUBJECTS = {
-    "ripples": Subject(ws.examples.ripples, (0, 255), (60, 128, 255), 128, (35, 60), PRINTED_RIPPLES),
-    "ct": Subject(ct, (-1000, 1310), (-75, 255, 1000), 200, (20, 15), PRINTED_CT, CT_CROP),
-    "mri": Subject(mri, (0, 255), (24, 60, 95), 25, (20, 15), PRINTED_MRI),
-    "mri-half": Subject(mri_half, (0, 168), (24, 60, 95), 25, (20, 15), PRINTED_MRI),
+    "ripples": Subject(subjects.RIPPLES, (0, 255), PRINTED_RIPPLES),
+    "ct": Subject(subjects.CT, (-1000, 1310), PRINTED_CT),
+    "mri": Subject(subjects.MRI, (0, 255), PRINTED_MRI),
+    "mri-half": Subject(replace(subjects.MRI, source=mri_half), (0, 168), PRINTED_MRI),
 }
 
 
@@ -160,7 +131,7 @@ def grey(name: str, value: float) -> float:
 @cache
 def loaded(name: str, *, rounded: bool = True) -> ws.Volume:
     """The volume in grey levels, 8 bits, or float32 if not rounded."""
-    source = SUBJECTS[name].source()
+    source = SUBJECTS[name].drawn.source()
     levels = np.clip(grey(name, 0) + source.samples * (grey(name, 1) - grey(name, 0)), 0, 255)
     samples = np.rint(levels).astype(np.uint8) if rounded else levels.astype(np.float32)
     return ws.Volume(samples, world_from_index=source.world_from_index, name=source.name)
@@ -202,7 +173,7 @@ SCENES = (
 
 def transfer_function(name: str, curve: str) -> ws.TransferFunction:
     """A curve of a subject, over grey levels."""
-    volume, subject = loaded(name), SUBJECTS[name]
+    volume, drawn = loaded(name), SUBJECTS[name].drawn
     if curve == "auto":
         return ws.TransferFunction.auto(volume)
     if curve == "fog":
@@ -210,12 +181,8 @@ def transfer_function(name: str, curve: str) -> ws.TransferFunction:
             [(60, 0), (255, 0.15)], [(0, 0, 0, 0), (255, 1, 1, 1)], opacity_unit=volume.spacing[2]
         )
     if curve == "hard":
-        edge = round(grey(name, subject.hard))
-        return ws.TransferFunction([(edge - 1, 0), (edge, 1)], [(edge, 1, 0.9, 0.75)])
-    lo, middle, hi = (grey(name, value) for value in subject.soft)
-    return ws.TransferFunction(
-        [(lo, 0), (middle, 0.05), (hi, 0.2)], [(lo, 0.8, 0.4, 0.25), (middle, 1, 0.8, 0.6), (hi, 1, 1, 0.95)]
-    )
+        return subjects.hard_function(round(grey(name, drawn.hard)))
+    return subjects.soft_function(*(grey(name, value) for value in drawn.soft))
 
 
 def camera_along_z(volume: ws.Volume) -> ws.Camera:
@@ -228,14 +195,14 @@ def camera_along_z(volume: ws.Volume) -> ws.Camera:
 
 def drawing(name: str, scene: Scene, size_px: int) -> dict[str, Any]:
     """What `render` and `raycast` take besides the volume."""
-    volume, subject = loaded(name), SUBJECTS[name]
-    camera = camera_along_z(volume) if scene.along_z else ws.Camera.orbit(volume, *subject.view)
+    volume, drawn = loaded(name), SUBJECTS[name].drawn
+    camera = camera_along_z(volume) if scene.along_z else ws.Camera.orbit(volume, *drawn.view)
     return {
         "transfer_function": transfer_function(name, scene.curve),
         "camera": camera,
         "size": volume.shape[:0:-1] if scene.along_z else (size_px, size_px),
         "shading": ws.Shading() if scene.shaded else None,
-        "crop": subject.crop if scene.cropped and not scene.along_z else None,
+        "crop": drawn.crop if scene.cropped and not scene.along_z else None,
     }
 
 
@@ -461,7 +428,7 @@ def scene_table(rows: Sequence[Row], size_px: int) -> list[list[str]]:
     for scene in SCENES:
         line = [scene.label]
         for row in points:
-            has_part = scene.cropped or SUBJECTS[row.subject].crop is not None
+            has_part = scene.cropped or SUBJECTS[row.subject].drawn.crop is not None
             volume = decoded(row, rounded=scene.rounded)
             line.append(f"{picture_error(volume, row.subject, scene, size_px):.2f}" if has_part else "")
         lines.append(line)
@@ -496,18 +463,6 @@ def size_of(name: str) -> str:
     return (
         f"From {volume.name}: {shape} samples; plain, they take {kib:.0f} KiB with 8 bits, {4 * kib:.0f} KiB as float32"
     )
-
-
-def as_text(lines: list[list[str]]) -> str:
-    """Columns padded with blanks."""
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines)
-
-
-def as_markdown(lines: list[list[str]]) -> str:
-    """A Markdown table."""
-    heading, *body = ["| " + " | ".join(line) + " |" for line in lines]
-    return "\n".join([heading, "|" + " --- |" * len(lines[0]), *body])
 
 
 def record(rows: Sequence[Row], frames: list[list[str]], size_px: int) -> None:

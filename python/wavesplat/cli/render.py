@@ -29,6 +29,7 @@ from wavesplat.cli.transfer_function_options import (
     TransferFunctionFile,
     chosen_transfer_function,
     function_in_file,
+    function_of_materials,
 )
 from wavesplat.errors import ArgumentError
 from wavesplat.options import VIEWS, Composite, Method, Quality
@@ -56,6 +57,10 @@ def render(
     tf: TransferFunctionFile = None,
     materials: Annotated[
         str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
+    ] = None,
+    surfaces: Annotated[
+        float | None,
+        typer.Option(metavar="0..1", help="How much of the materials' opacity only their boundaries have."),
     ] = None,
     labels: Annotated[
         str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
@@ -131,13 +136,17 @@ def render(
 
     check_bits(bits)
     light = _shading(shading, occlusion, shadow)
+    if surfaces is not None and materials is None:
+        raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
-    transfer_function = (
-        chosen_transfer_function(volume, input, preset=preset, tf=None, materials=materials, composite=composite)
-        if tf is None
-        else function_in_file(tf, volume)
-    )
+    transfer_function: TransferFunction | TransferFunction2D
+    if tf is not None:
+        transfer_function = function_in_file(tf, volume)
+    elif materials is not None:
+        transfer_function = function_of_materials(volume, materials, surfaces)
+    else:
+        transfer_function = chosen_transfer_function(volume, input, preset=preset, tf=None, composite=composite)
     segmentation = _labels(labels, label_table)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:

@@ -10,13 +10,12 @@ import typer
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
-    from wavesplat.materials import Materials
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.transfer_function_2d import TransferFunction2D
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
 
-__all__ = ["TransferFunctionFile", "chosen_transfer_function", "function_in_file"]
+__all__ = ["TransferFunctionFile", "chosen_transfer_function", "function_in_file", "function_of_materials"]
 
 TransferFunctionFile = Annotated[
     Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")
@@ -29,14 +28,11 @@ def chosen_transfer_function(
     *,
     preset: str | None,
     tf: Path | None,
-    materials: str | None = None,
     composite: str = "over",
 ) -> TransferFunction:
     """The one that is named, or one from the histogram. `path`: where the volume came from, for messages."""
     from wavesplat.transfer_function import TransferFunction
 
-    if materials is not None:
-        return _materials(volume, materials).transfer_function()
     if tf is not None:
         return TransferFunction.load(tf, volume)
     if preset not in (None, "auto"):
@@ -59,9 +55,14 @@ def function_in_file(path: Path, volume: Volume | WaveletVolume) -> TransferFunc
     return TransferFunction2D.load(path) if "rgba" in document else TransferFunction.load(path, volume)
 
 
-def _materials(volume: Volume | WaveletVolume, given: str) -> Materials:
+def function_of_materials(
+    volume: Volume | WaveletVolume, given: str, surfaces: float | None
+) -> TransferFunction | TransferFunction2D:
+    """The mixture of materials from a file, by name, or from the histogram; with their surfaces if a share is given."""
     from wavesplat.materials import Materials
 
     if given == "fit":
-        return Materials.fit(volume)
-    return Materials.load(given) if given.endswith(".json") else Materials.preset(given)
+        materials = Materials.fit(volume)
+    else:
+        materials = Materials.load(given) if given.endswith(".json") else Materials.preset(given)
+    return materials.transfer_function() if surfaces is None else materials.surfaces(surfaces)

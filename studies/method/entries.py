@@ -3,7 +3,7 @@
 # ruff: noqa: INP001 - a script, not a package
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import wavesplat as ws
@@ -23,6 +23,8 @@ class Entry:
     how: dict[str, Any] = field(default_factory=dict)
     step: float | None = None
     gradient_offset: float = 1.0
+    #: Half a minute for a scan: only the ripples are drawn this way.
+    is_slow: bool = False
 
     def draw(self, volume: ws.Volume, scene: dict[str, Any]) -> ws.Picture:
         """The picture of a scene, which is what all ways have in common."""
@@ -90,11 +92,14 @@ VARIANTS = [
         for offset in OFFSETS
     ),
     variant("footprint", f"nearest of {TABLE_ENTRIES} entries", footprint="nearest", footprint_entries=TABLE_ENTRIES),
-    variant(
-        "footprint",
-        f"nearest of {TABLE_ENTRIES}, noise on the samples",
-        footprint="nearest-noise",
-        footprint_entries=TABLE_ENTRIES,
+    replace(
+        variant(
+            "footprint",
+            f"nearest of {TABLE_ENTRIES}, noise on the samples",
+            footprint="nearest-noise",
+            footprint_entries=TABLE_ENTRIES,
+        ),
+        is_slow=True,
     ),
     variant("footprint", "nearest of 64 entries", footprint="nearest", footprint_entries=64),
 ]
@@ -103,8 +108,8 @@ VARIANTS = [
 FINE = {"quality": "high"}
 PLACES: tuple[tuple[Literal["axis", "view"], str], ...] = (("axis", "along the axes"), ("view", "parallel to the view"))
 AGAINST_SIGNAL = [
-    Entry("ray casting", "step 0.1, linear", step=0.1),
-    Entry("ray casting", "step 0.1, linear, d = 0.1", step=0.1, gradient_offset=0.1),
+    Entry("ray casting", "step 0.25, linear", step=0.25),
+    Entry("ray casting", "step 0.25, linear, d = 0.1", step=0.25, gradient_offset=0.1),
     *(
         Entry("high-resolution splatting", f"{kernel}, d = {offset:g}", {**FINE, "kernel": kernel}, None, offset)
         for kernel in KERNELS

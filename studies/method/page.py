@@ -37,7 +37,7 @@ table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabu
 th, td { padding: .2rem .8rem .2rem 0; text-align: left; border-bottom: 1px solid var(--line); }
 td.number, th.number { text-align: right; }
 .strip { display: grid; grid-template-columns: repeat(auto-fill, minmax(11.5rem, 1fr)); gap: .8rem; margin: 1rem 0; }
-figure { margin: 0; } figure img { width: 100%; display: block; background: #000; }
+figure { margin: 0; } figure img { width: 100%; display: block; background: #000; image-rendering: pixelated; }
 figure img + img { margin-top: 2px; }
 figcaption { font-size: .8rem; line-height: 1.3; margin-top: .3rem; } figcaption span { color: var(--dim); }
 img.plot { max-width: 100%; background: #fff; } .wide { overflow-x: auto; }
@@ -45,17 +45,17 @@ details summary { cursor: pointer; margin: 1rem 0; }
 """
 
 
-def png(picture: Array) -> str:
-    """A picture as the source of an image."""
+def source(picture: Array) -> str:
+    """A picture as the source of an image; all of them as PNG would make a page of 40 MB."""
     buffer = io.BytesIO()
-    Image.fromarray(np.rint(255 * np.clip(picture, 0, 1)).astype(np.uint8)).save(buffer, "PNG", optimize=True)
-    return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+    Image.fromarray(np.rint(255 * np.clip(picture, 0, 1)).astype(np.uint8)).save(buffer, "WEBP", quality=95)
+    return f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
 
 
 def figure(label: str, note: str, pictures: Iterable[Array]) -> str:
     """Pictures one above the other, and what they are."""
     alt = html.escape(label)
-    images = "".join(f'<img src="{png(picture)}" alt="{alt}" loading="lazy">' for picture in pictures)
+    images = "".join(f'<img src="{source(picture)}" alt="{alt}" loading="lazy">' for picture in pictures)
     return f"<figure>{images}<figcaption>{alt}<br><span>{html.escape(note)}</span></figcaption></figure>"
 
 
@@ -87,8 +87,8 @@ def plot(drawing: Figure, alt: str) -> str:
     """A plot as an image."""
     buffer = io.BytesIO()
     drawing.savefig(buffer, format="png", dpi=130)
-    source = base64.b64encode(buffer.getvalue()).decode()
-    return f'<img class="plot" src="data:image/png;base64,{source}" alt="{html.escape(alt)}">'
+    encoded = base64.b64encode(buffer.getvalue()).decode()
+    return f'<img class="plot" src="data:image/png;base64,{encoded}" alt="{html.escape(alt)}">'
 
 
 def difference(picture: Array, wanted: Array) -> Array:
@@ -97,10 +97,10 @@ def difference(picture: Array, wanted: Array) -> Array:
 
 
 def middle(picture: Array) -> Array:
-    """The part of a picture that is shown of a variant, its pixels twice as large."""
+    """The part of a picture that is shown of a variant."""
     side = picture.shape[0]
     lo, hi = round(side * (1 - CROP) / 2), round(side * (1 + CROP) / 2)
-    return picture[lo:hi, lo:hi].repeat(2, axis=0).repeat(2, axis=1)
+    return picture[lo:hi, lo:hi]
 
 
 def numbers(row: Row) -> str:

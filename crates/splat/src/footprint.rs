@@ -129,6 +129,7 @@ impl Difference {
     }
 
     /// The same where texels lie `step` samples apart.
+    #[must_use]
     pub fn of_step(self, step: f64) -> Self {
         if self.is_of_texels { Self { offset: whole_steps(self.offset, step), ..self } } else { self }
     }

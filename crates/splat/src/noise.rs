@@ -42,7 +42,7 @@ pub fn displacement(sheet: i64, [u, v]: [i64; 2]) -> [f64; 2] {
     [mixed >> 32, mixed & u64::from(u32::MAX)].map(|half| half as f64 / (1_u64 << 32) as f64 - 0.5)
 }
 
-/// A bijection without visible pattern. Source: SplitMix64 (Steele, Lea, Flood 2014).
+/// A bijection without visible pattern. Source: `SplitMix64` (Steele, Lea, Flood 2014).
 fn mix(number: u64) -> u64 {
     let z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn what_is_flat_stays_flat_and_nothing_leaves_the_range_where_weights_are_not_negative() {
         let flat = vec![3.0; 256];
-        let steps: Vec<f32> = (0..256).map(|i| if mix(i) % 2 == 0 { 0.0 } else { 1.0 }).collect();
+        let steps: Vec<f32> = (0..256).map(|i| if mix(i).is_multiple_of(2) { 0.0 } else { 1.0 }).collect();
         for (name, kernel) in Kernel::NAMES {
             let axis = axis(kernel);
             let mut least_sum = f64::INFINITY;

@@ -35,8 +35,8 @@
 //! - Crop boxes and clip planes keep the samples whose centres are inside. NaN and infinite samples are empty.
 //! - In perspective, samples nearer to the eye than half a slice (*axis*) or one slab (*view*) are left out.
 //!
-//! The stages: densities of a tile's samples ([`mod@samples`]), classified and shaded ([`shaded`]), splatted and
-//! composited ([`axis`], [`view`]) with tables of the kernel ([`footprint`]). The literal twin is
+//! The stages: densities of a tile's samples (`samples.rs`), classified and shaded (`shaded.rs`), splatted and
+//! composited (`axis.rs`, `view.rs`) with tables of the kernel (`footprint.rs`). The literal twin is
 //! [`crate::reference::standard`].
 //!
 //! Sources: Westover, *Footprint evaluation for volume rendering* (1990); Mueller, Crawfis, *Eliminating popping artifacts

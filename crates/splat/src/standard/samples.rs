@@ -54,7 +54,7 @@ pub struct Densities {
     /// Samples that are there, beyond the volume repeated.
     window: Window,
     stride: usize,
-    densities: Vec<f32>,
+    values: Vec<f32>,
     /// Above 0 at samples that are drawn as empty; empty where there are none.
     holes: Vec<f32>,
     part: Part,
@@ -67,7 +67,7 @@ impl Default for Densities {
             first: 0,
             window: Window { u: [0, 0], v: [0, 0] },
             stride: 0,
-            densities: Vec::new(),
+            values: Vec::new(),
             holes: Vec::new(),
             part: Part::default(),
         }
@@ -112,15 +112,15 @@ impl Densities {
         let across = axes[0] != 0;
         let n_planes = if across { LANES } else { last + 1 - self.first };
         // Vectors are read from any sample on.
-        self.densities.resize(plane * n_planes + LANES, 0.0);
+        self.values.resize(plane * n_planes + LANES, 0.0);
         let (window, stride) = (self.window, self.stride);
         slices.load(axes, window, [self.first, last], &mut self.part);
         if across {
-            slices.turn(level, axes, self.first, window, &self.part, &mut self.densities[..plane * n_planes], stride);
+            slices.turn(level, axes, self.first, window, &self.part, &mut self.values[..plane * n_planes], stride);
         } else {
             for slice in self.first..=last {
                 let taps = [(slice, 1.0)];
-                let out = &mut self.densities[(slice - self.first) * plane..];
+                let out = &mut self.values[(slice - self.first) * plane..];
                 if slices.is_decoded() {
                     slices.combine_part(level, axes, &self.part, &taps, window, out, stride);
                 } else {
@@ -162,7 +162,7 @@ impl Densities {
     pub fn at(&self, place: usize) -> &[f32; LANES] {
         const NONE: &[f32; LANES] = &[f32::NAN; LANES];
         // There are vectors behind every sample.
-        self.densities[place..].first_chunk().unwrap_or(NONE)
+        self.values[place..].first_chunk().unwrap_or(NONE)
     }
 
     /// Which of the samples from a place on are drawn as empty, as bits.

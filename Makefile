@@ -20,7 +20,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study study-wavelets study-lod bench roofline instructions clean \
+.PHONY: help demo test check fmt quality study study-wavelets study-lod bench roofline instructions gallery clean \
 	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -61,6 +61,9 @@ instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--
 	cargo build --locked --release -p wavesplat-splat --example frames
 	python3 benches/instructions.py $(INSTRUCTIONS)
 
+gallery: $(STAMPS)/tools ## draw the pictures of docs/gallery.md, each with the command that drew it
+	python docs/gallery.py
+
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out python/wavesplat/_native*.so
 
@@ -77,14 +80,16 @@ rust-lint: $(STAMPS)/venv
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	cargo clippy --locked -p wavesplat-splat --no-default-features -- -D warnings
 
-docs: $(STAMPS)/venv
+docs: $(STAMPS)/tools
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet
+	python docs/gallery.py --check
 
 python-lint: $(STAMPS)/package $(STAMPS)/tools
 	ruff check .
 	ruff format --check .
 	mypy
 	mypy --strict studies
+	mypy --strict docs
 
 stubs: $(STAMPS)/package $(STAMPS)/tools
 	python -m mypy.stubtest wavesplat._native

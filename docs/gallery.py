@@ -1,0 +1,177 @@
+"""The gallery: pictures of the scans that come with the package, each with the command or the Python that drew it.
+
+`make gallery` draws them and writes `gallery.md` beside this file. `make docs` only runs everything again, small, and
+compares the page, so that no command in it is out of date; the pictures of two machines may differ in a bit.
+"""
+
+# ruff: noqa: INP001 - a script, not a package
+from __future__ import annotations
+
+import argparse
+import contextlib
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import wavesplat
+
+HERE = Path(__file__).parent
+PAGE = HERE / "gallery.md"
+PICTURES = HERE / "gallery"
+DATA = Path(wavesplat.__file__).parent / "data"
+SIZE_PX = 288
+
+PYTHON_HEAD = """import numpy as np
+import wavesplat as ws
+
+ct = ws.open("ct_pelvis.nii.gz")
+view = {"camera": ws.Camera.orbit(ct, 25, 15), "size": (288, 288)}
+"""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A picture: `command` for the command line, without output and size, or `code` that ends in a picture."""
+
+    name: str
+    title: str
+    words: str
+    command: str = ""
+    code: str = ""
+
+    @property
+    def file(self) -> str:
+        """Of the picture."""
+        return f"{self.name}.png"
+
+    def shown(self) -> str:
+        """The command as a reader can run it, beside the scan."""
+        return f"wavesplat {self.command} --size {SIZE_PX}x{SIZE_PX} -o {self.file}"
+
+    def script(self) -> str:
+        """The Python as a reader can run it."""
+        return f'{PYTHON_HEAD}{self.code}picture.save("{self.file}")\n'
+
+
+ENTRIES = (
+    Entry("bone", "Bones", "A preset, seen from the front left.",
+          "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15"),
+    Entry("bone_light", "Light that explains", "Hollows darken, and a light from the upper left casts shadows.",
+          "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15 --occlusion 0.8 --shadow 0.6"),
+    Entry("bone_standard", "Standard splatting",
+          "The older technique splats colours where this one splats densities; it blurs.",
+          "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15 --method standard"),
+    Entry("inside", "From close by", "In perspective, cubic B-spline.",
+          "render ct_pelvis.nii.gz --preset ct-bone --azimuth -30 --elevation 35 --perspective 60 --zoom 1.6 "
+          "--kernel bspline3"),
+    Entry("soft_tissue", "Skin over bones", "Translucent.",
+          "render ct_pelvis.nii.gz --preset ct-soft-tissue --azimuth 25 --elevation 15"),
+    Entry("materials", "Materials", "Air, fat, soft tissue and bone, mixed by their shares in every place.",
+          "render ct_pelvis.nii.gz --materials ct --azimuth 25 --elevation 15"),
+    Entry("surfaces", "Surfaces between materials", "Their boundaries strengthened by the gradient.",
+          "render ct_pelvis.nii.gz --materials ct --surfaces 0.95 --azimuth 25 --elevation 15"),
+    Entry("gradient_opacity", "Gradient opacity", "What is homogeneous recedes, boundaries stay.",
+          code="""soft = ws.TransferFunction.preset("ct-soft-tissue", ct)
+edges = ws.TransferFunction(soft.opacity, soft.color, soft.opacity_unit, gradient_opacity=[(15, 0), (120, 1)])
+picture = ws.render(ct, edges, **view)
+"""),
+    Entry("two_dimensional", "Functions of two dimensions",
+          "Surfaces at values, as wide as the gradient makes them: skin and bone.",
+          code="""surfaces = ws.TransferFunction2D.boundaries(
+    [(-400, 1.5, 40, "#c08060", 0.02), (300, 1.0, 30, "#fff2d9", 0.7)]
+)
+picture = ws.render(ct, surfaces, **view)
+"""),
+    Entry("labels", "Labels", "A segmentation beside the scan: one half of the body hidden, its bones a solid colour.",
+          code="""segmentation = np.zeros(ct.shape, np.uint8)
+segmentation[:, :, : ct.shape[2] // 2] = 1
+segmentation[(segmentation == 1) & (ct.samples > 220)] = 2
+labels = ws.Labels(segmentation, {1: ws.Label("grey", 0, scan=0), 2: ws.Label("#40a0e0", 0.9, name="bone")})
+picture = ws.render(ct, "ct-soft-tissue", labels=labels, **view)
+"""),
+    Entry("slice", "A slice", "Coronal, with the letters of the directions and a scale bar.",
+          "slice ct_pelvis.nii.gz --plane coronal --window -150,350 --letters --scale-bar"),
+    Entry("slab", "A thick slab", "The maximum over 40 mm.",
+          "slice ct_pelvis.nii.gz --plane coronal --thickness 40 --slab maximum --window 0,700"),
+    Entry("head", "A head", "Magnetic resonance, the brain under a translucent scalp.",
+          "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15"),
+    Entry("maximum", "Maximum projection", "Vessels are bright.",
+          "render mri_head.nii.gz --composite maximum --view left"),
+    Entry("surface", "The surface of one value", "The first place where a ray meets it, refined within the sample.",
+          "render mri_head.nii.gz --composite first-hit --iso-value 22 --azimuth 50 --elevation 15 --kernel bspline3"),
+    Entry("share", "From 2 percent of the wavelet coefficients", "Those below the threshold are dropped.",
+          "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --threshold 12"),
+    Entry("levels", "A coarser level", "At its own resolution, and as bright as the whole.",
+          "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --levels 6"),
+)  # fmt: skip
+
+
+def run(entry: Entry, folder: Path, *, small: bool) -> None:
+    """Draws a picture, in a folder with the scans."""
+    if entry.command:
+        shown = entry.shown()
+        command = [sys.executable, "-m", "wavesplat", *shlex.split(shown)[1:]]
+    else:
+        shown = entry.script()
+        command = [sys.executable, "-c", shown]
+    if small:
+        command = [part.replace(f"{SIZE_PX}x{SIZE_PX}", "96x96").replace("(288, 288)", "(96, 96)") for part in command]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603 - our own
+    if done.returncode != 0 or not (folder / entry.file).exists():
+        raise SystemExit(f"the gallery's {entry.name!r} failed:\n{shown}\n{done.stderr}")
+
+
+@contextlib.contextmanager
+def scans() -> Iterator[Path]:
+    """A folder with the bundled scans under their names."""
+    with tempfile.TemporaryDirectory() as name:
+        for file in DATA.glob("*/*.nii.gz"):
+            (Path(name) / file.name).symlink_to(file)
+        yield Path(name)
+
+
+def page() -> str:
+    """The gallery as Markdown."""
+    words = (
+        "Written by `make gallery`, which runs what stands below every picture.\n"
+        "The scans come with the package, in `wavesplat/data`."
+    )
+    parts = ["# Gallery", "", words, ""]
+    for entry in ENTRIES:
+        language, text = ("sh", entry.shown() + "\n") if entry.command else ("python", entry.script())
+        picture = f"![{entry.title}](gallery/{entry.file})"
+        parts += [f"## {entry.title}", "", entry.words, "", picture, "", f"```{language}", text + "```", ""]
+    return "\n".join(parts)
+
+
+def main() -> int:
+    """Draw, or check."""
+    parser = argparse.ArgumentParser(description="Draw the gallery.")
+    parser.add_argument(
+        "--check", action="store_true", help="run everything, small, and compare the page; write nothing"
+    )
+    check = parser.parse_args().check
+    with scans() as folder:
+        for entry in ENTRIES:
+            run(entry, folder, small=check)
+            if not check:
+                PICTURES.mkdir(exist_ok=True)
+                (PICTURES / entry.file).write_bytes((folder / entry.file).read_bytes())
+    if check:
+        if not PAGE.exists() or PAGE.read_text(encoding="utf-8") != page():
+            raise SystemExit("docs/gallery.md is not what docs/gallery.py writes; run make gallery")
+        print(f"gallery: {len(ENTRIES)} pictures drawn, the page is as written")
+        return 0
+    for old in PICTURES.glob("*.png"):
+        if old.name not in {entry.file for entry in ENTRIES}:
+            old.unlink()
+    PAGE.write_text(page(), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

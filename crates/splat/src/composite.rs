@@ -6,15 +6,14 @@
 //! pre-integrated (Engel, Kraus, Ertl 2001), with colour and gradient from where most of its light comes from: a hard
 //! surface is found, and shaded, where it is, and few sheets give what many did.
 //!
-//! Projections keep one density per ray, *first hit* looks for the first crossing of an iso-value and shades there;
-//! both take the density as linear between sheets.
+//! Projections ([`crate::project`]) keep one density per ray, *first hit* ([`crate::first_hit`]) looks for the first
+//! crossing of an iso-value and shades there; both take the density as linear between sheets.
 //!
 //! Positions here are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
 use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Lanes, Pair, Simd, Wide};
-use wavesplat_core::Composite;
 
 use crate::classify::{Classifier, N_PARTS, one_minus_exp_neg};
 use crate::extras::Extras;
@@ -49,9 +48,35 @@ pub struct Slab<'a> {
 impl Slab<'_> {
     /// Makes the densities of a block ready on both sheets.
     #[inline(always)]
-    fn prepare<S: Simd>(&mut self, s: S, block: Block) {
+    pub fn prepare<S: Simd>(&mut self, s: S, block: Block) {
         self.front.prepare(s, self.geometry, block);
         self.back.prepare(s, self.geometry, block);
+    }
+}
+
+/// Densities of a chunk on both sheets, and where neither reaches a hole.
+pub struct Ends {
+    /// On the sheet in front.
+    pub front: [f32; LANES],
+    /// On the sheet behind.
+    pub back: [f32; LANES],
+    /// Lanes that reach no hole, as bits.
+    pub whole: u16,
+}
+
+impl Ends {
+    /// After [`Slab::prepare`] for the block of the chunk.
+    #[inline(always)]
+    pub fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
+        let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
+        s.store(slab.front.density(s, [chunk; 2]), &mut front);
+        s.store(slab.back.density(s, [chunk; 2]), &mut back);
+        let whole = if slab.geometry.slices.has_mask() {
+            !s.bits(s.or(slab.front.hole(s, [chunk; 2]), slab.back.hole(s, [chunk; 2])))
+        } else {
+            u16::MAX
+        };
+        Self { front, back, whole }
     }
 }
 
@@ -65,7 +90,8 @@ pub struct Texels {
 }
 
 impl Texels {
-    fn new(rgba: &[Lanes; 4], s_half: Option<&Lanes>) -> Self {
+    /// Colours, and where opacity is ½.
+    pub fn new(rgba: &[Lanes; 4], s_half: Option<&Lanes>) -> Self {
         let [r, g, b, a] = rgba;
         Self { rgba: std::array::from_fn(|i| [r.0[i], g.0[i], b.0[i], a.0[i]]), s_half: s_half.map(|s| s.0) }
     }
@@ -405,7 +431,7 @@ fn scaled<W: Wide>(w: W, [x, y, z]: [W::F; 3], factor: W::F) -> [W::F; 3] {
 
 /// Part of the way from one vector to another.
 #[inline(always)]
-fn between<W: Wide>(w: W, from: [W::F; 3], to: [W::F; 3], share: W::F) -> [W::F; 3] {
+pub fn between<W: Wide>(w: W, from: [W::F; 3], to: [W::F; 3], share: W::F) -> [W::F; 3] {
     let ([a, b, c], [d, e, f]) = (from, to);
     [w.add_mul(a, share, w.sub(d, a)), w.add_mul(b, share, w.sub(e, b)), w.add_mul(c, share, w.sub(f, c))]
 }
@@ -481,194 +507,5 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
 
     fn finish(&self, chunk: Chunk) -> Texels {
         Texels::new(&self.rgba[chunk.index()], self.s_half.get(chunk.index()))
-    }
-}
-
-/// Densities of a chunk on both sheets, where neither reaches a hole (bits), and the drawn interval.
-struct Ends {
-    front: [f32; LANES],
-    back: [f32; LANES],
-    whole: u16,
-}
-
-impl Ends {
-    #[inline(always)]
-    fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
-        let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
-        s.store(slab.front.density(s, [chunk; 2]), &mut front);
-        s.store(slab.back.density(s, [chunk; 2]), &mut back);
-        let whole = if slab.geometry.slices.has_mask() {
-            !s.bits(s.or(slab.front.hole(s, [chunk; 2]), slab.back.hole(s, [chunk; 2])))
-        } else {
-            u16::MAX
-        };
-        Self { front, back, whole }
-    }
-}
-
-/// Maximum, minimum, mean and sum of the densities along a ray.
-pub struct Project {
-    operator: Composite,
-    value: Vec<Lanes>,
-    length: Vec<Lanes>,
-}
-
-impl Project {
-    /// `operator` is one of the projections.
-    pub fn new(operator: Composite) -> Self {
-        Self { operator, value: vec![Lanes::splat(0.0); Chunk::N], length: vec![Lanes::splat(0.0); Chunk::N] }
-    }
-}
-
-impl Project {
-    #[inline(always)]
-    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
-        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
-        let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
-        let [lo, hi] = rays.lanes(chunk);
-        let thickness = &rays.directions(chunk).thickness.0;
-        let [s_front, s_back] = slab.s;
-        let per_s = 1.0 / (s_back - s_front);
-        let operator = self.operator;
-        for i in 0..LANES {
-            // The part of the slab that is drawn, and the densities at its ends.
-            let from = ((lo.0[i] - s_front) * per_s).max(0.0);
-            let to = ((hi.0[i] - s_front) * per_s).min(1.0);
-            let slope = back[i] - front[i];
-            let near = front[i] + from * slope;
-            let far = if to == 1.0 { back[i] } else { front[i] + to * slope };
-            let drawn = to > from && whole >> i & 1 == 1;
-            let extent = if drawn { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
-            let empty = length[i] == 0.0;
-            let new = match operator {
-                Composite::Maximum if empty => near.max(far),
-                Composite::Maximum => value[i].max(near.max(far)),
-                Composite::Minimum if empty => near.min(far),
-                Composite::Minimum => value[i].min(near.min(far)),
-                _ => value[i] + 0.5 * (near + far) * extent,
-            };
-            value[i] = if drawn { new } else { value[i] };
-            length[i] += extent;
-        }
-    }
-}
-
-impl Compositor for Project {
-    #[inline(always)]
-    fn is_done(&self, _: Chunk) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.prepare(s, block);
-        for chunk in block.chunks() {
-            if !rays.none(chunk) && !self.is_done(chunk) {
-                self.add_chunk(s, chunk, rays, slab);
-            }
-        }
-    }
-
-    fn finish(&self, chunk: Chunk) -> Texels {
-        let rgba = std::array::from_fn(|i| {
-            let (value, length) = (self.value[chunk.index()].0[i], self.length[chunk.index()].0[i]);
-            let covered = if length > 0.0 { 1.0 } else { 0.0 };
-            let value = if self.operator == Composite::Mean && length > 0.0 { value / length } else { value };
-            [value * covered, length * covered, 0.0, covered]
-        });
-        Texels { rgba, s_half: None }
-    }
-}
-
-/// The first surface of one density.
-pub struct FirstHit<'a> {
-    iso: f32,
-    rgb: [f32; 3],
-    shader: Option<&'a Shader>,
-    rgba: Vec<[Lanes; 4]>,
-    s_hit: Vec<Lanes>,
-    hit: Vec<u16>,
-    done: Vec<bool>,
-}
-
-impl<'a> FirstHit<'a> {
-    /// `iso` is a density.
-    pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>) -> Self {
-        let [r, g, b, _] = classifier.look_up_one(iso);
-        Self {
-            iso,
-            rgb: [r, g, b],
-            shader,
-            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
-            s_hit: vec![Lanes::splat(f32::NAN); Chunk::N],
-            hit: vec![0; Chunk::N],
-            done: vec![false; Chunk::N],
-        }
-    }
-}
-
-impl FirstHit<'_> {
-    #[inline(always)]
-    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
-        let [s_front, s_back] = slab.s;
-        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
-        let [lo, hi] = rays.lanes(chunk);
-        let mut at = [0.0; LANES];
-        let mut new = 0;
-        for i in 0..LANES {
-            let (a, b) = (front[i] - self.iso, back[i] - self.iso);
-            // A surface is crossed, from either side; a ray that starts inside has met a cut face, not a surface.
-            let crosses = (a < 0.0) != (b < 0.0);
-            at[i] = a / (a - b);
-            let place = s_front + (s_back - s_front) * at[i];
-            let inside = place >= lo.0[i] && place <= hi.0[i];
-            new |= u16::from(crosses && inside) << i;
-        }
-        new &= whole & !self.hit[chunk.index()] & !rays.missed(chunk);
-        if new == 0 {
-            return;
-        }
-        let mut rgb = [s.splat(self.rgb[0]), s.splat(self.rgb[1]), s.splat(self.rgb[2])];
-        if let Some(shader) = self.shader {
-            let front = slab.front.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
-            let back = slab.back.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
-            let at = s.load(&at);
-            let gradient = between(s, front, back, at);
-            rgb = shader.shade(s, rgb, gradient, rays.to_eye(s, [chunk; 2]));
-        }
-        let rgba = &mut self.rgba[chunk.index()];
-        let mut shaded = [[1.0; LANES]; 4];
-        for c in 0..3 {
-            s.store(rgb[c], &mut shaded[c]);
-        }
-        for i in (0..LANES).filter(|i| new >> i & 1 == 1) {
-            for c in 0..4 {
-                rgba[c].0[i] = shaded[c][i];
-            }
-            self.s_hit[chunk.index()].0[i] = s_front + (s_back - s_front) * at[i];
-        }
-        self.hit[chunk.index()] |= new;
-        self.done[chunk.index()] = self.hit[chunk.index()] | rays.missed(chunk) == u16::MAX;
-    }
-}
-
-impl Compositor for FirstHit<'_> {
-    #[inline(always)]
-    fn is_done(&self, chunk: Chunk) -> bool {
-        self.done[chunk.index()]
-    }
-
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.prepare(s, block);
-        for chunk in block.chunks() {
-            if !rays.none(chunk) && !self.is_done(chunk) {
-                self.add_chunk(s, chunk, rays, slab);
-            }
-        }
-    }
-
-    fn finish(&self, chunk: Chunk) -> Texels {
-        Texels::new(&self.rgba[chunk.index()], Some(&self.s_hit[chunk.index()]))
     }
 }

@@ -5,6 +5,7 @@
 //! Python. Every type here is validated when it is made, so that the inside of the renderer cannot fail.
 
 mod camera;
+mod composite;
 mod decoder;
 mod error;
 mod grid;
@@ -17,14 +18,13 @@ mod variant;
 mod volume;
 
 pub use camera::{Camera, Projection, Ray};
+pub use composite::{Composite, CompositeNumbers};
 pub use decoder::Decoder;
 pub use error::{Blame, Error, Result};
 pub use grid::Grid;
 pub use joint::Joint;
 pub use label::LabelLook;
-pub use options::{
-    ClipPlane, Composite, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings,
-};
+pub use options::{ClipPlane, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings};
 pub use picture::Picture;
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
 pub use variant::{FootprintTable, GradientScheme, MAX_GRADIENT_OFFSET, Variant};

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::composite::Composite;
 use crate::error::{Error, Result};
 use crate::variant::{MAX_GRADIENT_OFFSET, Variant};
 
@@ -36,47 +37,7 @@ impl Kernel {
     }
 }
 
-/// How the sheets are combined into a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Composite {
-    /// Emission and absorption, front to back (Porter & Duff 1984).
-    Over,
-    /// Largest density along the ray (maximum intensity projection).
-    Maximum,
-    /// Smallest density along the ray.
-    Minimum,
-    /// Mean density along the ray's path inside the volume.
-    Mean,
-    /// Integral of the density over the ray's path, sample value x world length.
-    Sum,
-    /// The first surface where the density crosses `iso_value`, shaded.
-    FirstHit {
-        /// Sample value of the surface.
-        iso_value: f64,
-    },
-}
-
-impl Composite {
-    /// The operator with a public name.
-    pub fn from_name(name: &str, iso_value: Option<f64>) -> Result<Self> {
-        let iso = iso_value.unwrap_or(f64::NAN);
-        let known = [
-            ("over", Self::Over),
-            ("maximum", Self::Maximum),
-            ("minimum", Self::Minimum),
-            ("mean", Self::Mean),
-            ("sum", Self::Sum),
-            ("first-hit", Self::FirstHit { iso_value: iso }),
-        ];
-        find("composite", name, &known)
-    }
-
-    /// Whether the result is one density per pixel, coloured at the end.
-    pub fn is_projection(self) -> bool {
-        matches!(self, Self::Maximum | Self::Minimum | Self::Mean | Self::Sum)
-    }
-}
-
+/// The value with a public name.
 pub(crate) fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
     known.iter().find(|(n, _)| *n == name).map(|&(_, value)| value).ok_or_else(|| Error::UnknownName {
         what,
@@ -325,17 +286,7 @@ impl RenderOptions {
                 "pass nothing to use all processors",
             ));
         }
-        if let Composite::FirstHit { iso_value } = self.composite
-            && !iso_value.is_finite()
-        {
-            let mend = "pass iso_value, the sample value of the surface";
-            return Err(Error::out_of_range(
-                "iso_value of composite \"first-hit\"",
-                iso_value,
-                "a finite number",
-                mend,
-            ));
-        }
+        self.composite.validate()?;
         for (index, plane) in self.clip_planes.iter().enumerate() {
             if !plane.origin.is_finite() || plane.normal.try_normalize().is_none() {
                 let value = format!("{:?}, {:?}", plane.origin.to_array(), plane.normal.to_array());

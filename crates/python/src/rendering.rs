@@ -10,7 +10,7 @@ use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3, P
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use wavesplat_core::{ClipPlane, Composite, Crop, Kernel, Picture, RenderOptions};
+use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Picture, RenderOptions};
 use wavesplat_splat::estimate::settings_for_psnr;
 use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
@@ -135,9 +135,9 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
 
 /// See `_native.pyi`.
 #[pyfunction]
-#[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value, shading,
-    sheets_per_slice, oversampling, psnr, crop_index, crop_world, clip_planes, background, threads, depth, refined,
-    variant, progress))]
+#[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value,
+    local_threshold, depth_shading, attenuation, shading, sheets_per_slice, oversampling, psnr, crop_index, crop_world,
+    clip_planes, background, threads, depth, refined, variant, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn render<'py>(
@@ -151,6 +151,9 @@ pub fn render<'py>(
     kernel: &str,
     composite: &str,
     iso_value: Option<f64>,
+    local_threshold: Option<f64>,
+    depth_shading: Option<(f64, f64)>,
+    attenuation: Option<(f64, f64)>,
     shading: Option<&PyShading>,
     sheets_per_slice: f64,
     oversampling: f64,
@@ -165,11 +168,18 @@ pub fn render<'py>(
     variant: Option<&PyVariant>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let none = CompositeNumbers::NONE;
+    let numbers = CompositeNumbers {
+        iso_value: iso_value.unwrap_or(none.iso_value),
+        local_threshold: local_threshold.unwrap_or(none.local_threshold),
+        depth_shading: depth_shading.map_or(none.depth_shading, <[f64; 2]>::from),
+        attenuation: attenuation.map_or(none.attenuation, <[f64; 2]>::from),
+    };
     let mut options = RenderOptions {
         width_px: width,
         height_px: height,
         kernel: Kernel::from_name(kernel).map_err(to_py)?,
-        composite: Composite::from_name(composite, iso_value).map_err(to_py)?,
+        composite: Composite::from_name(composite, &numbers).map_err(to_py)?,
         shading: shading.map(|s| s.0.clone()),
         sheets_per_slice,
         oversampling,

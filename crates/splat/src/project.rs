@@ -1,4 +1,7 @@
-//! Projections: one density per ray, the largest, the smallest, the mean or the integral along it.
+//! Projections: one number per ray, the largest, the smallest, the mean or the integral of the densities along it.
+//!
+//! Densities are linear between two sheets, so extremes are looked for on the sheets and where rays enter and leave;
+//! integrals of a slab are exact. Formulas and sources: [`Composite`].
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use wavesplat_core::Composite;
@@ -7,51 +10,111 @@ use crate::composite::{Compositor, Ends, Slab, Texels};
 use crate::rays::Rays;
 use crate::sheet::{Block, Chunk};
 
-/// Maximum, minimum, mean and sum of the densities along a ray.
+/// The part of a slab that each ray of a chunk draws.
+pub struct Passage {
+    /// Densities where it begins.
+    pub near: [f32; LANES],
+    /// Densities where it ends.
+    pub far: [f32; LANES],
+    /// Positions where it begins and ends.
+    pub s: [[f32; LANES]; 2],
+    /// Its length, in the unit of the rays' thickness; 0 where nothing is drawn, or a hole is reached.
+    pub length: [f32; LANES],
+}
+
+impl Passage {
+    /// After [`Slab::prepare`] for the block of the chunk.
+    #[inline(always)]
+    pub fn new<S: Simd>(s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) -> Self {
+        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
+        let [lo, hi] = rays.lanes(chunk);
+        let thickness = &rays.directions(chunk).thickness.0;
+        let [s_front, s_back] = slab.s;
+        let per_s = 1.0 / (s_back - s_front);
+        let mut passage = Self { near: front, far: back, s: [[s_front; LANES], [s_back; LANES]], length: [0.0; LANES] };
+        for i in 0..LANES {
+            let from = ((lo.0[i] - s_front) * per_s).max(0.0);
+            let to = ((hi.0[i] - s_front) * per_s).min(1.0);
+            let slope = back[i] - front[i];
+            passage.near[i] = front[i] + from * slope;
+            // The back sheet to the bit where all is drawn.
+            passage.far[i] = if to == 1.0 { back[i] } else { front[i] + to * slope };
+            passage.s[0][i] = s_front + from * (s_back - s_front);
+            passage.s[1][i] = s_front + to * (s_back - s_front);
+            let drawn = to > from && whole >> i & 1 == 1;
+            passage.length[i] = if drawn { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
+        }
+        passage
+    }
+}
+
+/// All projections but the local maximum ([`crate::local_maximum`]).
 pub struct Project {
     operator: Composite,
+    /// The density that is dimmed towards, or above which x-rays are absorbed.
+    level: f32,
     value: Vec<Lanes>,
     length: Vec<Lanes>,
 }
 
 impl Project {
-    /// `operator` is one of the projections.
-    pub fn new(operator: Composite) -> Self {
-        Self { operator, value: vec![Lanes::splat(0.0); Chunk::N], length: vec![Lanes::splat(0.0); Chunk::N] }
+    /// `density`: that of a sample value.
+    pub fn new(operator: Composite, density: impl Fn(f64) -> f32) -> Self {
+        let nothing = match operator {
+            Composite::Maximum | Composite::DepthShadedMaximum { .. } => f32::NEG_INFINITY,
+            Composite::Minimum => f32::INFINITY,
+            _ => 0.0,
+        };
+        let level = match operator {
+            Composite::DepthShadedMaximum { black, .. } => density(black),
+            Composite::XRay { clear, .. } => density(clear),
+            _ => 0.0,
+        };
+        let (value, length) = (vec![Lanes::splat(nothing); Chunk::N], vec![Lanes::splat(0.0); Chunk::N]);
+        Self { operator, level, value, length }
+    }
+
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        let passage = Passage::new(s, chunk, rays, slab);
+        let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
+        let Passage { near, far, s, length: extent } = &passage;
+        let level = self.level;
+        match self.operator {
+            Composite::Maximum => each(value, extent, |value, i| value.max(near[i].max(far[i]))),
+            Composite::Minimum => each(value, extent, |value, i| value.min(near[i].min(far[i]))),
+            Composite::DepthShadedMaximum { .. } => {
+                let [at_zero, per_s] = rays.fade(chunk);
+                let dimmed = |density: f32, s: f32, i: usize| {
+                    let factor = at_zero.0[i] + per_s.0[i] * s;
+                    if density > level { level + (density - level) * factor } else { density }
+                };
+                each(value, extent, |value, i| value.max(dimmed(near[i], s[0][i], i).max(dimmed(far[i], s[1][i], i))));
+            }
+            Composite::XRay { .. } => {
+                each(value, extent, |value, i| value + mean_above(near[i] - level, far[i] - level) * extent[i]);
+            }
+            _ => each(value, extent, |value, i| value + 0.5 * (near[i] + far[i]) * extent[i]),
+        }
+        for i in 0..LANES {
+            length[i] += extent[i];
+        }
     }
 }
 
-impl Project {
-    #[inline(always)]
-    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
-        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
-        let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
-        let [lo, hi] = rays.lanes(chunk);
-        let thickness = &rays.directions(chunk).thickness.0;
-        let [s_front, s_back] = slab.s;
-        let per_s = 1.0 / (s_back - s_front);
-        let operator = self.operator;
-        for i in 0..LANES {
-            // The part of the slab that is drawn, and the densities at its ends.
-            let from = ((lo.0[i] - s_front) * per_s).max(0.0);
-            let to = ((hi.0[i] - s_front) * per_s).min(1.0);
-            let slope = back[i] - front[i];
-            let near = front[i] + from * slope;
-            let far = if to == 1.0 { back[i] } else { front[i] + to * slope };
-            let drawn = to > from && whole >> i & 1 == 1;
-            let extent = if drawn { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
-            let empty = length[i] == 0.0;
-            let new = match operator {
-                Composite::Maximum if empty => near.max(far),
-                Composite::Maximum => value[i].max(near.max(far)),
-                Composite::Minimum if empty => near.min(far),
-                Composite::Minimum => value[i].min(near.min(far)),
-                _ => value[i] + 0.5 * (near + far) * extent,
-            };
-            value[i] = if drawn { new } else { value[i] };
-            length[i] += extent;
-        }
+/// Combines the values of the lanes that draw something: one loop per operator, so that none of them branches inside.
+#[inline(always)]
+fn each(value: &mut [f32; LANES], extent: &[f32; LANES], combined: impl Fn(f32, usize) -> f32) {
+    for i in 0..LANES {
+        value[i] = if extent[i] > 0.0 { combined(value[i], i) } else { value[i] };
     }
+}
+
+/// Mean of what is positive of a density that goes evenly from one value to another.
+#[inline(always)]
+fn mean_above(near: f32, far: f32) -> f32 {
+    let (lo, hi) = (near.min(far), near.max(far).max(0.0));
+    if lo >= 0.0 { 0.5 * (near + far) } else { 0.5 * hi * hi / (hi - lo) }
 }
 
 impl Compositor for Project {
@@ -64,7 +127,7 @@ impl Compositor for Project {
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         slab.prepare(s, block);
         for chunk in block.chunks() {
-            if !rays.none(chunk) && !self.is_done(chunk) {
+            if !rays.none(chunk) {
                 self.add_chunk(s, chunk, rays, slab);
             }
         }
@@ -73,10 +136,28 @@ impl Compositor for Project {
     fn finish(&self, chunk: Chunk) -> Texels {
         let rgba = std::array::from_fn(|i| {
             let (value, length) = (self.value[chunk.index()].0[i], self.length[chunk.index()].0[i]);
-            let covered = if length > 0.0 { 1.0 } else { 0.0 };
-            let value = if self.operator == Composite::Mean && length > 0.0 { value / length } else { value };
-            [value * covered, length * covered, 0.0, covered]
+            if length <= 0.0 {
+                return [0.0; 4];
+            }
+            let value = if self.operator == Composite::Mean { value / length } else { value };
+            [value, length, 0.0, 1.0]
         });
         Texels { rgba, s_half: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_positive_of_a_line_has_the_mean_of_its_integral() {
+        for (near, far) in [(1.0, 3.0), (3.0, 1.0), (-1.0, 3.0), (3.0, -1.0), (-2.0, -1.0), (0.0, 0.0), (0.0, 2.0)] {
+            let n = 20_000;
+            let at = |k: i32| near + (far - near) * (f64::from(k) + 0.5) / f64::from(n);
+            let want = (0..n).map(|k| at(k).max(0.0)).sum::<f64>() / f64::from(n);
+            let got = f64::from(mean_above(near as f32, far as f32));
+            assert!((got - want).abs() < 1e-6, "{near} to {far}: {got} for {want}");
+        }
     }
 }

@@ -6,6 +6,7 @@ use glam::DAffine3;
 use wavesplat_compute::simd::{LANES, Lanes, Level, Simd, Wide};
 
 use crate::base_plane::BasePlane;
+use crate::fade::Fade;
 use crate::interval::Region;
 use crate::shade::on_gradient;
 use crate::sheet::{Chunk, N_STRIPS, TILE_V};
@@ -20,6 +21,8 @@ pub struct Rays {
     missed: Vec<u16>,
     /// Directions; one for all where rays are parallel.
     directions: Vec<Directions>,
+    /// Depth shading along each ray: the factor at s = 0, and its change per s; empty where none is wanted.
+    fades: Vec<[Lanes; 2]>,
 }
 
 /// Directions of the rays of a chunk.
@@ -44,6 +47,8 @@ pub struct RayGeometry<'a> {
     pub opacity_unit: f64,
     /// Whether slabs are as thick as the ray's way through them, `dz / cos θ`; else `dz`.
     pub view_angle_correction: bool,
+    /// Depth shading, where it is wanted.
+    pub fade: Option<Fade>,
 }
 
 impl Rays {
@@ -55,6 +60,7 @@ impl Rays {
             common: vec![[0.0; 2]; Chunk::N],
             missed: vec![u16::MAX; Chunk::N],
             directions: Vec::new(),
+            fades: Vec::new(),
         };
         let mut span = [f64::INFINITY, f64::NEG_INFINITY];
         level.run(
@@ -76,6 +82,11 @@ impl Rays {
         } else if span[0] < span[1] {
             for strip in 0..N_STRIPS {
                 rays.directions.extend((0..TILE_V).map(|row| geometry.directions(i0 + strip * LANES, j0 + row)));
+            }
+        }
+        if let Some(fade) = &geometry.fade {
+            for strip in 0..N_STRIPS {
+                rays.fades.extend((0..TILE_V).map(|row| fade.along(plane, i0 + strip * LANES, j0 + row)));
             }
         }
         (rays, span)
@@ -152,6 +163,12 @@ impl Rays {
     #[inline(always)]
     pub fn none(&self, chunk: Chunk) -> bool {
         self.missed(chunk) == u16::MAX
+    }
+
+    /// Depth shading of a chunk's rays: the factor at s = 0, and its change per s. Where the geometry has a fade.
+    #[inline(always)]
+    pub fn fade(&self, chunk: Chunk) -> &[Lanes; 2] {
+        &self.fades[chunk.index()]
     }
 
     /// Directions of a chunk's rays.

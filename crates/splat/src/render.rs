@@ -15,11 +15,13 @@ use crate::by_gradient::ByGradient;
 use crate::classify::Classifier;
 use crate::composite::{Compositor, Over};
 use crate::extras::Extras;
+use crate::fade::Fade;
 use crate::fields::Field;
 use crate::first_hit::FirstHit;
 use crate::interval::Region;
 use crate::labels::Labels;
 use crate::light::{Dimness, LightTerms};
+use crate::local_maximum::LocalMaximum;
 use crate::noise::keeps_bounds;
 use crate::project::Project;
 use crate::rays::RayGeometry;
@@ -319,6 +321,16 @@ impl<'a> Scene<'a> {
         let axes = plane.family.axes;
         let bricks = self.slices.bricks();
         let variant = &self.options.variant;
+        let fade = match self.options.composite {
+            Composite::DepthShadedMaximum { strength, .. } => {
+                Some(Fade::new(strength, self.camera, self.grid, region.bounds))
+            }
+            _ => None,
+        };
+        let density = |value: f64| {
+            let (offset, scale) = self.grid.density_from_sample();
+            ((value - offset) * scale) as f32
+        };
         let job = |opacity_unit: f64, occupied: Option<Occupied>| TileJob {
             geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset, variant, spacing.step),
             rays: RayGeometry {
@@ -327,6 +339,7 @@ impl<'a> Scene<'a> {
                 world_from_index,
                 opacity_unit,
                 view_angle_correction: variant.view_angle_correction,
+                fade,
             },
             spacing,
             occupied: occupied.filter(|_| keeps_bounds(variant, self.slices.kernel())),
@@ -362,16 +375,23 @@ impl<'a> Scene<'a> {
                 }
             }
             Composite::FirstHit { iso_value } => {
-                let (offset, scale) = self.grid.density_from_sample();
-                let iso = ((iso_value - offset) * scale) as f32;
+                let iso = density(iso_value);
                 // A surface needs densities on both sides.
                 let occupied = bricks.occupied(axes, |[lo, hi]| lo < iso && hi >= iso);
                 let first_hit = || FirstHit::new(iso, &self.classifier, shader.as_ref());
                 draw_tiles(&job(self.opacity_unit, Some(occupied)), progress, with_depth, first_hit)
             }
-            Composite::Maximum | Composite::Minimum | Composite::Mean | Composite::Sum => {
+            Composite::LocalMaximum { threshold } => {
+                draw_tiles(&job(1.0, None), progress, with_depth, || LocalMaximum::new(density(threshold)))
+            }
+            projection @ (Composite::Maximum
+            | Composite::DepthShadedMaximum { .. }
+            | Composite::Minimum
+            | Composite::Mean
+            | Composite::Sum
+            | Composite::XRay { .. }) => {
                 // Lengths of projections are world lengths.
-                draw_tiles(&job(1.0, None), progress, with_depth, || Project::new(self.options.composite))
+                draw_tiles(&job(1.0, None), progress, with_depth, || Project::new(projection, density))
             }
         }?;
         Ok((picture, work, spacing.n_slabs + 1))
@@ -464,7 +484,11 @@ fn color_projection(picture: &mut Picture, grid: &Grid, tf: &TransferFunction, c
         let density = f64::from(pixel[0]) / coverage;
         // A sum of densities lacks the offset once per unit of length.
         let length = if composite == Composite::Sum { f64::from(pixel[1]) / coverage } else { 1.0 };
-        let value = density / scale + offset * length;
+        let value = match composite {
+            // What is above the clear value has no offset.
+            Composite::XRay { attenuation, .. } => (-attenuation * density / scale).exp(),
+            _ => density / scale + offset * length,
+        };
         let [r, g, b] = tf.color(value);
         let opacity = tf.opacity(value) * coverage;
         values.push(value as f32);

@@ -489,7 +489,7 @@ mod properties {
             kernel in 0_usize..5,
             quality in (0.1_f64..5.0, 0.2_f64..2.5),
             shaded in any::<bool>(),
-            composite in 0_usize..6,
+            composite in 0_usize..9,
         ) {
             let from = DVec3::from_array(direction);
             prop_assume!(from.length() > 0.1);
@@ -504,6 +504,9 @@ mod properties {
             let operators = [
                 Composite::Over, Composite::Maximum, Composite::Minimum, Composite::Mean, Composite::Sum,
                 Composite::FirstHit { iso_value: 100.0 },
+                Composite::DepthShadedMaximum { strength: 0.8, black: 50.0 },
+                Composite::LocalMaximum { threshold: 150.0 },
+                Composite::XRay { clear: 30.0, attenuation: 0.001 },
             ];
             let options = RenderOptions {
                 width_px: 23,

@@ -5,17 +5,27 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Composite, Decoder, FootprintTable, GradientNode, GradientScheme, Kernel, Light, LightFrame, Picture, Projection,
-    RenderOptions, Shading, TransferFunction, Variant,
+    Composite, Crop, Decoder, FootprintTable, GradientNode, GradientScheme, Kernel, Light, LightFrame, Picture,
+    Projection, RenderOptions, Shading, TransferFunction, Variant,
 };
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
-use wavesplat_splat::reference::splat;
+use wavesplat_splat::reference::{project, splat};
 use wavesplat_splat::slices::{Prepared, Slices};
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 9.0 };
 const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
+
+const PROJECTIONS: [Composite; 7] = [
+    Composite::Maximum,
+    Composite::DepthShadedMaximum { strength: 0.7, black: 60.0 },
+    Composite::LocalMaximum { threshold: 150.0 },
+    Composite::Minimum,
+    Composite::Mean,
+    Composite::Sum,
+    Composite::XRay { clear: 90.0, attenuation: 0.004 },
+];
 
 fn scene() -> Phantom {
     let shear = DMat3::from_cols(DVec3::new(1.1, 0.0, 0.1), DVec3::new(0.0, 0.9, 0.0), DVec3::new(0.1, 0.2, 1.4));
@@ -210,9 +220,8 @@ fn every_simd_level_gives_the_same_bits() {
     let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (121.0, 1.0), (200.0, 0.6)], None);
     for (_, kernel) in Kernel::NAMES {
         let slices = Slices::new(&volume, kernel);
-        for composite in
-            [Composite::Over, Composite::Maximum, Composite::Mean, Composite::FirstHit { iso_value: 130.0 }]
-        {
+        let drawn = [Composite::Over, Composite::FirstHit { iso_value: 130.0 }];
+        for composite in drawn.into_iter().chain(PROJECTIONS) {
             let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 30.0, PERSPECTIVE);
             let options = RenderOptions { width_px: 90, height_px: 60, kernel, composite, ..RenderOptions::default() };
             let draw = |level| {
@@ -447,5 +456,55 @@ fn gradient_opacity_is_that_of_direct_evaluation() {
         let error = mean(&draw(&tf), &want);
         assert!(error < 1e-3, "{name}: {error}");
         assert!(mean(&draw(&plain), &want) > 2e-2, "{name}: the gradient matters");
+    }
+}
+
+/// Projections equal their definitions on every ray: any operator, view, cut and number of sheets, with holes.
+#[test]
+fn projections_equal_their_definitions() {
+    let mut phantom = scene();
+    phantom.samples[456] = f32::NAN;
+    let volume = phantom.volume();
+    let (offset, scale) = volume.grid().density_from_sample();
+    let tf = opacity_ramp(&[(0.0, 1.0)], None);
+    let crop = Some(Crop::Index { lo: DVec3::new(0.7, 1.2, 0.9), hi: DVec3::new(8.3, 8.0, 7.1) });
+    for composite in PROJECTIONS {
+        let (mut n, mut n_off) = (0, 0);
+        for (from, projection, distance, crop, sheets_per_slice) in [
+            (DVec3::new(0.2, 0.3, 1.0), ORTHOGRAPHIC, 30.0, None, 1.5),
+            (DVec3::new(-1.0, 0.5, 0.4), ORTHOGRAPHIC, 30.0, crop, 2.0),
+            (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE, 30.0, None, 1.0),
+            // The eye is inside.
+            (DVec3::new(0.1, 0.2, -1.0), Projection::Perspective { view_angle_rad: 1.6 }, 0.5, None, 2.0),
+        ] {
+            let camera = camera_towards(phantom.centre(), from, distance, projection);
+            let options = RenderOptions {
+                width_px: 40,
+                height_px: 32,
+                sheets_per_slice,
+                composite,
+                crop,
+                ..RenderOptions::default()
+            };
+            let slices = Slices::new(&volume, options.kernel);
+            for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
+                let want = project::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
+                for (t, ([density, length, _, coverage], want)) in picture.texels.iter().zip(want).enumerate() {
+                    assert_eq!(want.is_some(), *coverage == 1.0, "{composite:?} {from} texel {t}");
+                    let Some(want) = want else { continue };
+                    let got = match composite {
+                        Composite::Sum => f64::from(*density) / scale + offset * f64::from(*length),
+                        Composite::XRay { attenuation, .. } => (-attenuation * f64::from(*density) / scale).exp(),
+                        _ => f64::from(*density) / scale + offset,
+                    };
+                    n += 1;
+                    n_off += usize::from((got - want).abs() > 1e-4 * want.abs().max(1e-3));
+                }
+            }
+        }
+        assert!(n > 3000, "only {n} rays meet the volume");
+        // Where two maxima on a ray are equal to rounding, either may be the first.
+        let limit = if matches!(composite, Composite::LocalMaximum { .. }) { n / 500 } else { 0 };
+        assert!(n_off <= limit, "{composite:?}: {n_off} of {n} rays are off");
     }
 }

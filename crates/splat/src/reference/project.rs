@@ -1,0 +1,162 @@
+//! Projections, ray by ray, in double precision, by their definitions ([`Composite`]).
+//!
+//! A ray is cut where it meets the sheets; between two of them the density is linear. Extremes are those of the ends of
+//! these pieces, integrals are exact.
+
+use glam::DVec3;
+use wavesplat_core::{Camera, Composite, Projection, RenderOptions, Result, TransferFunction, Volume};
+
+use super::raycast::Sampler;
+use crate::base_plane::{BasePlane, TexelRay};
+use crate::interval::Region;
+use crate::slices::Slices;
+use crate::tile::SheetSpacing;
+
+/// A piece of a ray between two sheets: sample values and world positions of its ends.
+struct Piece {
+    values: [f64; 2],
+    ends: [DVec3; 2],
+}
+
+impl Piece {
+    fn length(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
+    }
+}
+
+/// The projected value, in sample units, of every texel of a base plane, before the warp; `None` outside the volume.
+pub fn base_plane(
+    volume: &Volume,
+    slices: &Slices,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    plane: &BasePlane,
+) -> Result<Vec<Option<f64>>> {
+    options.validate()?;
+    let region = Region::new(volume.grid(), options)?;
+    let sampler = Sampler::new(volume, slices, tf, camera, None);
+    let caster = Caster { volume, sampler, region, plane, sheets_per_slice: options.sheets_per_slice };
+    let [near, far] = depths(camera, volume, &caster.region);
+    let texel = |t: usize| {
+        let ray = plane.ray((t % plane.size[0]) as f64, (t / plane.size[0]) as f64);
+        let pieces = caster.pieces(&ray);
+        let share = |at: DVec3| (camera.forward().dot(at - camera.position()) - near) / (far - near);
+        (!pieces.is_empty()).then(|| project(options.composite, &pieces, share))
+    };
+    Ok((0..plane.size[0] * plane.size[1]).map(texel).collect())
+}
+
+/// `share` of the way from the nearest to the farthest point of what is drawn.
+fn project(operator: Composite, pieces: &[Piece], share: impl Fn(DVec3) -> f64) -> f64 {
+    let ends = || pieces.iter().flat_map(|piece| piece.values.into_iter().zip(piece.ends));
+    let values = || ends().map(|(value, _)| value);
+    let largest = values().fold(f64::NEG_INFINITY, f64::max);
+    let integral = |of: &dyn Fn([f64; 2]) -> f64| pieces.iter().map(|p| of(p.values) * p.length()).sum::<f64>();
+    let sum = integral(&|[a, b]| 0.5 * (a + b));
+    match operator {
+        Composite::Maximum => largest,
+        Composite::Minimum => values().fold(f64::INFINITY, f64::min),
+        Composite::Sum => sum,
+        Composite::Mean => sum / pieces.iter().map(Piece::length).sum::<f64>(),
+        Composite::DepthShadedMaximum { strength, black } => {
+            let shaded = |(value, at): (f64, DVec3)| {
+                if value > black { black + (value - black) * (1.0 - strength * share(at)) } else { value }
+            };
+            ends().map(shaded).fold(f64::NEG_INFINITY, f64::max)
+        }
+        Composite::LocalMaximum { threshold } => {
+            let values: Vec<f64> = values().collect();
+            let falls = |k: &usize| {
+                // Less than what f32 tells apart is not a fall.
+                let top = values[..*k].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                top >= threshold && values[*k] < top - 1e-6 * top.abs()
+            };
+            let end = (1..values.len()).find(falls).unwrap_or(values.len());
+            values[..end].iter().copied().fold(f64::NEG_INFINITY, f64::max)
+        }
+        Composite::XRay { clear, attenuation } => {
+            let above = integral(&|[a, b]| {
+                let (a, b) = (a - clear, b - clear);
+                let (lo, hi) = (a.min(b), a.max(b));
+                if lo >= 0.0 {
+                    0.5 * (a + b)
+                } else if hi <= 0.0 {
+                    0.0
+                } else {
+                    // A triangle over the part of the piece that absorbs.
+                    0.5 * hi * hi / (hi - lo)
+                }
+            });
+            (-attenuation * above).exp()
+        }
+        Composite::Over | Composite::FirstHit { .. } => f64::NAN,
+    }
+}
+
+/// Distances along the view of the nearest and the farthest corner of what is drawn.
+fn depths(camera: &Camera, volume: &Volume, region: &Region) -> [f64; 2] {
+    let [lo, hi] = region.bounds;
+    let corner = |x: f64, y: f64, z: f64| {
+        let world = volume.grid().world_from_index().transform_point3(DVec3::new(x, y, z));
+        camera.forward().dot(world - camera.position())
+    };
+    let mut depths = [f64::INFINITY, f64::NEG_INFINITY];
+    for x in [lo.x, hi.x] {
+        for y in [lo.y, hi.y] {
+            for z in [lo.z, hi.z] {
+                let depth = corner(x, y, z);
+                depths = [depths[0].min(depth), depths[1].max(depth)];
+            }
+        }
+    }
+    if matches!(camera.projection(), Projection::Perspective { .. }) {
+        depths[0] = depths[0].max(0.0);
+    }
+    depths
+}
+
+struct Caster<'a> {
+    volume: &'a Volume<'a>,
+    sampler: Sampler<'a>,
+    region: Region,
+    plane: &'a BasePlane,
+    sheets_per_slice: f64,
+}
+
+impl Caster<'_> {
+    /// The pieces of a ray, front to back, without those that reach a hole.
+    fn pieces(&self, ray: &TexelRay) -> Vec<Piece> {
+        let [lo, hi] = self.region.texel_interval(self.plane, ray);
+        let family = self.plane.family;
+        let spacing = SheetSpacing::new(self.volume.grid().size()[family.axes[2]], self.sheets_per_slice);
+        let at = |w: f64| {
+            let mut index = DVec3::ZERO;
+            let uvw = [ray.at_zero[0] + ray.slope[0] * w, ray.at_zero[1] + ray.slope[1] * w, w];
+            (0..3).for_each(|c| index[family.axes[c]] = uvw[c]);
+            index
+        };
+        let (offset, scale) = self.volume.grid().density_from_sample();
+        let value = |w: f64| self.sampler.density(at(w)).map(|density| density / scale + offset);
+        let mut pieces = Vec::new();
+        for k in 0..spacing.n_slabs {
+            let sheets = [spacing.w(k), spacing.w(k + 1)];
+            let ends = [sheets[0].max(lo), sheets[1].min(hi)];
+            let (true, Some(first), Some(last)) = (ends[0] < ends[1], value(sheets[0]), value(sheets[1])) else {
+                continue;
+            };
+            let between = |w: f64| first + (last - first) * (w - sheets[0]) / (sheets[1] - sheets[0]);
+            let world = |w: f64| self.volume.grid().world_from_index().transform_point3(at(w));
+            let mut piece = Piece { values: ends.map(between), ends: ends.map(world) };
+            if !family.ascending {
+                piece.values.reverse();
+                piece.ends.reverse();
+            }
+            pieces.push(piece);
+        }
+        if !family.ascending {
+            pieces.reverse();
+        }
+        pieces
+    }
+}

@@ -78,36 +78,51 @@ impl Project {
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let passage = Passage::new(s, chunk, rays, slab);
         let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
-        let Passage { near, far, s, length: extent } = &passage;
+        let Passage { near, far, s: [s_near, s_far], length: extent } = &passage;
         let level = self.level;
+        // One loop per operator, so that none of them branches inside.
+        let mut new = *value;
         match self.operator {
-            Composite::Maximum => each(value, extent, |value, i| value.max(near[i].max(far[i]))),
-            Composite::Minimum => each(value, extent, |value, i| value.min(near[i].min(far[i]))),
+            Composite::Maximum => {
+                for i in 0..LANES {
+                    new[i] = new[i].max(near[i].max(far[i]));
+                }
+            }
+            Composite::Minimum => {
+                for i in 0..LANES {
+                    new[i] = new[i].min(near[i].min(far[i]));
+                }
+            }
             Composite::DepthShadedMaximum { .. } => {
                 let [at_zero, per_s] = rays.fade(chunk);
-                let dimmed = |density: f32, s: f32, i: usize| {
-                    let factor = at_zero.0[i] + per_s.0[i] * s;
-                    if density > level { level + (density - level) * factor } else { density }
-                };
-                each(value, extent, |value, i| value.max(dimmed(near[i], s[0][i], i).max(dimmed(far[i], s[1][i], i))));
+                for i in 0..LANES {
+                    let near = dimmed(near[i], level, at_zero.0[i] + per_s.0[i] * s_near[i]);
+                    let far = dimmed(far[i], level, at_zero.0[i] + per_s.0[i] * s_far[i]);
+                    new[i] = new[i].max(near.max(far));
+                }
             }
             Composite::XRay { .. } => {
-                each(value, extent, |value, i| value + mean_above(near[i] - level, far[i] - level) * extent[i]);
+                for i in 0..LANES {
+                    new[i] += mean_above(near[i] - level, far[i] - level) * extent[i];
+                }
             }
-            _ => each(value, extent, |value, i| value + 0.5 * (near[i] + far[i]) * extent[i]),
+            _ => {
+                for i in 0..LANES {
+                    new[i] += 0.5 * (near[i] + far[i]) * extent[i];
+                }
+            }
         }
         for i in 0..LANES {
+            value[i] = if extent[i] > 0.0 { new[i] } else { value[i] };
             length[i] += extent[i];
         }
     }
 }
 
-/// Combines the values of the lanes that draw something: one loop per operator, so that none of them branches inside.
+/// What is above a level, times a factor.
 #[inline(always)]
-fn each(value: &mut [f32; LANES], extent: &[f32; LANES], combined: impl Fn(f32, usize) -> f32) {
-    for i in 0..LANES {
-        value[i] = if extent[i] > 0.0 { combined(value[i], i) } else { value[i] };
-    }
+fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
+    if density > level { level + (density - level) * factor } else { density }
 }
 
 /// Mean of what is positive of a density that goes evenly from one value to another.

@@ -38,7 +38,7 @@ impl Grid {
         if let Some(problem) = affine_problem(&world_from_index) {
             return Err(Error::DegenerateAffine { name: name(), matrix: Box::new(rows(&world_from_index)), problem });
         }
-        let density_from_sample = if is_narrow { (0.0, 1.0) } else { unit_density(statistics) };
+        let density_from_sample = if is_narrow { (0.0, 1.0) } else { wide_density(statistics) };
         let opacity_unit = mean_spacing(&world_from_index);
         let bounds = [DVec3::ZERO, DVec3::from_array(size.map(|n| (n - 1) as f64))];
         Ok(Self { size, world_from_index, statistics, density_from_sample, opacity_unit, bounds })
@@ -120,10 +120,24 @@ impl Grid {
     }
 }
 
-fn unit_density(Statistics { min, max, .. }: Statistics) -> (f64, f64) {
-    let extent = max - min;
-    // A range beyond f64 (or none at all) is mapped by its magnitude alone.
-    if extent.is_finite() && extent > 0.0 { (min, 1.0 / extent) } else { (0.0, 1.0 / max.abs().max(1.0)) }
+/// Samples whose magnitude exceeds their range by more lie far from 0, and are counted from the least of them.
+const FAR_FROM_ZERO: f64 = 8.0;
+
+/// Magnitudes whose sums and products f32 holds with room to spare; others are scaled.
+const COMFORTABLE: std::ops::Range<f64> = 1e-9..1e9;
+
+/// `(offset, scale)` for samples of 32 and 64 bits: as they are wherever that is as precise as anything else.
+///
+/// A sample that f32 holds has a density that f32 holds, so that both maps are exact: the scale is a power of two, and
+/// samples far from 0 are multiples of one unit, and so are their distances from the least of them.
+fn wide_density(Statistics { min, max, .. }: Statistics) -> (f64, f64) {
+    let (extent, magnitude) = (max - min, min.abs().max(max.abs()));
+    // A range beyond f64, or none at all, is mapped by its magnitude alone.
+    let is_far = extent.is_finite() && extent > 0.0 && magnitude > FAR_FROM_ZERO * extent;
+    let (offset, size) = if is_far { (min, extent) } else { (0.0, magnitude) };
+    let is_comfortable = size == 0.0 || COMFORTABLE.contains(&size);
+    let scale = if is_comfortable { 1.0 } else { (-size.log2().floor().clamp(-1022.0, 1022.0)).exp2() };
+    (offset, scale)
 }
 
 fn spacing(world_from_index: &DAffine3) -> DVec3 {
@@ -175,7 +189,7 @@ mod tests {
         let grid = grid([5, 6, 7], DAffine3::from_scale(DVec3::new(1.0, 2.0, 4.0))).unwrap();
         assert_eq!(grid.bounds(), [DVec3::ZERO, DVec3::new(4.0, 5.0, 6.0)]);
         assert!((grid.default_opacity_unit() - 2.0).abs() < 1e-12 && (grid.coarseness() - 1.0).abs() < 1e-12);
-        assert_eq!(grid.density_range(), [0.0, 1.0]);
+        assert_eq!(grid.density_range(), [-1.0, 3.0]);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Scalar samples on a grid.
 //!
-//! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Wide types (32- and 64-bit) are
-//! mapped to the density `d = (sample − offset) · scale` in `0..=1` when they are read, so that an f32 pipeline
-//! neither overflows nor loses small differences on a large offset; narrow types are used as they are.
+//! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Narrow types are used as they are, and
+//! so are wide ones (32- and 64-bit) of usual values; where an f32 pipeline would overflow, or lose small differences
+//! on a large offset, they are mapped to the density `d = (sample − offset) · scale` when they are read.
 
 use glam::DAffine3;
 
@@ -205,12 +205,39 @@ mod tests {
     }
 
     #[test]
-    fn wide_types_map_to_unit_density() {
-        let s = [1e9_f64, 1e9 + 1.0, 1e9 + 2.0, 1e9, 1e9, 1e9, 1e9, 1e9 + 4.0];
-        let v = Volume::new("wide", Samples::F64(&s), [2, 2, 2], DAffine3::IDENTITY).unwrap();
-        assert_eq!(v.grid().density_from_sample(), (1e9, 0.25));
+    fn wide_types_are_mapped_only_where_f32_would_lose_them() {
+        let map = |s: [f64; 2]| {
+            let s = [s[0], s[1], s[0], s[0], s[0], s[0], s[0], s[0]];
+            let volume = Volume::new("wide", Samples::F64(&s), [2, 2, 2], DAffine3::IDENTITY).unwrap();
+            volume.grid().density_from_sample()
+        };
+        assert_eq!(map([-1000.0, 3000.0]), (0.0, 1.0));
+        assert_eq!(map([1000.0, 1200.0]), (0.0, 1.0));
+        assert_eq!(map([1e9, 1e9 + 4.0]), (1e9, 1.0));
+        assert_eq!(map([0.0, 3.0 * 2.0_f64.powi(100)]), (0.0, 2.0_f64.powi(-101)));
+        assert_eq!(map([7.0, 7.0]), (0.0, 1.0));
+        assert_eq!(map([0.0, 0.0]), (0.0, 1.0));
+        for extreme in [[0.0, f64::MAX], [-f64::MAX, f64::MAX], [0.0, f64::MIN_POSITIVE], [1.0, 1.0 + f64::EPSILON]] {
+            let (offset, scale) = map(extreme);
+            let densities = extreme.map(|s| ((s - offset) * scale) as f32);
+            assert!(densities.iter().all(|d| d.abs() < 1e3) && densities[0] < densities[1], "{extreme:?}");
+        }
         let narrow = [0_u16; 8];
         let v = Volume::new("narrow", Samples::U16(&narrow), [2, 2, 2], DAffine3::IDENTITY).unwrap();
         assert_eq!(v.grid().density_from_sample(), (0.0, 1.0));
+    }
+
+    /// There and back again, to the bit.
+    #[test]
+    fn what_f32_holds_is_kept_exactly() {
+        for (centre, extent) in [(0.0, 1.0), (100.0, 20.0), (1e7, 5e3), (-3e-4, 1e-8), (1e30, 1e28), (0.0, 1e-30)] {
+            let samples: [f32; 8] = std::array::from_fn(|i| (centre + extent * (i as f64 * 0.734).sin()) as f32);
+            let v = volume(&samples, DAffine3::IDENTITY).unwrap();
+            let (offset, scale) = v.grid().density_from_sample();
+            for sample in samples {
+                let density = ((f64::from(sample) - offset) * scale) as f32;
+                assert_eq!((f64::from(density) / scale + offset) as f32, sample, "{centre} {extent}");
+            }
+        }
     }
 }

@@ -11,9 +11,9 @@ use crate::base_plane::{BasePlane, TexelRay};
 /// `normal · position + offset ≥ 0`, in index coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfSpace {
-    /// Points inside.
+    /// Points inside; of length 1.
     pub normal: DVec3,
-    /// Distance of the origin inside, in units of the normal.
+    /// Distance of the origin inside, samples.
     pub offset: f64,
 }
 
@@ -64,10 +64,10 @@ impl Region {
 
     /// Adds `normal · x + offset ≥ 0`, where `x = frame_from_index · index`.
     fn add_world(&mut self, frame_from_index: DAffine3, normal: DVec3, offset: f64) {
-        self.half_spaces.push(HalfSpace {
-            normal: frame_from_index.matrix3.transpose() * normal,
-            offset: offset + normal.dot(frame_from_index.translation),
-        });
+        let offset = offset + normal.dot(frame_from_index.translation);
+        let normal = frame_from_index.matrix3.transpose() * normal;
+        let length = normal.length();
+        self.half_spaces.push(HalfSpace { normal: normal / length, offset: offset / length });
     }
 
     fn add_box(&mut self, frame_from_index: DAffine3, lo: DVec3, hi: DVec3) {
@@ -130,13 +130,16 @@ impl Region {
 /// Keeps the `t` with `at_zero + slope · t ≥ 0`.
 #[inline(always)]
 fn narrow(at_zero: f64, slope: f64, lo: &mut f64, hi: &mut f64) {
-    // Below this slope the plane is parallel to the ray, in index units.
+    // Below this slope the plane is parallel to the ray.
     const PARALLEL: f64 = 1e-12;
+    // A ray along a face is inside if it is as near as this, samples: texels on the outermost samples must not fall to
+    // rounding, and affines in files are rounded to f32.
+    const ON_FACE: f64 = 1e-6;
     let t = -at_zero / slope;
     // Written as selections, so that loops over texels become vectors.
     let (rises, falls) = (slope > PARALLEL, slope < -PARALLEL);
     let from = if rises { t } else { f64::NEG_INFINITY };
-    let outside = if rises || falls { false } else { at_zero < -PARALLEL };
+    let outside = if rises || falls { false } else { at_zero < -ON_FACE };
     let to = if outside { f64::NEG_INFINITY } else { f64::INFINITY };
     let to = if falls { t } else { to };
     *lo = if from > *lo { from } else { *lo };

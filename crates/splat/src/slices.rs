@@ -248,7 +248,7 @@ impl<'a> Slices<'a> {
             }
         };
         let (offset, scale) = self.grid.density_from_sample();
-        if samples.is_narrow() {
+        if is_identity((offset, scale)) {
             with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, Sample::to_f32)));
         } else {
             with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
@@ -323,7 +323,7 @@ impl<'a> Slices<'a> {
             return level.dispatch(Turn { region, grid: &part.densities, first, out, density: |d: f32| d });
         };
         let (offset, scale) = self.grid.density_from_sample();
-        if samples.is_narrow() {
+        if is_identity((offset, scale)) {
             with_samples!(samples, grid => {
                 level.dispatch(Turn { region, grid, first, out, density: Sample::to_f32 });
             });
@@ -399,6 +399,11 @@ impl PointSums {
     }
 }
 
+/// Whether samples are densities as they are.
+fn is_identity(density_from_sample: (f64, f64)) -> bool {
+    density_from_sample == (0.0, 1.0)
+}
+
 /// Rows of the samples, for the bounds of bricks.
 struct NativeRows<'a> {
     samples: Samples<'a>,
@@ -409,7 +414,7 @@ struct NativeRows<'a> {
 impl Rows for NativeRows<'_> {
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
         let (offset, scale) = self.map;
-        if self.samples.is_narrow() {
+        if is_identity(self.map) {
             with_samples!(self.samples, s => self.level.run(#[inline(always)] || widen(&s[start..], lo, hi, Sample::to_f32)));
         } else {
             with_samples!(self.samples, s => self.level.run(#[inline(always)] || widen(&s[start..], lo, hi, |s| ((s.to_f64() - offset) * scale) as f32)));

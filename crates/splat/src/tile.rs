@@ -20,6 +20,8 @@ pub struct SheetSpacing {
     pub n_slabs: usize,
     /// Slice distances between sheets.
     pub step: f64,
+    /// The last slice.
+    last: f64,
 }
 
 impl SheetSpacing {
@@ -27,12 +29,12 @@ impl SheetSpacing {
     pub fn new(n_slices: usize, sheets_per_slice: f64) -> Self {
         let last = (n_slices - 1) as f64;
         let n_slabs = (last * sheets_per_slice).round().max(1.0);
-        Self { n_slabs: n_slabs as usize, step: last / n_slabs }
+        Self { n_slabs: n_slabs as usize, step: last / n_slabs, last }
     }
 
-    /// Position of a sheet.
+    /// Position of a sheet; one that lies on a slice lies on it exactly.
     pub fn w(&self, sheet_idx: usize) -> f64 {
-        sheet_idx as f64 * self.step
+        sheet_idx as f64 * self.last / self.n_slabs as f64
     }
 
     /// Sheets from the last one before an interval of w to the first one after it.
@@ -293,7 +295,10 @@ mod tests {
         for (n, per_slice) in [(2, 1.0), (2, 0.1), (111, 2.0), (84, 0.5), (7, 1.3)] {
             let spacing = SheetSpacing::new(n, per_slice);
             assert_eq!(spacing.w(0), 0.0);
-            assert!((spacing.w(spacing.n_slabs) - (n - 1) as f64).abs() < 1e-9);
+            assert_eq!(spacing.w(spacing.n_slabs), (n - 1) as f64);
+        }
+        for slice in 0..500 {
+            assert_eq!(SheetSpacing::new(500, 3.0).w(3 * slice), slice as f64);
         }
     }
 

@@ -215,7 +215,8 @@ impl Kernel for ReadRow<'_> {
             // Parallel rays: positions are affine in the pixel.
             [only] if only.plane.eye_w().is_none() => {
                 let first = only.plane.texel_from_pixel(rays, x0, y);
-                let step = only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first;
+                let step = snapped(only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first);
+                let first = snapped(first);
                 for (x, pixel) in row.iter_mut().enumerate() {
                     let (u, v) = (first.x + step.x * x as f64, first.y + step.y * x as f64);
                     if let Some(color) = only.sample(s, u, v) {
@@ -236,6 +237,12 @@ impl Kernel for ReadRow<'_> {
             }
         }
     }
+}
+
+/// A position on a texel, but for rounding, is on it, so that the texel is read to the bit: multiples of 2^−30 texels.
+fn snapped(texels: DVec2) -> DVec2 {
+    const PER_TEXEL: f64 = (1 << 30) as f64;
+    (texels * PER_TEXEL).round() / PER_TEXEL
 }
 
 #[inline(always)]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
+from typing import get_args
 
 import numpy as np
 import pytest
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError
+from wavesplat.options import Composite
 
 SIZE = (96, 96)
 SOFT = ws.TransferFunction(
@@ -288,7 +290,7 @@ def test_the_default_is_the_renderer_as_it_is(ripples):
         assert with_default.tobytes() == without.tobytes()
 
 
-@pytest.mark.parametrize("composite", ["over", "maximum", "minimum", "mean", "sum", "first-hit"])
+@pytest.mark.parametrize("composite", get_args(Composite))
 def test_every_operator_and_view_draws_every_variant(composite):
     volume = ws.examples.ripples(12)
     changes = [

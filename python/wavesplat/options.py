@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = ["PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Method", "Plane", "Quality", "Slab"]
+__all__ = ["BY_VIEW", "PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Method", "Plane", "Quality", "Slab"]
 
 Method: TypeAlias = Literal["high-resolution", "standard"]
 Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
-Composite: TypeAlias = Literal["over", "maximum", "minimum", "mean", "sum", "first-hit"]
+Composite: TypeAlias = Literal[
+    "over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"
+]
 Quality: TypeAlias = Literal["draft", "normal", "high"]
 Plane: TypeAlias = Literal["axial", "coronal", "sagittal"]
 Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
+
+#: Projections whose greys, where none are given, are chosen by what the view shows.
+BY_VIEW = ("minimum", "mean", "sum", "x-ray")
 
 #: Azimuth and elevation, degrees, of the six anatomical views.
 #: Superior and inferior have the patient's front at the top; inferior is how radiologists look at an axial slice.

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Sequence
 from operator import index
 from typing import Any, TypeAlias
 
-from wavesplat import _native, colors
+from wavesplat import _native, colors, projection
 from wavesplat.camera import Camera
 from wavesplat.crop import Crop
 from wavesplat.errors import ArgumentError
 from wavesplat.grid import Grid
 from wavesplat.labels import Labels
 from wavesplat.materials import Materials
-from wavesplat.options import Composite, Kernel, Method, Quality
+from wavesplat.options import BY_VIEW, Composite, Kernel, Method, Quality
 from wavesplat.picture import Picture
 from wavesplat.shading import Shading
 from wavesplat.standard import StandardSplatting, chosen_standard, draw_standard
@@ -41,6 +41,9 @@ def render(
     kernel: Kernel = "linear",
     composite: Composite = "over",
     iso_value: float | None = None,
+    local_threshold: float | None = None,
+    depth_shading: float | None = None,
+    attenuation: tuple[float, float] | None = None,
     shading: Shading | None = DEFAULT_SHADING,
     quality: Quality = "normal",
     sheets_per_slice: float | None = None,
@@ -66,7 +69,8 @@ def render(
     volume : Volume or WaveletVolume
         What to draw, from `wavesplat.open` or an array, or from wavelet coefficients.
     transfer_function : TransferFunction, TransferFunction2D, Materials or str, optional
-        Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`).
+        Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`), for "minimum", "mean",
+        "sum" and "x-ray" from what this view shows: pass one to frames that are to be compared.
     camera : Camera or str, optional
         Or the name of a view, such as "left"; None is the anterior view.
     labels : Labels, optional
@@ -77,10 +81,22 @@ def render(
         Reconstruction between samples: "linear", the sharper "catmull-rom", the smooth interpolating "bspline2" and
         "bspline3", or the blurring "gaussian".
     composite : str
-        "over": emission and absorption. "maximum", "minimum", "mean", "sum": projections of the value, then coloured.
-        "first-hit": the surface at `iso_value`.
+        "over": emission and absorption. "first-hit": the surface at `iso_value`. The others are projections: one number
+        per ray, `Picture.value`, which is then coloured. "maximum", "minimum", "mean" and "sum" (the integral) of the
+        values; "depth-shaded-maximum", which dims what is far; "local-maximum", which stops at the first maximum that
+        reaches `local_threshold`; "x-ray": the share of light that comes through, 0..1, as a radiograph.
     iso_value : float, optional
         Sample value of the surface that "first-hit" shows.
+    local_threshold : float, optional
+        Sample value that a maximum must reach for "local-maximum"; rays without one show their largest value. None is
+        a quarter of the way from the first to the last colour of the transfer function.
+    depth_shading : float, optional
+        How much "depth-shaded-maximum" dims the farthest point of what is drawn, 0..1, towards the value of the first
+        colour; the nearest is not dimmed. None is 0.6.
+    attenuation : (clear, attenuation), optional
+        What "x-ray" is drawn with: the largest sample value that absorbs nothing, and absorption per world unit and
+        sample unit above it. None is (-1000, 2.059e-5) for values that look like Hounsfield units, which is water at
+        60 keV in millimetres; else it follows the range of values.
     shading : Shading or None
         Phong shading of "over" and "first-hit"; None draws the colours as given.
     quality : str
@@ -165,6 +181,13 @@ def render(
         depth=depth,
         refined=refined,
     )
+    projection.check_owners(
+        composite,
+        iso_value=iso_value,
+        local_threshold=local_threshold,
+        depth_shading=depth_shading,
+        attenuation=attenuation,
+    )
     if isinstance(volume, WaveletVolume):
         volume = volume.bands(band_weights)
         drawn: _native.Volume | _native.DecodedVolume = volume._decoded(drop_levels)
@@ -176,8 +199,28 @@ def render(
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     if labels is not None and (composite != "over" or drop_levels != 0):
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
-    curves = chosen_transfer_function(transfer_function, volume, composite)._core
-    eye = chosen_camera(camera, volume, width / max(height, 1))._core
+    absorbs = projection.absorption(composite, attenuation, volume)
+    camera = chosen_camera(camera, volume, width / max(height, 1))
+    if transfer_function in (None, "auto") and composite in BY_VIEW:
+        overview = render(
+            volume,
+            projection.ANY_CURVES,
+            camera,
+            size=projection.overview_size(width, height),
+            composite=composite,
+            attenuation=absorbs,
+            quality="draft",
+            sheets_per_slice=1,
+            drop_levels=drop_levels,
+            crop=crop,
+            clip_planes=clip_planes,
+            threads=threads,
+            variant=variant,
+        )
+        transfer_function = projection.exposed(volume, composite, overview)
+    chosen = chosen_transfer_function(transfer_function, volume, composite)
+    numbers = projection.numbers(composite, chosen, local_threshold, depth_shading, absorbs)
+    curves, eye = chosen._core, camera._core
     default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, eye, height)
     if standard is not None:
         return draw_standard(
@@ -204,6 +247,9 @@ def render(
         kernel=kernel,
         composite=composite,
         iso_value=None if iso_value is None else float(iso_value),
+        local_threshold=numbers.get("local_threshold"),
+        depth_shading=numbers.get("depth_shading"),
+        attenuation=numbers.get("attenuation"),
         shading=None if shading is None else shading._core,
         sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
         oversampling=default_oversampling if oversampling is None else float(oversampling),
@@ -216,7 +262,7 @@ def render(
         variant=None if variant is None else variant._core,
         progress=progress,
     )
-    return Picture(result["rgba"], result["depth"], result["value"], result["report"])
+    return Picture(result["rgba"], result["depth"], result["value"], result["report"] | numbers)
 
 
 def chosen_transfer_function(

@@ -120,8 +120,8 @@ class TransferFunction:
         volume : Volume or WaveletVolume
             CT, MR, microscopy, simulation: any range, any units. Details alone get `diverging`.
         composite : str, default "over"
-            The operator it is for; projections ("maximum", "minimum", "mean", "sum") get a grey ramp over the values
-            that they project to.
+            The operator it is for; projections, such as "maximum", get greys for the values that they project to along
+            the three index axes.
 
         Raises
         ------

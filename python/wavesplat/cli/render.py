@@ -32,7 +32,7 @@ from wavesplat.cli.transfer_function_options import (
     function_of_materials,
 )
 from wavesplat.errors import ArgumentError
-from wavesplat.options import VIEWS, Composite, Method, Quality
+from wavesplat.options import BY_VIEW, VIEWS, Composite, Method, Quality
 
 if TYPE_CHECKING:
     from wavesplat.camera import Camera
@@ -88,6 +88,20 @@ def render(
     kernel: Kernel = "linear",
     composite: Annotated[Any, parsers.choice(get_args(Composite))] = "over",
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None,
+    local_threshold: Annotated[
+        float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
+    ] = None,
+    depth_shading: Annotated[
+        float | None, typer.Option(metavar="0..1", help="How much depth-shaded-maximum dims the farthest; 0.6.")
+    ] = None,
+    attenuation: Annotated[
+        Any,
+        typer.Option(
+            metavar="CLEAR,PER_UNIT",
+            parser=parsers.numbers(2, "-1000,2.06e-5"),
+            help="Of x-ray: a value that absorbs nothing, and absorption per world unit and unit above it.",
+        ),
+    ] = None,
     quality: Annotated[Any, parsers.choice(get_args(Quality))] = "normal",
     sheets_per_slice: Annotated[
         float | None, typer.Option(metavar="N", help="Instead of what the quality says.")
@@ -140,11 +154,13 @@ def render(
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
-    transfer_function: TransferFunction | TransferFunction2D
+    transfer_function: TransferFunction | TransferFunction2D | None
     if tf is not None:
         transfer_function = function_in_file(tf, volume)
     elif materials is not None:
         transfer_function = function_of_materials(volume, materials, surfaces)
+    elif composite in BY_VIEW and preset in (None, "auto"):
+        transfer_function = None  # greys that depend on the view are left to the renderer
     else:
         transfer_function = chosen_transfer_function(volume, input, preset=preset, tf=None, composite=composite)
     segmentation = _labels(labels, label_table)
@@ -162,6 +178,9 @@ def render(
         kernel=kernel,
         composite=composite,
         iso_value=iso_value,
+        local_threshold=local_threshold,
+        depth_shading=depth_shading,
+        attenuation=attenuation,
         shading=light,
         quality=quality,
         sheets_per_slice=sheets_per_slice,
@@ -246,7 +265,7 @@ def _camera(
 
 
 def _note_what_stays_hidden(
-    volume: Volume | WaveletVolume, transfer_function: TransferFunction | TransferFunction2D, composite: str
+    volume: Volume | WaveletVolume, transfer_function: TransferFunction | TransferFunction2D | None, composite: str
 ) -> None:
     import numpy as np
 
@@ -254,11 +273,11 @@ def _note_what_stays_hidden(
 
     if volume.n_nonfinite:
         message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
-    if not isinstance(transfer_function, TransferFunction):
+    if composite != "over" or not isinstance(transfer_function, TransferFunction):
         return
     low, high = volume.value_range
     nodes = [value for value, _ in transfer_function.opacity if low <= value <= high]
-    if composite == "over" and not transfer_function(np.array([low, high, *nodes]))[:, 3].any():
+    if not transfer_function(np.array([low, high, *nodes]))[:, 3].any():
         message(
             f"note: the transfer function is transparent over the volume's values, {low:g} to {high:g}, so the "
             "picture is empty; try --preset auto"
@@ -267,7 +286,7 @@ def _note_what_stays_hidden(
 
 def _drawn(
     volume: Volume | WaveletVolume,
-    transfer_function: TransferFunction | TransferFunction2D,
+    transfer_function: TransferFunction | TransferFunction2D | None,
     camera: Camera,
     *,
     shown: bool,

@@ -16,8 +16,6 @@ pub struct Passage {
     pub near: [f32; LANES],
     /// Densities where it ends.
     pub far: [f32; LANES],
-    /// Positions where it begins and ends.
-    pub s: [[f32; LANES]; 2],
     /// Its length, in the unit of the rays' thickness; 0 where nothing is drawn, or a hole is reached.
     pub length: [f32; LANES],
 }
@@ -27,11 +25,18 @@ impl Passage {
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) -> Self {
         let Ends { front, back, whole } = Ends::new(s, chunk, slab);
-        let [lo, hi] = rays.lanes(chunk);
         let thickness = &rays.directions(chunk).thickness.0;
         let [s_front, s_back] = slab.s;
+        let mut passage = Self { near: front, far: back, length: [0.0; LANES] };
+        // Most of them.
+        if whole == u16::MAX && rays.all_draw(chunk, s_front, s_back) {
+            for i in 0..LANES {
+                passage.length[i] = (s_back - s_front) * thickness[i];
+            }
+            return passage;
+        }
+        let [lo, hi] = rays.lanes(chunk);
         let per_s = 1.0 / (s_back - s_front);
-        let mut passage = Self { near: front, far: back, s: [[s_front; LANES], [s_back; LANES]], length: [0.0; LANES] };
         for i in 0..LANES {
             let from = ((lo.0[i] - s_front) * per_s).max(0.0);
             let to = ((hi.0[i] - s_front) * per_s).min(1.0);
@@ -39,8 +44,6 @@ impl Passage {
             passage.near[i] = front[i] + from * slope;
             // The back sheet to the bit where all is drawn.
             passage.far[i] = if to == 1.0 { back[i] } else { front[i] + to * slope };
-            passage.s[0][i] = s_front + from * (s_back - s_front);
-            passage.s[1][i] = s_front + to * (s_back - s_front);
             let drawn = to > from && whole >> i & 1 == 1;
             passage.length[i] = if drawn { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
         }
@@ -78,7 +81,7 @@ impl Project {
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let passage = Passage::new(s, chunk, rays, slab);
         let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
-        let Passage { near, far, s: [s_near, s_far], length: extent } = &passage;
+        let Passage { near, far, length: extent } = &passage;
         let level = self.level;
         // One loop per operator, so that none of them branches inside.
         let mut new = *value;
@@ -94,10 +97,11 @@ impl Project {
                 }
             }
             Composite::DepthShadedMaximum { .. } => {
-                let [at_zero, per_s] = rays.fade(chunk);
+                let ([at_zero, per_s], [lo, hi]) = (rays.fade(chunk), rays.lanes(chunk));
                 for i in 0..LANES {
-                    let near = dimmed(near[i], level, at_zero.0[i] + per_s.0[i] * s_near[i]);
-                    let far = dimmed(far[i], level, at_zero.0[i] + per_s.0[i] * s_far[i]);
+                    let [s_near, s_far] = [lo.0[i].max(slab.s[0]), hi.0[i].min(slab.s[1])];
+                    let near = dimmed(near[i], level, at_zero.0[i] + per_s.0[i] * s_near);
+                    let far = dimmed(far[i], level, at_zero.0[i] + per_s.0[i] * s_far);
                     new[i] = new[i].max(near.max(far));
                 }
             }

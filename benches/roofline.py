@@ -37,7 +37,7 @@ STAGES = {
     "slices combined and turned": r"(slices|panel)\.rs",
     "weights of footprints": r"footprint\.rs.*\bbuild\b",
     "densities": r"sheet\.rs",
-    "look-up, opacity, compositing": r"(classify|composite|project|first_hit)\.rs",
+    "look-up, opacity, compositing": r"(classify|composite|project|local_maximum|first_hit)\.rs",
     "rays": r"(rays|interval)\.rs",
     "active blocks": r"bricks\.rs|active_(slabs|layers)",
     "rest of the renderer": "",

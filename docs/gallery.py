@@ -81,9 +81,8 @@ picture = ws.render(ct, edges, **view)
 """),
     Entry("two_dimensional", "Functions of two dimensions",
           "Surfaces at values, as wide as the gradient makes them: skin and bone.",
-          code="""surfaces = ws.TransferFunction2D.boundaries(
-    [(-400, 1.5, 40, "#c08060", 0.02), (300, 1.0, 30, "#fff2d9", 0.7)]
-)
+          code="""skin, bone = (-400, 1.5, 40, "#c08060", 0.02), (300, 1.0, 30, "#fff2d9", 0.7)
+surfaces = ws.TransferFunction2D.boundaries([skin, bone])
 picture = ws.render(ct, surfaces, **view)
 """),
     Entry("labels", "Labels", "A segmentation beside the scan: one half of the body hidden, its bones a solid colour.",
@@ -101,6 +100,13 @@ picture = ws.render(ct, "ct-soft-tissue", labels=labels, **view)
           "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15"),
     Entry("maximum", "Maximum projection", "Vessels are bright.",
           "render mri_head.nii.gz --composite maximum --view left"),
+    Entry("depth_shaded", "Depth-shaded maximum", "The same, and what lies behind is darker.",
+          "render mri_head.nii.gz --composite depth-shaded-maximum --depth-shading 0.7 --view left"),
+    Entry("local_maximum", "First local maximum", "On every ray the first peak above a value.",
+          "render ct_pelvis.nii.gz --composite local-maximum --local-threshold 250 --kernel bspline3 "
+          "--azimuth 25 --elevation 15"),
+    Entry("x_ray", "An x-ray", "The scan's Hounsfield units attenuate a beam.",
+          "render ct_pelvis.nii.gz --composite x-ray --view anterior"),
     Entry("surface", "The surface of one value", "The first place where a ray meets it, refined within the sample.",
           "render mri_head.nii.gz --composite first-hit --iso-value 22 --azimuth 50 --elevation 15 --kernel bspline3"),
     Entry("share", "From 2 percent of the wavelet coefficients", "Those below the threshold are dropped.",

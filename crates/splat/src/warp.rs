@@ -6,6 +6,8 @@
 //! Where the base plane is denser than the pixels, a pixel is the mean of several such reads: a box filter, as many
 //! rays per pixel would give. Where nothing was drawn, nothing is read.
 
+use std::ops::Range;
+
 use glam::{DVec2, Vec4};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel, LANES, Lanes, Level, Simd};
@@ -44,8 +46,12 @@ impl BasePicture {
         [plane.size[0].div_ceil(LANES), plane.size[1].div_ceil(CELL_V)]
     }
 
-    /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out.
+    /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out, and so is
+    /// a chunk of which nothing is seen.
     pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
+        if chunk.iter().all(|rgba| rgba[3] == 0.0) {
+            return;
+        }
         let [n_u, _] = self.plane.size;
         let n = LANES.min(n_u - i);
         self.texels[j * n_u + i..][..n].copy_from_slice(&chunk[..n]);
@@ -172,13 +178,9 @@ pub fn warp(
     let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
     let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
     let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
-    parallel::for_each_chunk(&mut rgba, width_px, |y, row| {
-        for dy in &offsets {
-            for dx in &offsets {
-                let position = [*dx, y as f64 + dy];
-                level.dispatch(ReadRow { pictures, rays, position, share, peak, row });
-            }
-        }
+    parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
+        let first_row = band * BAND;
+        level.dispatch(ReadBand { pictures, rays, first_row, width_px, offsets: &offsets, share, peak, pixels });
     });
     let parameters = with_depth.then(|| {
         let mut parameter = vec![f32::NAN; width_px * height_px];
@@ -192,8 +194,48 @@ pub fn warp(
     Warped { rgba, ray_parameter: parameters }
 }
 
-/// Adds one read of every pixel of a row.
-struct ReadRow<'a> {
+/// Rows of pixels that are warped together, so many columns at a time: rows of pixels mostly lie aslant in the base
+/// plane, and what one has read is near when the next one wants it.
+const BAND: usize = 32;
+
+/// Adds all reads of some rows of pixels.
+struct ReadBand<'a> {
+    pictures: &'a [BasePicture],
+    rays: &'a IndexRays,
+    first_row: usize,
+    width_px: usize,
+    /// Where a pixel is read, along x and along y.
+    offsets: &'a [f64],
+    /// Weight of a read.
+    share: f32,
+    /// Largest unassociated colour.
+    peak: f32,
+    pixels: &'a mut [[f32; 4]],
+}
+
+impl Kernel for ReadBand<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { pictures, rays, first_row, width_px, offsets, share, peak, pixels } = self;
+        for x in (0..width_px).step_by(BAND) {
+            let columns = x..(x + BAND).min(width_px);
+            for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
+                for dy in offsets {
+                    for dx in offsets {
+                        let position = [*dx, (first_row + k) as f64 + dy];
+                        let reads = Reads { pictures, rays, position, share, peak };
+                        reads.add_to(s, row, columns.clone());
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One read of every pixel of a row.
+struct Reads<'a> {
     pictures: &'a [BasePicture],
     rays: &'a IndexRays,
     /// Picture position of the first pixel's read.
@@ -202,22 +244,21 @@ struct ReadRow<'a> {
     share: f32,
     /// Largest unassociated colour.
     peak: f32,
-    row: &'a mut [[f32; 4]],
 }
 
-impl Kernel for ReadRow<'_> {
-    type Output = ();
-
+impl Reads<'_> {
+    /// Adds the reads of some columns.
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
-        let Self { pictures, rays, position: [x0, y], share, peak, row } = self;
+    fn add_to<S: Simd>(&self, s: S, row: &mut [[f32; 4]], columns: Range<usize>) {
+        let Self { pictures, rays, position: [x0, y], share, peak } = *self;
+        let pixels = columns.clone().zip(&mut row[columns]);
         match pictures {
             // Parallel rays: positions are affine in the pixel.
             [only] if only.plane.eye_w().is_none() => {
                 let first = only.plane.texel_from_pixel(rays, x0, y);
                 let step = snapped(only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first);
                 let first = snapped(first);
-                for (x, pixel) in row.iter_mut().enumerate() {
+                for (x, pixel) in pixels {
                     let (u, v) = (first.x + step.x * x as f64, first.y + step.y * x as f64);
                     if let Some(color) = only.sample(s, u, v) {
                         add(pixel, color, share, peak);
@@ -225,7 +266,7 @@ impl Kernel for ReadRow<'_> {
                 }
             }
             _ => {
-                for (x, pixel) in row.iter_mut().enumerate() {
+                for (x, pixel) in pixels {
                     let x = x as f64 + x0;
                     if let Some(picture) = serving(pictures, rays, x, y) {
                         let position = picture.plane.texel_from_pixel(rays, x, y);

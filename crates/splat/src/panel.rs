@@ -119,9 +119,10 @@ impl Panel {
             #[inline(always)]
             || {
                 for r in 0..window.n_v() {
-                    let row = &mut out[r * stride..][..window.n_u()];
+                    let row = &mut out[r * stride..];
+                    let n_room = stride.min(row.len());
                     let from = |slice: usize| (slice - self.first) * plane + (first[1] + r) * self.stride + first[0];
-                    sum_slices(&self.densities, taps, from, row, &|d| d);
+                    sum_slices(&self.densities, taps, from, &mut row[..n_room], window.n_u(), &|d| d);
                 }
             },
         );

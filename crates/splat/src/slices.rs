@@ -465,24 +465,15 @@ impl Region {
         let n_inner = (inner_hi - inner_lo + 1) as usize;
         let n_u = self.window.n_u();
         for r in 0..self.window.n_v() {
-            let row = &mut out[r * self.out_stride..][..n_u];
             let line = self.place(1, v_lo + r as i64);
-            let sum = |i: i64| {
-                let place = line + self.place(0, i);
-                let at = |slice: usize| density(grid[(slice - first_w) * sw + place]);
-                taps.iter().fold(0.0, |sum, &(slice, weight)| sum + weight * at(slice))
-            };
-            for c in 0..n_left {
-                row[c] = sum(u_lo + c as i64);
-            }
-            for c in n_left + n_inner..n_u {
-                row[c] = sum(u_lo + c as i64);
-            }
-            let inner = &mut row[n_left..n_left + n_inner];
             let from = |slice: usize| (slice - first_w) * sw + line + (inner_lo as usize - first_u) * su;
+            // What lies between the rows is anything, so that whole vectors can be written.
+            let row = &mut out[r * self.out_stride..];
+            let n_room = self.out_stride.min(row.len());
             if su == 1 {
-                sum_slices(grid, taps, from, inner, &density);
+                sum_slices(grid, taps, from, &mut row[n_left..n_room], n_inner, &density);
             } else {
+                let inner = &mut row[n_left..n_left + n_inner];
                 inner.fill(0.0);
                 for &(slice, weight) in taps {
                     for (o, s) in inner.iter_mut().zip(grid[from(slice)..].iter().step_by(su)) {
@@ -490,26 +481,38 @@ impl Region {
                     }
                 }
             }
+            let sum = |i: i64| {
+                let place = line + self.place(0, i);
+                let at = |slice: usize| density(grid[(slice - first_w) * sw + place]);
+                taps.iter().fold(0.0, |sum, &(slice, weight)| sum + weight * at(slice))
+            };
+            for c in (0..n_left).chain(n_left + n_inner..n_u) {
+                row[c] = sum(u_lo + c as i64);
+            }
         }
     }
 }
 
-/// `out = Σ weight · density` over slices whose samples lie side by side, each from its own place on.
+/// `out = Σ weight · density` over slices whose `n` samples lie side by side, each from its own place on. What `out` has
+/// beyond them may be overwritten.
 #[inline(always)]
 pub fn sum_slices<T: Copy>(
     grid: &[T],
     taps: &[SliceTap],
     from: impl Fn(usize) -> usize,
     out: &mut [f32],
+    n: usize,
     density: &impl Fn(T) -> f32,
 ) {
     // The usual numbers of slices, unrolled.
     match taps.len() {
-        1 => sum_rows::<1, _>(grid, taps, from, out, density),
-        2 => sum_rows::<2, _>(grid, taps, from, out, density),
-        4 => sum_rows::<4, _>(grid, taps, from, out, density),
-        6 => sum_rows::<6, _>(grid, taps, from, out, density),
+        1 => sum_rows::<1, _>(grid, taps, from, out, n, density),
+        2 => sum_rows::<2, _>(grid, taps, from, out, n, density),
+        3 => sum_rows::<3, _>(grid, taps, from, out, n, density),
+        4 => sum_rows::<4, _>(grid, taps, from, out, n, density),
+        6 => sum_rows::<6, _>(grid, taps, from, out, n, density),
         _ => {
+            let out = &mut out[..n];
             out.fill(0.0);
             for &(slice, weight) in taps {
                 for (o, s) in out.iter_mut().zip(&grid[from(slice)..]) {
@@ -520,49 +523,42 @@ pub fn sum_slices<T: Copy>(
     }
 }
 
-/// `out = Σ weight · density` over `N` slices, one pass, a vector at a time. Rows of a tile are short: what is left of
-/// one after its whole vectors is made with a vector that begins earlier, or reads on where the row is shorter than it.
+/// `out = Σ weight · density` over `N` slices, one pass, a vector at a time: rows of a tile are short, and whole vectors
+/// read and write on beyond them.
 #[inline(always)]
 fn sum_rows<const N: usize, T: Copy>(
     grid: &[T],
     taps: &[SliceTap],
     from: impl Fn(usize) -> usize,
     out: &mut [f32],
+    n: usize,
     density: &impl Fn(T) -> f32,
 ) {
     let Some(taps) = taps.first_chunk::<N>() else { return };
-    let rows: [&[T]; N] = std::array::from_fn(|k| &grid[from(taps[k].0)..]);
-    let weights: [f32; N] = std::array::from_fn(|k| taps[k].1);
+    let mut rows: [&[T]; N] = [&[]; N];
+    let mut weights = [0.0; N];
+    let mut n_room = out.len();
+    for k in 0..N {
+        rows[k] = &grid[from(taps[k].0)..];
+        weights[k] = taps[k].1;
+        n_room = n_room.min(rows[k].len());
+    }
     // All ends are checked before the first sample is read: compilers make vectors of what no branch interrupts.
-    let vectors = |i: usize| {
-        let mut vectors = [rows.first()?.get(i..)?.first_chunk::<LANES>()?; N];
-        for k in 1..N {
-            vectors[k] = rows[k].get(i..)?.first_chunk()?;
-        }
-        Some(vectors)
-    };
-    let n = out.len();
-    for i in (0..n).step_by(LANES) {
-        let i = i.min(n.saturating_sub(LANES));
-        let out = &mut out[i..];
-        let Some(vectors) = vectors(i) else {
-            // At the very end of the grid.
-            for (j, out) in out.iter_mut().enumerate() {
-                *out = (0..N).fold(0.0, |sum, k| sum + weights[k] * density(rows[k][i + j]));
-            }
-            continue;
-        };
+    let n_whole = if n.next_multiple_of(LANES) <= n_room { n.next_multiple_of(LANES) } else { n / LANES * LANES };
+    let rows = rows.map(|row| &row[..n_room]);
+    for i in (0..n_whole).step_by(LANES) {
         let mut sums = [0.0; LANES];
-        for j in 0..LANES {
-            for k in 0..N {
-                sums[j] += weights[k] * density(vectors[k][j]);
+        for k in 0..N {
+            let samples = &rows[k][i..i + LANES];
+            for j in 0..LANES {
+                sums[j] += weights[k] * density(samples[j]);
             }
         }
-        if let Some(out) = out.first_chunk_mut::<LANES>() {
-            *out = sums;
-        } else {
-            out.copy_from_slice(&sums[..n - i]);
-        }
+        out[i..i + LANES].copy_from_slice(&sums);
+    }
+    // At the very end of the grid, or where rows lie side by side.
+    for i in n_whole..n {
+        out[i] = (0..N).fold(0.0, |sum, k| sum + weights[k] * density(rows[k][i]));
     }
 }
 

@@ -13,10 +13,10 @@
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::Level;
+use wavesplat_compute::simd::{Kernel as Work, LANES, Level, Simd};
 use wavesplat_core::{Grid, Result, Samples, Volume};
 
-use crate::classify::Classifier;
+use crate::classify::{Classifier, one_minus_exp_neg};
 use crate::fields::Field;
 use crate::labels::{Labels, own_depth};
 use crate::slices::{Slices, Window};
@@ -25,9 +25,9 @@ use wavesplat_core::Kernel;
 /// Cells of the coarse volume along its longest side, at most.
 const MAX_CELLS: f64 = 96.0;
 
-/// Directions that openness is the mean of, in as many parts as may run at once.
+/// Directions that openness is the mean of, and parts that those along each axis are in, which may run at once.
 const N_DIRECTIONS: usize = 32;
-const N_PARTS: usize = 8;
+const N_PARTS: usize = 3;
 
 /// Mean opacity that counts as opaque.
 const OPAQUE: f64 = 0.9999;
@@ -106,75 +106,63 @@ impl Dimness {
 
     /// Share of a light that gets to each cell; `to_light` in world space.
     pub fn shadow(&self, to_light: DVec3) -> Vec<f32> {
-        self.sweep(-to_light, None)
+        let way = self.way(-to_light, None);
+        let lying = Lying::new(self, way.axis);
+        let mut share = vec![0.0; lying.extinction.len()];
+        lying.add_share(&way, &mut share);
+        self.cell_by_cell(|place| share[lying.place(place)])
     }
 
     /// Openness of each cell: 1 where nothing is near on one side at least. `radius`: world units.
     pub fn openness(&self, radius: f64) -> Vec<f32> {
-        let parts = parallel::map(N_PARTS, |part| {
-            let mut sum = vec![0.0_f32; self.extinction.len()];
-            for i in (part..N_DIRECTIONS).step_by(N_PARTS) {
-                let share = self.sweep(direction(i), Some(radius));
-                sum.iter_mut().zip(share).for_each(|(sum, share)| *sum += share);
-            }
+        let ways: Vec<Way> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
+        let lying = [0, 1, 2].map(|axis| Lying::new(self, axis));
+        let mut parts = parallel::map(3 * N_PARTS, |part| {
+            let lying = &lying[part % 3];
+            let mut sum = vec![0.0; lying.extinction.len()];
+            let along = ways.iter().filter(|way| way.axis == part % 3);
+            along.skip(part / 3).step_by(N_PARTS).for_each(|way| lying.add_share(way, &mut sum));
             sum
         });
-        let open = |i: usize| {
-            let mean = parts.iter().map(|part| part[i]).sum::<f32>() / N_DIRECTIONS as f32;
-            (2.0 * mean).min(1.0)
-        };
-        (0..self.extinction.len()).map(open).collect()
+        let (sums, rest) = parts.split_at_mut(3);
+        for (part, more) in rest.iter().enumerate() {
+            sums[part % 3].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+        let [x, y, z] = &lying;
+        self.cell_by_cell(|cell| {
+            let sum = sums[0][x.place(cell)] + sums[1][y.place(cell)] + sums[2][z.place(cell)];
+            (sum * (2.0 / N_DIRECTIONS as f32)).min(1.0)
+        })
     }
 
-    /// Share of what enters along a world direction that gets to each cell, without what the cell itself keeps off.
-    fn sweep(&self, direction: DVec3, radius: Option<f64>) -> Vec<f32> {
-        let size = self.grid.size();
-        let stride = [1, size[0], size[0] * size[1]];
-        let along = self.grid.index_from_world().matrix3 * direction;
-        let w = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
-        let [u, v] = [(w + 1) % 3, (w + 2) % 3];
-        let per_slice = along[w].abs();
-        let slope = [along[u] / per_slice, along[v] / per_slice];
-        let length = (direction.length() / per_slice) as f32;
-        let come_back = radius.map_or(1.0, |radius| (-f64::from(length) / radius).exp() as f32);
-        let (n_u, n_v) = (size[u], size[v]);
-        // Light from beyond the sides is not dimmed.
-        let mut leaving = vec![1.0_f32; n_u * n_v];
-        let mut share = vec![1.0_f32; self.extinction.len()];
-        // From where light comes, a texel back: the lower one of the two and the upper one's share.
-        let back = |slope: f64| {
-            let below = (-slope).floor();
-            (below as i64, (-slope - below) as f32)
-        };
-        let ((du, tu), (dv, tv)) = (back(slope[0]), back(slope[1]));
-        for k in 0..size[w] {
-            let slice = if along[w] > 0.0 { k } else { size[w] - 1 - k };
-            let mut next = vec![0.0_f32; n_u * n_v];
-            for j in 0..n_v {
-                let row = |d: i64| {
-                    let j = j as i64 + d;
-                    (0..n_v as i64).contains(&j).then(|| &leaving[j as usize * n_u..][..n_u])
-                };
-                let (low, high) = (row(dv), row(dv + 1));
-                for i in 0..n_u {
-                    let at = |row: Option<&[f32]>, d: i64| {
-                        let i = i as i64 + d;
-                        row.filter(|_| (0..n_u as i64).contains(&i)).map_or(1.0, |row| row[i as usize])
-                    };
-                    let across = |row: Option<&[f32]>| at(row, du) * (1.0 - tu) + at(row, du + 1) * tu;
-                    let mut light = across(low) * (1.0 - tv) + across(high) * tv;
-                    if k == 0 {
-                        light = 1.0;
-                    }
-                    light = 1.0 - (1.0 - light) * come_back;
-                    let cell = i * stride[u] + j * stride[v] + slice * stride[w];
-                    share[cell] = light;
-                    next[j * n_u + i] = light * (-self.extinction[cell] * length).exp();
+    /// A number for every cell, `[z][y][x]`.
+    fn cell_by_cell(&self, number: impl Fn([usize; 3]) -> f32 + Sync + Send) -> Vec<f32> {
+        let [nx, ny, nz] = self.grid.size();
+        let mut numbers = vec![0.0; nx * ny * nz];
+        parallel::for_each_chunk(&mut numbers, nx * ny, |z, layer| {
+            for (y, row) in layer.chunks_exact_mut(nx).enumerate() {
+                for (x, cell) in row.iter_mut().enumerate() {
+                    *cell = number([x, y, z]);
                 }
             }
-            leaving = next;
+        });
+        numbers
+    }
+
+    /// The way of light along a world direction; with a radius it comes back over that distance.
+    fn way(&self, direction: DVec3, radius: Option<f64>) -> Way {
+        let along = self.grid.index_from_world().matrix3 * direction;
+        let axis = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
+        let per_slice = along[axis].abs();
+        let length = direction.length() / per_slice;
+        let kept = radius.map_or(1.0, |radius| (-length / radius).exp() as f32);
+        Way {
+            axis,
+            ascending: along[axis] > 0.0,
+            slope: across(axis).map(|a| along[a] / per_slice),
+            length: length as f32,
+            kept,
         }
-        share
     }
 
     /// Numbers of every cell as a field.
@@ -188,6 +176,156 @@ impl Dimness {
             (0.5 * per_index - 0.5, per_index)
         });
         Ok(Field { slices: Slices::new(&volume, Kernel::Linear), from_index, gradient_offset: None })
+    }
+}
+
+/// How light travels.
+struct Way {
+    /// The axis that it runs most along, and whether upwards.
+    axis: usize,
+    ascending: bool,
+    /// Cells that it moves across per slice, along the other two axes.
+    slope: [f64; 2],
+    /// World length per slice.
+    length: f32,
+    /// What is left of a shadow after a slice.
+    kept: f32,
+}
+
+/// The axes across one.
+fn across(axis: usize) -> [usize; 2] {
+    [[1, 2], [0, 2], [0, 1]][axis]
+}
+
+/// The coarse volume in slices across one axis, in rows of whole vectors.
+struct Lying {
+    /// Cells along the rows, across them, and along the axis.
+    n: [usize; 3],
+    /// From row to row.
+    stride: usize,
+    /// From cell to cell along x, y, z.
+    strides: [usize; 3],
+    extinction: Vec<f32>,
+}
+
+/// Cells around a slice that light comes from.
+const MARGIN: usize = 2;
+
+impl Lying {
+    fn new(dimness: &Dimness, axis: usize) -> Self {
+        let size @ [nx, ny, _] = dimness.grid.size();
+        let [u, v] = across(axis);
+        let n = [size[u], size[v], size[axis]];
+        let stride = n[0].next_multiple_of(LANES);
+        let mut strides = [1; 3];
+        strides[v] = stride;
+        strides[axis] = stride * n[1];
+        let mut extinction = vec![0.0; stride * n[1] * n[2]];
+        let from = [1, nx, nx * ny];
+        parallel::for_each_chunk(&mut extinction, stride * n[1], |k, slice| {
+            for (j, row) in slice.chunks_exact_mut(stride).enumerate() {
+                let first = k * from[axis] + j * from[v];
+                for (i, cell) in row[..n[0]].iter_mut().enumerate() {
+                    *cell = dimness.extinction[first + i * from[u]];
+                }
+            }
+        });
+        Self { n, stride, strides, extinction }
+    }
+
+    /// Where a cell lies.
+    #[inline(always)]
+    fn place(&self, [x, y, z]: [usize; 3]) -> usize {
+        x * self.strides[0] + y * self.strides[1] + z * self.strides[2]
+    }
+
+    /// Adds the share of what enters that gets to each cell, without what the cell itself keeps off.
+    fn add_share(&self, way: &Way, sum: &mut [f32]) {
+        let [_, n_v, n_w] = self.n;
+        let wide = self.stride + 2 * MARGIN;
+        // Light from beyond the sides is not dimmed.
+        let mut leaving = vec![1.0; wide * (n_v + 2 * MARGIN)];
+        let mut next = leaving.clone();
+        // From where light comes, a texel back: the lower one of the two, and the upper one's share.
+        let back = way.slope.map(|slope| {
+            let below = (-slope).floor();
+            ((MARGIN as i64 + below as i64) as usize, (-slope - below) as f32)
+        });
+        let plane = self.stride * n_v;
+        for k in 0..n_w {
+            let first = if way.ascending { k } else { n_w - 1 - k } * plane;
+            Level::best().dispatch(Pass {
+                extinction: &self.extinction[first..first + plane],
+                sum: &mut sum[first..first + plane],
+                leaving: &leaving,
+                next: &mut next,
+                stride: self.stride,
+                back,
+                way,
+            });
+            std::mem::swap(&mut leaving, &mut next);
+        }
+    }
+}
+
+/// Light passes a slice.
+struct Pass<'a> {
+    extinction: &'a [f32],
+    sum: &'a mut [f32],
+    /// What left the slice before, and what leaves this one, with [`MARGIN`].
+    leaving: &'a [f32],
+    next: &'a mut [f32],
+    stride: usize,
+    back: [(usize, f32); 2],
+    way: &'a Way,
+}
+
+impl Work for Pass<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { extinction, sum, leaving, next, stride, back: [(du, tu), (dv, tv)], way } = self;
+        let wide = stride + 2 * MARGIN;
+        let one = s.splat(1.0);
+        let rows = extinction.chunks_exact(stride).zip(sum.chunks_exact_mut(stride)).enumerate();
+        for (j, (extinction, sum)) in rows {
+            let low = &leaving[(j + dv) * wide + du..][..stride + 1];
+            let high = &leaving[(j + dv + 1) * wide + du..][..stride + 1];
+            let next = &mut next[(j + MARGIN) * wide + MARGIN..][..stride];
+            for i in (0..stride).step_by(LANES) {
+                let low = mixed(s, tu, load(s, low, i), load(s, low, i + 1));
+                let high = mixed(s, tu, load(s, high, i), load(s, high, i + 1));
+                let light = mixed(s, tv, low, high);
+                let light = s.sub(one, s.mul(s.sub(one, light), s.splat(way.kept)));
+                let dimmed = one_minus_exp_neg(s, s.mul(load(s, extinction, i), s.splat(way.length)));
+                store(s, s.add(load(s, sum, i), light), sum, i);
+                store(s, s.sub(light, s.mul(light, dimmed)), next, i);
+            }
+        }
+    }
+}
+
+/// Part of the way from `a` to `b`.
+#[inline(always)]
+fn mixed<S: Simd>(s: S, t: f32, a: S::F, b: S::F) -> S::F {
+    s.add_mul(s.mul(s.splat(1.0 - t), a), s.splat(t), b)
+}
+
+/// Numbers from a place on; none where there are not enough.
+#[inline(always)]
+fn load<S: Simd>(s: S, from: &[f32], i: usize) -> S::F {
+    match from.get(i..).and_then(|from| from.first_chunk()) {
+        Some(from) => s.load(from),
+        None => s.splat(0.0),
+    }
+}
+
+/// Numbers to a place, where there is room.
+#[inline(always)]
+fn store<S: Simd>(s: S, x: S::F, to: &mut [f32], i: usize) {
+    if let Some(to) = to.get_mut(i..).and_then(|to| to.first_chunk_mut()) {
+        s.store(x, to);
     }
 }
 

@@ -172,15 +172,16 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         (which, [from, to]): (usize, [f32; 2]),
     ) {
         let Slab { geometry, panel, .. } = *slab;
-        if EXTRA {
-            self.read_fields(w, chunks, slab, which..which + 1);
-        }
-        let sheet = if which == 0 { &mut *slab.front } else { &mut *slab.back };
-        let density = sheet.density(w, chunks);
-        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, which..which + 1);
-        if !self.see(w, chunks, rays, [density; 2]) && !matter_ahead {
+        let density = if which == 0 { slab.front.density(w, chunks) } else { slab.back.density(w, chunks) };
+        let scan_ahead = self.see(w, chunks, rays, [density; 2]) != [false; 2];
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, which..which + 1);
+        if !scan_ahead && !matter_ahead {
             return;
         }
+        if EXTRA {
+            self.read_fields(w, chunks, slab, which..which + 1, [scan_ahead, matter_ahead]);
+        }
+        let sheet = if which == 0 { &mut *slab.front } else { &mut *slab.back };
         let (from, mut extent) = extent(w, chunks, rays, [from, to]);
         if geometry.slices.has_mask() {
             extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
@@ -196,12 +197,18 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let [r, g, b, mut depth] = classified;
         let point = FieldPoint::on(&self.here[which]);
         if EXTRA {
-            depth = w.mul(depth, self.extras.scan_share(w, &point));
+            depth = w.mul(depth, if scan_ahead { self.extras.scan_share(w, &point) } else { w.splat(0.0) });
         }
         let mut alpha = one_minus_exp_neg(w, w.mul(depth, length));
         let to_eye = rays.to_eye(w, chunks);
-        let mut rgb = self.shade(w, [r, g, b], gradient, to_eye, &point);
-        if EXTRA && let Some(matter) = self.extras.matter(w, &point) {
+        let mut rgb = [w.splat(0.0); 3];
+        if !EXTRA || scan_ahead {
+            rgb = self.shade(w, [r, g, b], gradient, to_eye, &point);
+        }
+        if EXTRA
+            && matter_ahead
+            && let Some(matter) = self.extras.matter(w, &point)
+        {
             (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
         }
         self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
@@ -212,14 +219,15 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
     fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
         let geometry = slab.geometry;
         let [s_front, s_back] = slab.s;
-        if EXTRA {
-            self.read_fields(w, chunks, slab, 0..2);
-        }
         let front = slab.front.density(w, chunks);
         let back = slab.back.density(w, chunks);
-        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, 0..2);
-        if !self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) && !matter_ahead {
+        let scan_ahead = self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) != [false; 2];
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, 0..2);
+        if !scan_ahead && !matter_ahead {
             return;
+        }
+        if EXTRA {
+            self.read_fields(w, chunks, slab, 0..2, [scan_ahead, matter_ahead]);
         }
         let (from, mut extent) = extent(w, chunks, rays, slab.s);
         if geometry.slices.has_mask() {
@@ -245,7 +253,9 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
                 let back = slab.back.gradient(w, geometry, slab.panel, chunks);
                 length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
             }
-            length = w.mul(length, self.extras.scan_share(w, &FieldPoint::between(&self.here, at)));
+            let share =
+                if scan_ahead { self.extras.scan_share(w, &FieldPoint::between(&self.here, at)) } else { w.splat(0.0) };
+            length = w.mul(length, share);
         }
         let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
         for (k, depth) in passage.depths.into_iter().enumerate() {
@@ -267,7 +277,11 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             gradient = Some(between(w, front, back, at));
         }
         let to_eye = rays.to_eye(w, chunks);
-        let mut rgb = self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at));
+        let mut rgb = if !EXTRA || scan_ahead {
+            self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at))
+        } else {
+            [w.splat(0.0); 3]
+        };
         let mut visible = (
             w.add_mul(from, passage.first, extent),
             w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
@@ -275,7 +289,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
             let point = FieldPoint::between(&self.here, middle);
-            if let Some(matter) = self.extras.matter(w, &point) {
+            if matter_ahead && let Some(matter) = self.extras.matter(w, &point) {
                 (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, to_eye, &point);
                 visible = (from, extent);
             }
@@ -284,13 +298,28 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
     }
 
-    /// Reads the fields on the sheets in front (0) and behind (1).
+    /// Reads what of the fields the scan and the labels' own matter need that are not read yet, on the sheets in front
+    /// (0) and behind (1).
     #[inline(always)]
-    fn read_fields<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: Range<usize>) {
-        let shaded = self.extras.matter_field().filter(|_| self.extras.label_shader.is_some());
+    fn read_fields<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        slab: &mut Slab,
+        which: Range<usize>,
+        [scan, matter]: [bool; 2],
+    ) {
+        let from = (slab.field_geometries, slab.field_panels);
         for k in which {
-            let from = (slab.field_geometries, slab.field_panels);
-            slab.fields[k].read(w, from, shaded, chunks, &mut self.here[k]);
+            for field in self.extras.fields(scan, matter) {
+                slab.fields[k].read(w, from, field, chunks, &mut self.here[k]);
+            }
+            if matter
+                && self.extras.label_shader.is_some()
+                && let Some(field) = self.extras.matter_field()
+            {
+                slab.fields[k].read_gradient(w, from, field, chunks, &mut self.here[k]);
+            }
         }
     }
 
@@ -314,15 +343,18 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         lit(w, rgb, self.shader.zip(gradient), to_eye, self.extras.light(w, point))
     }
 
-    /// Whether any ray that is not done can see labels' own matter on the sheets in front (0) and behind (1).
+    /// Whether any ray that is not done can see labels' own matter on the sheets in front (0) and behind (1), which is
+    /// read.
     #[inline(always)]
-    fn see_matter<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, which: Range<usize>) -> bool {
+    fn see_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: Range<usize>) -> bool {
         let Some(field) = self.extras.matter_field() else { return false };
+        let from = (slab.field_geometries, slab.field_panels);
         let mut most = w.splat(0.0);
         for k in which {
+            slab.fields[k].read(w, from, field, chunks, &mut self.here[k]);
             most = w.max(most, self.here[k].value(w, field));
         }
-        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), most))
+        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
     }
 
     /// Mixes the labels' own matter into what the scan has in the same space.
@@ -384,21 +416,28 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         }
     }
 
-    /// Whether any ray that is not done can see something of densities from the first to the second.
+    /// Whether any ray of each chunk that is not done can see something of densities from the first to the second.
     #[inline(always)]
-    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, [lo, hi]: [W::F; 2]) -> bool {
+    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, [lo, hi]: [W::F; 2]) -> [bool; 2] {
         let [least, most] = self.classifier.visible_range();
         self.see_where(w, chunks, rays, w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most))))
     }
 
-    /// Whether any ray that is not done is among some.
+    /// Whether any ray of each chunk that is not done can see something of the space between two sheets.
     #[inline(always)]
-    fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> bool {
+    fn see_slab<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, slab: &Slab) -> [bool; 2] {
+        let (front, back) = (slab.front.density(w, chunks), slab.back.density(w, chunks));
+        self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)])
+    }
+
+    /// Whether any ray of each chunk that is not done is among some.
+    #[inline(always)]
+    fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> [bool; 2] {
         let [first, second] = [&self.rgba[chunks[0].index()][3].0, &self.rgba[chunks[1].index()][3].0];
         let alpha = w.join(w.one().load(first), w.one().load(second));
         let is_open = w.lt(alpha, w.splat(self.opaque));
         let [first, second] = w.all_bits(w.and(visible, is_open));
-        (first & !rays.missed(chunks[0])) | (second & !rays.missed(chunks[1])) != 0
+        [first & !rays.missed(chunks[0]) != 0, second & !rays.missed(chunks[1]) != 0]
     }
 }
 
@@ -473,17 +512,10 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        let geometries = slab.field_geometries;
         slab.front.prepare(s, slab.geometry, block);
         let needs_back = self.is_steep || slab.is_last;
         if needs_back {
             slab.back.prepare(s, slab.geometry, block);
-        }
-        if EXTRA {
-            slab.fields[0].prepare(s, geometries, block);
-            if needs_back {
-                slab.fields[1].prepare(s, geometries, block);
-            }
         }
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
@@ -496,11 +528,16 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
                 }
                 continue;
             }
-            match (one, other) {
-                (true, true) => self.add_chunks(Pair(s), [first, second], rays, slab),
-                (true, false) => self.add_chunks(s, [first; 2], rays, slab),
-                (false, true) => self.add_chunks(s, [second; 2], rays, slab),
-                (false, false) => {}
+            // Of a hard surface one of them often sees nothing.
+            let seen = if one && other && self.is_steep {
+                self.see_slab(Pair(s), [first, second], rays, slab)
+            } else {
+                [one, other]
+            };
+            match seen {
+                [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab),
+                [false, false] => {}
+                [one, _] => self.add_chunks(s, [if one { first } else { second }; 2], rays, slab),
             }
         }
     }

@@ -41,6 +41,17 @@ impl Extras {
         self.labels.as_ref().and_then(|labels| labels.matter)
     }
 
+    /// The fields that the scan needs, and those that the labels' own matter needs beside its optical depth.
+    #[inline(always)]
+    pub fn fields(&self, scan: bool, matter: bool) -> impl Iterator<Item = usize> + use<> {
+        let labels = self.labels.unwrap_or_default();
+        let four = |first: Option<usize>| first.map_or(0..0, |first| first..first + 4);
+        let light = self.light.map(|light| [light.openness, light.shadow]).unwrap_or_default();
+        let light = light.into_iter().flatten().map(|(field, _)| field);
+        let of_scan = labels.scan.into_iter().chain(four(labels.tint)).filter(move |_| scan);
+        light.chain(of_scan).chain(four(labels.matter).skip(1).filter(move |_| matter))
+    }
+
     /// Share of the scan's optical depth that labels leave.
     #[inline(always)]
     pub fn scan_share<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> W::F {

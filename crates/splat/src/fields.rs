@@ -4,10 +4,10 @@
 //! A field has samples of its own, on the volume's grid or an evenly coarser one along the same axes, and is reconstructed
 //! in sheets at the same texels, so that it costs a fraction of what a gather at every texel would.
 
-use wavesplat_compute::simd::{Lanes, Simd, Wide};
+use wavesplat_compute::simd::{Lanes, Wide};
 
 use crate::panel::Panel;
-use crate::sheet::{Block, BlockMask, Chunk, Sheet, SheetGeometry};
+use crate::sheet::{BlockMask, Chunk, Sheet, SheetGeometry};
 use crate::slices::Slices;
 
 /// Samples of a field and where they lie.
@@ -20,9 +20,15 @@ pub struct Field<'a> {
     pub gradient_offset: Option<f64>,
 }
 
-/// The sheets of all fields at one place.
+/// The sheets of all fields at one place, each made when it is first read.
 #[derive(Default)]
-pub struct FieldSheets(Vec<Sheet>);
+pub struct FieldSheets {
+    sheets: Vec<Sheet>,
+    /// Which of them are there.
+    made: Vec<bool>,
+    /// Position, first texel of the tile and blocks.
+    place: (f64, [usize; 2], BlockMask),
+}
 
 /// The samples of all fields that a run of sheets needs.
 pub struct FieldPanels(Vec<Panel>);
@@ -47,48 +53,59 @@ impl FieldPanels {
 }
 
 impl FieldSheets {
-    /// As [`Sheet::combine`], for every field.
-    pub fn combine(
-        &mut self,
-        geometries: &[SheetGeometry],
-        panels: &FieldPanels,
-        w: f64,
-        first: [usize; 2],
-        blocks: BlockMask,
-    ) {
-        self.0.resize_with(geometries.len(), Sheet::default);
-        for ((sheet, geometry), panel) in self.0.iter_mut().zip(geometries).zip(&panels.0) {
-            sheet.combine(geometry, panel, w, first, blocks);
-        }
+    /// They lie at `w`; what is read of them are `blocks` of the tile whose first texel is `first`.
+    pub fn place(&mut self, n_fields: usize, w: f64, first: [usize; 2], blocks: BlockMask) {
+        self.place = (w, first, blocks);
+        self.sheets.resize_with(n_fields, Sheet::default);
+        self.made.clear();
+        self.made.resize(n_fields, false);
     }
 
-    /// As [`Sheet::prepare`], for every field.
-    #[inline(always)]
-    pub fn prepare<S: Simd>(&mut self, s: S, geometries: &[SheetGeometry], block: Block) {
-        for (sheet, geometry) in self.0.iter_mut().zip(geometries) {
-            sheet.prepare(s, geometry, block);
-        }
+    /// Combines the slices of a field.
+    #[inline(never)]
+    fn make(&mut self, (geometries, panels): (&[SheetGeometry], &FieldPanels), field: usize) {
+        self.made[field] = true;
+        let (w, first, blocks) = self.place;
+        let (before, rest) = self.sheets.split_at_mut(field);
+        let Some((sheet, _)) = rest.split_first_mut() else { return };
+        // Most fields lie alike, and have the same weights.
+        let alike = (0..field).find(|&k| self.made[k] && geometries[k].has_weights_of(&geometries[field]));
+        let weights = alike.map(|k| &before[k]);
+        sheet.combine_with(&geometries[field], &panels.0[field], weights, w, first, blocks);
     }
 
-    /// Reads the values of all fields at chunks, and the gradient of one of them.
+    /// Reads the value of a field at chunks. After [`FieldSheets::place`] with their block.
     #[inline(always)]
     pub fn read<W: Wide>(
         &mut self,
         w: W,
-        (geometries, panels): (&[SheetGeometry], &FieldPanels),
-        gradient_of: Option<usize>,
+        from: (&[SheetGeometry], &FieldPanels),
+        field: usize,
         chunks: [Chunk; 2],
         out: &mut FieldValues,
     ) {
-        out.values.resize(self.0.len(), Default::default());
-        for (sheet, value) in self.0.iter().zip(&mut out.values) {
-            w.store_to(sheet.density(w, chunks), value, [0, 1]);
+        if !self.made[field] {
+            self.make(from, field);
         }
-        if let Some(field) = gradient_of {
-            let gradient = self.0[field].gradient(w, &geometries[field], &panels.0[field], chunks);
-            for c in 0..3 {
-                w.store_to(gradient[c], &mut out.gradient[c], [0, 1]);
-            }
+        let sheet = &mut self.sheets[field];
+        sheet.prepare(w.one(), &from.0[field], chunks[0].block());
+        out.values.resize(self.made.len(), Default::default());
+        w.store_to(sheet.density(w, chunks), &mut out.values[field], [0, 1]);
+    }
+
+    /// Reads the gradient of a field whose value has been read.
+    #[inline(always)]
+    pub fn read_gradient<W: Wide>(
+        &mut self,
+        w: W,
+        (geometries, panels): (&[SheetGeometry], &FieldPanels),
+        field: usize,
+        chunks: [Chunk; 2],
+        out: &mut FieldValues,
+    ) {
+        let gradient = self.sheets[field].gradient(w, &geometries[field], &panels.0[field], chunks);
+        for c in 0..3 {
+            w.store_to(gradient[c], &mut out.gradient[c], [0, 1]);
         }
     }
 }

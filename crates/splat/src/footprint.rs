@@ -240,6 +240,17 @@ impl AxisFootprints {
         };
     }
 
+    /// Takes over the tables of an axis that has the same weights at the same positions.
+    pub fn copy(&mut self, axis: &Axis, other: &Self) {
+        self.window = other.window;
+        self.value.clone_from(&other.value);
+        if axis.difference.is_some() {
+            self.difference.clone_from(&other.difference);
+        } else {
+            self.difference.reset(0, 0);
+        }
+    }
+
     /// f32 positions, counted from a sample near each group, so that the compiler can use whole vectors. Firsts are
     /// counted from the window's first sample, which is returned with the last one.
     #[inline(always)]

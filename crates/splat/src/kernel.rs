@@ -82,9 +82,15 @@ pub fn taps(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
             (below - 1, [w0, w1, 1.0 - w0 - w1 - w3, w3])
         }
         Kernel::Gaussian => {
-            let w = [t + 1.0, t, 1.0 - t, 2.0 - t].map(|d| weight(Kernel::Gaussian, d));
-            let sum: f64 = w.iter().sum();
-            (below - 1, w.map(|w| w / sum))
+            // As multiples of exp(−2t²), all four are powers of exp(4t).
+            const E2: f64 = 0.135_335_283_236_612_7;
+            const E8: f64 = 3.354_626_279_025_118_5e-4;
+            let q = (4.0 * t).exp();
+            // Two samples away it is cut off.
+            let last = if t > 0.0 { E8 * q * q } else { 0.0 };
+            let w = [E2 / q, 1.0, E2 * q, last];
+            let share = 1.0 / (w[0] + w[1] + w[2] + w[3]);
+            (below - 1, [w[0] * share, w[1] * share, w[2] * share, w[3] * share])
         }
     }
 }

@@ -53,7 +53,7 @@ impl Chunk {
 
     /// The block that it belongs to.
     #[inline(always)]
-    fn block(self) -> Block {
+    pub fn block(self) -> Block {
         Block { strip: self.strip, row: self.row / BLOCK_V * BLOCK_V }
     }
 
@@ -153,6 +153,15 @@ impl<'a> SheetGeometry<'a> {
         Self { from_index, ..own }
     }
 
+    /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
+    pub fn has_weights_of(&self, other: &Self) -> bool {
+        let is_alike = |a: &Axis, b: &Axis| {
+            (a.kernel, a.n_samples, a.weights) == (b.kernel, b.n_samples, b.weights)
+                && (b.difference.is_none() || a.difference == b.difference)
+        };
+        self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
+    }
+
     /// Whether index positions are those of the samples.
     pub fn is_own_grid(&self) -> bool {
         self.from_index == [(0.0, 1.0); 3]
@@ -212,11 +221,17 @@ struct Part {
 }
 
 impl Sheet {
-    /// Combines the slices that reach the sheet at `w` for those `blocks` of the tile whose first texel is `(i0, j0)`.
-    pub fn combine(
+    /// Combines the slices that reach the sheet at `w` for those `blocks` of the tile whose first texel is `first`.
+    pub fn combine(&mut self, geometry: &SheetGeometry, panel: &Panel, w: f64, first: [usize; 2], blocks: BlockMask) {
+        self.combine_with(geometry, panel, None, w, first, blocks);
+    }
+
+    /// As [`Sheet::combine`], with the weights of a sheet at the same place ([`SheetGeometry::has_weights_of`]).
+    pub fn combine_with(
         &mut self,
         geometry: &SheetGeometry,
         panel: &Panel,
+        weights: Option<&Self>,
         w: f64,
         [i0, j0]: [usize; 2],
         blocks: BlockMask,
@@ -226,13 +241,19 @@ impl Sheet {
         let ([(u0, du), (v0, dv)], w) = geometry.sheet(w);
         self.w = w;
         let [axis_u, axis_v, axis_w] = &geometry.axes;
-        geometry.level.run(
-            #[inline(always)]
-            || {
-                self.u.build(axis_u, u0 + du * i0 as f64, du, N_STRIPS);
-                self.v.build(axis_v, v0 + dv * j0 as f64, dv, TILE_V / LANES);
-            },
-        );
+        match weights {
+            Some(weights) => {
+                self.u.copy(axis_u, &weights.u);
+                self.v.copy(axis_v, &weights.v);
+            }
+            None => geometry.level.run(
+                #[inline(always)]
+                || {
+                    self.u.build(axis_u, u0 + du * i0 as f64, du, N_STRIPS);
+                    self.v.build(axis_v, v0 + dv * j0 as f64, dv, TILE_V / LANES);
+                },
+            ),
+        }
         let n_u = (self.u.window[1] - self.u.window[0] + 1) as usize;
         self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
         self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);

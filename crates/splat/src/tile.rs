@@ -134,13 +134,13 @@ impl TileJob<'_> {
             field_panels.cover(&self.fields, w, texels);
             if in_front != Some(slab.sheets[0]) {
                 front.combine(&self.geometry, &panel, w[0], first, blocks);
-                front_fields.combine(&self.fields, &field_panels, w[0], first, blocks);
+                front_fields.place(self.fields.len(), w[0], first, blocks);
             }
             // What is behind this slab is in front of the next.
             let next = slabs.get(k + 1).filter(|next| next.sheets[0] == slab.sheets[1]);
             let next = next.map_or(0, |next| next.blocks & alive);
             back.combine(&self.geometry, &panel, w[1], first, blocks | next);
-            back_fields.combine(&self.fields, &field_panels, w[1], first, blocks | next);
+            back_fields.place(self.fields.len(), w[1], first, blocks | next);
             for block in bits(blocks) {
                 let done = level.dispatch(AddBlock {
                     compositor: &mut compositor,
@@ -170,17 +170,17 @@ impl TileJob<'_> {
         Some(compositor)
     }
 
-    /// Where texels `from..=to` of an axis (0: u, 1: v) lie on two sheets.
-    fn hull(&self, axis: usize, [from, to]: [usize; 2], w: [f64; 2]) -> [f64; 2] {
-        let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
-        for w in w {
-            let (origin, step) = self.geometry.plane.sheet(w)[axis];
-            for i in [from, to] {
-                let x = origin + step * i as f64;
-                hull = [hull[0].min(x), hull[1].max(x)];
+    /// Where texels `from..=to` lie on two sheets, along u and along v.
+    fn hulls(&self, w: [f64; 2]) -> [impl Fn([usize; 2]) -> [f64; 2]; 2] {
+        let [a, b] = w.map(|w| self.geometry.plane.sheet(w));
+        [0, 1].map(|axis| {
+            let ((a, da), (b, db)) = (a[axis], b[axis]);
+            move |[from, to]: [usize; 2]| {
+                let (from, to) = (from as f64, to as f64);
+                let [p, q, r, s] = [a + da * from, a + da * to, b + db * from, b + db * to];
+                [p.min(q).min(r.min(s)), p.max(q).max(r.max(s))]
             }
-        }
-        hull
+        })
     }
 
     /// Which layers of bricks have something below the tile; a single one where everything counts.
@@ -191,8 +191,9 @@ impl TileJob<'_> {
         let layer_is_active = |layer: usize| {
             let cells = [layer * side, (layer * side + side - 1).min(n_cells - 1)];
             let w = [cells[0] as f64, cells[1] as f64 + 1.0];
-            let u = occupied.touched(0, self.hull(0, [i0, i0 + TILE_U - 1], w));
-            let v = occupied.touched(1, self.hull(1, [j0, j0 + TILE_V - 1], w));
+            let [along_u, along_v] = self.hulls(w);
+            let u = occupied.touched(0, along_u([i0, i0 + TILE_U - 1]));
+            let v = occupied.touched(1, along_v([j0, j0 + TILE_V - 1]));
             matches!((u, v), (Some(u), Some(v)) if occupied.any(u, v, [layer; 2]))
         };
         (0..n_cells.div_ceil(side)).map(layer_is_active).collect()
@@ -222,13 +223,14 @@ impl TileJob<'_> {
                 if !layers[reached[0]..=reached[1]].contains(&true) {
                     continue;
                 }
+                let [along_u, along_v] = self.hulls(w);
                 let u: [_; N_STRIPS] = std::array::from_fn(|strip| {
                     let i = i0 + strip * LANES;
-                    occupied.touched(0, self.hull(0, [i, i + LANES - 1], w))
+                    occupied.touched(0, along_u([i, i + LANES - 1]))
                 });
                 let v: [_; N_BLOCKS_V] = std::array::from_fn(|block| {
                     let j = j0 + block * BLOCK_V;
-                    occupied.touched(1, self.hull(1, [j, j + BLOCK_V - 1], w))
+                    occupied.touched(1, along_v([j, j + BLOCK_V - 1]))
                 });
                 for block in bits(alive) {
                     let is_active = match (u[block / N_BLOCKS_V], v[block % N_BLOCKS_V]) {

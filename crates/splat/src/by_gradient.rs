@@ -9,7 +9,7 @@
 //! both, and looked up bilinearly.
 
 use glam::DMat3;
-use wavesplat_compute::simd::{LANES, Simd, Wide};
+use wavesplat_compute::simd::Wide;
 use wavesplat_core::{Joint, TransferFunction};
 
 use crate::base_plane::Family;
@@ -131,50 +131,45 @@ impl Table {
             let [r, g, b, opacity] = joint.rgba(values.node(i % values.n), magnitudes.node(i / values.n));
             [r as f32, g as f32, b as f32, (-(-opacity).ln_1p()).min(OPAQUE) as f32]
         };
-        let entries = (0..values.n * magnitudes.n).map(entry).collect();
+        // The last entry twice: look-ups read the one after theirs too.
+        let last = values.n * magnitudes.n - 1;
+        let entries = (0..=last).chain([last]).map(entry).collect();
         let densities = Side { first: (values.first - offset) * scale, step: values.step * scale, ..values };
         let gradients = Side { first: magnitudes.first * scale, step: magnitudes.step * scale, ..magnitudes };
         Self { entries, along: [densities, gradients] }
     }
 
-    /// The cell that holds a position, and how far in it.
+    /// The cell that holds a position along an axis, and how far in it.
     #[inline(always)]
-    fn cell(side: Side, position: f32) -> (usize, f32) {
-        if side.step == 0.0 {
-            return (0, 0.0);
-        }
-        let x = (position - side.first as f32) * (1.0 / side.step as f32);
-        let x = x.max(0.0).min((side.n - 1) as f32);
-        let cell = (x as usize).min(side.n - 2);
-        (cell, x - cell as f32)
+    fn cell<W: Wide>(w: W, side: Side, position: W::F) -> [W::F; 2] {
+        // Added and taken off again, it leaves the nearest whole number.
+        const ROUND: f32 = 12_582_912.0;
+        let per_step = if side.step == 0.0 { 0.0 } else { 1.0 / side.step as f32 };
+        let x = w.mul(w.sub(position, w.splat(side.first as f32)), w.splat(per_step));
+        let x = w.min(w.max(x, w.splat(0.0)), w.splat((side.n - 1) as f32));
+        let nearest = w.sub(w.add(x, w.splat(ROUND)), w.splat(ROUND));
+        let below = w.select(w.lt(x, nearest), w.sub(nearest, w.splat(1.0)), nearest);
+        let below = w.min(below, w.splat((side.n - 2) as f32));
+        [below, w.sub(x, below)]
     }
 
+    /// Four entries at whole positions: between two of them an f32 could not tell places of a large table apart.
     #[inline(always)]
     fn look_up<W: Wide>(&self, w: W, density: W::F, magnitude: W::F) -> [W::F; 4] {
-        let (density, magnitude) = (w.part(density), w.part(magnitude));
-        let [r, g, b, depth] = self.look_up_half(w.one(), density[0], magnitude[0]);
-        let [r2, g2, b2, depth2] = self.look_up_half(w.one(), density[1], magnitude[1]);
-        [w.join(r, r2), w.join(g, g2), w.join(b, b2), w.join(depth, depth2)]
-    }
-
-    #[inline(always)]
-    fn look_up_half<S: Simd>(&self, s: S, density: S::F, magnitude: S::F) -> [S::F; 4] {
-        let (mut densities, mut magnitudes) = ([0.0; LANES], [0.0; LANES]);
-        s.store(density, &mut densities);
-        s.store(magnitude, &mut magnitudes);
-        let mut rgbd = [[0.0; LANES]; 4];
-        for lane in 0..LANES {
-            let (i, t) = Self::cell(self.along[0], densities[lane]);
-            let (j, s) = Self::cell(self.along[1], magnitudes[lane]);
-            let row = &self.entries[j * self.along[0].n + i..];
-            let above = &self.entries[(j + 1) * self.along[0].n + i..];
-            for c in 0..4 {
-                let low = row[0][c] + (row[1][c] - row[0][c]) * t;
-                let high = above[0][c] + (above[1][c] - above[0][c]) * t;
-                rgbd[c][lane] = low + (high - low) * s;
-            }
+        let [along_row, t] = Self::cell(w, self.along[0], density);
+        let [row, s] = Self::cell(w, self.along[1], magnitude);
+        let n = w.splat(self.along[0].n as f32);
+        let one = w.splat(1.0);
+        let place = w.add(along_row, w.mul(row, n));
+        let above = w.add(place, n);
+        let (a, b) = (w.look_up(&self.entries, place), w.look_up(&self.entries, w.add(place, one)));
+        let (c, d) = (w.look_up(&self.entries, above), w.look_up(&self.entries, w.add(above, one)));
+        let mut mixed = a;
+        for k in 0..4 {
+            let low = w.add_mul(a[k], t, w.sub(b[k], a[k]));
+            let high = w.add_mul(c[k], t, w.sub(d[k], c[k]));
+            mixed[k] = w.add_mul(low, s, w.sub(high, low));
         }
-        let [r, g, b, depth] = &rgbd;
-        [s.load(r), s.load(g), s.load(b), s.load(depth)]
+        mixed
     }
 }

@@ -193,6 +193,10 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let gradient = if needs_gradient { Some(sheet.gradient(w, geometry, panel, chunks)) } else { None };
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
             classified = by_gradient.classify(w, density, gradient, classified);
+            let [.., depth] = classified;
+            if !matter_ahead && self.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
+                return;
+            }
         }
         let [r, g, b, mut depth] = classified;
         let point = FieldPoint::on(&self.here[which]);

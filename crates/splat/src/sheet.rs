@@ -269,8 +269,10 @@ impl Sheet {
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
         let strips = (0..N_STRIPS).filter(|s| blocks >> (s * N_BLOCKS_V) & ((1 << N_BLOCKS_V) - 1) != 0);
-        let rows = (0..TILE_V).filter(|r| blocks & (rows_mask() << (r / BLOCK_V)) != 0);
+        let rows = (0..N_BLOCKS_V).filter(|b| blocks & (rows_mask() << b) != 0);
+        // Positions rise or fall with the texel.
         let columns = strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
+        let rows = rows.flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]);
         let part = Part { u: reached(&self.u, columns), v: reached(&self.v, rows) };
         let taps = axis_w.slice_taps(w);
         let axes = geometry.plane.family.axes;

@@ -1,6 +1,6 @@
 //! Sixteen numbers at a time, by the widest vectors that this machine has.
 //!
-//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2, SSE2, and
+//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2, SSE2, NEON, and
 //! plain arrays for other processors. Every level gives the same bits: lanes never mix, nothing is fused, no operation
 //! is an approximation of the processor's own, and the order of operations is the source's. The level is chosen once
 //! per picture and passed as a value. This is the only module with `unsafe`.
@@ -10,6 +10,8 @@
 //! neighbouring runs of four numbers and transposes them.
 #![allow(unsafe_code, reason = "intrinsics, and functions that may only be called where the machine has them")]
 
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod pair;
 mod plain;
 #[cfg(target_arch = "x86_64")]
@@ -198,12 +200,14 @@ enum Width {
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    #[cfg(target_arch = "aarch64")]
+    Neon,
 }
 
 impl Level {
     /// All levels that this machine has, the widest last.
     pub fn all() -> Vec<Self> {
-        #[allow(unused_mut, reason = "only x86-64 has more than one")]
+        #[allow(unused_mut, reason = "other processors have but one")]
         let mut levels = vec![Self(Width::Plain)];
         #[cfg(target_arch = "x86_64")]
         {
@@ -215,10 +219,13 @@ impl Level {
                 levels.push(Self(Width::Avx512));
             }
         }
+        #[cfg(target_arch = "aarch64")]
+        levels.push(Self(Width::Neon));
         levels
     }
 
-    /// The widest level that this machine has; `WAVESPLAT_SIMD` = `plain`, `sse2`, `avx2` or `avx512` asks for less.
+    /// The widest level that this machine has; `WAVESPLAT_SIMD` = `plain`, `sse2`, `avx2`, `avx512` or `neon` asks for
+    /// another that it has.
     pub fn best() -> Self {
         let wanted = std::env::var("WAVESPLAT_SIMD").unwrap_or_default();
         let levels = Self::all();
@@ -236,6 +243,8 @@ impl Level {
             Width::Avx2 => "avx2",
             #[cfg(target_arch = "x86_64")]
             Width::Avx512 => "avx512",
+            #[cfg(target_arch = "aarch64")]
+            Width::Neon => "neon",
         }
     }
 
@@ -263,6 +272,8 @@ impl Level {
                     || kernel.run(x86::Avx512(())),
                 )
             },
+            #[cfg(target_arch = "aarch64")]
+            Width::Neon => kernel.run(neon::Neon(())),
         }
     }
 
@@ -280,6 +291,8 @@ impl Level {
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             Width::Avx512 => unsafe { x86::run_avx512(kernel) },
+            #[cfg(target_arch = "aarch64")]
+            Width::Neon => kernel(),
         }
     }
 }
@@ -349,11 +362,60 @@ mod tests {
         for round in 0..200 {
             let a = Lanes(std::array::from_fn(|i| number(round * 31 + i)));
             let b = Lanes(std::array::from_fn(|i| if i == 3 { a.0[3] } else { number(round * 17 + 500 + i) }));
-            let index = Lanes(std::array::from_fn(|i| ((round + 7 * i) % LANES) as u32));
+            let index = Lanes(std::array::from_fn(|i| (round + 7 * i) as u32));
             let everything = || Everything { a: &a, b: &b, index: &index, table: &table };
             let plain = everything().run(Plain);
             for level in Level::all() {
                 assert!(level.dispatch(everything()) == plain, "{level:?}");
+            }
+        }
+    }
+
+    /// What chooses between numbers, on those that no order or sum knows.
+    struct Choices<'a> {
+        a: &'a Lanes,
+        b: &'a Lanes,
+        index: &'a Lanes<u32>,
+        table: &'a [Entry],
+    }
+
+    impl Kernel for Choices<'_> {
+        type Output = Vec<u32>;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Vec<u32> {
+            let (a, b) = (s.load(&self.a.0), s.load(&self.b.0));
+            let [lt, le] = [s.lt(a, b), s.le(a, b)];
+            let mut numbers =
+                vec![s.min(a, b), s.max(a, b), s.abs(a), s.select(lt, a, b), s.take(&self.a.0, self.index)];
+            numbers.extend(s.look_up(self.table, a));
+            let mut bits = vec![u32::from(s.bits(lt)), u32::from(s.bits(le))];
+            for number in numbers {
+                let mut out = [0.0; LANES];
+                s.store(number, &mut out);
+                bits.extend(out.map(f32::to_bits));
+            }
+            bits
+        }
+    }
+
+    #[test]
+    fn every_level_treats_nan_infinity_and_zero_alike() {
+        let table = [[1.0, -2.0, 0.5, 0.0], [2.0, 3.0, 0.5, -1.0], [4.0, 5.0, 0.25, 7.0]];
+        let numbers = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, 1.0, -1e-40];
+        let index = Lanes(std::array::from_fn(|i| 5 * i as u32));
+        for shift in 0..numbers.len() {
+            let a = Lanes(std::array::from_fn(|i| numbers[i % 8]));
+            let b = Lanes(std::array::from_fn(|i| numbers[(i + shift) % 8]));
+            let choices = || Choices { a: &a, b: &b, index: &index, table: &table };
+            let plain = choices().run(Plain);
+            let want = |choose: fn(f32, f32) -> bool| {
+                std::array::from_fn::<u32, LANES, _>(|i| if choose(a.0[i], b.0[i]) { a.0[i] } else { b.0[i] }.to_bits())
+            };
+            assert_eq!(plain[2..18], want(|a, b| a < b), "the smaller, or b");
+            assert_eq!(plain[18..34], want(|a, b| a > b), "the larger, or b");
+            for level in Level::all() {
+                assert!(level.dispatch(choices()) == plain, "{level:?}");
             }
         }
     }

@@ -5,6 +5,8 @@ PYTHON ?= python3
 OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
+ARM := aarch64-unknown-linux-gnu
+ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
 
 BIN := .venv/bin
 STAMPS := .venv/stamps
@@ -21,7 +23,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .PHONY: help demo test check fmt quality study study-wavelets study-lod bench roofline instructions gallery clean \
-	rust-test python-test rust-lint python-lint stubs spelling licences docs readme
+	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -56,6 +58,24 @@ bench: $(STAMPS)/bench ## time frames, ours and VTK's; BENCH="--only goals" take
 
 roofline: $(STAMPS)/package ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
 	BENCH_DATA=$(BENCH_DATA) python benches/roofline.py $(ROOFLINE)
+
+# Little optimised and unchecked, since the kernels take the compiler three times as long otherwise.
+test-arm: export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER := aarch64-linux-gnu-gcc
+test-arm: export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER := qemu-aarch64 -L /usr/aarch64-linux-gnu
+test-arm: export CARGO_PROFILE_TEST_OPT_LEVEL := 1
+test-arm: export CARGO_PROFILE_TEST_DEBUG := 0
+test-arm: export CARGO_PROFILE_TEST_DEBUG_ASSERTIONS := false
+test-arm: export CARGO_PROFILE_TEST_OVERFLOW_CHECKS := false
+test-arm: export CARGO_INCREMENTAL := 0
+test-arm: ## lint and test the vector kernels on 64-bit ARM, emulated by qemu; minutes
+	@rustup target list --installed 2>/dev/null | grep -qx $(ARM) || \
+		{ echo "test-arm needs the standard library of ARM: rustup target add $(ARM)" >&2; exit 1; }
+	@command -v qemu-aarch64 >/dev/null && command -v aarch64-linux-gnu-gcc >/dev/null || \
+		{ echo "test-arm needs an emulator and a linker: apt-get install $(ARM_PACKAGES)" >&2; exit 1; }
+	cargo clippy --locked --target $(ARM) -p wavesplat-compute --all-targets -- -D warnings
+	cargo test --locked --target $(ARM) -p wavesplat-compute
+	cargo test --locked --target $(ARM) --no-fail-fast -p wavesplat-splat --test twins --test extras -- \
+		every_simd_level every_processor
 
 instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
 	cargo build --locked --release -p wavesplat-splat --example frames

@@ -72,38 +72,67 @@ impl BasePicture {
         inside.then(|| j as usize * n_u + i as usize)
     }
 
-    /// Colour at a texel position; `None` where nothing is.
+    /// Adds what is at up to sixteen texel positions to as many pixels, `share` of it, and no colour brighter than `peak`.
     #[inline(always)]
-    fn sample<S: Simd>(&self, s: S, u: f64, v: f64) -> Option<Vec4> {
-        let [n_u, n_v] = self.plane.size.map(|n| n as i64);
-        // Truncation rounds down, since positions are kept above 0.
-        let (i, j) = ((u + 2.0) as i64 - 2, (v + 2.0) as i64 - 2);
-        if !(u >= -1.0 && v >= -1.0) || i >= n_u || j >= n_v {
-            return None;
+    fn add_to<S: Simd>(&self, s: S, [u, v]: &[[f64; LANES]; 2], pixels: &mut [[f32; 4]], share: f32, peak: f32) {
+        let size @ [n_u, n_v] = self.plane.size.map(|n| n as i32);
+        let (mut place, mut within) = ([[0_i32; LANES]; 2], [[0.0_f32; LANES]; 2]);
+        for axis in 0..2 {
+            let (x, end) = (if axis == 0 { u } else { v }, f64::from(size[axis] + 1));
+            for k in 0..LANES {
+                // Not a number is as far away as what lies before the first texel.
+                let x = if x[k] >= -2.0 { x[k] } else { -2.0 };
+                let x = if x < end { x } else { end };
+                // Truncation rounds down, since it is kept above 0.
+                place[axis][k] = (x + 2.0) as i32 - 2;
+                within[axis][k] = (x - f64::from(place[axis][k])) as f32;
+            }
         }
-        let (fu, fv) = ((u - i as f64) as f32, (v - j as f64) as f32);
-        let cell = (j.max(0) as usize / CELL_V) * (n_u as usize).div_ceil(LANES) + i.max(0) as usize / LANES;
-        if !self.drawn[cell] {
-            return None;
+        let mut weights = [[[0.0; LANES]; 4]; 2];
+        for axis in 0..2 {
+            let [w0, w1, w2, w3] = catmull_rom(s, s.load(&within[axis]));
+            s.store(w0, &mut weights[axis][0]);
+            s.store(w1, &mut weights[axis][1]);
+            s.store(w2, &mut weights[axis][2]);
+            s.store(w3, &mut weights[axis][3]);
         }
-        if i < 1 || j < 1 || i + 2 >= n_u || j + 2 >= n_v {
-            return Some(self.sample_near_border(i, j, fu, fv));
-        }
-        let start = (j - 1) as usize * n_u as usize + (i - 1) as usize;
-        // Four texels of a row are sixteen numbers: first down the columns, then across.
+        let [weights_u, weights_v] = &weights;
+        let n_cells_u = (n_u as usize).div_ceil(LANES);
         let n_row = n_u as usize * 4;
-        let rows = self.texels.as_flattened().get(start * 4..start * 4 + 3 * n_row + LANES)?;
-        let row = |r: usize| rows[r * n_row..].first_chunk::<LANES>();
-        let (first, second, third, fourth) = (s.load(row(0)?), s.load(row(1)?), s.load(row(2)?), s.load(row(3)?));
-        let [w0, w1, w2, w3] = catmull_rom(fv);
-        let (w0, w1, w2, w3) = (s.splat(w0), s.splat(w1), s.splat(w2), s.splat(w3));
-        let down = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
-        let [a, b, c, d] = quads(s, down);
-        let wu = catmull_rom(fu);
-        let sum = (wu[0] * a + wu[1] * b) + (wu[2] * c + wu[3] * d);
-        let ([_, lo, lo_next, _], [_, hi, hi_next, _]) =
-            (quads(s, s.min(second, third)), quads(s, s.max(second, third)));
-        Some(sum.max(lo.min(lo_next)).min(hi.max(hi_next)))
+        let texels = self.texels.as_flattened();
+        for (k, pixel) in pixels.iter_mut().enumerate().take(LANES) {
+            let (i, j) = (place[0][k], place[1][k]);
+            if i < -1 || j < -1 || i >= n_u || j >= n_v {
+                continue;
+            }
+            if !self.drawn[(j.max(0) as usize / CELL_V) * n_cells_u + i.max(0) as usize / LANES] {
+                continue;
+            }
+            if i < 1 || j < 1 || i + 2 >= n_u || j + 2 >= n_v {
+                let color = self.sample_near_border(i.into(), j.into(), within[0][k], within[1][k]);
+                add(pixel, color, share, peak);
+                continue;
+            }
+            // Four texels of a row are sixteen numbers: first down the columns, then across.
+            let start = ((j - 1) as usize * n_u as usize + (i - 1) as usize) * 4;
+            let row = |r: usize| texels.get(start + r * n_row..).and_then(|row| row.first_chunk::<LANES>());
+            let (Some(first), Some(second), Some(third), Some(fourth)) = (row(0), row(1), row(2), row(3)) else {
+                continue;
+            };
+            let (first, second, third, fourth) = (s.load(first), s.load(second), s.load(third), s.load(fourth));
+            let (w0, w1) = (s.splat(weights_v[0][k]), s.splat(weights_v[1][k]));
+            let (w2, w3) = (s.splat(weights_v[2][k]), s.splat(weights_v[3][k]));
+            let down = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
+            let [mut columns, mut least, mut most] = [Lanes::default(); 3];
+            s.store(down, &mut columns.0);
+            s.store(s.min(second, third), &mut least.0);
+            s.store(s.max(second, third), &mut most.0);
+            let [a, b, c, d] = [quad::<0>(&columns), quad::<4>(&columns), quad::<8>(&columns), quad::<12>(&columns)];
+            let sum = (weights_u[0][k] * a + weights_u[1][k] * b) + (weights_u[2][k] * c + weights_u[3][k] * d);
+            let least = quad::<4>(&least).min(quad::<8>(&least));
+            let most = quad::<4>(&most).max(quad::<8>(&most));
+            add(pixel, sum.max(least).min(most), share, peak);
+        }
     }
 
     /// Linear, with emptiness beyond the grid.
@@ -140,21 +169,21 @@ impl BasePicture {
     }
 }
 
-/// Weights of the four texels around a position `t` of the way from the second to the third.
+/// Weights of the four texels around positions `t` of the way from the second to the third.
 #[inline(always)]
-fn catmull_rom(t: f32) -> [f32; 4] {
-    let w0 = ((-0.5 * t + 1.0) * t - 0.5) * t;
-    let w1 = (1.5 * t - 2.5) * t * t + 1.0;
-    let w3 = (0.5 * t - 0.5) * t * t;
-    [w0, w1, 1.0 - w0 - w1 - w3, w3]
+fn catmull_rom<S: Simd>(s: S, t: S::F) -> [S::F; 4] {
+    let (one, half) = (s.splat(1.0), s.splat(0.5));
+    let w0 = s.mul(s.sub(s.mul(s.sub(one, s.mul(half, t)), t), half), t);
+    let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(1.5), t), s.splat(2.5)), t), t), one);
+    let w3 = s.mul(s.mul(s.sub(s.mul(half, t), half), t), t);
+    [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
 }
 
-/// Sixteen numbers as four fours.
+/// Four numbers of sixteen, from one on.
 #[inline(always)]
-fn quads<S: Simd>(s: S, numbers: S::F) -> [Vec4; 4] {
-    let mut out = Lanes::default();
-    s.store(numbers, &mut out.0);
-    std::array::from_fn(|k| Vec4::from_slice(&out.0[4 * k..]))
+fn quad<const FIRST: usize>(numbers: &Lanes) -> Vec4 {
+    let n = &numbers.0;
+    Vec4::new(n[FIRST], n[FIRST + 1], n[FIRST + 2], n[FIRST + 3])
 }
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
@@ -251,29 +280,41 @@ impl Reads<'_> {
     #[inline(always)]
     fn add_to<S: Simd>(&self, s: S, row: &mut [[f32; 4]], columns: Range<usize>) {
         let Self { pictures, rays, position: [x0, y], share, peak } = *self;
-        let pixels = columns.clone().zip(&mut row[columns]);
+        let mut at = [[0.0; LANES]; 2];
         match pictures {
             // Parallel rays: positions are affine in the pixel.
             [only] if only.plane.eye_w().is_none() => {
                 let first = only.plane.texel_from_pixel(rays, x0, y);
                 let step = snapped(only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first);
                 let first = snapped(first);
-                for (x, pixel) in pixels {
-                    let (u, v) = (first.x + step.x * x as f64, first.y + step.y * x as f64);
-                    if let Some(color) = only.sample(s, u, v) {
-                        add(pixel, color, share, peak);
+                for (group, pixels) in row[columns.clone()].chunks_mut(LANES).enumerate() {
+                    for k in 0..LANES {
+                        let x = (columns.start + group * LANES + k) as f64;
+                        at[0][k] = first.x + step.x * x;
+                        at[1][k] = first.y + step.y * x;
                     }
+                    only.add_to(s, &at, pixels, share, peak);
                 }
             }
             _ => {
-                for (x, pixel) in pixels {
-                    let x = x as f64 + x0;
-                    if let Some(picture) = serving(pictures, rays, x, y) {
-                        let position = picture.plane.texel_from_pixel(rays, x, y);
-                        if let Some(color) = picture.sample(s, position.x, position.y) {
-                            add(pixel, color, share, peak);
-                        }
+                // Runs of pixels of one base plane.
+                let mut x = columns.start;
+                while x < columns.end {
+                    let serving = |x: usize| serving(pictures, rays, x as f64 + x0, y);
+                    let Some(picture) = serving(x) else {
+                        x += 1;
+                        continue;
+                    };
+                    let end = columns.end.min(x + LANES);
+                    let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, picture));
+                    let n = 1 + (x + 1..end).take_while(same).count();
+                    for k in 0..n {
+                        let position = picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
+                        at[0][k] = position.x;
+                        at[1][k] = position.y;
                     }
+                    picture.add_to(s, &at, &mut row[x..x + n], share, peak);
+                    x += n;
                 }
             }
         }

@@ -46,11 +46,11 @@ pub struct Slab<'a> {
 }
 
 impl Slab<'_> {
-    /// Makes the densities of a block ready on both sheets.
+    /// Makes the gradient of a block ready on the sheet in front (0) or that behind (1).
     #[inline(always)]
-    pub fn prepare<S: Simd>(&mut self, s: S, block: Block) {
-        self.front.prepare(s, self.geometry, block);
-        self.back.prepare(s, self.geometry, block);
+    pub fn prepare_gradient(&mut self, which: usize, block: Block) {
+        let sheet = if which == 0 { &mut *self.front } else { &mut *self.back };
+        sheet.prepare_gradient(self.geometry, self.panel, block);
     }
 }
 
@@ -65,7 +65,7 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// After [`Slab::prepare`] for the block of the chunk.
+    /// Of a slab in which densities are ready.
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
         let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
@@ -99,9 +99,14 @@ impl Texels {
 
 /// An operator at work on one tile.
 pub trait Compositor {
+    /// Whether the sheet behind is looked at too, even if another slab follows.
+    fn looks_behind(&self) -> bool {
+        true
+    }
     /// Whether no ray of the chunk can change any more.
     fn is_done(&self, chunk: Chunk) -> bool;
     /// Adds the space between two sheets, front to back, to those chunks of a block that are neither done nor missed.
+    /// Densities of the block are ready on those sheets that are looked at.
     /// Spaces in which nothing is visible may be left out. `#[inline(always)]`.
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab);
     /// The result of a chunk.
@@ -171,7 +176,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         slab: &mut Slab,
         (which, [from, to]): (usize, [f32; 2]),
     ) {
-        let Slab { geometry, panel, .. } = *slab;
+        let geometry = slab.geometry;
         let density = if which == 0 { slab.front.density(w, chunks) } else { slab.back.density(w, chunks) };
         let scan_ahead = self.see(w, chunks, rays, [density; 2]) != [false; 2];
         let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, which..which + 1);
@@ -181,7 +186,12 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             self.read_fields(w, chunks, slab, which..which + 1, [scan_ahead, matter_ahead]);
         }
-        let sheet = if which == 0 { &mut *slab.front } else { &mut *slab.back };
+        let needs_gradient = self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some());
+        // Before anything else is at hand that a call would have to put aside.
+        if needs_gradient {
+            slab.prepare_gradient(which, chunks[0].block());
+        }
+        let sheet = if which == 0 { &*slab.front } else { &*slab.back };
         let (from, mut extent) = extent(w, chunks, rays, [from, to]);
         if geometry.slices.has_mask() {
             extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
@@ -189,8 +199,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let length = w.mul(extent, rays.thickness(w, chunks));
         let mut classified = self.classifier.look_up(w, density);
         let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
-        let needs_gradient = self.shader.is_some() || by_gradient.is_some();
-        let gradient = if needs_gradient { Some(sheet.gradient(w, geometry, panel, chunks)) } else { None };
+        let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
             classified = by_gradient.classify(w, density, gradient, classified);
             let [.., depth] = classified;
@@ -233,6 +242,11 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             self.read_fields(w, chunks, slab, 0..2, [scan_ahead, matter_ahead]);
         }
+        // Before anything else is at hand that a call would have to put aside.
+        if self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some()) {
+            slab.prepare_gradient(0, chunks[0].block());
+            slab.prepare_gradient(1, chunks[0].block());
+        }
         let (from, mut extent) = extent(w, chunks, rays, slab.s);
         if geometry.slices.has_mask() {
             let hole = w.or(slab.front.hole(w, chunks), slab.back.hole(w, chunks));
@@ -253,8 +267,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let at = w.add_mul(begin, middle, w.mul(extent, per_s));
             if let Some(by_gradient) = &self.extras.by_gradient {
-                let front = slab.front.gradient(w, geometry, slab.panel, chunks);
-                let back = slab.back.gradient(w, geometry, slab.panel, chunks);
+                let front = slab.front.gradient(w, chunks);
+                let back = slab.back.gradient(w, chunks);
                 length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
             }
             let share =
@@ -276,8 +290,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let mut gradient = None;
         if self.shader.is_some() {
-            let front = slab.front.gradient(w, geometry, slab.panel, chunks);
-            let back = slab.back.gradient(w, geometry, slab.panel, chunks);
+            let front = slab.front.gradient(w, chunks);
+            let back = slab.back.gradient(w, chunks);
             gradient = Some(between(w, front, back, at));
         }
         let to_eye = rays.to_eye(w, chunks);
@@ -509,6 +523,10 @@ impl<const EXTRA: bool> Over<'_, EXTRA> {
 }
 
 impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
+    fn looks_behind(&self) -> bool {
+        self.is_steep
+    }
+
     #[inline(always)]
     fn is_done(&self, chunk: Chunk) -> bool {
         self.done[chunk.index()]
@@ -516,11 +534,6 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.front.prepare(s, slab.geometry, block);
-        let needs_back = self.is_steep || slab.is_last;
-        if needs_back {
-            slab.back.prepare(s, slab.geometry, block);
-        }
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
             // Two at a time, where that pays for the code it takes.

@@ -88,7 +88,7 @@ impl FieldSheets {
             self.make(from, field);
         }
         let sheet = &mut self.sheets[field];
-        sheet.prepare(w.one(), &from.0[field], chunks[0].block());
+        sheet.prepare(&from.0[field], chunks[0].block().mask());
         out.values.resize(self.made.len(), Default::default());
         w.store_to(sheet.density(w, chunks), &mut out.values[field], [0, 1]);
     }
@@ -103,7 +103,9 @@ impl FieldSheets {
         chunks: [Chunk; 2],
         out: &mut FieldValues,
     ) {
-        let gradient = self.sheets[field].gradient(w, &geometries[field], &panels.0[field], chunks);
+        let sheet = &mut self.sheets[field];
+        sheet.prepare_gradient(&geometries[field], &panels.0[field], chunks[0].block());
+        let gradient = sheet.gradient(w, chunks);
         for c in 0..3 {
             w.store_to(gradient[c], &mut out.gradient[c], [0, 1]);
         }

@@ -58,8 +58,10 @@ impl FirstHit<'_> {
         }
         let mut rgb = [s.splat(self.rgb[0]), s.splat(self.rgb[1]), s.splat(self.rgb[2])];
         if let Some(shader) = self.shader {
-            let front = slab.front.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
-            let back = slab.back.gradient(s, slab.geometry, slab.panel, [chunk; 2]);
+            slab.prepare_gradient(0, chunk.block());
+            slab.prepare_gradient(1, chunk.block());
+            let front = slab.front.gradient(s, [chunk; 2]);
+            let back = slab.back.gradient(s, [chunk; 2]);
             let at = s.load(&at);
             let gradient = between(s, front, back, at);
             rgb = shader.shade(s, rgb, gradient, rays.to_eye(s, [chunk; 2]));
@@ -88,7 +90,6 @@ impl Compositor for FirstHit<'_> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.prepare(s, block);
         for chunk in block.chunks() {
             if !rays.none(chunk) && !self.is_done(chunk) {
                 self.add_chunk(s, chunk, rays, slab);

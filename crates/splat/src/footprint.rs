@@ -15,6 +15,9 @@ use crate::kernel::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
 use crate::slices::SliceTap;
 use crate::weights::{Taps, Weights};
 
+/// Taps of a difference footprint, at most.
+pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
+
 /// Weights of a run of positions, in groups of [`LANES`].
 #[derive(Clone, Debug, Default)]
 pub struct Footprint {
@@ -24,8 +27,10 @@ pub struct Footprint {
     base: Vec<u32>,
     /// First sample of each position, counted from its group's base.
     index: Vec<Lanes<u32>>,
-    /// Whether all of a group's `index` are below [`LANES`].
-    dense: Vec<bool>,
+    /// How far each group's `index` reach.
+    spans: Vec<Span>,
+    /// 1 where `index` is not below [`LANES`], of groups that span two vectors.
+    far: Vec<Lanes>,
     /// `n_taps` of them per group.
     weights: Vec<Lanes>,
 }
@@ -35,8 +40,21 @@ impl Footprint {
         self.n_taps = n_taps;
         self.base.resize(n_groups, 0);
         self.index.resize(n_groups, Lanes::default());
-        self.dense.resize(n_groups, false);
+        self.spans.resize(n_groups, Span::default());
+        self.far.resize(n_groups, Lanes::default());
         self.weights.resize(n_groups * n_taps, Lanes::default());
+    }
+
+    /// Samples of a group, counted from its base.
+    #[inline(always)]
+    fn set_index(&mut self, g: usize, index: Lanes<u32>) {
+        self.index[g] = index;
+        self.spans[g] = Span::of(&index);
+        if self.spans[g] == Span::Two {
+            for i in 0..LANES {
+                self.far[g].0[i] = if index.0[i] < LANES as u32 { 0.0 } else { 1.0 };
+            }
+        }
     }
 
     /// Position `i` is sample `first + i`.
@@ -45,7 +63,7 @@ impl Footprint {
         for g in 0..n_groups {
             self.base[g] = (first + g * LANES) as u32;
             self.index[g] = Lanes(std::array::from_fn(|i| i as u32));
-            self.dense[g] = true;
+            self.spans[g] = Span::One;
             self.weights[g] = Lanes::splat(1.0);
         }
     }
@@ -67,8 +85,35 @@ impl Footprint {
         Group {
             base: self.base[g] as usize,
             index: &self.index[g],
-            is_dense: self.dense[g],
+            span: self.spans[g],
+            far: &self.far[g],
             weights: &self.weights[g * self.n_taps..(g + 1) * self.n_taps],
+        }
+    }
+}
+
+/// How many vectors of samples hold the first ones of a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Span {
+    /// All indices are below [`LANES`].
+    One,
+    /// Below twice that.
+    Two,
+    /// Beyond.
+    #[default]
+    Many,
+}
+
+impl Span {
+    fn of(index: &Lanes<u32>) -> Self {
+        // Positions rise or fall.
+        let last = index.0[0].max(index.0[LANES - 1]) as usize;
+        if last < LANES {
+            Self::One
+        } else if last < 2 * LANES {
+            Self::Two
+        } else {
+            Self::Many
         }
     }
 }
@@ -80,8 +125,10 @@ pub struct Group<'a> {
     pub base: usize,
     /// First sample of each lane, counted from `base`.
     pub index: &'a Lanes<u32>,
-    /// Whether all of `index` are below [`LANES`].
-    pub is_dense: bool,
+    /// How far `index` reach.
+    pub span: Span,
+    /// 1 where `index` is not below [`LANES`]; of groups that span two vectors.
+    pub far: &'a Lanes,
     /// Weights, tap by tap.
     pub weights: &'a [Lanes],
 }
@@ -175,10 +222,15 @@ impl Axis {
     }
 
     /// `[V(x + d) − V(x − d)] / 2d`, or the forward difference, as taps.
-    fn difference(&self, x: f64, difference: Difference, taps: impl Fn(f64) -> Taps) -> (i64, [f64; 3 * MAX_TAPS]) {
+    fn difference(
+        &self,
+        x: f64,
+        difference: Difference,
+        taps: impl Fn(f64) -> Taps,
+    ) -> (i64, [f64; MAX_DIFFERENCE_TAPS]) {
         let (ends, extent) = (difference.ends(), difference.extent());
         let [(first_lo, lo), (first_hi, hi)] = ends.map(|end| taps((x + end).clamp(0.0, self.last())));
-        let mut weights = [0.0; 3 * MAX_TAPS];
+        let mut weights = [0.0; MAX_DIFFERENCE_TAPS];
         let shift = (first_hi - first_lo) as usize;
         for t in 0..MAX_TAPS {
             weights[t] -= lo[t] / extent;
@@ -295,18 +347,15 @@ impl AxisFootprints {
                 _ => fill!(Kernel::Bspline3),
             }
             let last_index = first.0[0].max(first.0[LANES - 1]);
-            let is_dense = last_index < LANES as u32;
             let n = self.value.n_taps;
             self.value.base[g] = (base - reach) as u32;
-            self.value.index[g] = first;
-            self.value.dense[g] = is_dense;
+            self.value.set_index(g, first);
             self.value.weights[g * n..(g + 1) * n].copy_from_slice(&weights[..n]);
             highest = highest.max(lowest + base - reach + i64::from(last_index) + n as i64 - 1 + offset);
             let n_difference = self.difference.n_taps;
             if n_difference > 0 {
                 self.difference.base[g] = (base - reach - offset) as u32;
-                self.difference.index[g] = first;
-                self.difference.dense[g] = is_dense;
+                self.difference.set_index(g, first);
                 let difference = &mut self.difference.weights[g * n_difference..(g + 1) * n_difference];
                 let share = 1.0 / (2 * offset) as f32;
                 let shift = 2 * offset as usize;
@@ -361,8 +410,7 @@ impl AxisFootprints {
                 let group = &firsts[g * LANES..(g + 1) * LANES];
                 let base = group.iter().map(|f| f[which]).fold(i64::MAX, i64::min);
                 footprint.base[g] = (base - window[0]) as u32;
-                footprint.index[g] = Lanes(std::array::from_fn(|i| (group[i][which] - base) as u32));
-                footprint.dense[g] = footprint.index[g].0.iter().all(|i| *i < LANES as u32);
+                footprint.set_index(g, Lanes(std::array::from_fn(|i| (group[i][which] - base) as u32)));
             }
         };
         fill(0, &mut self.value);

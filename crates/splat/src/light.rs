@@ -290,8 +290,8 @@ impl Work for Pass<'_> {
         let one = s.splat(1.0);
         let rows = extinction.chunks_exact(stride).zip(sum.chunks_exact_mut(stride)).enumerate();
         for (j, (extinction, sum)) in rows {
-            let low = &leaving[(j + dv) * wide + du..][..stride + 1];
-            let high = &leaving[(j + dv + 1) * wide + du..][..stride + 1];
+            let low = &leaving[(j + dv) * wide + du..][..=stride];
+            let high = &leaving[(j + dv + 1) * wide + du..][..=stride];
             let next = &mut next[(j + MARGIN) * wide + MARGIN..][..stride];
             for i in (0..stride).step_by(LANES) {
                 let low = mixed(s, tu, load(s, low, i), load(s, low, i + 1));

@@ -63,7 +63,6 @@ impl Compositor for LocalMaximum {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.prepare(s, block);
         for chunk in block.chunks() {
             if !rays.none(chunk) && !self.is_done(chunk) {
                 self.add_chunk(s, chunk, rays, slab);

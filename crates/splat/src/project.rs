@@ -144,7 +144,6 @@ impl Compositor for Project {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        slab.prepare(s, block);
         for chunk in block.chunks() {
             if !rays.none(chunk) {
                 self.add_chunk(s, chunk, rays, slab);

@@ -8,13 +8,13 @@
 //! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
 
 use std::ops::Range;
-use wavesplat_compute::simd::{LANES, Lanes, Level, Math, Simd, Wide};
+use wavesplat_compute::simd::{Kernel, LANES, Lanes, Level, Math, Simd, Wide};
 
 use wavesplat_core::Variant;
 
 use crate::base_plane::BasePlane;
 use crate::fields::Field;
-use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group};
+use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group, MAX_DIFFERENCE_TAPS, Span};
 use crate::noise::{NoisySheet, noisy_entries, sheet_number};
 use crate::panel::Panel;
 use crate::slices::{Slices, Window};
@@ -83,6 +83,12 @@ impl Block {
     #[inline(always)]
     pub fn place(self) -> usize {
         self.strip * N_BLOCKS_V + self.row / BLOCK_V
+    }
+
+    /// It alone, as a mask.
+    #[inline(always)]
+    pub fn mask(self) -> BlockMask {
+        1 << self.place()
     }
 
     /// Its chunks.
@@ -205,12 +211,35 @@ pub struct Sheet {
     along_u: Vec<Lanes>,
     through_u: Vec<Lanes>,
     holes_u: Vec<Lanes>,
+    /// Which of those rows every row of texels is made of, for values and for differences along v.
+    rows: Vec<RowTaps>,
+    difference_rows: Vec<RowTaps>,
     /// Sample rows that have been upsampled: densities, derivatives.
     has_density_u: Vec<bool>,
     has_gradient_u: Vec<bool>,
     /// Blocks whose sample rows have been upsampled.
     has_density: BlockMask,
     has_gradient: BlockMask,
+}
+
+/// The footprint of a row of texels, as blending reads it: in one place.
+#[derive(Clone, Copy, Default)]
+struct RowTaps {
+    first: usize,
+    weights: [f32; MAX_DIFFERENCE_TAPS],
+}
+
+impl RowTaps {
+    fn fill(rows: &mut Vec<Self>, footprint: &Footprint) {
+        rows.clear();
+        if footprint.n_taps > 0 {
+            rows.extend((0..TILE_V).map(|row| {
+                let mut weights = [0.0; MAX_DIFFERENCE_TAPS];
+                (0..footprint.n_taps).for_each(|t| weights[t] = footprint.weight(row, t));
+                Self { first: footprint.first(row), weights }
+            }));
+        }
+    }
 }
 
 /// Rows and columns of combined slices, counted from the tile's first sample.
@@ -296,6 +325,8 @@ impl Sheet {
             self.v.value.make_one_to_one(TILE_V / LANES, 0);
             self.v.difference.make_one_to_one(TILE_V / LANES, TILE_V);
         }
+        RowTaps::fill(&mut self.rows, &self.v.value);
+        RowTaps::fill(&mut self.difference_rows, &self.v.difference);
     }
 
     /// First number and samples of a part.
@@ -307,65 +338,42 @@ impl Sheet {
         (first, Window { u: window(&self.u, &part.u), v: window(&self.v, &part.v) })
     }
 
-    /// Upsamples sample rows of a strip along u, where that is not done yet.
-    #[inline(always)]
-    fn upsample_density<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, strip: usize, rows: Range<usize>) {
-        let group = self.u.value.group(strip);
-        for r in rows {
-            let place = strip * self.n_rows + r;
-            if !self.has_density_u[place] {
-                self.has_density_u[place] = true;
-                let samples = &self.density[r * self.stride..(r + 1) * self.stride];
-                s.store(upsample(s, samples, &group), &mut self.density_u[place].0);
-                if geometry.slices.has_mask() {
-                    let samples = &self.holes[r * self.stride..(r + 1) * self.stride];
-                    s.store(upsample_magnitude(s, samples, &group), &mut self.holes_u[place].0);
-                }
-            }
+    /// Makes the densities of blocks ready. After [`Sheet::combine`] for them.
+    pub fn prepare(&mut self, geometry: &SheetGeometry, blocks: BlockMask) {
+        let blocks = blocks & !self.has_density;
+        if blocks == 0 {
+            return;
         }
-    }
-
-    /// Makes the densities of a block ready. After [`Sheet::combine`] for it.
-    #[inline(always)]
-    pub fn prepare<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, block: Block) {
-        if self.has_density >> block.place() & 1 == 0 {
-            self.has_density |= 1 << block.place();
-            if let Some(per_sample) = geometry.noisy_entries {
-                return self.splat_density(geometry, per_sample, block);
-            }
-            self.upsample_density(s, geometry, block.strip, reached_by(&self.v.value, block.rows()));
+        self.has_density |= blocks;
+        if let Some(per_sample) = geometry.noisy_entries {
+            (0..BlockMask::BITS as usize)
+                .filter(|place| blocks >> place & 1 == 1)
+                .for_each(|place| self.splat_density(geometry, per_sample, Block::new(place)));
+            return;
         }
+        geometry.level.dispatch(Upsample::<false> { sheet: self, geometry, blocks });
     }
 
     /// Makes the gradient of a block ready. After [`Sheet::prepare`].
     #[inline(always)]
-    fn prepare_gradient<S: Simd>(&mut self, s: S, geometry: &SheetGeometry, panel: &Panel, block: Block) {
-        if self.has_gradient >> block.place() & 1 == 1 {
-            return;
+    pub fn prepare_gradient(&mut self, geometry: &SheetGeometry, panel: &Panel, block: Block) {
+        if self.has_gradient & block.mask() == 0 {
+            self.make_gradient(geometry, panel, block);
         }
-        self.has_gradient |= 1 << block.place();
+    }
+
+    /// By itself, so that compositing stays small: compilers keep more of what it works on in registers.
+    #[inline(never)]
+    fn make_gradient(&mut self, geometry: &SheetGeometry, panel: &Panel, block: Block) {
+        let blocks = block.mask();
+        self.has_gradient |= blocks;
         if !self.has_through {
             self.combine_through(geometry, panel);
         }
         if let Some(per_sample) = geometry.noisy_entries {
             return self.splat_gradient(geometry, per_sample, block);
         }
-        let strip = block.strip;
-        let (of_value, of_difference) = (self.u.value.group(strip), self.u.difference.group(strip));
-        for r in reached_by(&self.v.value, block.rows()) {
-            let place = strip * self.n_rows + r;
-            if !self.has_gradient_u[place] {
-                self.has_gradient_u[place] = true;
-                let samples = r * self.stride..(r + 1) * self.stride;
-                let along = upsample(s, &self.density[samples.clone()], &of_difference);
-                let through = upsample(s, &self.through[samples], &of_value);
-                s.store(along, &mut self.along_u[place].0);
-                s.store(through, &mut self.through_u[place].0);
-            }
-        }
-        // The derivative along v reaches further than the density did.
-        let rows = reached_by(&self.v.difference, block.rows());
-        self.upsample_density(s, geometry, strip, rows);
+        geometry.level.dispatch(Upsample::<true> { sheet: self, geometry, blocks });
     }
 
     /// What noisy texels are splatted by.
@@ -418,7 +426,7 @@ impl Sheet {
     /// Densities of one chunk or two. After [`Sheet::prepare`].
     #[inline(always)]
     pub fn density<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
-        blend_rows(w, &self.density_u[chunks[0].strip * self.n_rows..], &self.v.value, chunks)
+        blend_rows(w, &self.density_u[chunks[0].strip * self.n_rows..], (&self.rows, self.v.value.n_taps), chunks)
     }
 
     /// Where chunks reach a hole. After [`Sheet::prepare`].
@@ -437,21 +445,16 @@ impl Sheet {
     }
 
     /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient offset. After
-    /// [`Sheet::prepare`].
+    /// [`Sheet::prepare_gradient`].
     #[inline(always)]
-    pub fn gradient<W: Wide>(
-        &mut self,
-        w: W,
-        geometry: &SheetGeometry,
-        panel: &Panel,
-        chunks: [Chunk; 2],
-    ) -> [W::F; 3] {
-        self.prepare_gradient(w.one(), geometry, panel, chunks[0].block());
+    pub fn gradient<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
         let first = chunks[0].strip * self.n_rows;
+        let of_value = (&self.rows[..], self.v.value.n_taps);
+        let of_difference = (&self.difference_rows[..], self.v.difference.n_taps);
         [
-            blend_rows(w, &self.along_u[first..], &self.v.value, chunks),
-            blend_rows(w, &self.density_u[first..], &self.v.difference, chunks),
-            blend_rows(w, &self.through_u[first..], &self.v.value, chunks),
+            blend_rows(w, &self.along_u[first..], of_value, chunks),
+            blend_rows(w, &self.density_u[first..], of_difference, chunks),
+            blend_rows(w, &self.through_u[first..], of_value, chunks),
         ]
     }
 
@@ -496,12 +499,91 @@ fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Ran
     start.min(end)..end
 }
 
+/// Upsamples the sample rows of blocks along u, where that is not done yet: densities and holes, or what gradients need.
+struct Upsample<'a, const GRADIENT: bool> {
+    sheet: &'a mut Sheet,
+    geometry: &'a SheetGeometry<'a>,
+    blocks: BlockMask,
+}
+
+impl<const GRADIENT: bool> Kernel for Upsample<'_, GRADIENT> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { sheet, geometry, mut blocks } = self;
+        while blocks != 0 {
+            let block = Block::new(blocks.trailing_zeros() as usize);
+            blocks &= blocks - 1;
+            let footprints = &sheet.u;
+            let span = footprints.value.group(block.strip).span;
+            let is_alike = !GRADIENT || footprints.difference.group(block.strip).span == span;
+            // One loop per span, so that nothing is asked per tap.
+            match span {
+                Span::One if is_alike => sheet.upsample::<S, 1, GRADIENT>(s, geometry, block),
+                Span::Two if is_alike => sheet.upsample::<S, 2, GRADIENT>(s, geometry, block),
+                _ => sheet.upsample::<S, 0, GRADIENT>(s, geometry, block),
+            }
+        }
+    }
+}
+
+impl Sheet {
+    /// `N_VECTORS`: of samples that hold those of a tap for a chunk; 0 if more than two.
+    #[inline(always)]
+    fn upsample<S: Simd, const N_VECTORS: usize, const GRADIENT: bool>(
+        &mut self,
+        s: S,
+        geometry: &SheetGeometry,
+        block: Block,
+    ) {
+        let strip = block.strip;
+        let of_value = self.u.value.group(strip);
+        let mut rows = reached_by(&self.v.value, block.rows());
+        if GRADIENT {
+            let of_difference = self.u.difference.group(strip);
+            for r in rows {
+                let place = strip * self.n_rows + r;
+                if !self.has_gradient_u[place] {
+                    self.has_gradient_u[place] = true;
+                    let samples = r * self.stride..(r + 1) * self.stride;
+                    let along = upsample::<S, N_VECTORS>(s, &self.density[samples.clone()], &of_difference);
+                    let through = upsample::<S, N_VECTORS>(s, &self.through[samples], &of_value);
+                    s.store(along, &mut self.along_u[place].0);
+                    s.store(through, &mut self.through_u[place].0);
+                }
+            }
+            // The derivative along v reaches further than the density did.
+            rows = reached_by(&self.v.difference, block.rows());
+        }
+        for r in rows {
+            let place = strip * self.n_rows + r;
+            if !self.has_density_u[place] {
+                self.has_density_u[place] = true;
+                let samples = r * self.stride..(r + 1) * self.stride;
+                let density = upsample::<S, N_VECTORS>(s, &self.density[samples.clone()], &of_value);
+                s.store(density, &mut self.density_u[place].0);
+                if geometry.slices.has_mask() {
+                    let holes = upsample_magnitude(s, &self.holes[samples], &of_value);
+                    s.store(holes, &mut self.holes_u[place].0);
+                }
+            }
+        }
+    }
+}
+
 /// A row of samples becomes a chunk.
 #[inline(always)]
-fn upsample<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Group) -> S::F {
     let mut sum = s.splat(0.0);
     for (t, weights) in group.weights.iter().enumerate() {
-        sum = s.add_mul(sum, s.load(&weights.0), take(s, &samples[group.base + t..], group));
+        let samples = &samples[group.base + t..];
+        let taken = match N_VECTORS {
+            1 => take_near(s, samples, group),
+            2 => take_near_or_far(s, samples, group),
+            _ => take_one_by_one(s, samples, group),
+        };
+        sum = s.add_mul(sum, s.load(&weights.0), taken);
     }
     sum
 }
@@ -511,19 +593,30 @@ fn upsample<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
 fn upsample_magnitude<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
     let mut sum = s.splat(0.0);
     for (t, weights) in group.weights.iter().enumerate() {
-        sum = s.add_mul(sum, s.abs(s.load(&weights.0)), take(s, &samples[group.base + t..], group));
+        let samples = take_one_by_one(s, &samples[group.base + t..], group);
+        sum = s.add_mul(sum, s.abs(s.load(&weights.0)), samples);
     }
     sum
 }
 
-/// `samples[index]`, in registers where the lanes lie near each other.
+/// `samples[index]` where all are in one vector. Rows are padded, so that they always hold two vectors more.
 #[inline(always)]
-fn take<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
-    if group.is_dense
-        && let Some(row) = samples.first_chunk::<LANES>()
-    {
-        return s.take(row, group.index);
-    }
+fn take_near<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    s.take(samples.first_chunk().unwrap_or(&[0.0; LANES]), group.index)
+}
+
+/// `samples[index]` where all are in two vectors.
+#[inline(always)]
+fn take_near_or_far<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let (near, far) = samples.split_at(LANES.min(samples.len()));
+    // Indices are taken modulo the lanes.
+    let is_far = s.lt(s.splat(0.0), s.load(&group.far.0));
+    s.select(is_far, take_near(s, far, group), take_near(s, near, group))
+}
+
+/// `samples[index]` anywhere.
+#[inline(always)]
+fn take_one_by_one<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
     let mut out = [0.0; LANES];
     for i in 0..LANES {
         out[i] = samples[group.index.0[i] as usize];
@@ -539,27 +632,27 @@ fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usize> {
     a.min(b)..a.max(b) + footprint.n_taps
 }
 
-/// One chunk or two out of the sample rows that reach them.
+/// One chunk or two out of the sample rows that reach them. `taps`: of every row of texels, and how many of them count.
 #[inline(always)]
-fn blend_rows<W: Wide>(w: W, rows: &[Lanes], footprint: &Footprint, chunks: [Chunk; 2]) -> W::F {
-    let first = blend_row(w.one(), rows, footprint, chunks[0].row);
-    let second = if W::N == 2 { blend_row(w.one(), rows, footprint, chunks[1].row) } else { first };
+fn blend_rows<W: Wide>(w: W, rows: &[Lanes], taps: (&[RowTaps], usize), chunks: [Chunk; 2]) -> W::F {
+    let first = blend_row(w.one(), rows, taps, chunks[0].row);
+    let second = if W::N == 2 { blend_row(w.one(), rows, taps, chunks[1].row) } else { first };
     w.join(first, second)
 }
 
 #[inline(always)]
-fn blend_row<S: Simd>(s: S, rows: &[Lanes], footprint: &Footprint, row: usize) -> S::F {
-    let rows = &rows[footprint.first(row)..];
-    let group = footprint.group(row / LANES);
+fn blend_row<S: Simd>(s: S, rows: &[Lanes], (taps, n_taps): (&[RowTaps], usize), row: usize) -> S::F {
+    let RowTaps { first, weights } = &taps[row];
+    let rows = &rows[*first..];
     // The usual numbers of taps, unrolled.
-    match footprint.n_taps {
-        2 => blend_taps::<S, 2>(s, rows, group.weights, row),
-        4 => blend_taps::<S, 4>(s, rows, group.weights, row),
-        6 => blend_taps::<S, 6>(s, rows, group.weights, row),
+    match n_taps {
+        2 => blend_taps::<S, 2>(s, rows, weights),
+        4 => blend_taps::<S, 4>(s, rows, weights),
+        6 => blend_taps::<S, 6>(s, rows, weights),
         _ => {
             let mut sum = s.splat(0.0);
-            for (samples, weights) in rows.iter().zip(group.weights) {
-                sum = s.add_mul(sum, s.splat(weights.0[row % LANES]), s.load(&samples.0));
+            for (samples, weight) in rows.iter().zip(&weights[..n_taps]) {
+                sum = s.add_mul(sum, s.splat(*weight), s.load(&samples.0));
             }
             sum
         }
@@ -567,11 +660,11 @@ fn blend_row<S: Simd>(s: S, rows: &[Lanes], footprint: &Footprint, row: usize) -
 }
 
 #[inline(always)]
-fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], weights: &[Lanes], row: usize) -> S::F {
+fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], weights: &[f32; MAX_DIFFERENCE_TAPS]) -> S::F {
     let mut sum = s.splat(0.0);
-    if let (Some(rows), Some(weights)) = (rows.first_chunk::<N>(), weights.first_chunk::<N>()) {
+    if let Some(rows) = rows.first_chunk::<N>() {
         for t in 0..N {
-            sum = s.add_mul(sum, s.splat(weights[t].0[row % LANES]), s.load(&rows[t].0));
+            sum = s.add_mul(sum, s.splat(weights[t]), s.load(&rows[t].0));
         }
     }
     sum

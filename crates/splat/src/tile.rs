@@ -141,6 +141,8 @@ impl TileJob<'_> {
             let next = next.map_or(0, |next| next.blocks & alive);
             back.combine(&self.geometry, &panel, w[1], first, blocks | next);
             back_fields.place(self.fields.len(), w[1], first, blocks | next);
+            front.prepare(&self.geometry, blocks);
+            back.prepare(&self.geometry, if compositor.looks_behind() { blocks } else { blocks & !next });
             for block in bits(blocks) {
                 let done = level.dispatch(AddBlock {
                     compositor: &mut compositor,
@@ -160,7 +162,7 @@ impl TileJob<'_> {
                 });
                 work.n_texels += (LANES * BLOCK_V) as u64;
                 if done {
-                    alive &= !(1 << block);
+                    alive &= !Block::new(block).mask();
                 }
             }
             std::mem::swap(&mut front, &mut back);

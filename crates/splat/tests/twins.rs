@@ -48,7 +48,7 @@ fn the_fast_path_equals_the_literal_splatter() {
     let mut n_compared = 0;
     for (_, kernel) in Kernel::NAMES {
         for shading in &shadings {
-            n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), Variant::default());
+            n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), Variant::default(), 1.0);
         }
     }
     assert!(n_compared > 5000, "{n_compared} texels show something");
@@ -61,6 +61,7 @@ fn check_twin(
     kernel: Kernel,
     shading: Option<&Shading>,
     variant: Variant,
+    oversampling: f64,
 ) -> usize {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, kernel);
@@ -76,6 +77,7 @@ fn check_twin(
             height_px: 32,
             kernel,
             sheets_per_slice: 1.5,
+            oversampling,
             shading: shading.cloned(),
             refined: false,
             variant,
@@ -119,10 +121,26 @@ fn every_variant_equals_its_literal_twin() {
     for (_, kernel) in Kernel::NAMES {
         for (variant, gradient_offset) in variants {
             let shading = Shading { gradient_offset, ..Shading::default() };
-            n_compared += check_twin(&phantom, &tf, kernel, Some(&shading), variant);
+            n_compared += check_twin(&phantom, &tf, kernel, Some(&shading), variant, 1.0);
         }
     }
     assert!(n_compared > 20_000, "{n_compared} texels show something");
+}
+
+/// Texels further apart than samples: sixteen of them reach over two vectors of samples, or more.
+#[test]
+fn sparse_texels_equal_their_literal_twin() {
+    let phantom = Phantom::sample([60, 57, 55], DAffine3::from_scale(DVec3::splat(0.2)), |p| {
+        120.0 + 60.0 * (p.x * 0.8).sin() * (p.y * 0.6).cos() + 50.0 * (p.z * 0.5 + p.x * 0.3).sin()
+    });
+    let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
+    for oversampling in [2.0, 0.5] {
+        for (kernel, gradient_offset) in [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)] {
+            let shading = Shading { gradient_offset, ..Shading::default() };
+            let n_compared = check_twin(&phantom, &tf, kernel, Some(&shading), Variant::default(), oversampling);
+            assert!(n_compared > 100, "{kernel:?} {oversampling}: {n_compared} texels show something");
+        }
+    }
 }
 
 /// The original form (sheets as textures, gradients from three buffers) is the same method, blurred by its textures.

@@ -21,7 +21,7 @@ pub struct Passage {
 }
 
 impl Passage {
-    /// After [`Slab::prepare`] for the block of the chunk.
+    /// Of a slab in which densities are ready.
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) -> Self {
         let Ends { front, back, whole } = Ends::new(s, chunk, slab);

@@ -53,7 +53,7 @@ study-wavelets: $(STAMPS)/study ## repeat the paper's experiments on wavelets; S
 study-lod: $(STAMPS)/package ## leave out levels of details and measure the brightness; STUDY_LOD="--large" takes 3 GB
 	BENCH_DATA=$(BENCH_DATA) python studies/lod/lod.py $(STUDY_LOD)
 
-bench: $(STAMPS)/bench ## time frames, ours and VTK's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
+bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
 
 roofline: $(STAMPS)/package ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it

@@ -1,4 +1,4 @@
-"""Time, quality and memory of the frames of `cases.toml`, ours and VTK's in turn; `make bench` runs this.
+"""Time, quality and memory of the frames of `cases.toml`, ours, VTK's and VolPack's in turn; `make bench` runs this.
 
 Every row is a fresh process: one frame is thrown away, then the camera turns by 0.3 degrees from frame to frame. CPU
 milliseconds are those of the whole process per frame, the median over the frames; the picture that is compared is the
@@ -19,6 +19,7 @@ takes: the peak of the whole process, less what it held before that volume was m
 from __future__ import annotations
 
 import argparse
+import ctypes.util
 import dataclasses
 import json
 import os
@@ -76,7 +77,17 @@ def run_vtk(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
     return result
 
 
-ENGINES = {"wavesplat": run_wavesplat, "vtk": run_vtk}
+def run_volpack(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
+    """VolPack's shear-warp."""
+    import volpack_peer
+
+    peer = volpack_peer.Scene(case, **settings)
+    result = measure(peer.draw)
+    result["psnr_db"], result["levels"] = scenes.errors(peer.picture(), scenes.converged(case))
+    return result | {"preparation_ms": peer.preparation_ms}
+
+
+ENGINES = {"wavesplat": run_wavesplat, "vtk": run_vtk, "volpack": run_volpack}
 
 
 def one_row(request: str) -> None:
@@ -138,16 +149,27 @@ def build_revision(name: str) -> str:
     return revision
 
 
-def has_vtk() -> bool:
-    """Whether VTK is installed."""
-    return subprocess.run([sys.executable, "-c", "import vtkmodules"], capture_output=True, check=False).returncode == 0
+def installed_rivals() -> set[str]:
+    """The other engines that are here; says how to get those that are not."""
+    probe = [sys.executable, "-c", "import vtkmodules"]
+    found = {
+        ("vtk", "pip install vtk"): subprocess.run(probe, capture_output=True, check=False).returncode == 0,
+        ("volpack", "apt-get install libvolpack1-dev"): ctypes.util.find_library("volpack") is not None,
+    }
+    for (name, remedy), is_here in found.items():
+        if not is_here:
+            print(f"{name} is not installed, its rows are left out: {remedy}", file=sys.stderr)
+    return {name for (name, _), is_here in found.items() if is_here}
 
 
-def jobs_of(case: scenes.Case, engines: Sequence[str], *, vtk: bool) -> list[Job]:
-    """What is run for a case: our engines with all its settings, and VTK where it can draw the same."""
+def jobs_of(case: scenes.Case, engines: Sequence[str], rivals: set[str]) -> list[Job]:
+    """What is run for a case: our engines with all its settings, and others where they can draw the same."""
     jobs: list[Job] = [(case, engine, settings) for settings in case.settings for engine in engines]
-    if vtk and case.rival and case.composite == "over" and case.kernel == "linear":
-        jobs.append((case, "vtk", {"sample_distance": 1.0 if case.curve == "soft" else 0.5}))
+    if case.rival and case.composite == "over" and case.kernel == "linear":
+        if "vtk" in rivals:
+            jobs.append((case, "vtk", {"sample_distance": 1.0 if case.curve == "soft" else 0.5}))
+        if "volpack" in rivals and case.projection == "orthographic":
+            jobs.append((case, "volpack", {"min_opacity": 0.002}))
     return jobs
 
 
@@ -167,7 +189,10 @@ def table(rows: Sequence[growth.Row]) -> str:
         cpu_goal, psnr_goal = ["" if goal is None else f"{goal:g}" for goal in goals]
         psnr = f"{result['psnr_db']:.1f}" if "psnr_db" in result else ""
         levels = f"{result['levels']:.2f}" if "levels" in result else ""
-        cells = [case.label, describe(engine, settings), f"{result['cpu_ms']:.1f}", cpu_goal]
+        words = describe(engine, settings)
+        if "preparation_ms" in result:
+            words += f", prepared in {result['preparation_ms']:.0f} ms"
+        cells = [case.label, words, f"{result['cpu_ms']:.1f}", cpu_goal]
         cells += [f"{result['wall_ms']:.1f}", psnr, psnr_goal, levels, f"{result['rss_mib']:.0f}"]
         lines.append(cells)
     return growth.as_markdown(headings, lines)
@@ -193,7 +218,7 @@ def show_in_readme(rows: Sequence[growth.Row]) -> None:
 
 def main() -> int:
     """Print the table."""
-    parser = argparse.ArgumentParser(description="Time and quality of frames, ours and VTK's.")
+    parser = argparse.ArgumentParser(description="Time and quality of frames, ours and others'.")
     parser.add_argument(
         "--only", action="append", default=[], metavar="TEXT", help="cases whose label or group holds it"
     )
@@ -218,13 +243,11 @@ def main() -> int:
     if left_out:
         print(f"not here, left out: {', '.join(left_out)}; BENCH_DATA names the folder of the files", file=sys.stderr)
     others = [f"wavesplat@{build_revision(name)}" for name in options.against]
-    vtk = has_vtk()
-    if not vtk:
-        print("VTK is not installed, its rows are left out: pip install vtk", file=sys.stderr)
+    rivals = installed_rivals()
     jobs: list[Job] = []
     for case in chosen:
         if case.volume not in left_out:
-            jobs += jobs_of(case, ["wavesplat", *others], vtk=vtk)
+            jobs += jobs_of(case, ["wavesplat", *others], rivals)
     results: list[list[dict[str, float]]] = [[] for _ in jobs]
     for round_idx in range(options.rounds):
         for job_idx, (case, engine, settings) in enumerate(jobs):

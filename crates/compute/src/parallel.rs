@@ -39,10 +39,11 @@ pub fn for_each_chunk<T: Send>(data: &mut [T], chunk_len: usize, work: impl Fn(u
     }
 }
 
-/// Runs `work` with `n_threads` threads (all processors where `None`).
+/// Runs `work` with `n_threads` threads (all processors where `None`); with those of the caller if they are as many.
 pub fn with_threads<T: Send>(n_threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
     #[cfg(feature = "threads")]
     if let Some(n) = n_threads
+        && n != rayon::current_num_threads()
         && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(n).build()
     {
         return pool.install(work);
@@ -60,5 +61,22 @@ pub fn n_threads() -> usize {
     #[cfg(not(feature = "threads"))]
     {
         1
+    }
+}
+
+#[cfg(all(test, feature = "threads"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_has_the_threads_that_were_asked_for() {
+        for n in [1, 2, 5] {
+            with_threads(Some(n), || {
+                assert_eq!(n_threads(), n);
+                assert_eq!(with_threads(Some(n), n_threads), n);
+                assert_eq!(with_threads(Some(3), n_threads), 3);
+                assert_eq!(map(9, |i| i * i), [0, 1, 4, 9, 16, 25, 36, 49, 64]);
+            });
+        }
     }
 }

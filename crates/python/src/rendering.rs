@@ -14,7 +14,7 @@ use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Pictu
 use wavesplat_splat::estimate::settings_for_psnr;
 use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
-use wavesplat_splat::{Monitor, reference};
+use wavesplat_splat::{Monitor, reference, with_threads};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, PyVariant, Triple, vector};
 use crate::errors::to_py;
@@ -196,7 +196,7 @@ pub fn render<'py>(
     let curves = volume.transfer_function(&transfer_function.0, options.composite)?;
     let result = volume.with_slices(py, options.kernel, |slices| {
         monitor.watch(py, || {
-            let slices = slices();
+            let slices = with_threads(options.n_threads, || slices());
             let (tf, camera) = (&curves, &camera.0);
             let labels = labels.map(|labels| &labels.0);
             let mut expected = None;
@@ -341,7 +341,10 @@ pub fn plane<'py>(
     let slab = Slab { reduction: Reduction::from_name(slab).map_err(to_py)?, n_planes, step: vector(step) };
     let monitor = PyMonitor::new(None);
     let values = volume.with_slices(py, kernel, |slices| {
-        monitor.watch(py, || plane_values(&slices(), &plane, &slab, threads, &monitor))
+        monitor.watch(py, || {
+            let slices = with_threads(threads, || slices());
+            plane_values(&slices, &plane, &slab, threads, &monitor)
+        })
     })?;
     values.map_err(to_py)?.into_pyarray(py).reshape([height, width])
 }

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wavesplat_core::{Composite, Kernel, RenderOptions};
 use wavesplat_splat::standard::{self, Buffer, StandardOptions};
+use wavesplat_splat::with_threads;
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple};
 use crate::errors::to_py;
@@ -53,7 +54,10 @@ pub fn render_standard<'py>(
     let curves = volume.transfer_function(&transfer_function.0, Composite::Over)?;
     // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
     let result = volume.with_slices(py, Kernel::Linear, |slices| {
-        monitor.watch(py, || standard::render(&slices(), &curves, &camera.0, &options, standard, &monitor))
+        monitor.watch(py, || {
+            let slices = with_threads(options.n_threads, || slices());
+            standard::render(&slices, &curves, &camera.0, &options, standard, &monitor)
+        })
     })?;
     let (picture, report) = result.map_err(to_py)?;
     let dict = PyDict::new(py);

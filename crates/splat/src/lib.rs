@@ -44,3 +44,4 @@ pub mod warp;
 pub mod weights;
 
 pub use render::{Monitor, Report, is_steep, render, render_base_planes, render_base_planes_at, render_labelled};
+pub use wavesplat_compute::parallel::with_threads;

@@ -31,12 +31,11 @@ import scenes
 from wavesplat import _native
 
 STAGES = {
-    "gradients": r"sheet\.rs.*\b(prepare_)?gradient\b",
     "shading": r"shade\.rs",
     "warp": r"warp\.rs",
     "slices combined and turned": r"(slices|panel)\.rs",
     "weights of footprints": r"footprint\.rs.*\bbuild\b",
-    "densities": r"sheet\.rs",
+    "densities and gradients": r"sheet\.rs",
     "look-up, opacity, compositing": r"(classify|composite|project|local_maximum|first_hit)\.rs",
     "rays": r"(rays|interval)\.rs",
     "active blocks": r"bricks\.rs|active_(slabs|layers)",

@@ -196,7 +196,7 @@ pub fn render<'py>(
     let curves = volume.transfer_function(&transfer_function.0, options.composite)?;
     let result = volume.with_slices(py, options.kernel, |slices| {
         monitor.watch(py, || {
-            let slices = with_threads(options.n_threads, || slices());
+            let slices = with_threads(options.n_threads, slices);
             let (tf, camera) = (&curves, &camera.0);
             let labels = labels.map(|labels| &labels.0);
             let mut expected = None;
@@ -342,7 +342,7 @@ pub fn plane<'py>(
     let monitor = PyMonitor::new(None);
     let values = volume.with_slices(py, kernel, |slices| {
         monitor.watch(py, || {
-            let slices = with_threads(threads, || slices());
+            let slices = with_threads(threads, slices);
             plane_values(&slices, &plane, &slab, threads, &monitor)
         })
     })?;

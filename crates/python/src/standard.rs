@@ -55,7 +55,7 @@ pub fn render_standard<'py>(
     // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
     let result = volume.with_slices(py, Kernel::Linear, |slices| {
         monitor.watch(py, || {
-            let slices = with_threads(options.n_threads, || slices());
+            let slices = with_threads(options.n_threads, slices);
             standard::render(&slices, &curves, &camera.0, &options, standard, &monitor)
         })
     })?;

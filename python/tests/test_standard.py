@@ -57,9 +57,9 @@ def test_pictures_lie_as_those_of_high_resolution_splatting_do(standard, view_an
     options = {"size": (60, 50), "shading": None}
     fine = ws.render(volume, transfer_function, camera, **options).rgba[..., 3]
     coarse = draw(volume, transfer_function, camera, standard=standard, **options).rgba[..., 3]
-    assert np.corrcoef(fine.ravel(), coarse.ravel())[0, 1] > 0.9
-    assert np.corrcoef(fine[::-1].ravel(), coarse.ravel())[0, 1] < 0.7
-    assert np.corrcoef(fine[:, ::-1].ravel(), coarse.ravel())[0, 1] < 0.7
+    assert np.corrcoef(fine.ravel(), coarse.ravel())[0, 1] > 0.99
+    assert np.corrcoef(fine[::-1].ravel(), coarse.ravel())[0, 1] < 0.65
+    assert np.corrcoef(fine[:, ::-1].ravel(), coarse.ravel())[0, 1] < 0.65
 
 
 def test_the_view_angle_correction_makes_a_slab_as_opaque_as_it_is_long():

@@ -146,8 +146,8 @@ def test_all_bands_are_the_volume_and_sums_of_bands_are_sums_of_pictures(texture
     # Where two faces meet and at extremes, the warp keeps what it reads between the texels around it: not linear.
     off = np.abs(sum(parts) - want)[np.isfinite(want)] / largest
     assert np.median(off) < 1e-6
-    assert np.mean(off > 1e-4) < 0.3
-    assert np.mean(off > 1e-2) < 0.01
+    assert np.mean(off > 1e-4) < 0.25
+    assert np.mean(off > 1e-2) < 0.003
 
 
 @pytest.mark.parametrize("family", FAMILIES)

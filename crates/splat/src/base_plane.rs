@@ -319,8 +319,8 @@ mod tests {
                 let [ou, ov, ow] = plane.family.uvw(rays.origin(x, y));
                 let [du, dv, dw] = plane.family.uvw(direction);
                 let ray = plane.ray(texel.x, texel.y);
-                // The eye is up to 100 slices away, over which the lattice of slopes counts.
-                let near = 100.0 * LATTICE;
+                // The eye is up to 100 slices away, over which the lattice of the slopes of parallel rays counts.
+                let near = if plane.eye_w().is_none() { 100.0 * LATTICE } else { 1e-9 };
                 for w in [-3.0, 17.0] {
                     let t = (w - ow) / dw;
                     let [(u0, su), (v0, sv)] = plane.sheet(w);

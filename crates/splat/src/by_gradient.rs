@@ -9,7 +9,7 @@
 //! both, and looked up bilinearly.
 
 use glam::DMat3;
-use wavesplat_compute::simd::Wide;
+use wavesplat_compute::simd::{ROUND, Wide};
 use wavesplat_core::{Joint, TransferFunction};
 
 use crate::base_plane::Family;
@@ -142,8 +142,7 @@ impl Table {
     /// The cell that holds a position along an axis, and how far in it.
     #[inline(always)]
     fn cell<W: Wide>(w: W, side: Side, position: W::F) -> [W::F; 2] {
-        // Added and taken off again, it leaves the nearest whole number.
-        const ROUND: f32 = 12_582_912.0;
+        // Added and taken off again, ROUND leaves the nearest whole number.
         let per_step = if side.step == 0.0 { 0.0 } else { 1.0 / side.step as f32 };
         let x = w.mul(w.sub(position, w.splat(side.first as f32)), w.splat(per_step));
         let x = w.min(w.max(x, w.splat(0.0)), w.splat((side.n - 1) as f32));

@@ -105,10 +105,18 @@ pub trait Compositor {
     }
     /// Whether no ray of the chunk can change any more.
     fn is_done(&self, chunk: Chunk) -> bool;
-    /// Adds the space between two sheets, front to back, to those chunks of a block that are neither done nor missed.
-    /// Densities of the block are ready on those sheets that are looked at.
-    /// Spaces in which nothing is visible may be left out. `#[inline(always)]`.
-    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab);
+    /// Adds the space between two sheets, front to back, to a chunk. Densities are ready on those sheets that are looked
+    /// at. Spaces in which nothing is visible may be left out. `#[inline(always)]`.
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab);
+    /// The same for those chunks of a block that are neither done nor missed.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        for chunk in block.chunks() {
+            if !rays.none(chunk) && !self.is_done(chunk) {
+                self.add_chunk(s, chunk, rays, slab);
+            }
+        }
+    }
     /// The result of a chunk.
     fn finish(&self, chunk: Chunk) -> Texels;
 }
@@ -533,6 +541,11 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
     }
 
     #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        self.add_chunks(s, [chunk; 2], rays, slab);
+    }
+
+    #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
@@ -540,7 +553,7 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
             if EXTRA {
                 for (chunk, is_alive) in [(first, one), (second, other)] {
                     if is_alive {
-                        self.add_chunks(s, [chunk; 2], rays, slab);
+                        self.add_chunk(s, chunk, rays, slab);
                     }
                 }
                 continue;
@@ -554,7 +567,7 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
             match seen {
                 [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab),
                 [false, false] => {}
-                [one, _] => self.add_chunks(s, [if one { first } else { second }; 2], rays, slab),
+                [one, _] => self.add_chunk(s, if one { first } else { second }, rays, slab),
             }
         }
     }

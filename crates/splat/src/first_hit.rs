@@ -6,7 +6,7 @@ use crate::classify::Classifier;
 use crate::composite::{Compositor, Ends, Slab, Texels, between};
 use crate::rays::Rays;
 use crate::shade::Shader;
-use crate::sheet::{Block, Chunk};
+use crate::sheet::Chunk;
 
 /// The first surface of one density.
 pub struct FirstHit<'a> {
@@ -35,7 +35,12 @@ impl<'a> FirstHit<'a> {
     }
 }
 
-impl FirstHit<'_> {
+impl Compositor for FirstHit<'_> {
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
+    }
+
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let [s_front, s_back] = slab.s;
@@ -79,22 +84,6 @@ impl FirstHit<'_> {
         }
         self.hit[chunk.index()] |= new;
         self.done[chunk.index()] = self.hit[chunk.index()] | rays.missed(chunk) == u16::MAX;
-    }
-}
-
-impl Compositor for FirstHit<'_> {
-    #[inline(always)]
-    fn is_done(&self, chunk: Chunk) -> bool {
-        self.done[chunk.index()]
-    }
-
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        for chunk in block.chunks() {
-            if !rays.none(chunk) && !self.is_done(chunk) {
-                self.add_chunk(s, chunk, rays, slab);
-            }
-        }
     }
 
     fn finish(&self, chunk: Chunk) -> Texels {

@@ -9,7 +9,7 @@ use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use crate::composite::{Compositor, Slab, Texels};
 use crate::project::Passage;
 use crate::rays::Rays;
-use crate::sheet::{Block, Chunk};
+use crate::sheet::Chunk;
 
 /// Densities that differ by less, relative to their size, are the same: reconstruction rounds to f32 a few times, and a
 /// plateau on the way up must not look like a maximum.
@@ -32,6 +32,13 @@ impl LocalMaximum {
         let highest = vec![Lanes::splat(f32::NEG_INFINITY); Chunk::N];
         Self { threshold, highest, found: vec![0; Chunk::N], done: vec![false; Chunk::N] }
     }
+}
+
+impl Compositor for LocalMaximum {
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
+    }
 
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
@@ -52,22 +59,6 @@ impl LocalMaximum {
         }
         self.found[chunk.index()] = found;
         self.done[chunk.index()] = found | rays.missed(chunk) == u16::MAX;
-    }
-}
-
-impl Compositor for LocalMaximum {
-    #[inline(always)]
-    fn is_done(&self, chunk: Chunk) -> bool {
-        self.done[chunk.index()]
-    }
-
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        for chunk in block.chunks() {
-            if !rays.none(chunk) && !self.is_done(chunk) {
-                self.add_chunk(s, chunk, rays, slab);
-            }
-        }
     }
 
     fn finish(&self, chunk: Chunk) -> Texels {

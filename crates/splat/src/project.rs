@@ -8,7 +8,7 @@ use wavesplat_core::Composite;
 
 use crate::composite::{Compositor, Ends, Slab, Texels};
 use crate::rays::Rays;
-use crate::sheet::{Block, Chunk};
+use crate::sheet::Chunk;
 
 /// The part of a slab that each ray of a chunk draws.
 pub struct Passage {
@@ -76,6 +76,26 @@ impl Project {
         let (value, length) = (vec![Lanes::splat(nothing); Chunk::N], vec![Lanes::splat(0.0); Chunk::N]);
         Self { operator, level, value, length }
     }
+}
+
+/// What is above a level, times a factor.
+#[inline(always)]
+fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
+    if density > level { level + (density - level) * factor } else { density }
+}
+
+/// Mean of what is positive of a density that goes evenly from one value to another.
+#[inline(always)]
+fn mean_above(near: f32, far: f32) -> f32 {
+    let (lo, hi) = (near.min(far), near.max(far).max(0.0));
+    if lo >= 0.0 { 0.5 * (near + far) } else { 0.5 * hi * hi / (hi - lo) }
+}
+
+impl Compositor for Project {
+    #[inline(always)]
+    fn is_done(&self, _: Chunk) -> bool {
+        false
+    }
 
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
@@ -119,35 +139,6 @@ impl Project {
         for i in 0..LANES {
             value[i] = if extent[i] > 0.0 { new[i] } else { value[i] };
             length[i] += extent[i];
-        }
-    }
-}
-
-/// What is above a level, times a factor.
-#[inline(always)]
-fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
-    if density > level { level + (density - level) * factor } else { density }
-}
-
-/// Mean of what is positive of a density that goes evenly from one value to another.
-#[inline(always)]
-fn mean_above(near: f32, far: f32) -> f32 {
-    let (lo, hi) = (near.min(far), near.max(far).max(0.0));
-    if lo >= 0.0 { 0.5 * (near + far) } else { 0.5 * hi * hi / (hi - lo) }
-}
-
-impl Compositor for Project {
-    #[inline(always)]
-    fn is_done(&self, _: Chunk) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
-        for chunk in block.chunks() {
-            if !rays.none(chunk) {
-                self.add_chunk(s, chunk, rays, slab);
-            }
         }
     }
 

@@ -117,8 +117,9 @@ def test_thin_volumes_are_drawn(shape, family):
     camera = ws.Camera.orbit(wavelets, 30, 40)
     check_same(wavelets, wavelets.to_volume(), camera=camera, shading=None)
     for drop_levels in range(wavelets.n_levels + 1):
-        # The texels of a coarse level would be larger than the volume.
-        picture = ws.render(wavelets, SOFT, camera, size=(20, 20), drop_levels=drop_levels, oversampling=1).rgba
+        # The texels of a coarse level would be larger than the volume. What is left of noise has hardly any slopes.
+        draw = {"size": (20, 20), "drop_levels": drop_levels, "oversampling": 1, "shading": None}
+        picture = ws.render(wavelets, SOFT, camera, **draw).rgba
         assert np.isfinite(picture).all()
         assert picture[..., 3].max() > 0.1
 
@@ -189,19 +190,19 @@ def test_a_crop_of_a_level_is_that_of_the_world(textured, family):
 @pytest.mark.parametrize("family", ["cdf53", "cdf97"])
 @pytest.mark.parametrize(("name", "keep"), [("ct", 1.0), ("mri", 1.0), ("ct", 0.0355), ("mri", 0.0127)])
 def test_levels_are_as_bright_as_the_whole(scans, family, name, keep):
-    """To 5 %, since rays that cross unlike samples lose more light than their mean; 8 % where shading smooths, too."""
+    """To 4 %, or 6 % in light, since the rays that tell run along the axes only."""
     ramps = {
         "ct": [(-75, 0.0), (255, 0.05), (1000, 0.2)],
         "mri": [(20, 0.0), (255, 0.1)],
     }
     soft = ws.TransferFunction(ramps[name], [(-75, 0.9, 0.6, 0.4), (1000, 1.0, 1.0, 1.0)])
     wavelets = ws.WaveletVolume.from_volume(scans[name], family, keep=keep)
-    for shading, limit in [(None, 0.05), (ws.Shading(), 0.08)]:
+    for shading, limit in [(None, 0.04), (ws.Shading(), 0.06)]:
         draw = {"transfer_function": soft, "size": (96, 96), "shading": shading}
         whole = ws.render(wavelets, **draw).rgba
         for drop_levels in (1, 2):
             level = ws.render(wavelets, drop_levels=drop_levels, **draw).rgba
-            assert level[..., :3].mean() == pytest.approx(whole[..., :3].mean(), rel=limit), (drop_levels, shading)
+            assert level[..., :3].mean() / whole[..., :3].mean() == pytest.approx(1, abs=limit), (drop_levels, shading)
 
 
 @pytest.mark.parametrize("family", ["cdf53", "cdf97"])
@@ -216,7 +217,7 @@ def test_levels_keep_what_is_thin(scans, family, name):
     level = ws.render(wavelets, drop_levels=2, **draw).rgba[..., 3].mean()
     blurred = ws.render(wavelets.to_volume(drop_levels=2), **draw).rgba[..., 3].mean()
     assert blurred < 0.92 * whole
-    assert abs(level - whole) < 0.75 * abs(blurred - whole)
+    assert abs(level - whole) < 0.5 * abs(blurred - whole)
 
 
 @pytest.mark.parametrize("family", LIFTED)

@@ -256,6 +256,11 @@ def plane(
     threads: int | None,
 ) -> NDArray[np.float32]: ...
 def quality_settings(
-    name: str, volume: Volume | DecodedVolume, transfer_function: TransferFunction, camera: Camera, height: int
+    name: str,
+    volume: Volume | DecodedVolume,
+    transfer_function: TransferFunction,
+    shading: Shading | None,
+    camera: Camera,
+    height: int,
 ) -> tuple[float, float]: ...
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...

@@ -221,7 +221,8 @@ def render(
     chosen = chosen_transfer_function(transfer_function, volume, composite)
     numbers = projection.numbers(composite, chosen, local_threshold, depth_shading, absorbs)
     curves, eye = chosen._core, camera._core
-    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, eye, height)
+    light = None if shading is None else shading._core
+    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
     if standard is not None:
         return draw_standard(
             standard,
@@ -230,7 +231,7 @@ def render(
             eye,
             size=(width, height),
             kernel=kernel,
-            shading=None if shading is None else shading._core,
+            shading=light,
             oversampling=default_oversampling if oversampling is None else float(oversampling),
             region=region(crop, clip_planes),
             background=colors.parse(background),
@@ -250,7 +251,7 @@ def render(
         local_threshold=numbers.get("local_threshold"),
         depth_shading=numbers.get("depth_shading"),
         attenuation=numbers.get("attenuation"),
-        shading=None if shading is None else shading._core,
+        shading=light,
         sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
         oversampling=default_oversampling if oversampling is None else float(oversampling),
         psnr=None if psnr is None else float(psnr),

@@ -193,7 +193,7 @@ pub fn render<'py>(
     };
     options.validate().map_err(to_py)?;
     let monitor = PyMonitor::new(progress);
-    let curves = volume.transfer_function(&transfer_function.0, options.composite)?;
+    let curves = volume.transfer_function(&transfer_function.0, options.composite, options.shading.as_ref())?;
     let result = volume.with_slices(py, options.kernel, |slices| {
         monitor.watch(py, || {
             let slices = with_threads(options.n_threads, slices);
@@ -357,10 +357,11 @@ pub fn quality_settings(
     name: &str,
     volume: Drawable<'_>,
     transfer_function: &PyTransferFunction,
+    shading: Option<&PyShading>,
     camera: &PyCamera,
     height: usize,
 ) -> PyResult<(f64, f64)> {
-    let curves = volume.transfer_function(&transfer_function.0, Composite::Over)?;
+    let curves = volume.transfer_function(&transfer_function.0, Composite::Over, shading.map(|s| &s.0))?;
     volume.with_grid(py, |grid| {
         let is_steep = wavesplat_splat::is_steep(grid, &curves);
         let samples_per_pixel = camera.0.pixel_size(grid.middle(), height) / grid.mean_spacing();

@@ -51,7 +51,7 @@ pub fn render_standard<'py>(
     options.validate().map_err(to_py)?;
     let standard = StandardOptions { buffer: Buffer::from_name(buffer).map_err(to_py)?, view_angle_correction };
     let monitor = PyMonitor::new(progress);
-    let curves = volume.transfer_function(&transfer_function.0, Composite::Over)?;
+    let curves = volume.transfer_function(&transfer_function.0, Composite::Over, None)?;
     // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
     let result = volume.with_slices(py, Kernel::Linear, |slices| {
         monitor.watch(py, || {

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use wavesplat_core::{Composite, Grid, Kernel, Samples, Statistics, TransferFunction, Volume};
+use wavesplat_core::{Composite, Grid, Kernel, Samples, Shading, Statistics, TransferFunction, Volume};
 use wavesplat_splat::slices::{Prepared, Slices};
 
 use crate::errors::to_py;
@@ -46,9 +46,14 @@ impl Drawable<'_> {
     }
 
     /// The transfer function to draw with: for light, that of what the drawn samples stand for.
-    pub fn transfer_function(&self, tf: &TransferFunction, composite: Composite) -> PyResult<TransferFunction> {
+    pub fn transfer_function(
+        &self,
+        tf: &TransferFunction,
+        composite: Composite,
+        shading: Option<&Shading>,
+    ) -> PyResult<TransferFunction> {
         match (self, composite) {
-            (Self::Decoded(volume), Composite::Over) => volume.filtered(tf),
+            (Self::Decoded(volume), Composite::Over) => volume.filtered(tf, shading),
             _ => Ok(tf.clone()),
         }
     }

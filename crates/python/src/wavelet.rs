@@ -9,7 +9,7 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use wavesplat_core::{Decoder as _, Grid, Kernel, Statistics, TransferFunction};
+use wavesplat_core::{Decoder as _, Grid, Kernel, Shading, Statistics, TransferFunction};
 use wavesplat_splat::blocks::samples_every;
 use wavesplat_splat::slices::Prepared;
 use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume};
@@ -146,13 +146,14 @@ impl PyWaveletVolume {
         }
         let level_grid = grid.or_else(|| LevelGrid::new(self.0.plan(), 0));
         let Some(level_grid) = level_grid else { return Err(PyValueError::new_err("no such level")) };
+        let finest_spacing = [0, 1, 2].map(|a| world_from_index.matrix3.col(a).length());
         let (decoder, range, spread) = py.detach(|| {
             let decoder = Decoder::new(self.0.clone(), level, &weights);
             let range = decoder.range().map(f64::from);
             let decoder = Coarse::new(decoder, level_grid);
             let spread = (n_dropped > 0).then(|| {
                 let finest = Decoder::new(self.0.clone(), 0, &all_weights);
-                Spread::new(&finest, &decoder, &level_grid, finest.range().map(f64::from))
+                Spread::new(&finest, &decoder, &level_grid, finest_spacing, finest.range().map(f64::from), cache_bytes)
             });
             (decoder, range, spread)
         });
@@ -170,8 +171,8 @@ impl PyWaveletVolume {
         Ok(PyDecodedVolume {
             grid,
             level: level_grid,
-            n_dropped,
             spread,
+            filtered: Mutex::default(),
             decoder,
             cache_bytes,
             prepared: Mutex::default(),
@@ -188,13 +189,21 @@ fn family_of(name: &str) -> PyResult<Family> {
 pub struct PyDecodedVolume {
     grid: Grid,
     level: LevelGrid,
-    /// Levels that are left out, and what they carried.
-    n_dropped: usize,
+    /// What the levels carried that are left out.
     spread: Option<Spread>,
+    /// The function that was drawn last, and what it is for this level.
+    filtered: Mutex<Option<Filtered>>,
     decoder: Arc<Coarse>,
     cache_bytes: usize,
     /// For the kernel that was used last.
     prepared: Mutex<Option<(Kernel, Arc<Prepared>)>>,
+}
+
+/// A transfer function, and the one that a level is drawn with in its place.
+struct Filtered {
+    of: TransferFunction,
+    shading: Option<Shading>,
+    tf: TransferFunction,
 }
 
 #[pymethods]
@@ -223,11 +232,20 @@ impl PyDecodedVolume {
         (x, y, z)
     }
 
-    /// The transfer function that makes of a coarser level what it makes of the finest.
-    pub fn filtered(&self, tf: &TransferFunction) -> PyResult<TransferFunction> {
+    /// The transfer function that makes of a coarser level what it makes of the finest; kept until another is asked for.
+    pub fn filtered(&self, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<TransferFunction> {
         let Some(spread) = &self.spread else { return Ok(tf.clone()) };
-        let finest = self.grid.default_opacity_unit();
-        spread.filter(tf, self.n_dropped, finest / tf.opacity_unit().unwrap_or(finest)).map_err(to_py)
+        let mut kept = self.filtered.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = &*kept
+            && (&kept.of, kept.shading.as_ref()) == (tf, shading)
+        {
+            return Ok(kept.tf.clone());
+        }
+        let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
+        let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
+        let filtered = spread.filter(tf, spacing.to_array(), shading).map_err(to_py)?;
+        *kept = Some(Filtered { of: tf.clone(), shading: shading.cloned(), tf: filtered.clone() });
+        Ok(filtered)
     }
 
     /// What is decoded for a kernel; kept until another is asked for.

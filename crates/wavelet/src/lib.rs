@@ -37,6 +37,7 @@
 //! assert!(c.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 1e-2));
 //! ```
 
+mod brightness;
 mod coarse;
 mod decode;
 mod family;

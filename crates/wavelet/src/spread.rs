@@ -9,17 +9,20 @@
 //! `A(d) = Σ P(v | d) a(v)`, `a(v) = 1 − (1 − α(v))^s`,
 //!
 //! the colour is the mean weighted by `a`, and `α` of the coarse value is `1 − (1 − A)^(1/s)`. The mean is taken of
-//! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` is the length
-//! over which samples hang together. The histogram knows no transfer function and is made once per
-//! level, from a part of the samples; a new function costs a product with a small matrix.
+//! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` is the distance
+//! of the finest samples. What hides what, and how what is seen stands to the light, no mean over values knows: the
+//! extinction is multiplied by what makes rays through the level as bright as those through the samples
+//! ([`crate::brightness`]). The histogram knows no transfer function and is made once per level, from a part of the
+//! samples; a new function costs a product with a small matrix, and following the rays a few times.
 //!
 //! Distributions of what a coarse sample stands for, in place of its mean: Younesy, Möller, Carr, "Improving the
 //! quality of multi-resolution volume rendering", Eurographics Symposium on Visualization 2006. Here all places with the
 //! same coarse value share one.
 
 use wavesplat_compute::parallel;
-use wavesplat_core::{ColorNode, Decoder, Joint, OpacityNode, Result, TransferFunction};
+use wavesplat_core::{ColorNode, Decoder, Joint, OpacityNode, Result, Shading, TransferFunction};
 
+use crate::brightness::{Look, Rays};
 use crate::coarse::LevelGrid;
 
 /// Bins of the range of values.
@@ -41,11 +44,20 @@ pub struct Spread {
     hi: f64,
     /// `P(v | d)`, a row per bin of coarse values.
     shares: Vec<f32>,
+    rays: Rays,
 }
 
 impl Spread {
-    /// From a volume and a level of it that lies on `grid`. `range`: smallest and largest sample.
-    pub fn new(fine: &dyn Decoder, coarse: &dyn Decoder, grid: &LevelGrid, range: [f64; 2]) -> Self {
+    /// From a volume and a level of it that lies on `grid`. `spacing`: of the volume's samples along each axis, in any
+    /// unit. `range`: smallest and largest sample. `budget_bytes`: of work space.
+    pub fn new(
+        fine: &dyn Decoder,
+        coarse: &dyn Decoder,
+        grid: &LevelGrid,
+        spacing: [f64; 3],
+        range: [f64; 2],
+        budget_bytes: usize,
+    ) -> Self {
         let [lo, hi] = range;
         let size = fine.size();
         let n = size.map(|n| n.div_ceil(SIDE));
@@ -72,46 +84,62 @@ impl Spread {
                 *share /= n;
             }
         }
-        Self { lo, hi, shares }
+        Self { lo, hi, shares, rays: Rays::new([fine, coarse], grid, spacing, budget_bytes, bin) }
     }
 
-    /// The function for `level`. `spacing`: that of the finest grid, in the function's `opacity_unit`s.
-    pub fn filter(&self, tf: &TransferFunction, level: usize, spacing: f64) -> Result<TransferFunction> {
-        let nodes = tf.opacity_nodes().iter().map(|node| node.value.clamp(self.lo, self.hi));
-        let most = nodes.chain([self.lo, self.hi]).map(|value| tf.opacity(value)).fold(0.0, f64::max);
-        let opacity = -(spacing * (-most).ln_1p()).exp_m1();
-        self.filter_over(tf, spacing * coherence_length(level, opacity))
+    /// The function for the level. `spacing`: of the finest grid along each axis, in the function's `opacity_unit`s.
+    /// `shading`: what the picture is lit by. Functions of two dimensions are averaged only.
+    pub fn filter(
+        &self,
+        tf: &TransferFunction,
+        spacing: [f64; 3],
+        shading: Option<&Shading>,
+    ) -> Result<TransferFunction> {
+        let length = spacing.iter().product::<f64>().cbrt();
+        if tf.joint().is_some() || self.hi <= self.lo {
+            return self.average(tf, length);
+        }
+        let mut rgba = self.averages(rgba_of(tf), length);
+        let look = |rgba: &[[f64; 4]]| -> Look {
+            rgba.iter().map(|&[r, g, b, opacity]| [(r + g + b) / 3.0, opacity]).collect()
+        };
+        // One bin by itself.
+        let own: Vec<_> = (0..N_BINS).map(|bin| separate(self.mean(&rgba_of(tf), bin, length), length)).collect();
+        let factor = self.rays.factor([&look(&own), &look(&rgba)], shading, spacing);
+        for [.., opacity] in &mut rgba {
+            *opacity = opacity_of(factor, *opacity);
+        }
+        self.function(tf, &rgba)
     }
 
     /// The function with opacities averaged over a `length`, in its `opacity_unit`s.
-    pub fn filter_over(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
+    pub fn average(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
         if self.hi <= self.lo {
             return Ok(tf.clone());
         }
-        let values = || (0..N_BINS).map(|bin| self.lo + (bin as f64 + 0.5) * self.step());
         // Gradients of coarse samples stand for themselves.
         if let Some(joint) = tf.joint() {
             let magnitudes = joint.magnitudes();
-            let rows = magnitudes.iter().map(|m| {
-                let at = |value: f64| joint.rgba(value, *m);
-                self.filtered(at, length)
-            });
+            let rows = magnitudes.iter().map(|m| self.averages(|value| joint.rgba(value, *m), length));
             let rgba = rows.collect::<Vec<_>>().concat();
-            let joint = Joint::new(values().collect(), magnitudes.to_vec(), rgba)?;
+            let joint = Joint::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
             return TransferFunction::two_dimensional(joint, tf.opacity_unit());
         }
-        let rgba = self.filtered(
-            |value| {
-                let [r, g, b] = tf.color(value);
-                [r, g, b, tf.opacity(value)]
-            },
-            length,
-        );
-        let nodes = values().zip(&rgba);
+        self.function(tf, &self.averages(rgba_of(tf), length))
+    }
+
+    /// The function with these colours and opacities in the middle of every bin.
+    fn function(&self, tf: &TransferFunction, rgba: &[[f64; 4]]) -> Result<TransferFunction> {
+        let nodes = self.values().zip(rgba);
         let opacity = nodes.clone().map(|(value, rgba)| OpacityNode { value, opacity: rgba[3] });
         let color = nodes.map(|(value, &[r, g, b, _])| ColorNode { value, rgb: [r, g, b] });
         TransferFunction::new(opacity.collect(), color.collect(), tf.opacity_unit())?
             .with_gradient_opacity(tf.gradient_nodes().to_vec())
+    }
+
+    /// The middle of every bin.
+    fn values(&self) -> impl Iterator<Item = f64> + Clone {
+        (0..N_BINS).map(|bin| self.lo + (bin as f64 + 0.5) * self.step())
     }
 
     /// Values from one bin to the next.
@@ -119,51 +147,57 @@ impl Spread {
         (self.hi - self.lo) / N_BINS as f64
     }
 
-    /// Colour and opacity in the middle of every bin, averaged over a `length`.
-    fn filtered(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64) -> Vec<[f64; 4]> {
-        let step = self.step();
-        let associated = |bin: usize| {
-            let mut sum = [0.0_f64; 4];
-            for k in 0..N_PER_BIN {
-                let value = self.lo + (bin as f64 + (k as f64 + 0.5) / N_PER_BIN as f64) * step;
-                let [r, g, b, opacity] = rgba(value);
-                let opacity = -(length * (-opacity).ln_1p()).exp_m1() / N_PER_BIN as f64;
-                [r, g, b, 1.0].into_iter().zip(&mut sum).for_each(|(c, sum)| *sum += c * opacity);
-            }
-            sum
-        };
-        let own: Vec<[f64; 4]> = (0..N_BINS).map(associated).collect();
-        let filtered = |(d, row): (usize, &[f32])| {
+    /// Mean of associated colour and opacity of a `length` over a bin.
+    fn mean(&self, rgba: &impl Fn(f64) -> [f64; 4], bin: usize, length: f64) -> [f64; 4] {
+        let mut sum = [0.0_f64; 4];
+        for k in 0..N_PER_BIN {
+            let value = self.lo + (bin as f64 + (k as f64 + 0.5) / N_PER_BIN as f64) * self.step();
+            let [r, g, b, opacity] = rgba(value);
+            let opacity = opacity_of(length, opacity) / N_PER_BIN as f64;
+            [r, g, b, 1.0].into_iter().zip(&mut sum).for_each(|(c, sum)| *sum += c * opacity);
+        }
+        sum
+    }
+
+    /// Colour and opacity of every bin, averaged over what its coarse values stand for, opacities of a `length`.
+    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64) -> Vec<[f64; 4]> {
+        let own: Vec<_> = (0..N_BINS).map(|bin| self.mean(&rgba, bin, length)).collect();
+        let average = |(row, value): (&[f32], f64)| {
             let mut sum = [0.0; 4];
             for (share, own) in row.iter().zip(&own).filter(|(share, _)| **share > 0.0) {
                 (0..4).for_each(|c| sum[c] += f64::from(*share) * own[c]);
             }
-            let mean = sum[3].clamp(0.0, 1.0);
-            if mean < LEAST {
-                let [r, g, b, _] = rgba(self.lo + (d as f64 + 0.5) * step);
+            if sum[3] < LEAST {
+                let [r, g, b, _] = rgba(value);
                 return [r, g, b, 0.0];
             }
-            let [r, g, b] = [0, 1, 2].map(|c| (sum[c] / sum[3]).clamp(0.0, 1.0));
-            [r, g, b, (-((-mean).ln_1p() / length).exp_m1()).clamp(0.0, 1.0)]
+            separate(sum, length)
         };
-        self.shares.chunks_exact(N_BINS).enumerate().map(filtered).collect()
+        self.shares.chunks_exact(N_BINS).zip(self.values()).map(average).collect()
+    }
+}
+
+/// Opacity of a length, of that of a unit.
+fn opacity_of(length: f64, opacity: f64) -> f64 {
+    (-(length * (-opacity).ln_1p()).exp_m1()).clamp(0.0, 1.0)
+}
+
+/// Colour, and opacity of a unit, from associated colour and opacity of a length.
+fn separate([r, g, b, opacity]: [f64; 4], length: f64) -> [f64; 4] {
+    let [r, g, b] = [r, g, b].map(|c| if opacity > 0.0 { (c / opacity).clamp(0.0, 1.0) } else { 0.0 });
+    [r, g, b, opacity_of(1.0 / length, opacity.clamp(0.0, 1.0))]
+}
+
+/// Colour and opacity of a function's values.
+fn rgba_of(tf: &TransferFunction) -> impl Fn(f64) -> [f64; 4] {
+    |value| {
+        let [r, g, b] = tf.color(value);
+        [r, g, b, tf.opacity(value)]
     }
 }
 
 /// Mean opacity that is not worth drawing: of a thousand coarse samples in a row it would make a tenth.
 const LEAST: f64 = 1e-4;
-
-/// Length over which samples of a level hang together, in spacings of the finest grid, for functions with this largest
-/// opacity of a spacing.
-///
-/// Fitted to CT, MRI and an engine (`make study-lod`). With a faint function a whole coarse cell counts, up to a few
-/// samples. With an opaque one the first samples of a structure hide the others, and what is left of walls and bones
-/// between coarse samples must be as opaque as they were.
-fn coherence_length(level: usize, opacity: f64) -> f64 {
-    let faint = 2.0_f64.powi(level as i32).min(4.0);
-    let opaque = (0.6 * level as f64).min(faint);
-    opaque + (faint - opaque) * (1.0 - opacity)
-}
 
 /// Sample and interpolated coarse value at every place of a box of the finest grid.
 fn pairs(

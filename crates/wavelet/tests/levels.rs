@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use wavesplat_core::{ColorNode, Decoder as _, OpacityNode, TransferFunction};
+use wavesplat_core::{ColorNode, Decoder as _, OpacityNode, Shading, TransferFunction};
 use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Plan, Spread, WaveletVolume};
 
 /// Families whose low coefficients are samples.
@@ -143,21 +143,25 @@ fn curve(nodes: &[(f64, f64)]) -> TransferFunction {
     TransferFunction::new(opacity, color, None).unwrap()
 }
 
+/// Enough for any volume here.
+const BUDGET: usize = 1 << 30;
+
 fn spread_of(volume: &Arc<WaveletVolume>, level: usize) -> Spread {
     let (grid, coarse) = level_of(volume, level);
     let fine = Decoder::new(volume.clone(), 0, &[]);
-    Spread::new(&fine, &coarse, &grid, fine.range().map(f64::from))
+    Spread::new(&fine, &coarse, &grid, [1.0; 3], fine.range().map(f64::from), BUDGET)
 }
 
-/// Interpolated samples of a level at the places of all samples.
-fn coarse_values(volume: &Arc<WaveletVolume>, level: usize) -> Vec<f64> {
+/// Interpolated samples of a level at the places of all samples, and `per_sample - 1` between them.
+fn coarse_values(volume: &Arc<WaveletVolume>, level: usize, per_sample: usize) -> Vec<f64> {
     let (grid, coarse) = level_of(volume, level);
     let samples = all(&coarse);
     let [nx, ny, _] = grid.size;
-    let [fx, fy, fz] = volume.plan().size();
+    let [fx, fy, fz] = volume.plan().size().map(|n| (n - 1) * per_sample + 1);
     (0..fx * fy * fz)
         .map(|i| {
-            let place = grid.level_from_finest([i % fx, i / fx % fy, i / (fx * fy)].map(|i| i as f64));
+            let index = [i % fx, i / fx % fy, i / (fx * fy)].map(|i| i as f64 / per_sample as f64);
+            let place = grid.level_from_finest(index);
             let below: [usize; 3] = [0, 1, 2].map(|a| (place[a] as usize).min(grid.size[a] - 2));
             let share = |corner: usize| -> f64 {
                 let t = |a: usize| place[a] - below[a] as f64;
@@ -189,11 +193,11 @@ fn thin_walls_keep_their_mean_opacity() {
         let volume = volume(family, [80, 40, 40], walls);
         let fine: Vec<f64> = Decoder::new(volume.clone(), 0, &[]).all().into_iter().map(f64::from).collect();
         for level in 1..4 {
-            let (spread, coarse) = (spread_of(&volume, level), coarse_values(&volume, level));
+            let (spread, coarse) = (spread_of(&volume, level), coarse_values(&volume, level, 1));
             for tf in [&hard, &soft] {
                 for length in [0.5, 1.0, 2.0] {
                     let want = mean_opacity(tf, &fine, length);
-                    let filtered = spread.filter_over(tf, length).unwrap();
+                    let filtered = spread.average(tf, length).unwrap();
                     let got = mean_opacity(&filtered, &coarse, length);
                     assert!((got / want - 1.0).abs() < 0.03, "{family:?} level {level} length {length}: {got} {want}");
                 }
@@ -207,8 +211,8 @@ fn thin_walls_keep_their_mean_opacity() {
 #[test]
 fn what_cannot_be_seen_lends_no_color() {
     let volume = volume(Family::Cdf53, [80, 40, 40], walls);
-    let filtered = spread_of(&volume, 2).filter_over(&curve(&[(60.0, 0.0), (60.0, 0.6)]), 1.0).unwrap();
-    let seen: Vec<f64> = coarse_values(&volume, 2).into_iter().filter(|d| filtered.opacity(*d) > 0.01).collect();
+    let filtered = spread_of(&volume, 2).average(&curve(&[(60.0, 0.0), (60.0, 0.6)]), 1.0).unwrap();
+    let seen: Vec<f64> = coarse_values(&volume, 2, 1).into_iter().filter(|d| filtered.opacity(*d) > 0.01).collect();
     let n_low = seen.iter().filter(|d| **d < 30.0).count();
     assert!(n_low > 1000, "values that are blue themselves stand for red walls: {n_low}");
     // Beside a bin that nothing falls into, a color is mixed with that of the value itself.
@@ -223,7 +227,7 @@ fn a_linear_function_of_a_ramp_stays_as_it_is() {
         let ramp = volume(family, [64, 40, 40], |[x, ..]| x as f32);
         for level in 1..3 {
             let spread = spread_of(&ramp, level);
-            let filtered = spread.filter_over(&linear, 2.0).unwrap();
+            let filtered = spread.average(&linear, 2.0).unwrap();
             // Away from the mirrored ends; half a bin of 512 is 0.1 %.
             for value in [16.0, 24.3, 32.0, 47.9] {
                 let (got, want) = (filtered.opacity(value), linear.opacity(value));
@@ -240,8 +244,10 @@ fn a_constant_volume_keeps_its_function() {
     let (grid, coarse) = level_of(&constant, 1);
     let fine = Decoder::new(constant.clone(), 0, &[]);
     for range in [[7.0, 7.0], fine.range().map(f64::from)] {
-        let filtered = Spread::new(&fine, &coarse, &grid, range).filter_over(&tf, 1.5).unwrap();
-        assert!((filtered.opacity(7.0) - tf.opacity(7.0)).abs() < 1e-4);
+        let spread = Spread::new(&fine, &coarse, &grid, [1.0; 3], range, BUDGET);
+        let (averaged, filtered) = (spread.average(&tf, 1.5).unwrap(), spread.filter(&tf, [1.0; 3], None).unwrap());
+        assert!((averaged.opacity(7.0) - tf.opacity(7.0)).abs() < 1e-4);
+        assert!((filtered.opacity(7.0) / tf.opacity(7.0) - 1.0).abs() < 0.01);
     }
 }
 
@@ -253,10 +259,129 @@ fn what_is_opaque_everywhere_stays_opaque_and_what_is_clear_stays_clear() {
     for level in 1..4 {
         let spread = spread_of(&halves, level);
         for length in [0.01, 1.0, 2.0] {
-            let filtered = spread.filter_over(&step, length).unwrap();
+            let filtered = spread.average(&step, length).unwrap();
             assert!(filtered.opacity(100.0) == 1.0 && filtered.opacity(0.0) == 0.0, "level {level} length {length}");
-            let filtered = spread.filter_over(&opaque, length).unwrap();
+            let filtered = spread.average(&opaque, length).unwrap();
             assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level} length {length}");
+        }
+        let shading = Some(&Shading::default());
+        let filtered = spread.filter(&step, [0.3, 1.0, 2.0], shading).unwrap();
+        assert!(filtered.opacity(100.0) == 1.0 && filtered.opacity(0.0) == 0.0, "level {level}");
+        let filtered = spread.filter(&opaque, [0.3, 1.0, 2.0], shading).unwrap();
+        assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level}");
+        // Nothing to be as bright as.
+        let clear = curve(&[(0.0, 0.0)]);
+        assert_eq!(spread.filter(&clear, [1.0; 3], shading).unwrap().opacity(50.0), 0.0);
+    }
+}
+
+/// Values on a grid, with differences as far as those of a level reach.
+struct Field<'a> {
+    values: &'a [f64],
+    size: [usize; 3],
+    reach: usize,
+}
+
+impl Field<'_> {
+    /// `|n·v|` along an axis; `spacing`: of the samples.
+    fn cosine(&self, place: usize, axis: usize, spacing: [f64; 3]) -> f64 {
+        let [nx, ny, _] = self.size;
+        let strides = [1, nx, nx * ny];
+        let gradient = [0, 1, 2].map(|a| {
+            let i = place / strides[a] % self.size[a];
+            let (from, to) = (i.saturating_sub(self.reach), (i + self.reach).min(self.size[a] - 1));
+            let at = |k: usize| self.values[place + k * strides[a] - i * strides[a]];
+            (at(to) - at(from)) / ((to - from) as f64 * spacing[a])
+        });
+        gradient[axis].abs() / gradient.iter().map(|g| g * g).sum::<f64>().sqrt().max(1e-12)
+    }
+
+    /// Mean over all lines of samples along an axis of what is seen along them.
+    fn brightness(&self, tf: &TransferFunction, axis: usize, spacing: [f64; 3], shading: Option<&Shading>) -> f64 {
+        let stride = [1, self.size[0], self.size[0] * self.size[1]][axis];
+        let seen = |first: usize| {
+            let (mut sum, mut clear) = (0.0, 1.0);
+            for place in (0..self.size[axis]).map(|i| first + i * stride) {
+                let value = self.values[place];
+                let alpha = -(spacing[axis] * (-tf.opacity(value)).ln_1p()).exp_m1();
+                let color = tf.color(value).iter().sum::<f64>() / 3.0;
+                let light = shading.map_or(color, |s| {
+                    let cosine = self.cosine(place, axis, spacing);
+                    let gloss = (2.0 * cosine * cosine - 1.0).max(0.0).powf(f64::from(s.specular_power));
+                    color * (f64::from(s.ambient) + f64::from(s.diffuse) * cosine) + f64::from(s.specular) * gloss
+                });
+                sum += clear * alpha * light;
+                clear *= 1.0 - alpha;
+            }
+            sum
+        };
+        let firsts = (0..self.values.len()).filter(|i| (i / stride).is_multiple_of(self.size[axis]));
+        firsts.clone().map(seen).sum::<f64>() / firsts.count() as f64
+    }
+}
+
+/// Grains of a few samples in clusters, so that some rays meet many and others none.
+fn grains([x, y, z]: [usize; 3]) -> f32 {
+    let [x, y, z] = [x, y, z].map(|i| i as f32);
+    let fine = (0.7 * x).sin() + (0.6 * y + 1.0).sin() + (0.65 * z + 2.0).sin();
+    let coarse = (0.11 * x).sin() * (0.09 * y).sin() + 0.5 * (0.13 * z).sin();
+    (30.0 * fine * (coarse + 0.3)).clamp(0.0, 100.0)
+}
+
+#[test]
+fn a_level_is_as_bright_as_the_samples() {
+    let size = [48, 44, 40];
+    let between = size.map(|n| 2 * n - 1);
+    let spacing = [0.7, 1.0, 1.6];
+    let shading = Shading::default();
+    for family in LIFTED {
+        let volume = volume(family, size, grains);
+        // Level 0 is the samples.
+        let fine = coarse_values(&volume, 0, 2);
+        for level in 1..3 {
+            let (grid, coarse) = level_of(&volume, level);
+            let finest = Decoder::new(volume.clone(), 0, &[]);
+            let range = finest.range().map(f64::from);
+            // Rays through the decoded volume, and in bundles.
+            let spreads = [BUDGET, 0].map(|budget| Spread::new(&finest, &coarse, &grid, spacing, range, budget));
+            let coarse = coarse_values(&volume, level, 2);
+            for tf in [curve(&[(10.0, 0.0), (90.0, 0.3)]), curve(&[(60.0, 0.0), (60.0, 0.9)])] {
+                for shading in [None, Some(&shading)] {
+                    let mean = |tf: &TransferFunction, values: &[f64], reach: usize| -> f64 {
+                        let field = Field { values, size: between, reach };
+                        (0..3).map(|axis| field.brightness(tf, axis, spacing.map(|s| s / 2.0), shading)).sum()
+                    };
+                    let want = mean(&tf, &fine, 2);
+                    let plain = mean(&tf, &coarse, 2 << level) / want;
+                    let got = [0, 1].map(|k| {
+                        let filtered = spreads[k].filter(&tf, spacing, shading).unwrap();
+                        mean(&filtered, &coarse, 2 << level) / want
+                    });
+                    let case = format!("{family:?} level {level}, lit {}: {got:?}, plain {plain}", shading.is_some());
+                    // The rays are some of all, and what a slope is between samples is a matter of opinion.
+                    let most = if shading.is_some() { 0.05 } else { 0.015 };
+                    assert!(got.iter().all(|got| (got - 1.0).abs() < most), "{case}");
+                    assert!(level == 1 || plain < 0.95, "{case}");
+                }
+            }
+        }
+    }
+}
+
+/// Volumes thinner than a bundle of rays, and than a difference.
+#[test]
+fn thin_volumes_have_rays_too() {
+    for size in [[2, 2, 2], [3, 40, 2], [2, 17, 33], [90, 3, 4]] {
+        for family in LIFTED {
+            let volume = volume(family, size, |[x, y, z]| ((x * 7 + y * 5 + z * 3) % 11) as f32);
+            let tf = curve(&[(2.0, 0.0), (10.0, 0.5)]);
+            let levels = 1..=volume.plan().n_levels().min(3);
+            for level in levels.filter(|level| LevelGrid::new(volume.plan(), *level).is_some()) {
+                let filtered = spread_of(&volume, level).filter(&tf, [1.0; 3], Some(&Shading::default())).unwrap();
+                let opacities = (0..=10).map(|value| filtered.opacity(f64::from(value)));
+                assert!(opacities.clone().all(|o| (0.0..=1.0).contains(&o)), "{family:?} {size:?}");
+                assert!(opacities.clone().any(|o| o > 0.0), "{family:?} {size:?}");
+            }
         }
     }
 }

@@ -210,10 +210,11 @@ const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 /// The same where the picture is to be that of the method's plain sheets: an eighth of a 16-bit grey level.
 const OPAQUE: f32 = 1.0 - 2e-6;
 
-/// Whether a transfer function can change opacity or colour by a visible amount within a voxel.
+/// Whether a transfer function can change opacity or colour by a visible amount within a voxel; of a coarser level,
+/// within one of the finest: its pictures are smaller, and a smooth function is as smooth on it.
 pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
     // As thick as the slabs of two sheets a slice.
-    let thickness = 0.5 * grid.mean_spacing() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
+    let thickness = 0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
     Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness)
         .variation(f32::NEG_INFINITY, f32::INFINITY)
         >= STEEP
@@ -354,7 +355,9 @@ impl<'a> Scene<'a> {
         let (picture, work) = match self.options.composite {
             Composite::Over => {
                 let plain = !(self.options.refined && variant.may_pre_integrate());
-                let is_steep = !plain && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP;
+                let is_steep = !plain
+                    && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP
+                    && (self.grid.coarseness() <= 1.0 || is_steep(self.grid, self.tf));
                 // A function of two dimensions has no integral along a slab.
                 let is_steep = is_steep && !extras.by_gradient.as_ref().is_some_and(ByGradient::decides_color);
                 let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
@@ -495,4 +498,31 @@ fn color_projection(picture: &mut Picture, grid: &Grid, tf: &TransferFunction, c
         *pixel = [r * opacity, g * opacity, b * opacity, opacity].map(|c| c as f32);
     }
     picture.value = Some(values);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DAffine3;
+    use wavesplat_core::{ColorNode, OpacityNode, Statistics};
+
+    #[test]
+    fn a_smooth_function_is_smooth_on_every_level() {
+        let statistics = Statistics { min: 0.0, max: 1.0, n_nonfinite: 0 };
+        let grid = |spacing: f64| {
+            Grid::new("", [9; 3], DAffine3::from_scale(DVec3::splat(spacing)), statistics, false).unwrap()
+        };
+        let finest = grid(1.0);
+        let level = grid(4.0).as_level_of(finest.default_opacity_unit(), finest.bounds());
+        let curve = |nodes: [(f64, f64); 2], unit: Option<f64>| {
+            let opacity = nodes.map(|(value, opacity)| OpacityNode { value, opacity }).to_vec();
+            TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], unit).unwrap()
+        };
+        let (soft, hard) = (curve([(0.0, 0.0), (1.0, 0.3)], None), curve([(0.5, 0.0), (0.51, 1.0)], None));
+        for grid in [&finest, &level] {
+            assert!(!is_steep(grid, &soft) && is_steep(grid, &hard));
+        }
+        // The same samples as a volume of their own have voxels four times as thick.
+        assert!(is_steep(&grid(4.0), &curve([(0.0, 0.0), (1.0, 0.3)], Some(1.0))));
+    }
 }

@@ -77,6 +77,7 @@ impl Spread {
         for (v, d) in parts.into_iter().flatten() {
             shares[bin(d) * N_BINS + bin(v)] += 1.0;
         }
+        let mut shares = smooth(&shares);
         for (d, row) in shares.chunks_exact_mut(N_BINS).enumerate() {
             row[d] += N_OWN;
             let n: f32 = row.iter().sum();
@@ -185,7 +186,9 @@ fn opacity_of(length: f64, opacity: f64) -> f64 {
 /// Colour, and opacity of a unit, from associated colour and opacity of a length.
 fn separate([r, g, b, opacity]: [f64; 4], length: f64) -> [f64; 4] {
     let [r, g, b] = [r, g, b].map(|c| if opacity > 0.0 { (c / opacity).clamp(0.0, 1.0) } else { 0.0 });
-    [r, g, b, opacity_of(1.0 / length, opacity.clamp(0.0, 1.0))]
+    // Shares add up to one but for rounding, and what is solid stays so.
+    let opacity = if opacity > 1.0 - 1e-6 { 1.0 } else { opacity };
+    [r, g, b, opacity_of(1.0 / length, opacity)]
 }
 
 /// Colour and opacity of a function's values.
@@ -194,6 +197,23 @@ fn rgba_of(tf: &TransferFunction) -> impl Fn(f64) -> [f64; 4] {
         let [r, g, b] = tf.color(value);
         [r, g, b, tf.opacity(value)]
     }
+}
+
+/// Counts of neighbouring coarse values together, but none with more than its own: chance steps from bin to bin would
+/// make a smooth function one that has to be pre-integrated.
+fn smooth(counts: &[f32]) -> Vec<f32> {
+    let n: Vec<f32> = counts.chunks_exact(N_BINS).map(|row| row.iter().sum()).collect();
+    let mut smooth = vec![0.0; counts.len()];
+    for (d, row) in smooth.chunks_exact_mut(N_BINS).enumerate() {
+        for (k, weight) in [1.0, 2.0, 3.0, 2.0, 1.0].into_iter().enumerate() {
+            let Some(from) = (d + k).checked_sub(2).filter(|from| *from < N_BINS) else { continue };
+            let weight = weight / 9.0 * (n[d].max(N_OWN) / n[from].max(N_OWN)).min(1.0);
+            for (sum, count) in row.iter_mut().zip(&counts[from * N_BINS..]) {
+                *sum += weight * count;
+            }
+        }
+    }
+    smooth
 }
 
 /// Mean opacity that is not worth drawing: of a thousand coarse samples in a row it would make a tenth.

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::{DVec2, Vec4};
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::{Kernel, LANES, Lanes, Level, Simd};
+use wavesplat_compute::simd::{Kernel, LANES, Lanes, Level, ROUND, Simd};
 
 use crate::base_plane::{BasePlane, Family, IndexRays};
 
@@ -73,30 +73,47 @@ impl BasePicture {
     }
 
     /// Adds what is at up to sixteen texel positions to as many pixels, `share` of it, and no colour brighter than `peak`.
+    /// `base`: whole texels, which the positions count from.
     #[inline(always)]
-    fn add_to<S: Simd>(&self, s: S, [u, v]: &[[f64; LANES]; 2], pixels: &mut [[f32; 4]], share: f32, peak: f32) {
-        let size @ [n_u, n_v] = self.plane.size.map(|n| n as i32);
-        let (mut place, mut within) = ([[0_i32; LANES]; 2], [[0.0_f32; LANES]; 2]);
+    fn add_to<S: Simd>(
+        &self,
+        s: S,
+        base: [i32; 2],
+        positions: [S::F; 2],
+        pixels: &mut [[f32; 4]],
+        share: f32,
+        peak: f32,
+    ) {
+        let [n_u, n_v] = self.plane.size.map(|n| n as i32);
+        let (mut place, mut within) = ([[0_i32; LANES]; 2], [s.splat(0.0); 2]);
         for axis in 0..2 {
-            let (x, end) = (if axis == 0 { u } else { v }, f64::from(size[axis] + 1));
+            // What is not a number is far away, too.
+            let x = s.max(s.min(positions[axis], s.splat(FAR)), s.splat(-FAR));
+            // A whole position may count as the end of the texel before, which reads the same.
+            let shifted = s.add(s.sub(x, s.splat(0.5)), s.splat(ROUND));
+            within[axis] = s.sub(x, s.sub(shifted, s.splat(ROUND)));
+            // The whole number stands in the last bits.
+            let mut texels = [0.0_f32; LANES];
+            s.store(shifted, &mut texels);
+            let first = base[axis].wrapping_sub(ROUND.to_bits() as i32);
             for k in 0..LANES {
-                // Not a number is as far away as what lies before the first texel.
-                let x = if x[k] >= -2.0 { x[k] } else { -2.0 };
-                let x = if x < end { x } else { end };
-                // Truncation rounds down, since it is kept above 0.
-                place[axis][k] = (x + 2.0) as i32 - 2;
-                within[axis][k] = (x - f64::from(place[axis][k])) as f32;
+                place[axis][k] = first.wrapping_add(texels[k].to_bits() as i32);
             }
         }
         let mut weights = [[[0.0; LANES]; 4]; 2];
         for axis in 0..2 {
-            let [w0, w1, w2, w3] = catmull_rom(s, s.load(&within[axis]));
+            let [w0, w1, w2, w3] = catmull_rom(s, within[axis]);
             s.store(w0, &mut weights[axis][0]);
             s.store(w1, &mut weights[axis][1]);
             s.store(w2, &mut weights[axis][2]);
             s.store(w3, &mut weights[axis][3]);
         }
         let [weights_u, weights_v] = &weights;
+        let within = within.map(|within| {
+            let mut t = [0.0; LANES];
+            s.store(within, &mut t);
+            t
+        });
         let n_cells_u = (n_u as usize).div_ceil(LANES);
         let n_row = n_u as usize * 4;
         let texels = self.texels.as_flattened();
@@ -246,16 +263,22 @@ impl Kernel for ReadBand<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
-        let Self { pictures, rays, first_row, width_px, offsets, share, peak, pixels } = self;
-        for x in (0..width_px).step_by(BAND) {
-            let columns = x..(x + BAND).min(width_px);
-            for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
-                for dy in offsets {
-                    for dx in offsets {
-                        let position = [*dx, (first_row + k) as f64 + dy];
-                        let reads = Reads { pictures, rays, position, share, peak };
-                        reads.add_to(s, row, columns.clone());
+    fn run<S: Simd>(mut self, s: S) {
+        // Parallel rays: positions are affine in the pixel.
+        let parallel = match self.pictures {
+            [only] if only.plane.eye_w().is_none() => Some((only, Affine::new(&only.plane, self.rays))),
+            _ => None,
+        };
+        for x in (0..self.width_px).step_by(BAND) {
+            let columns = x..(x + BAND).min(self.width_px);
+            for k in 0..self.pixels.len() / self.width_px {
+                for dy in self.offsets {
+                    for dx in self.offsets {
+                        let at = [*dx, (self.first_row + k) as f64 + dy];
+                        match &parallel {
+                            Some((only, affine)) => self.read_parallel(s, only, affine, at, k, columns.clone()),
+                            None => self.read(s, at, k, columns.clone()),
+                        }
                     }
                 }
             }
@@ -263,62 +286,99 @@ impl Kernel for ReadBand<'_> {
     }
 }
 
-/// One read of every pixel of a row.
-struct Reads<'a> {
-    pictures: &'a [BasePicture],
-    rays: &'a IndexRays,
-    /// Picture position of the first pixel's read.
-    position: [f64; 2],
-    /// Weight of the read.
-    share: f32,
-    /// Largest unassociated colour.
-    peak: f32,
-}
-
-impl Reads<'_> {
-    /// Adds the reads of some columns.
+impl ReadBand<'_> {
+    /// A row's pixels in some columns.
     #[inline(always)]
-    fn add_to<S: Simd>(&self, s: S, row: &mut [[f32; 4]], columns: Range<usize>) {
-        let Self { pictures, rays, position: [x0, y], share, peak } = *self;
-        let mut at = [[0.0; LANES]; 2];
-        match pictures {
-            // Parallel rays: positions are affine in the pixel.
-            [only] if only.plane.eye_w().is_none() => {
-                let first = only.plane.texel_from_pixel(rays, x0, y);
-                let step = snapped(only.plane.texel_from_pixel(rays, x0 + 1.0, y) - first);
-                let first = snapped(first);
-                for (group, pixels) in row[columns.clone()].chunks_mut(LANES).enumerate() {
-                    for k in 0..LANES {
-                        let x = (columns.start + group * LANES + k) as f64;
-                        at[0][k] = first.x + step.x * x;
-                        at[1][k] = first.y + step.y * x;
-                    }
-                    only.add_to(s, &at, pixels, share, peak);
-                }
-            }
-            _ => {
-                // Runs of pixels of one base plane.
-                let mut x = columns.start;
-                while x < columns.end {
-                    let serving = |x: usize| serving(pictures, rays, x as f64 + x0, y);
-                    let Some(picture) = serving(x) else {
-                        x += 1;
-                        continue;
-                    };
-                    let end = columns.end.min(x + LANES);
-                    let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, picture));
-                    let n = 1 + (x + 1..end).take_while(same).count();
-                    for k in 0..n {
-                        let position = picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
-                        at[0][k] = position.x;
-                        at[1][k] = position.y;
-                    }
-                    picture.add_to(s, &at, &mut row[x..x + n], share, peak);
-                    x += n;
-                }
-            }
+    fn pixels(&mut self, row: usize, columns: Range<usize>) -> &mut [[f32; 4]] {
+        &mut self.pixels[row * self.width_px..][columns]
+    }
+
+    /// Adds a read of every pixel of some columns of a row. `at`: picture position of that of the row's first pixel.
+    #[inline(always)]
+    fn read_parallel<S: Simd>(
+        &mut self,
+        s: S,
+        picture: &BasePicture,
+        affine: &Affine,
+        [x0, y]: [f64; 2],
+        row: usize,
+        columns: Range<usize>,
+    ) {
+        let (share, peak) = (self.share, self.peak);
+        let steps = [s.splat(affine.per_x.x as f32), s.splat(affine.per_x.y as f32)];
+        let number = s.load(&NUMBERS);
+        let first = columns.start;
+        for (group, pixels) in self.pixels(row, columns).chunks_mut(LANES).enumerate() {
+            let at = affine.texel((first + group * LANES) as f64 + x0, y);
+            let base = base_of(at);
+            let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
+            let positions = [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)];
+            picture.add_to(s, base, positions, pixels, share, peak);
         }
     }
+
+    /// The same for any rays.
+    #[inline(always)]
+    fn read<S: Simd>(&mut self, s: S, [x0, y]: [f64; 2], row: usize, columns: Range<usize>) {
+        let (pictures, rays, share, peak) = (self.pictures, self.rays, self.share, self.peak);
+        // Runs of pixels of one base plane.
+        let mut x = columns.start;
+        while x < columns.end {
+            let serving = |x: usize| serving(pictures, rays, x as f64 + x0, y);
+            let Some(picture) = serving(x) else {
+                x += 1;
+                continue;
+            };
+            let end = columns.end.min(x + LANES);
+            let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, picture));
+            let n = 1 + (x + 1..end).take_while(same).count();
+            let at = |k: usize| picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
+            let base = base_of(at(0));
+            let mut positions = [[0.0; LANES]; 2];
+            for k in 0..n {
+                let at = at(k);
+                positions[0][k] = (at.x - f64::from(base[0])) as f32;
+                positions[1][k] = (at.y - f64::from(base[1])) as f32;
+            }
+            let positions = [s.load(&positions[0]), s.load(&positions[1])];
+            picture.add_to(s, base, positions, self.pixels(row, x..x + n), share, peak);
+            x += n;
+        }
+    }
+}
+
+/// Texel positions of parallel rays.
+struct Affine {
+    /// Of the first pixel's middle.
+    origin: DVec2,
+    per_x: DVec2,
+    per_y: DVec2,
+}
+
+impl Affine {
+    fn new(plane: &BasePlane, rays: &IndexRays) -> Self {
+        let at = |x: f64, y: f64| plane.texel_from_pixel(rays, x, y);
+        let origin = at(0.5, 0.5);
+        let (per_x, per_y) = (snapped(at(1.5, 0.5) - origin), snapped(at(0.5, 1.5) - origin));
+        Self { origin: snapped(origin), per_x, per_y }
+    }
+
+    #[inline(always)]
+    fn texel(&self, x: f64, y: f64) -> DVec2 {
+        self.origin + self.per_x * (x - 0.5) + self.per_y * (y - 0.5)
+    }
+}
+
+/// The number of each lane.
+const NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Positions further from their base, texels, are outside every base plane that is near it.
+const FAR: f32 = 1e6;
+
+/// The texel before a position, or one that is as far away as it gets.
+fn base_of(at: DVec2) -> [i32; 2] {
+    let limit = f64::from(1 << 24);
+    [at.x, at.y].map(|x| x.floor().clamp(-limit, limit) as i32)
 }
 
 /// A position on a texel, but for rounding, is on it, so that the texel is read to the bit: multiples of 2^−30 texels.

@@ -35,6 +35,9 @@ const N_BOXES: usize = 512;
 /// Number of places that tell as much of a value as the value itself does, which counts for so many.
 const N_OWN: f32 = 4.0;
 
+/// Share of all places from which a coarse value is frequent.
+const FREQUENT: f32 = 0.02;
+
 /// Positions within a bin at which the function is looked up.
 const N_PER_BIN: usize = 4;
 
@@ -200,11 +203,17 @@ fn rgba_of(tf: &TransferFunction) -> impl Fn(f64) -> [f64; 4] {
 }
 
 /// Counts of neighbouring coarse values together, but none with more than its own: chance steps from bin to bin would
-/// make a smooth function one that has to be pre-integrated.
+/// make a smooth function one that has to be pre-integrated. Frequent values stand for themselves: what is solid, or
+/// clear, stays so.
 fn smooth(counts: &[f32]) -> Vec<f32> {
     let n: Vec<f32> = counts.chunks_exact(N_BINS).map(|row| row.iter().sum()).collect();
+    let frequent = FREQUENT * n.iter().sum::<f32>();
     let mut smooth = vec![0.0; counts.len()];
     for (d, row) in smooth.chunks_exact_mut(N_BINS).enumerate() {
+        if n[d] > frequent {
+            row.copy_from_slice(&counts[d * N_BINS..][..N_BINS]);
+            continue;
+        }
         for (k, weight) in [1.0, 2.0, 3.0, 2.0, 1.0].into_iter().enumerate() {
             let Some(from) = (d + k).checked_sub(2).filter(|from| *from < N_BINS) else { continue };
             let weight = weight / 9.0 * (n[d].max(N_OWN) / n[from].max(N_OWN)).min(1.0);

@@ -35,6 +35,11 @@ const N_PER_SAMPLE: usize = 2;
 /// Factors of the extinction: from one over this up to this.
 const LARGEST: f64 = 8.0;
 
+/// Factors near the largest tell that a level may still be darker, which it must not be by more than the second number
+/// leaves.
+const OUT_OF_REACH: f64 = 0.9 * LARGEST;
+const BRIGHT_ENOUGH: f64 = 0.93;
+
 /// How much brighter without light, or darker, a level may get to be as bright in it: slopes that are lost cannot be made
 /// up for by more of what has none.
 const MOST_FOR_LIGHT: f64 = 1.25;
@@ -143,6 +148,17 @@ impl Rays {
         ];
         let bounded = got.clamp(wanted / MOST_FOR_LIGHT, wanted * MOST_FOR_LIGHT);
         if got == bounded { factor } else { self.factor_for(bounded, coarse, &unlit, lengths) }
+    }
+
+    /// Whether a factor that [`Rays::factor`] found makes the coarse look about as bright, without light.
+    pub fn is_bright_enough(&self, [fine, coarse]: [&Look; 2], factor: f64, lengths: [f64; 3]) -> bool {
+        if factor < OUT_OF_REACH {
+            return true;
+        }
+        let lengths = lengths.map(|length| length / N_PER_SAMPLE as f64);
+        let unlit = light(None);
+        let wanted = self.brightness(0, fine, &unlit, lengths);
+        self.brightness(1, coarse, &unlit, lengths.map(|length| factor * length)) >= BRIGHT_ENOUGH * wanted
     }
 
     /// The factor that makes the coarse look as bright as is wanted.

@@ -10,7 +10,9 @@
 //!
 //! the colour is the mean weighted by `a`, and `α` of the coarse value is `1 − (1 − A)^(1/s)`. The mean is taken of
 //! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` is the distance
-//! of the finest samples. What hides what, and how what is seen stands to the light, no mean over values knows: the
+//! of the finest samples. It is a trimmed mean: of the `v` behind a `d`, the lowest and the highest few in a hundred do not
+//! count, since what is that rare is elsewhere as a rule, and would be drawn as a haze wherever there is a `d`.
+//! What hides what, and how what is seen stands to the light, no mean over values knows: the
 //! extinction is multiplied by what makes rays through the level as bright as those through the samples
 //! ([`crate::brightness`]). The histogram knows no transfer function and is made once per level, from a part of the
 //! samples; a new function costs a product with a small matrix, and following the rays a few times.
@@ -37,6 +39,9 @@ const N_OWN: f32 = 4.0;
 
 /// Share of all places from which a coarse value is frequent.
 const FREQUENT: f32 = 0.02;
+
+/// Share of what a coarse value stands for that is too rare to count, at either end.
+const RARE: f32 = 0.02;
 
 /// Positions within a bin at which the function is looked up.
 const N_PER_BIN: usize = 4;
@@ -103,20 +108,31 @@ impl Spread {
         if tf.joint().is_some() || self.hi <= self.lo {
             return self.average(tf, length);
         }
-        let mut rgba = self.averages(rgba_of(tf), length);
         let look = |rgba: &[[f64; 4]]| -> Look {
             rgba.iter().map(|&[r, g, b, opacity]| [(r + g + b) / 3.0, opacity]).collect()
         };
         // One bin by itself.
         let own: Vec<_> = (0..N_BINS).map(|bin| separate(self.mean(&rgba_of(tf), bin, length), length)).collect();
-        let factor = self.rays.factor([&look(&own), &look(&rgba)], shading, spacing);
+        let own = look(&own);
+        let with = |rare: f32| {
+            let rgba = self.averages(rgba_of(tf), length, rare);
+            let looks = [&own, &look(&rgba)];
+            let factor = self.rays.factor(looks, shading, spacing);
+            let is_bright_enough = self.rays.is_bright_enough(looks, factor, spacing);
+            (rgba, factor, is_bright_enough)
+        };
+        let (mut rgba, mut factor, is_bright_enough) = with(RARE);
+        // Where much of what is seen is rare.
+        if !is_bright_enough {
+            (rgba, factor, _) = with(0.0);
+        }
         for [.., opacity] in &mut rgba {
             *opacity = opacity_of(factor, *opacity);
         }
         self.function(tf, &rgba)
     }
 
-    /// The function with opacities averaged over a `length`, in its `opacity_unit`s.
+    /// The function with opacities averaged over a `length`, in its `opacity_unit`s; nothing is too rare to count.
     pub fn average(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
         if self.hi <= self.lo {
             return Ok(tf.clone());
@@ -124,12 +140,12 @@ impl Spread {
         // Gradients of coarse samples stand for themselves.
         if let Some(joint) = tf.joint() {
             let magnitudes = joint.magnitudes();
-            let rows = magnitudes.iter().map(|m| self.averages(|value| joint.rgba(value, *m), length));
+            let rows = magnitudes.iter().map(|m| self.averages(|value| joint.rgba(value, *m), length, 0.0));
             let rgba = rows.collect::<Vec<_>>().concat();
             let joint = Joint::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
             return TransferFunction::two_dimensional(joint, tf.opacity_unit());
         }
-        self.function(tf, &self.averages(rgba_of(tf), length))
+        self.function(tf, &self.averages(rgba_of(tf), length, 0.0))
     }
 
     /// The function with these colours and opacities in the middle of every bin.
@@ -163,13 +179,14 @@ impl Spread {
         sum
     }
 
-    /// Colour and opacity of every bin, averaged over what its coarse values stand for, opacities of a `length`.
-    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64) -> Vec<[f64; 4]> {
+    /// Colour and opacity of every bin, averaged over what its coarse values stand for but the `rare` share at either
+    /// end, opacities of a `length`.
+    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64, rare: f32) -> Vec<[f64; 4]> {
         let own: Vec<_> = (0..N_BINS).map(|bin| self.mean(&rgba, bin, length)).collect();
         let average = |(row, value): (&[f32], f64)| {
             let mut sum = [0.0; 4];
-            for (share, own) in row.iter().zip(&own).filter(|(share, _)| **share > 0.0) {
-                (0..4).for_each(|c| sum[c] += f64::from(*share) * own[c]);
+            for (share, own) in trimmed(row, rare).zip(&own).filter(|(share, _)| *share > 0.0) {
+                (0..4).for_each(|c| sum[c] += f64::from(share) * own[c]);
             }
             if sum[3] < LEAST {
                 let [r, g, b, _] = rgba(value);
@@ -179,6 +196,22 @@ impl Spread {
         };
         self.shares.chunks_exact(N_BINS).zip(self.values()).map(average).collect()
     }
+}
+
+/// Shares of which a `rare` part at either end is left out; they add up to one again.
+fn trimmed(shares: &[f32], rare: f32) -> impl Iterator<Item = f32> {
+    let mut left = [rare, 1.0 - 2.0 * rare];
+    shares.iter().map(move |share| {
+        let mut share = *share;
+        // What is left out below, then what counts; the rest is above.
+        let [_, counted] = left.each_mut().map(|left| {
+            let taken = share.min(*left);
+            *left -= taken;
+            share -= taken;
+            taken
+        });
+        counted / (1.0 - 2.0 * rare)
+    })
 }
 
 /// Opacity of a length, of that of a unit.

@@ -220,6 +220,37 @@ fn what_cannot_be_seen_lends_no_color() {
     assert!(n_mixed < seen.len() / 100, "{n_mixed} of {}", seen.len());
 }
 
+/// A few samples among many, whose coarse values are those of many others, are no reason to draw all of these; unless
+/// there is nothing else.
+#[test]
+fn what_is_rare_makes_no_haze() {
+    let step = curve(&[(60.0, 0.0), (60.0, 1.0)]);
+    // Of a thousand samples one stands out; the others lie in a wave.
+    let grain = |[x, y, z]: [usize; 3]| if (7 * x + 83 * y + 331 * z) % 1009 == 0 { 100.0 } else { walls([5, y, z]) };
+    let beside_a_block = |[x, y, z]: [usize; 3]| if x < 40 { 90.0 } else { grain([x, y, z]) };
+    for family in LIFTED {
+        for level in 2..4 {
+            let drawn = |sample: &dyn Fn([usize; 3]) -> f32| {
+                let volume = volume(family, [80, 40, 40], sample);
+                let (spread, coarse) = (spread_of(&volume, level), coarse_values(&volume, level, 1));
+                let of_grains = coarse.iter().filter(|d| **d < 50.0);
+                [spread.average(&step, 1.0), spread.filter(&step, [1.0; 3], None)].map(|tf| {
+                    let tf = tf.unwrap();
+                    of_grains.clone().filter(|d| tf.opacity(**d) > 0.0).count() as f64
+                        / of_grains.clone().count() as f64
+                })
+            };
+            let [averaged, filtered] = drawn(&beside_a_block);
+            assert!(averaged > 0.5 && filtered < 0.1, "{family:?} level {level}: {averaged} {filtered} are drawn");
+            let [averaged, filtered] = drawn(&grain);
+            assert!(
+                averaged > 0.5 && filtered == averaged,
+                "{family:?} level {level}: {averaged} {filtered} are drawn"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_linear_function_of_a_ramp_stays_as_it_is() {
     let linear = curve(&[(0.0, 0.0), (63.0, 0.9)]);

@@ -20,6 +20,9 @@ use crate::kernel::{n_taps, overshoot, reach};
 const SIDE: usize = 4;
 const LARGE_SIDE: usize = 8;
 
+/// Bounds of a volume whose samples are there: those of 800 samples along each axis.
+const MOST_BYTES: usize = 32 << 20;
+
 /// Levels of the density range.
 const N_LEVELS: usize = 4096;
 
@@ -73,6 +76,17 @@ fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sy
     move |[lo, hi]| [level(lo).floor() as u16, level(hi).ceil() as u16]
 }
 
+/// Cells of a brick along each axis, so that bounds take no more than so many bytes, if that can be.
+fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
+    let n_small: usize = n_bricks(SIDE, size).iter().product();
+    if n_small * size_of::<[u16; 2]>() <= budget_bytes { SIDE } else { LARGE_SIDE }
+}
+
+/// Bricks along each axis.
+fn n_bricks(side: usize, size: [usize; 3]) -> [usize; 3] {
+    size.map(|n| (n - 1).div_ceil(side))
+}
+
 /// Which samples count for a brick.
 #[derive(Clone, Copy)]
 struct Reach {
@@ -94,7 +108,7 @@ impl Reach {
 
     /// Bricks along each axis.
     fn n(&self) -> [usize; 3] {
-        self.size.map(|n| (n - 1).div_ceil(self.side))
+        n_bricks(self.side, self.size)
     }
 
     /// Samples that count for a brick along an axis.
@@ -140,14 +154,16 @@ impl Reach {
 impl Bricks {
     /// Reads every row about 1.6 times. `range` bounds the densities.
     pub fn new(rows: &impl Rows, size: [usize; 3], kernel: Kernel, range: [f32; 2]) -> Self {
-        let reach = Reach::new(SIDE, size, kernel);
+        let side = side_within(MOST_BYTES, size);
+        let reach = Reach::new(side, size, kernel);
         let n = reach.n();
         let level = level_in(range);
-        let layers = parallel::map(n[2], |bz| {
+        let mut bounds = vec![[0; 2]; n.iter().product()];
+        parallel::for_each_chunk(&mut bounds, n[0] * n[1], |bz, layer| {
             let bounds = reach.bounds(rows, [0; 3], size, [0..n[0], 0..n[1], bz..bz + 1]);
-            bounds.into_iter().map(level).collect::<Vec<_>>()
+            layer.iter_mut().zip(bounds).for_each(|(kept, bounds)| *kept = level(bounds));
         });
-        Self { side: SIDE, n, range, bounds: layers.concat() }
+        Self { side, n, range, bounds }
     }
 
     /// Decodes all blocks, and keeps them if they all fit. `range` bounds the densities; where it is not known, as of
@@ -160,8 +176,7 @@ impl Bricks {
         budget_bytes: usize,
     ) -> Self {
         let size = blocks.size();
-        let n_small: usize = Reach::new(SIDE, size, kernel).n().iter().product();
-        let side = if n_small * size_of::<[u16; 2]>() <= budget_bytes { SIDE } else { LARGE_SIDE };
+        let side = side_within(budget_bytes, size);
         let reach = Reach::new(side, size, kernel);
         let n = reach.n();
         let n_blocks = size.map(|n| n.div_ceil(BLOCK));
@@ -348,6 +363,14 @@ mod tests {
                 assert!(lo - 1e-5 <= density && density <= hi + 1e-5, "{name} {position:?}: {density} in {lo}..{hi}");
             }
         }
+    }
+
+    #[test]
+    fn bricks_are_large_where_small_ones_take_too_much() {
+        assert_eq!(side_within(MOST_BYTES, [800; 3]), SIDE);
+        assert_eq!(side_within(MOST_BYTES, [1024; 3]), LARGE_SIDE);
+        // 2 x 3 x 1 bricks of four bytes.
+        assert_eq!([24, 23].map(|budget| side_within(budget, [9, 10, 5])), [SIDE, LARGE_SIDE]);
     }
 
     #[test]

@@ -8,6 +8,8 @@
 //! A difference over whole texels, `d = k · step`, is that of two texels of the sheet, as sheet buffers give it
 //! ([`Difference`]).
 
+use std::ops::{Deref, Range};
+
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::{GradientScheme, Kernel, MAX_GRADIENT_OFFSET};
 
@@ -142,6 +144,10 @@ pub struct AxisFootprints {
     pub difference: Footprint,
     /// First and last sample that is reached, before folding.
     pub window: [i64; 2],
+    /// The groups that the tables are made for, as bits.
+    groups: u32,
+    /// Half distance of the difference, whole samples, until its table is made of that of the kernel.
+    pending: Option<usize>,
 }
 
 /// The difference that stands for the derivative along an axis.
@@ -240,14 +246,14 @@ impl Axis {
     }
 
     /// Slices that reach the sheet at `w`, folded, with their weights; those of weight 0 are left out.
-    pub fn slice_taps(&self, w: f64) -> Vec<SliceTap> {
+    pub fn slice_taps(&self, w: f64) -> SliceTaps {
         let (first, weights) = self.taps(w.clamp(0.0, self.last()));
         self.folded(first, &weights)
     }
 
     /// As [`Axis::slice_taps`] for the derivative through the sheet.
-    pub fn slice_difference_taps(&self, w: f64) -> Vec<SliceTap> {
-        let Some(difference) = self.difference else { return Vec::new() };
+    pub fn slice_difference_taps(&self, w: f64) -> SliceTaps {
+        let Some(difference) = self.difference else { return SliceTaps::default() };
         let (first, weights) = self.difference(w.clamp(0.0, self.last()), difference, |w| self.taps(w));
         self.folded(first, &weights)
     }
@@ -257,17 +263,48 @@ impl Axis {
         self.weights.taps(self.kernel, w)
     }
 
-    fn folded(&self, first: i64, weights: &[f64]) -> Vec<SliceTap> {
-        let taps = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
-        taps.map(|(t, w)| (fold(self.kernel, first + t as i64, self.n_samples), *w as f32)).collect()
+    fn folded(&self, first: i64, weights: &[f64]) -> SliceTaps {
+        let mut folded = SliceTaps::default();
+        for (t, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            folded.taps[folded.n] = (fold(self.kernel, first + t as i64, self.n_samples), *w as f32);
+            folded.n += 1;
+        }
+        folded
+    }
+}
+
+/// Slices with their weights.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SliceTaps {
+    taps: [SliceTap; MAX_DIFFERENCE_TAPS],
+    n: usize,
+}
+
+impl SliceTaps {
+    /// The same slices with the weights' magnitudes.
+    #[must_use]
+    pub fn magnitudes(mut self) -> Self {
+        self.taps.iter_mut().for_each(|(_, weight)| *weight = weight.abs());
+        self
+    }
+}
+
+impl Deref for SliceTaps {
+    type Target = [SliceTap];
+
+    fn deref(&self) -> &[SliceTap] {
+        &self.taps[..self.n]
     }
 }
 
 impl AxisFootprints {
-    /// Rebuilds the tables for the positions `origin + i · step`, in samples, in `n_groups` groups. Runs at the level
-    /// of the caller.
+    /// Rebuilds the tables for the positions `origin + i · step`, in samples, in those of `n_groups` groups that are
+    /// `wanted`, as bits. After it, differences are ready when [`AxisFootprints::make_difference`] was called. Runs at the
+    /// level of the caller.
     #[inline(always)]
-    pub fn build(&mut self, axis: &Axis, origin: f64, step: f64, n_groups: usize) {
+    pub fn build(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, wanted: u32) {
+        self.groups = wanted;
+        self.pending = None;
         let n_value = n_taps(axis.kernel);
         self.value.reset(n_groups, n_value);
         let difference = axis.difference.map(|difference| difference.of_step(step));
@@ -295,11 +332,53 @@ impl AxisFootprints {
     /// Takes over the tables of an axis that has the same weights at the same positions.
     pub fn copy(&mut self, axis: &Axis, other: &Self) {
         self.window = other.window;
+        self.groups = other.groups;
         self.value.clone_from(&other.value);
         if axis.difference.is_some() {
             self.difference.clone_from(&other.difference);
+            self.pending = other.pending;
         } else {
             self.difference.reset(0, 0);
+            self.pending = None;
+        }
+    }
+
+    /// Samples that the value and the difference of a position reach, counted from the window's first.
+    pub fn reached(&self, i: usize) -> Range<usize> {
+        let first = self.value.first(i);
+        let mut reached = first..first + self.value.n_taps;
+        if let Some(offset) = self.pending {
+            return reached.start - offset..reached.end + offset;
+        }
+        if self.difference.n_taps > 0 {
+            let first = self.difference.first(i);
+            reached = reached.start.min(first)..reached.end.max(first + self.difference.n_taps);
+        }
+        reached
+    }
+
+    /// Makes the table of differences, if that is still to be done. Runs at the level of the caller.
+    #[inline(always)]
+    pub fn make_difference(&mut self) {
+        let Some(offset) = self.pending.take() else { return };
+        let Self { value, difference, .. } = self;
+        let (n, n_difference) = (value.n_taps, difference.n_taps);
+        let share = 1.0 / (2 * offset) as f32;
+        let shift = 2 * offset;
+        for g in groups(self.groups) {
+            difference.base[g] = value.base[g] - offset as u32;
+            difference.index[g] = value.index[g];
+            difference.spans[g] = value.spans[g];
+            difference.far[g] = value.far[g];
+            let weights = &value.weights[g * n..(g + 1) * n];
+            let difference = &mut difference.weights[g * n_difference..(g + 1) * n_difference];
+            for (t, difference) in difference.iter_mut().enumerate() {
+                for i in 0..LANES {
+                    let lo = if t < n { weights[t].0[i] } else { 0.0 };
+                    let hi = if t >= shift { weights[t - shift].0[i] } else { 0.0 };
+                    difference.0[i] = (hi - lo) * share;
+                }
+            }
         }
     }
 
@@ -317,7 +396,7 @@ impl AxisFootprints {
         let (reach, offset) = (reach(axis.kernel) as i64, offset as i64);
         let lowest = group_base(0).0.min(group_base(n_groups - 1).0) as i64 - reach - offset;
         let mut highest = lowest;
-        for g in 0..n_groups {
+        for g in groups(self.groups) {
             let (base, start) = group_base(g);
             let (begin, end) = (-base as f32, (last - base) as f32);
             let base = base as i64 - lowest;
@@ -352,22 +431,8 @@ impl AxisFootprints {
             self.value.set_index(g, first);
             self.value.weights[g * n..(g + 1) * n].copy_from_slice(&weights[..n]);
             highest = highest.max(lowest + base - reach + i64::from(last_index) + n as i64 - 1 + offset);
-            let n_difference = self.difference.n_taps;
-            if n_difference > 0 {
-                self.difference.base[g] = (base - reach - offset) as u32;
-                self.difference.set_index(g, first);
-                let difference = &mut self.difference.weights[g * n_difference..(g + 1) * n_difference];
-                let share = 1.0 / (2 * offset) as f32;
-                let shift = 2 * offset as usize;
-                for t in 0..n_difference {
-                    for i in 0..LANES {
-                        let lo = if t < n { weights[t].0[i] } else { 0.0 };
-                        let hi = if t >= shift { weights[t - shift].0[i] } else { 0.0 };
-                        difference[t].0[i] = (hi - lo) * share;
-                    }
-                }
-            }
         }
+        self.pending = (self.difference.n_taps > 0).then_some(offset as usize);
         [lowest, highest]
     }
 
@@ -421,6 +486,16 @@ impl AxisFootprints {
     }
 }
 
+/// The groups of a mask.
+#[inline(always)]
+fn groups(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let next = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        next
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -428,6 +503,12 @@ mod tests {
     fn axis(kernel: Kernel, offset: f64) -> Axis {
         let difference = Some(Difference::within(GradientScheme::Footprint, offset));
         Axis { kernel, n_samples: 12, difference, weights: Weights::Exact }
+    }
+
+    /// All tables.
+    fn build(tables: &mut AxisFootprints, axis: &Axis, places: [f64; 2], n_groups: usize) {
+        tables.build(axis, places, n_groups, (1 << n_groups) - 1);
+        tables.make_difference();
     }
 
     /// All weights of a position, by sample.
@@ -447,7 +528,7 @@ mod tests {
         for (name, kernel) in Kernel::NAMES {
             for offset in [0.1, 0.5, 0.75, 1.0, 1.7, 4.0] {
                 let mut tables = AxisFootprints::default();
-                tables.build(&axis(kernel, offset), -1.0, 0.037, 25);
+                build(&mut tables, &axis(kernel, offset), [-1.0, 0.037], 25);
                 for i in 0..400 {
                     let value: f32 = (0..tables.value.n_taps).map(|t| tables.value.weight(i, t)).sum();
                     let difference: f32 = (0..tables.difference.n_taps).map(|t| tables.difference.weight(i, t)).sum();
@@ -463,12 +544,43 @@ mod tests {
         for (name, kernel) in Kernel::NAMES.into_iter().filter(|(_, k)| *k != Kernel::Gaussian) {
             let mut tables = AxisFootprints::default();
             // Away from the faces, where the ramp goes on; B-spline coefficients of a ramp are the ramp.
-            tables.build(&axis(kernel, 1.0), 4.0, 0.1, 2);
+            build(&mut tables, &axis(kernel, 1.0), [4.0, 0.1], 2);
             for i in 0..30 {
                 let sample = |t: usize| (tables.window[0] + (tables.difference.first(i) + t) as i64) as f32;
                 let slope: f32 =
                     (0..tables.difference.n_taps).map(|t| tables.difference.weight(i, t) * sample(t)).sum();
                 assert!((slope - 1.0).abs() < 1e-5, "{name} texel {i}: {slope}");
+            }
+        }
+    }
+
+    /// A group's tables do not depend on which others are made, nor what is reached on whether differences are.
+    #[test]
+    fn groups_are_made_one_by_one() {
+        for (_, kernel) in Kernel::NAMES {
+            for offset in [1.0, 0.4, 2.0] {
+                for places in [[3.1, 0.11], [9.0, -0.3], [30.0, 0.5]] {
+                    let axis = Axis { n_samples: 40, ..axis(kernel, offset) };
+                    let mut all = AxisFootprints::default();
+                    build(&mut all, &axis, places, 4);
+                    for g in 0..4 {
+                        let mut one = AxisFootprints::default();
+                        one.build(&axis, places, 4, 1 << g);
+                        for i in g * LANES..(g + 1) * LANES {
+                            let [a, b] = [&one, &all].map(|tables| {
+                                let (base, reached) = (tables.window[0], tables.reached(i));
+                                base + reached.start as i64..base + reached.end as i64
+                            });
+                            assert_eq!(a, b, "{kernel:?} {offset} {places:?} texel {i}");
+                        }
+                        one.make_difference();
+                        for i in g * LANES..(g + 1) * LANES {
+                            for [a, b] in [[&one.value, &all.value], [&one.difference, &all.difference]] {
+                                assert_eq!(dense(&axis, &one, a, i), dense(&axis, &all, b, i), "{kernel:?} texel {i}");
+                            }
+                        }
+                    }
+                }
             }
         }
     }
@@ -480,7 +592,7 @@ mod tests {
             for (origin, step) in [(3.1, 0.11), (2.0, 0.25), (8.9, -0.15), (3.0, 0.5)] {
                 let axis = Axis { n_samples: 40, ..axis(kernel, 1.0) };
                 let (mut fast, mut slow) = (AxisFootprints::default(), AxisFootprints::default());
-                fast.build(&axis, origin, step, 2);
+                build(&mut fast, &axis, [origin, step], 2);
                 slow.value.reset(2, n_taps(kernel));
                 slow.difference.reset(2, n_taps(kernel) + 2);
                 let exact = |x| taps(kernel, x);
@@ -506,7 +618,7 @@ mod tests {
                         let axis = Axis { kernel, n_samples: 40, difference: Some(difference), weights };
                         let mut tables = AxisFootprints::default();
                         let origin = if step > 0.0 { -1.7 } else { 13.0 };
-                        tables.build(&axis, origin, step, 2);
+                        build(&mut tables, &axis, [origin, step], 2);
                         let [from, to] = difference.of_step(step).ends();
                         for i in 0..2 * LANES {
                             let got = dense(&axis, &tables, &tables.difference, i);
@@ -549,8 +661,8 @@ mod tests {
 
     #[test]
     fn slice_taps_leave_out_slices_without_weight() {
-        assert_eq!(axis(Kernel::Linear, 1.0).slice_taps(3.0), [(3, 1.0)]);
-        assert_eq!(axis(Kernel::Linear, 1.0).slice_difference_taps(3.0), [(2, -0.5), (4, 0.5)]);
-        assert_eq!(axis(Kernel::Linear, 1.0).slice_difference_taps(0.0), [(0, -0.5), (1, 0.5)]);
+        assert_eq!(axis(Kernel::Linear, 1.0).slice_taps(3.0)[..], [(3, 1.0)]);
+        assert_eq!(axis(Kernel::Linear, 1.0).slice_difference_taps(3.0)[..], [(2, -0.5), (4, 0.5)]);
+        assert_eq!(axis(Kernel::Linear, 1.0).slice_difference_taps(0.0)[..], [(0, -0.5), (1, 0.5)]);
     }
 }

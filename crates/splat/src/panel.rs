@@ -169,7 +169,7 @@ mod tests {
                         let difference = offset.map(|offset| Difference::within(scheme, offset));
                         let axis = Axis { kernel, n_samples, difference, weights: Weights::Exact };
                         let mut footprints = AxisFootprints::default();
-                        footprints.build(&axis, origin, step, 2);
+                        footprints.build(&axis, [origin, step], 2, 0b11);
                         let last = (n_samples - 1) as f64;
                         let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
                         let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);

@@ -217,6 +217,8 @@ pub struct Sheet {
     /// Sample rows that have been upsampled: densities, derivatives.
     has_density_u: Vec<bool>,
     has_gradient_u: Vec<bool>,
+    /// Blocks that it is made for.
+    blocks: BlockMask,
     /// Blocks whose sample rows have been upsampled.
     has_density: BlockMask,
     has_gradient: BlockMask,
@@ -230,14 +232,15 @@ struct RowTaps {
 }
 
 impl RowTaps {
-    fn fill(rows: &mut Vec<Self>, footprint: &Footprint) {
-        rows.clear();
-        if footprint.n_taps > 0 {
-            rows.extend((0..TILE_V).map(|row| {
-                let mut weights = [0.0; MAX_DIFFERENCE_TAPS];
+    /// Those of the rows of blocks.
+    fn fill(rows: &mut Vec<Self>, footprint: &Footprint, blocks: BlockMask) {
+        rows.resize(TILE_V, Self::default());
+        for b in block_rows(blocks) {
+            for row in b * BLOCK_V..(b + 1) * BLOCK_V {
+                let RowTaps { first, weights } = &mut rows[row];
+                *first = footprint.first(row);
                 (0..footprint.n_taps).for_each(|t| weights[t] = footprint.weight(row, t));
-                Self { first: footprint.first(row), weights }
-            }));
+            }
         }
     }
 }
@@ -270,6 +273,8 @@ impl Sheet {
         let ([(u0, du), (v0, dv)], w) = geometry.sheet(w);
         self.w = w;
         let [axis_u, axis_v, axis_w] = &geometry.axes;
+        let strips = (0..N_STRIPS).filter(|s| blocks >> (s * N_BLOCKS_V) & ((1 << N_BLOCKS_V) - 1) != 0);
+        let rows = block_rows(blocks);
         match weights {
             Some(weights) => {
                 self.u.copy(axis_u, &weights.u);
@@ -278,8 +283,10 @@ impl Sheet {
             None => geometry.level.run(
                 #[inline(always)]
                 || {
-                    self.u.build(axis_u, u0 + du * i0 as f64, du, N_STRIPS);
-                    self.v.build(axis_v, v0 + dv * j0 as f64, dv, TILE_V / LANES);
+                    let groups_v = rows.clone().fold(0, |all, b| all | 1 << (b * BLOCK_V / LANES));
+                    let groups_u = strips.clone().fold(0, |all, s| all | 1 << s);
+                    self.u.build(axis_u, [u0 + du * i0 as f64, du], N_STRIPS, groups_u);
+                    self.v.build(axis_v, [v0 + dv * j0 as f64, dv], TILE_V / LANES, groups_v);
                 },
             ),
         }
@@ -297,8 +304,6 @@ impl Sheet {
         }
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
-        let strips = (0..N_STRIPS).filter(|s| blocks >> (s * N_BLOCKS_V) & ((1 << N_BLOCKS_V) - 1) != 0);
-        let rows = (0..N_BLOCKS_V).filter(|b| blocks & (rows_mask() << b) != 0);
         // Positions rise or fall with the texel.
         let columns = strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
         let rows = rows.flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]);
@@ -314,19 +319,21 @@ impl Sheet {
             self.holes.resize(self.stride * self.n_v, 0.0);
             self.holes_u.resize(N_STRIPS * self.n_rows, Lanes::default());
             // A hole counts wherever it has a weight, of either sign.
-            let taps: Vec<_> = taps.iter().map(|&(slice, weight)| (slice, weight.abs())).collect();
+            let taps = taps.magnitudes();
             geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
         }
         self.part = Some(part);
         if geometry.noisy_entries.is_some() {
+            self.u.make_difference();
+            self.v.make_difference();
             // Texels are splatted one by one, and stand where their sample rows would.
             self.first_texel = [u0 + du * i0 as f64, v0 + dv * j0 as f64];
             self.texel_step = [du, dv];
             self.v.value.make_one_to_one(TILE_V / LANES, 0);
             self.v.difference.make_one_to_one(TILE_V / LANES, TILE_V);
         }
-        RowTaps::fill(&mut self.rows, &self.v.value);
-        RowTaps::fill(&mut self.difference_rows, &self.v.difference);
+        self.blocks = blocks;
+        RowTaps::fill(&mut self.rows, &self.v.value, blocks);
     }
 
     /// First number and samples of a part.
@@ -369,6 +376,14 @@ impl Sheet {
         self.has_gradient |= blocks;
         if !self.has_through {
             self.combine_through(geometry, panel);
+            geometry.level.run(
+                #[inline(always)]
+                || {
+                    self.u.make_difference();
+                    self.v.make_difference();
+                },
+            );
+            RowTaps::fill(&mut self.difference_rows, &self.v.difference, self.blocks);
         }
         if let Some(per_sample) = geometry.noisy_entries {
             return self.splat_gradient(geometry, per_sample, block);
@@ -473,6 +488,11 @@ impl Sheet {
     }
 }
 
+/// Rows of blocks that have any of a mask.
+fn block_rows(blocks: BlockMask) -> impl Iterator<Item = usize> + Clone {
+    (0..N_BLOCKS_V).filter(move |b| blocks & (rows_mask() << b) != 0)
+}
+
 /// The first block row of every strip.
 const fn rows_mask() -> BlockMask {
     let mut mask = 0;
@@ -488,13 +508,8 @@ const fn rows_mask() -> BlockMask {
 fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Range<usize> {
     let (mut start, mut end) = (usize::MAX, 0);
     for i in positions {
-        for footprint in [&axis.value, &axis.difference] {
-            if footprint.n_taps > 0 {
-                let first = footprint.first(i);
-                start = start.min(first);
-                end = end.max(first + footprint.n_taps);
-            }
-        }
+        let reached = axis.reached(i);
+        (start, end) = (start.min(reached.start), end.max(reached.end));
     }
     start.min(end)..end
 }

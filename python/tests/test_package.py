@@ -47,3 +47,17 @@ def test_the_command_line_starts_without_numpy():
     code = "import sys, wavesplat.cli; print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_options_are_read_without_large_libraries():
+    # No file of this name: what reads it is never loaded.
+    code = """if True:
+        import sys
+        from typer.testing import CliRunner
+        import wavesplat.cli
+        result = CliRunner().invoke(wavesplat.cli.app, ["render", "none.nrrd", "-o", "none.png", "--size", "4x4"])
+        assert result.exit_code == 1, result.output
+        print([m for m in ["pydantic", "SimpleITK", "nibabel", "zarr"] if m in sys.modules])
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -365,7 +365,7 @@ impl AxisFootprints {
         let (n, n_difference) = (value.n_taps, difference.n_taps);
         let share = 1.0 / (2 * offset) as f32;
         let shift = 2 * offset;
-        for g in groups(self.groups) {
+        for g in bits(self.groups) {
             difference.base[g] = value.base[g] - offset as u32;
             difference.index[g] = value.index[g];
             difference.spans[g] = value.spans[g];
@@ -396,7 +396,7 @@ impl AxisFootprints {
         let (reach, offset) = (reach(axis.kernel) as i64, offset as i64);
         let lowest = group_base(0).0.min(group_base(n_groups - 1).0) as i64 - reach - offset;
         let mut highest = lowest;
-        for g in groups(self.groups) {
+        for g in bits(self.groups) {
             let (base, start) = group_base(g);
             let (begin, end) = (-base as f32, (last - base) as f32);
             let base = base as i64 - lowest;
@@ -486,9 +486,10 @@ impl AxisFootprints {
     }
 }
 
-/// The groups of a mask.
+/// The places of a mask's ones, from the lowest on.
 #[inline(always)]
-fn groups(mut mask: u32) -> impl Iterator<Item = usize> {
+pub fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> + Clone {
+    let mut mask = mask.into();
     std::iter::from_fn(move || {
         let next = (mask != 0).then(|| mask.trailing_zeros() as usize);
         mask &= mask.wrapping_sub(1);

@@ -14,7 +14,7 @@ use wavesplat_core::Variant;
 
 use crate::base_plane::BasePlane;
 use crate::fields::Field;
-use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group, MAX_DIFFERENCE_TAPS, Span};
+use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group, MAX_DIFFERENCE_TAPS, Span, bits};
 use crate::noise::{NoisySheet, noisy_entries, sheet_number};
 use crate::panel::Panel;
 use crate::slices::{Slices, Window};
@@ -353,9 +353,7 @@ impl Sheet {
         }
         self.has_density |= blocks;
         if let Some(per_sample) = geometry.noisy_entries {
-            (0..BlockMask::BITS as usize)
-                .filter(|place| blocks >> place & 1 == 1)
-                .for_each(|place| self.splat_density(geometry, per_sample, Block::new(place)));
+            bits(blocks).for_each(|place| self.splat_density(geometry, per_sample, Block::new(place)));
             return;
         }
         geometry.level.dispatch(Upsample::<false> { sheet: self, geometry, blocks });
@@ -526,10 +524,8 @@ impl<const GRADIENT: bool> Kernel for Upsample<'_, GRADIENT> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Self { sheet, geometry, mut blocks } = self;
-        while blocks != 0 {
-            let block = Block::new(blocks.trailing_zeros() as usize);
-            blocks &= blocks - 1;
+        let Self { sheet, geometry, blocks } = self;
+        for block in bits(blocks).map(Block::new) {
             let footprints = &sheet.u;
             let span = footprints.value.group(block.strip).span;
             let is_alike = !GRADIENT || footprints.difference.group(block.strip).span == span;

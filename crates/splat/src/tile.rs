@@ -9,6 +9,7 @@ use wavesplat_compute::simd::{Kernel, LANES, Simd};
 use crate::bricks::Occupied;
 use crate::composite::{Compositor, Slab};
 use crate::fields::{FieldPanels, FieldSheets};
+use crate::footprint::bits;
 use crate::panel::Panel;
 use crate::rays::{RayGeometry, Rays};
 use crate::sheet::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, Sheet, SheetGeometry, TILE_U, TILE_V};
@@ -250,15 +251,6 @@ impl TileJob<'_> {
         }
         slabs
     }
-}
-
-/// The blocks of a mask.
-fn bits(mut mask: BlockMask) -> impl Iterator<Item = usize> + Clone {
-    std::iter::from_fn(move || {
-        let next = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        next
-    })
 }
 
 /// The blocks that have a chunk that is alive.

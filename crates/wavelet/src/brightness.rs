@@ -35,8 +35,7 @@ const N_PER_SAMPLE: usize = 2;
 /// Factors of the extinction: from one over this up to this.
 const LARGEST: f64 = 8.0;
 
-/// Factors near the largest tell that a level may still be darker, which it must not be by more than the second number
-/// leaves.
+/// From this factor on a level may be darker all the same; it is bright enough with this share of the brightness.
 const OUT_OF_REACH: f64 = 0.9 * LARGEST;
 const BRIGHT_ENOUGH: f64 = 0.93;
 

@@ -10,6 +10,7 @@
 //! [`render`] is the one place that knows the order. [`mod@reference`] holds the literal double-precision twins.
 //! Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
+pub mod base_picture;
 pub mod base_plane;
 pub mod blocks;
 pub mod bricks;

@@ -9,6 +9,7 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{Camera, Composite, Error, Grid, Picture, RenderOptions, Result, Shading, TransferFunction};
 
+use crate::base_picture::BasePicture;
 use crate::base_plane::{BasePlane, IndexRays, base_planes};
 use crate::bricks::Occupied;
 use crate::by_gradient::ByGradient;
@@ -29,7 +30,7 @@ use crate::shade::{Shader, light_direction};
 use crate::sheet::{Chunk, N_STRIPS, SheetGeometry, TILE_U, TILE_V};
 use crate::slices::Slices;
 use crate::tile::{SheetSpacing, TileJob, Work};
-use crate::warp::{BasePicture, warp};
+use crate::warp::warp;
 
 /// Told about progress from worker threads; may stop the work.
 pub trait Monitor: Sync {
@@ -195,7 +196,7 @@ fn draw_base_planes(
         report.n_texels += work.n_texels;
         report.n_skipped_sheets += work.n_skipped;
         report.n_sheets.push(n_sheets);
-        report.n_base_texels += picture.texels.len() as u64;
+        report.n_base_texels += picture.plane.size.iter().product::<usize>() as u64;
         pictures.push(picture);
     }
     Ok((pictures, report))

@@ -201,7 +201,7 @@ fn every_simd_level_gives_the_same_bits() {
     for tf in [two_dimensional(), opacity_ramp(&[(90.0, 0.0), (110.0, 0.95)], None)] {
         let draw = |level: Level| {
             let (pictures, _) = render_base_planes_at(level, &slices, &tf, &camera, &options, &()).unwrap();
-            pictures.into_iter().map(|p| p.texels).collect::<Vec<_>>()
+            pictures.into_iter().map(|p| p.texels()).collect::<Vec<_>>()
         };
         let want = draw(Level::best());
         assert!(want.iter().flatten().any(|texel| texel[3] > 0.1));

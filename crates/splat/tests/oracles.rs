@@ -56,7 +56,7 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
     let region = wavesplat_splat::interval::Region::new(volume.grid(), options).unwrap();
     let mut n_hit = 0;
     for picture in &pictures {
-        for (t, texel) in picture.texels.iter().enumerate() {
+        for (t, texel) in picture.texels().iter().enumerate() {
             let n_u = picture.plane.size[0];
             let ray = picture.plane.ray((t % n_u) as f64, (t / n_u) as f64);
             let [lo, hi] = region.texel_interval(&picture.plane, &ray);
@@ -190,13 +190,13 @@ fn front_slab_over_back_slab_is_the_whole() {
         let mut n = 0;
         for j in 0..nv {
             for i in 0..nu {
-                let at = |picture: &wavesplat_splat::warp::BasePicture| {
+                let at = |picture: &wavesplat_splat::base_picture::BasePicture| {
                     // Cropped parts have their own base plane; find the texel on the same ray.
                     let p = &picture.plane;
                     let offset = (whole[0].plane.origin - p.origin) / p.step;
                     let (i, j) = (i as f64 + offset.x.round(), j as f64 + offset.y.round());
                     let inside = i >= 0.0 && j >= 0.0 && i < p.size[0] as f64 && j < p.size[1] as f64;
-                    if inside { picture.texels[j as usize * p.size[0] + i as usize] } else { [0.0; 4] }
+                    if inside { picture.texels()[j as usize * p.size[0] + i as usize] } else { [0.0; 4] }
                 };
                 let (w, f, b) = (at(&whole[0]), at(&front[0]), at(&back[0]));
                 for c in 0..4 {

@@ -104,7 +104,7 @@ fn the_fast_path_equals_the_literal_twin() {
                     for picture in &pictures {
                         let plane = &picture.plane;
                         let want = literal::base_plane(&volume, &tf, &camera, &options, standard, plane).unwrap();
-                        check(&picture.texels, &want);
+                        check(&picture.texels(), &want);
                     }
                 } else {
                     let (picture, _) = render(&slices, &tf, &camera, &options, standard, &()).unwrap();
@@ -132,7 +132,7 @@ fn an_eye_inside_sees_what_the_literal_twin_sees() {
             assert!(pictures.len() >= 3, "{} axes", pictures.len());
             let apart = pictures.iter().map(|picture| {
                 let want = literal::base_plane(&volume, &tf, &camera, &options, standard, &picture.plane).unwrap();
-                largest_difference(&picture.texels, &want)
+                largest_difference(&picture.texels(), &want)
             });
             apart.fold(0.0, f64::max)
         } else {

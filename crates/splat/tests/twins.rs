@@ -86,7 +86,7 @@ fn check_twin(
         let (pictures, _) = render_base_planes(&slices, tf, &camera, &options, &()).unwrap();
         for picture in &pictures {
             let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &picture.plane).unwrap();
-            for (t, (texel, want)) in picture.texels.iter().zip(&want).enumerate() {
+            for (t, (texel, want)) in picture.texels().iter().zip(&want).enumerate() {
                 for c in 0..4 {
                     let (got, want) = (f64::from(texel[c]), want[c]);
                     assert!((got - want).abs() < 1e-4, "{kernel:?} {variant:?} {from} texel {t}: {got} for {want}");
@@ -244,8 +244,8 @@ fn every_simd_level_gives_the_same_bits() {
             let options = RenderOptions { width_px: 90, height_px: 60, kernel, composite, ..RenderOptions::default() };
             let draw = |level| {
                 let pictures = render_base_planes_at(level, &slices, &tf, &camera, &options, &()).unwrap().0;
-                let texels = pictures.iter().flat_map(|p| p.texels.as_flattened().iter().chain(&p.w_half));
-                texels.map(|x| x.to_bits()).collect()
+                let texels = pictures.iter().flat_map(|p| [p.texels().into_flattened(), p.w_half.clone()]);
+                texels.flatten().map(f32::to_bits).collect()
             };
             let baseline: Vec<u32> = draw(Level::all()[0]);
             for level in Level::all() {
@@ -490,7 +490,7 @@ fn gradient_opacity_is_that_of_direct_evaluation() {
         let slices = Slices::new(&volume, options.kernel);
         for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
             let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
-            for (got, want) in picture.texels.iter().zip(&want) {
+            for (got, want) in picture.texels().iter().zip(&want) {
                 assert!((0..4).all(|c| (f64::from(got[c]) - want[c]).abs() < 1e-4), "{got:?} for {want:?}");
             }
         }
@@ -556,7 +556,7 @@ fn projections_equal_their_definitions() {
             let slices = Slices::new(&volume, options.kernel);
             for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
                 let want = project::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
-                for (t, ([density, length, _, coverage], want)) in picture.texels.iter().zip(want).enumerate() {
+                for (t, ([density, length, _, coverage], want)) in picture.texels().iter().zip(want).enumerate() {
                     assert_eq!(want.is_some(), *coverage == 1.0, "{composite:?} {from} texel {t}");
                     let Some(want) = want else { continue };
                     let got = match composite {

@@ -41,6 +41,23 @@ impl<T: Copy + Default> Default for Lanes<T> {
     }
 }
 
+/// Rows of numbers, for [`Simd::load_rows`].
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<'a> {
+    numbers: &'a [f32],
+    stride: usize,
+    /// From so many places on there are four rows of sixteen.
+    n_places: usize,
+}
+
+impl<'a> Rows<'a> {
+    /// `stride`: from row to row.
+    pub fn new(numbers: &'a [f32], stride: usize) -> Self {
+        let n = stride.saturating_mul(3).saturating_add(LANES);
+        Self { numbers, stride, n_places: (numbers.len() + 1).saturating_sub(n) }
+    }
+}
+
 /// Four numbers that are looked up together.
 pub type Entry = [f32; 4];
 
@@ -110,10 +127,28 @@ pub trait Simd: Math {
     fn load(self, from: &[f32; LANES]) -> Self::F;
     /// To memory.
     fn store(self, x: Self::F, to: &mut [f32; LANES]);
+    /// Sixteen neighbouring numbers of each of four rows below each other. Panics where they are not all there.
+    #[inline(always)]
+    fn load_rows(self, rows: &Rows, first: usize) -> [Self::F; 4] {
+        assert!(first < rows.n_places, "there are not four rows of sixteen");
+        let Rows { numbers, stride, .. } = *rows;
+        // SAFETY: `Rows::new` has counted the places from which on all of them are there.
+        unsafe {
+            let row = numbers.as_ptr().add(first);
+            [
+                self.load(&*row.cast()),
+                self.load(&*row.add(stride).cast()),
+                self.load(&*row.add(2 * stride).cast()),
+                self.load(&*row.add(3 * stride).cast()),
+            ]
+        }
+    }
     /// Lane `i` as bit `i`.
     fn bits(self, m: Self::M) -> u16;
     /// `row[index]` for each lane, indices taken modulo 16.
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F;
+    /// Quads, which are four neighbouring lanes, as entries of four rows: rows become columns.
+    fn transpose_quads(self, rows: [Self::F; 4]) -> [Self::F; 4];
     /// Rows become columns.
     fn transpose(self, rows: &mut [Lanes; LANES]);
 }
@@ -342,6 +377,7 @@ mod tests {
                 s.add_mul(a, a, b),
             ];
             numbers.extend(s.look_up(self.table, a));
+            numbers.extend(s.transpose_quads([a, b, s.add(a, b), s.mul(a, b)]));
             let mut rows: [Lanes; LANES] = std::array::from_fn(|r| Lanes(std::array::from_fn(|c| (16 * r + c) as f32)));
             s.transpose(&mut rows);
             assert!((0..LANES).all(|r| (0..LANES).all(|c| rows[c].0[r] == (16 * r + c) as f32)));
@@ -427,6 +463,30 @@ mod tests {
             let a = 1e-12_f32 * 1.02_f32.powi(i % 3000);
             let want = 1.0 / f64::from(a).sqrt();
             assert!((f64::from(kernel(a)) - want).abs() < 1e-6 * want, "{a}");
+        }
+    }
+
+    #[test]
+    fn rows_of_quads_become_columns() {
+        let rows: [[f32; LANES]; 4] = std::array::from_fn(|r| std::array::from_fn(|i| (16 * r + i) as f32));
+        for (q, column) in Plain.transpose_quads(rows).iter().enumerate() {
+            for (r, quad) in column.chunks(4).enumerate() {
+                assert_eq!(quad, &rows[r][4 * q..][..4]);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_are_read_where_they_are() {
+        let numbers: Vec<f32> = (0..100).map(|i| i as f32).collect();
+        let rows = Rows::new(&numbers, 20);
+        for first in 0..25 {
+            for (r, row) in Plain.load_rows(&rows, first).iter().enumerate() {
+                assert_eq!(row, &numbers[first + 20 * r..][..LANES]);
+            }
+        }
+        for (rows, first) in [(rows, 25), (Rows::new(&numbers, 29), 0), (Rows::new(&numbers, usize::MAX / 2), 0)] {
+            assert!(std::panic::catch_unwind(|| Plain.load_rows(&rows, first)).is_err());
         }
     }
 

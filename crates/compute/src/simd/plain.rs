@@ -158,6 +158,17 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    fn transpose_quads(self, rows: [Array; 4]) -> [Array; 4] {
+        let mut columns = rows;
+        for (r, row) in rows.iter().enumerate() {
+            for (q, quad) in row.chunks_exact(4).enumerate() {
+                columns[q][4 * r..][..4].copy_from_slice(quad);
+            }
+        }
+        columns
+    }
+    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         for r in 0..LANES {
             for c in 0..r {

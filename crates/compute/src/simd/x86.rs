@@ -197,6 +197,10 @@ impl Simd for Sse2 {
         self.load(&out)
     }
     #[inline(always)]
+    fn transpose_quads(self, [a, b, c, d]: [Self::F; 4]) -> [Self::F; 4] {
+        [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]], [a[2], b[2], c[2], d[2]], [a[3], b[3], c[3], d[3]]]
+    }
+    #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         super::Plain.transpose(rows);
     }
@@ -258,6 +262,17 @@ impl Simd for Avx2 {
             // Bit 3 of the index, moved to the sign, chooses the half.
             _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index)))
         })
+    }
+    #[inline(always)]
+    fn transpose_quads(self, [a, b, c, d]: [Self::F; 4]) -> [Self::F; 4] {
+        let [low, high]: [[Self::F; 2]; 2] = map!(2, i => {
+            // Of register i of each row.
+            [
+                [_mm256_permute2f128_ps::<0x20>(a[i], b[i]), _mm256_permute2f128_ps::<0x20>(c[i], d[i])],
+                [_mm256_permute2f128_ps::<0x31>(a[i], b[i]), _mm256_permute2f128_ps::<0x31>(c[i], d[i])],
+            ]
+        });
+        [low[0], low[1], high[0], high[1]]
     }
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
@@ -441,6 +456,20 @@ impl Simd for Avx512 {
         unsafe {
             let index = _mm512_loadu_si512(index.0.as_ptr().cast());
             _mm512_permutexvar_ps(index, _mm512_loadu_ps(row.as_ptr()))
+        }
+    }
+    #[inline(always)]
+    fn transpose_quads(self, [a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+        // SAFETY: see `splat`.
+        unsafe {
+            let (ab, cd) = (_mm512_shuffle_f32x4::<0x44>(a, b), _mm512_shuffle_f32x4::<0x44>(c, d));
+            let (ab_high, cd_high) = (_mm512_shuffle_f32x4::<0xee>(a, b), _mm512_shuffle_f32x4::<0xee>(c, d));
+            [
+                _mm512_shuffle_f32x4::<0x88>(ab, cd),
+                _mm512_shuffle_f32x4::<0xdd>(ab, cd),
+                _mm512_shuffle_f32x4::<0x88>(ab_high, cd_high),
+                _mm512_shuffle_f32x4::<0xdd>(ab_high, cd_high),
+            ]
         }
     }
     #[inline(always)]

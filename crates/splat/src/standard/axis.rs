@@ -14,10 +14,10 @@ use super::FamilyScene;
 use super::footprint::{AxisFootprint, KernelTable, reach};
 use super::samples::{Densities, visible_layers};
 use super::shaded::Shaded;
+use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
 use crate::render::Progress;
 use crate::sheet::{Chunk, N_STRIPS, TILE_U, TILE_V};
-use crate::warp::BasePicture;
 
 /// A ray stops when less than this share of light comes through: a tenth of a grey level of 1024.
 pub const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;

@@ -54,6 +54,7 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Grid, Picture, Projection, RenderOptions, Result, TransferFunction};
 
+use crate::base_picture::BasePicture;
 use crate::base_plane::{BasePlane, Family, IndexRays, base_planes};
 use crate::bricks::Occupied;
 use crate::by_gradient::ByGradient;
@@ -64,7 +65,7 @@ use crate::prefilter;
 use crate::render::{Monitor, Progress, brightest};
 use crate::shade::{Shader, on_gradient};
 use crate::slices::Slices;
-use crate::warp::{BasePicture, warp};
+use crate::warp::warp;
 use shaded::Sight;
 
 pub(crate) use axis::NEAREST as NEAREST_SLICE;

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
+from itertools import accumulate
 from operator import index
 from os import PathLike
 from pathlib import Path
@@ -29,8 +30,11 @@ NORMALISATIONS = ("l2", "peak")
 #: Bytes of decoded samples that are kept for the next picture, unless something else is asked for.
 CACHE_BYTES = 1 << 29
 
-#: Levels and bands whose decoded samples are kept at a time.
-N_DECODED = 2
+#: Levels and bands that are kept at a time, if so many fit into the cache.
+MOST_DECODED = 8
+
+#: None of them takes more than this part of the cache.
+LARGEST_SHARE = 2
 
 #: Samples may not be larger: sums of a few hundred of them must not leave float32.
 LARGEST = 1e35
@@ -166,7 +170,8 @@ class WaveletVolume(Grid):
     def cache_bytes(self) -> int:
         """Bytes of decoded samples that are kept for the next picture; a smaller number takes longer to draw.
 
-        A coarser level takes about 5 MB more, for what tells how bright the finer ones were.
+        Levels and bands that were drawn share it, so that drawing coarse to fine decodes each level once. A coarser
+        level takes about 5 MB more, for what tells how bright the finer ones were.
         """
         return self._cache_bytes
 
@@ -343,12 +348,15 @@ class WaveletVolume(Grid):
         key = drop_levels, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:
-            share = self._cache_bytes // N_DECODED
+            share = self._cache_bytes // LARGEST_SHARE
             decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
         self._decoded_levels[key] = decoded
-        # Other threads may draw from the same coefficients, and drop the same ones.
-        for oldest in list(self._decoded_levels)[:-N_DECODED]:
-            self._decoded_levels.pop(oldest, None)
+        # The latest first. Other threads may draw from the same coefficients, and drop the same ones.
+        latest = list(self._decoded_levels.items())[::-1]
+        taken = list(accumulate(level.cache_bytes for _, level in latest))
+        for k, (oldest, _) in enumerate(latest):
+            if k >= MOST_DECODED or taken[k] > self._cache_bytes:
+                self._decoded_levels.pop(oldest, None)
         return decoded
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -89,6 +89,11 @@ impl Blocks {
         Self { decoder, map, pole: prefilter::pole(kernel), size, n, budget_bytes, held: Mutex::new(held) }
     }
 
+    /// The largest budget that is of use to a volume of this size.
+    pub fn most_bytes(size: [usize; 3]) -> usize {
+        size.map(|n| n.div_ceil(BLOCK)).iter().product::<usize>() * BLOCK_BYTES
+    }
+
     /// Samples along x, y, z.
     pub fn size(&self) -> [usize; 3] {
         self.size
@@ -96,7 +101,7 @@ impl Blocks {
 
     /// Whether all blocks fit into the budget.
     pub fn all_fit(&self) -> bool {
-        self.n.iter().product::<usize>() * BLOCK_BYTES <= self.budget_bytes
+        Self::most_bytes(self.size) <= self.budget_bytes
     }
 
     /// Decodes a box, without a look at what is kept.

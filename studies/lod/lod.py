@@ -9,7 +9,7 @@ picture (mean over pixels and channels, shaded, over black) from the picture of 
 the views, and in brackets the view that is worst.
 Goals: at most half of plain's change; below 8 % at one level; below 4 % at two on CT with a soft function.
 
-Time is of the processor for a frame with everything kept that may be kept (least of 3); `--large` adds 512^3 samples,
+Time is of the processor for a frame with everything kept that may be kept (least of 9); `--large` adds 512^3 samples,
 the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below ours.
 
 `--record` writes the table to RESULTS.md beside this file. Volumes are from BENCH_DATA or, where it lacks them,
@@ -115,15 +115,23 @@ def draw(
     volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
 ) -> Array:
     """RGB, 0..1."""
+    return draw_by(volume, tf, view, size, camera_of, **options)[0]
+
+
+def draw_by(
+    volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
+) -> tuple[Array, float]:
+    """The same, and by how many sheets per slice."""
     picture = ws.render(volume, tf, ws.Camera.orbit(camera_of or volume, *view), size=(size, size), **options)
-    return np.clip(picture.rgba[..., :3], 0.0, 1.0).astype(np.float64)
+    rgb = np.clip(picture.rgba[..., :3], 0.0, 1.0).astype(np.float64)
+    return rgb, float(picture.report["sheets_per_slice"])
 
 
 def least_ms(work: Callable[[], object]) -> float:
-    """Processor time, the least of 3 after one that is not counted."""
+    """Processor time, the least of 9 after one that is not counted."""
     work()
     times = []
-    for _ in range(3):
+    for _ in range(9):
         start = time.process_time()
         work()
         times.append(1e3 * (time.process_time() - start))
@@ -156,8 +164,9 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
             whole = draw(wavelets, tf, view, size)
             page = [[whole], [whole]]
             for n in range(MOST_DROPPED):
-                plain = draw(low_pass[n], tf, view, size, camera_of=wavelets, oversampling=0.5 ** (n + 1))
-                pictures = plain, draw(wavelets, tf, view, size, drop_levels=n + 1)
+                ours, sheets = draw_by(wavelets, tf, view, size, drop_levels=n + 1)
+                same = {"camera_of": wavelets, "sheets_per_slice": sheets, "oversampling": 0.5 ** (n + 1)}
+                pictures = draw(low_pass[n], tf, view, size, **same), ours
                 changes[:, n, v] = [100 * (picture.mean() / whole.mean() - 1) for picture in pictures]
                 for line, picture in zip(page, pictures, strict=True):
                     line.append(picture)

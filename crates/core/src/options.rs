@@ -307,15 +307,26 @@ impl RenderOptions {
 
 /// Sheets per slice and oversampling of each named quality, for transfer functions that are smooth and for those that
 /// are steep; the errors they reach are measured by `studies/quality`.
-const QUALITIES: [(&str, [(f64, f64); 2]); 3] =
-    [("draft", [(0.5, 0.5), (0.5, 0.5)]), ("normal", [(2.0, 1.0), (2.0, 1.0)]), ("high", [(3.0, 2.0), (6.0, 3.0)])];
+const QUALITIES: [(&str, [(f64, f64); 2]); 3] = [
+    ("draft", [(0.5, 0.5), (0.5, 0.5)]),
+    ("normal", [(NORMAL_SHEETS, 1.0), (NORMAL_SHEETS, 1.0)]),
+    ("high", [(3.0, 2.0), (6.0, 3.0)]),
+];
+
+/// Sheets per slice of quality `normal`, and those of a coarser level where the function is steep: slabs are integrated,
+/// and what linear slabs miss is less than what the level itself has lost (`studies/lod`).
+const NORMAL_SHEETS: f64 = 2.0;
+const COARSE_SHEETS: f64 = 1.0;
 
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
 /// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
 /// of which a pixel holds `samples_per_pixel`.
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
-    let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[usize::from(is_steep)];
+    let (mut sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[usize::from(is_steep)];
+    if coarseness > 1.0 && is_steep && sheets_per_slice == NORMAL_SHEETS {
+        sheets_per_slice = COARSE_SHEETS;
+    }
     let at_least = samples_per_pixel.clamp(LEAST_OVERSAMPLING, oversampling);
     Ok((sheets_per_slice, (oversampling / coarseness).max(at_least)))
 }

@@ -250,7 +250,8 @@ impl PyDecodedVolume {
         }
         let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
         let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
-        let filtered = spread.filter(tf, spacing.to_array(), shading).map_err(to_py)?;
+        let is_steep = wavesplat_splat::is_steep(&self.grid, tf);
+        let filtered = spread.filter(tf, spacing.to_array(), shading, is_steep).map_err(to_py)?;
         *kept = Some(Filtered { of: tf.clone(), shading: shading.cloned(), tf: filtered.clone() });
         Ok(filtered)
     }

@@ -1,7 +1,7 @@
 //! How bright a coarser level looks beside the finest, and what makes it as bright.
 //!
-//! Rays along the axes, spread evenly over the volume, know the samples and the coarse values that they meet, and how
-//! steeply the gradients of both stand to them. Drawn by a function each, in the light of a lamp at the eye,
+//! Rays aslant to the axes, spread evenly over the volume, know the samples and the coarse values that they meet, and how
+//! steeply the gradients of both stand to them. Between sheets values are linear, as the renderer takes them to be. Drawn by a function each, in the light of a lamp at the eye,
 //!
 //! `B = Σ T α (c (ambient + diffuse |n·v|) + specular max(0, 2 (n·v)² − 1)^power)`,
 //!
@@ -20,7 +20,7 @@ const N_IN_BUNDLE: usize = 16;
 const SIDE: usize = 16;
 
 /// Bundles along each axis, if all rays together meet no more samples than the second number.
-const N_BUNDLES: usize = 128;
+const N_BUNDLES: usize = 256;
 const N_MET: usize = 1 << 19;
 
 /// Volumes of no more samples are decoded.
@@ -30,10 +30,10 @@ const N_DECODED: usize = 1 << 24;
 const N_LAYERS: usize = 32;
 
 /// Positions per sample: the first visible one on a ray tells how a surface stands.
-const N_PER_SAMPLE: usize = 2;
+const N_PER_SAMPLE: usize = 4;
 
 /// Factors of the extinction: from one over this up to this.
-const LARGEST: f64 = 8.0;
+const LARGEST: f64 = 20.0;
 
 /// From this factor on a level may be darker all the same; it is bright enough with this share of the brightness.
 const OUT_OF_REACH: f64 = 0.9 * LARGEST;
@@ -50,6 +50,12 @@ const N_STEPS: usize = 12;
 /// Half distance of the differences that estimate the gradient, in samples of the level: what is usual.
 const GRADIENT_OFFSET: f64 = 1.0;
 
+/// How far rays run along an axis and across it: between those along it and those that run as much along another.
+const DIRECTION: [f64; 3] = [1.0, 0.5, 0.3];
+
+/// Sheets per slice: of the finest samples, of a level, and of a level that is drawn with a steep function.
+const SHEETS: [usize; 3] = [2, 2, 1];
+
 /// Steps of `|n·v|`; one more number stands for where there is no gradient.
 const N_COSINES: usize = 31;
 
@@ -62,11 +68,11 @@ const DARK: f32 = 1e-4;
 /// Mean of the colour, and opacity, in each bin of values.
 pub type Look = Vec<[f64; 2]>;
 
-/// A ray along an axis.
+/// A ray along an axis, more or less.
 struct Ray {
     axis: usize,
-    /// What it meets in order, of the finest samples and of the coarse values.
-    met: [Vec<Met>; 2],
+    /// What it meets in order, for each of [`SHEETS`], as often per sample along the axis.
+    met: [Vec<Met>; 3],
 }
 
 /// Bin of a value, times `N_COSINES + 1`, and step of `|n·v|`.
@@ -87,8 +93,6 @@ impl Rays {
         bin: impl Fn(f32) -> usize + Sync,
     ) -> Self {
         let size = fine.size();
-        let coarse_spacing = [0, 1, 2].map(|a| spacing[a] * grid.spacing[a]);
-        let step = 1.0 / N_PER_SAMPLE as f64;
         let n_samples = size.iter().product::<usize>();
         let fits = n_samples <= N_DECODED && 2 * n_samples * size_of::<f32>() <= budget_bytes;
         let whole = fits.then(|| [fine, coarse].map(|decoder| Samples::new(decoder, [0; 3], decoder.size())));
@@ -114,10 +118,13 @@ impl Rays {
                 let within = evenly_spread(axis, bundle * N_IN_BUNDLE + k, width);
                 let start = [0, 1, 2].map(|a| if a == axis { 0.0 } else { first[a] + within[a] });
                 let n = (size[axis] - 1) * N_PER_SAMPLE + 1;
-                let own = Line::new(fine, axis, start, spacing).along(n, step, &bin);
-                let low = Line::new(coarse, axis, grid.level_from_finest(start), coarse_spacing);
-                let low = low.along(n, step / grid.spacing[axis], &bin);
-                let mut met = [own, low];
+                let path = Path::new(axis, start, [first, end], spacing, k);
+                let finest = LevelGrid::finest(size);
+                let of = |which: usize| {
+                    let (samples, grid) = if which == 0 { (fine, &finest) } else { (coarse, grid) };
+                    Sheets::new(samples, grid, &path, spacing, SHEETS[which] as f64).along(n, &bin)
+                };
+                let mut met = [of(0), of(1), of(2)];
                 // Seen from both ends.
                 if k % 2 == 1 {
                     for met in &mut met {
@@ -133,35 +140,42 @@ impl Rays {
 
     /// By how much the extinction of the coarse look has to be multiplied, so that the level is as bright as the finest.
     /// `lengths`: from sample to sample along each axis, in units of the opacities. Without shading, colours are as they
-    /// are.
-    pub fn factor(&self, [fine, coarse]: [&Look; 2], shading: Option<&Shading>, lengths: [f64; 3]) -> f64 {
-        let lengths = lengths.map(|length| length / N_PER_SAMPLE as f64);
+    /// are. `is_steep`: whether the level gets the sheets of a steep function.
+    pub fn factor(
+        &self,
+        [fine, coarse]: [&Look; 2],
+        shading: Option<&Shading>,
+        lengths: [f64; 3],
+        is_steep: bool,
+    ) -> f64 {
+        let lengths = steps(lengths);
         let (lit, unlit) = (light(shading), light(None));
-        let factor = self.factor_for(self.brightness(0, fine, &lit, lengths), coarse, &lit, lengths);
+        let factor = self.factor_for(self.brightness(0, fine, &lit, lengths), coarse, is_steep, &lit, lengths);
         if shading.is_none() {
             return factor;
         }
         let [wanted, got] = [
             self.brightness(0, fine, &unlit, lengths),
-            self.brightness(1, coarse, &unlit, lengths.map(|length| factor * length)),
+            self.brightness(coarse_sheets(is_steep), coarse, &unlit, lengths.map(|length| factor * length)),
         ];
         let bounded = got.clamp(wanted / MOST_FOR_LIGHT, wanted * MOST_FOR_LIGHT);
-        if got == bounded { factor } else { self.factor_for(bounded, coarse, &unlit, lengths) }
+        if got == bounded { factor } else { self.factor_for(bounded, coarse, is_steep, &unlit, lengths) }
     }
 
     /// Whether a factor that [`Rays::factor`] found makes the coarse look about as bright, without light.
-    pub fn is_bright_enough(&self, [fine, coarse]: [&Look; 2], factor: f64, lengths: [f64; 3]) -> bool {
+    pub fn is_bright_enough(&self, [fine, coarse]: [&Look; 2], factor: f64, lengths: [f64; 3], is_steep: bool) -> bool {
         if factor < OUT_OF_REACH {
             return true;
         }
-        let lengths = lengths.map(|length| length / N_PER_SAMPLE as f64);
+        let lengths = steps(lengths);
         let unlit = light(None);
         let wanted = self.brightness(0, fine, &unlit, lengths);
-        self.brightness(1, coarse, &unlit, lengths.map(|length| factor * length)) >= BRIGHT_ENOUGH * wanted
+        self.brightness(coarse_sheets(is_steep), coarse, &unlit, lengths.map(|length| factor * length))
+            >= BRIGHT_ENOUGH * wanted
     }
 
     /// The factor that makes the coarse look as bright as is wanted.
-    fn factor_for(&self, wanted: f64, coarse: &Look, light: &[[f64; 2]], lengths: [f64; 3]) -> f64 {
+    fn factor_for(&self, wanted: f64, coarse: &Look, is_steep: bool, light: &[[f64; 2]], lengths: [f64; 3]) -> f64 {
         if wanted <= 0.0 {
             return 1.0;
         }
@@ -169,7 +183,8 @@ impl Rays {
         let [mut lo, mut hi] = [-LARGEST.ln(), LARGEST.ln()];
         let (mut at, mut before) = (0.0, None);
         for _ in 0..N_STEPS {
-            let brightness = self.brightness(1, coarse, light, lengths.map(|length| f64::exp(at) * length));
+            let brightness =
+                self.brightness(coarse_sheets(is_steep), coarse, light, lengths.map(|length| f64::exp(at) * length));
             let excess = (brightness / wanted).ln();
             if excess.abs() < TOLERANCE {
                 break;
@@ -188,7 +203,7 @@ impl Rays {
         at.exp()
     }
 
-    /// Mean over the rays, of the finest samples (0) or the coarse values (1).
+    /// Mean over the rays, for one of [`SHEETS`].
     fn brightness(&self, which: usize, look: &Look, light: &[[f64; 2]], lengths: [f64; 3]) -> f64 {
         // By what is met: light that comes from there, and share of the light behind that passes.
         let of_axis = lengths.map(|length| -> Vec<[f32; 2]> {
@@ -219,6 +234,17 @@ impl Rays {
         });
         parts.into_iter().sum::<f64>() / self.0.len() as f64
     }
+}
+
+/// Which of [`SHEETS`] a level gets.
+fn coarse_sheets(is_steep: bool) -> usize {
+    1 + usize::from(is_steep)
+}
+
+/// Lengths of rays along each axis from one position to the next.
+fn steps(lengths: [f64; 3]) -> [f64; 3] {
+    let longer = DIRECTION.iter().map(|d| d * d).sum::<f64>().sqrt() / DIRECTION[0];
+    lengths.map(|length| length * longer / N_PER_SAMPLE as f64)
 }
 
 /// Light that comes back by step of `|n·v|`: factor of the colour, and highlight.
@@ -266,7 +292,7 @@ impl Samples {
         Self { size: decoder.size(), lo, n, values }
     }
 
-    /// Around lines along an axis that begin between two index positions.
+    /// Around paths along an axis that stay between two index positions.
     fn around(decoder: &dyn Decoder, axis: usize, first: [f64; 3], end: [f64; 3]) -> Self {
         let (mut lo, mut hi) = ([0; 3], decoder.size());
         for a in [(axis + 1) % 3, (axis + 2) % 3] {
@@ -276,80 +302,132 @@ impl Samples {
         }
         Self::new(decoder, lo, hi)
     }
+
+    /// Trilinear, at an index position; the nearest one of the box where it is outside.
+    fn at(&self, position: [f64; 3]) -> f32 {
+        let mut first = 0;
+        let (mut strides, mut shares) = ([1, self.n[0], self.n[0] * self.n[1]], [0.0; 3]);
+        for a in 0..3 {
+            let x = (position[a] - self.lo[a] as f64).clamp(0.0, (self.n[a] - 1) as f64);
+            let below = (x as usize).min(self.n[a].saturating_sub(2));
+            first += below * strides[a];
+            shares[a] = (x - below as f64) as f32;
+            // A box of one sample has no neighbour, and nothing of its share.
+            strides[a] *= usize::from(self.n[a] > 1);
+        }
+        let [tx, ty, tz] = shares;
+        let between = |i: usize, stride: usize, t: f32| self.values[i] + (self.values[i + stride] - self.values[i]) * t;
+        let row = |i: usize| between(i, strides[0], tx);
+        let plane = |i: usize| row(i) + (row(i + strides[1]) - row(i)) * ty;
+        plane(first) + (plane(first + strides[2]) - plane(first)) * tz
+    }
 }
 
-/// Values along a line along an axis, one per sample, and slopes across it.
-struct Line {
-    /// Position of the line's begin along its axis.
-    first: f64,
-    values: Vec<f32>,
-    /// Along the other two axes, per unit of length.
-    slopes: [Vec<f32>; 2],
-    /// Slopes per unit of length, of those per sample along the axis.
-    per_sample: f32,
+/// The way of a ray, by index positions of the finest grid. It is thrown back from the sides of its box.
+struct Path {
+    axis: usize,
+    start: [f64; 3],
+    /// Per sample along the axis.
+    slope: [f64; 3],
+    bounds: [[f64; 3]; 2],
+    /// Unit vector at the start, in the space of the spacing.
+    direction: [f64; 3],
 }
 
-impl Line {
-    /// From an index position on. `spacing`: of the samples along each axis.
-    fn new(samples: &Samples, axis: usize, start: [f64; 3], spacing: [f64; 3]) -> Self {
-        let Samples { size, lo, n, ref values } = *samples;
-        let across = [(axis + 1) % 3, (axis + 2) % 3];
-        // Middle, and the ends of a difference, which stay inside.
-        let at = |a: usize, shift: f64| (start[a] + shift).clamp(0.0, (size[a] - 1) as f64);
-        let strides = [1, n[0], n[0] * n[1]];
-        // Bilinear between the four samples around a position across the line.
-        let line = |shift: [f64; 2]| -> Vec<f32> {
-            let mut first = 0;
-            let mut next = [(0, 0.0); 2];
-            for k in 0..2 {
-                let a = across[k];
-                let x = (at(a, shift[k]) - lo[a] as f64).max(0.0);
-                let below = (x as usize).min(n[a].saturating_sub(2));
-                first += below * strides[a];
-                next[k] = (if n[a] > 1 { strides[a] } else { 0 }, (x - below as f64) as f32);
+impl Path {
+    /// `spacing`: of the finest samples along each axis. `k`: which of the ways across.
+    fn new(axis: usize, start: [f64; 3], bounds: [[f64; 3]; 2], spacing: [f64; 3], k: usize) -> Self {
+        let mut direction = [0.0; 3];
+        direction[axis] = DIRECTION[0];
+        // Either of the other axes more, and either way.
+        let across = if k & 2 == 0 { [1, 2] } else { [2, 1] };
+        direction[(axis + across[0]) % 3] = DIRECTION[1] * if k & 4 == 0 { 1.0 } else { -1.0 };
+        direction[(axis + across[1]) % 3] = DIRECTION[2] * if k & 8 == 0 { 1.0 } else { -1.0 };
+        let slope = [0, 1, 2].map(|a| direction[a] / DIRECTION[0] * spacing[axis] / spacing[a]);
+        let length = DIRECTION.iter().map(|d| d * d).sum::<f64>().sqrt();
+        Self { axis, start, slope, bounds, direction: direction.map(|d| d / length) }
+    }
+
+    /// Position where it is `x` along its axis, and along which axes it runs as it did at the start: 1, or else −1.
+    fn at(&self, x: f64) -> [[f64; 3]; 2] {
+        let (mut position, mut signs) = (self.start, [1.0; 3]);
+        for a in 0..3 {
+            let [lo, hi] = [self.bounds[0][a], self.bounds[1][a]];
+            if a == self.axis {
+                position[a] = x;
+            } else if hi > lo {
+                // Forth and back.
+                let way = (self.start[a] + self.slope[a] * x - lo).rem_euclid(2.0 * (hi - lo));
+                let is_back = way > hi - lo;
+                position[a] = if is_back { 2.0 * hi - lo - way } else { lo + way };
+                signs[a] = if is_back { -1.0 } else { 1.0 };
             }
-            let [(db, b), (dc, c)] = next;
-            let weights = [(0, (1.0 - b) * (1.0 - c)), (db, b * (1.0 - c)), (dc, (1.0 - b) * c), (db + dc, b * c)];
-            let value = |i: usize| weights.iter().map(|(d, w)| w * values[first + i * strides[axis] + d]).sum();
-            (0..n[axis]).map(value).collect()
-        };
-        let slope = |k: usize| {
-            let a = across[k];
-            let way = (at(a, GRADIENT_OFFSET) - at(a, -GRADIENT_OFFSET)) * spacing[a];
-            let shift = |sign: f64| if k == 0 { [sign * GRADIENT_OFFSET, 0.0] } else { [0.0, sign * GRADIENT_OFFSET] };
-            let per_way = if way > 0.0 { (1.0 / way) as f32 } else { 0.0 };
-            let (before, after) = (line(shift(-1.0)), line(shift(1.0)));
-            before.iter().zip(&after).map(|(before, after)| (after - before) * per_way).collect()
+        }
+        [position, signs]
+    }
+}
+
+/// What a ray meets in sheets.
+struct Sheets {
+    /// Sheets per sample of the finest grid, along the axis, and where the first one lies.
+    per_sample: f64,
+    origin: f64,
+    /// Value, and its slopes along the three axes, as the ray runs.
+    numbers: Vec<[f32; 4]>,
+    /// Unit vector of the ray.
+    direction: [f64; 3],
+}
+
+impl Sheets {
+    /// Of samples that lie on `grid`, of whose slices one has `per_slice` sheets. `spacing`: of the finest samples.
+    fn new(samples: &Samples, grid: &LevelGrid, path: &Path, spacing: [f64; 3], per_slice: f64) -> Self {
+        let axis = path.axis;
+        let n = ((samples.size[axis] - 1) as f64 * per_slice) as usize + 1;
+        let sheet = |k: usize| {
+            let mut x = grid.origin[axis] + grid.spacing[axis] * k as f64 / per_slice;
+            x = x.clamp(path.bounds[0][axis], path.bounds[1][axis]);
+            let [position, signs] = path.at(x);
+            let position = grid.level_from_finest(position);
+            let mut numbers = [samples.at(position); 4];
+            for a in 0..3 {
+                let end = |offset: f64| {
+                    let mut end = position;
+                    end[a] = (end[a] + offset).clamp(0.0, (samples.size[a] - 1) as f64);
+                    end
+                };
+                let (before, after) = (end(-GRADIENT_OFFSET), end(GRADIENT_OFFSET));
+                let way = (after[a] - before[a]) * grid.spacing[a] * spacing[a];
+                let change = f64::from(samples.at(after) - samples.at(before));
+                numbers[a + 1] = if way > 0.0 { (signs[a] * change / way) as f32 } else { 0.0 };
+            }
+            numbers
         };
         Self {
-            first: start[axis],
-            values: line([0.0; 2]),
-            slopes: [slope(0), slope(1)],
-            per_sample: (1.0 / spacing[axis]) as f32,
+            per_sample: per_slice / grid.spacing[axis],
+            origin: grid.origin[axis],
+            numbers: (0..n).map(sheet).collect(),
+            direction: path.direction,
         }
     }
 
-    /// What there is at `n` positions, a `step` apart.
-    fn along(&self, n: usize, step: f64, bin: impl Fn(f32) -> usize) -> Vec<Met> {
-        let last = (self.values.len() - 1) as f64;
-        let between = |line: &[f32], x: f64| {
-            let below = (x as usize).min(line.len().saturating_sub(2));
-            let to = line[(below + 1).min(line.len() - 1)];
-            line[below] + (to - line[below]) * (x - below as f64) as f32
-        };
+    /// What there is at `n` positions.
+    fn along(&self, n: usize, bin: impl Fn(f32) -> usize) -> Vec<Met> {
+        let last = (self.numbers.len() - 1) as f64;
+        let direction = self.direction.map(|d| d as f32);
         let met = |i: usize| {
-            let x = (self.first + step * i as f64).clamp(0.0, last);
-            let [before, after] = [(x - GRADIENT_OFFSET).max(0.0), (x + GRADIENT_OFFSET).min(last)];
-            let change = between(&self.values, after) - between(&self.values, before);
-            let along = change * self.per_sample / (after - before).max(GRADIENT_OFFSET) as f32;
-            let [b, c] = [0, 1].map(|k| between(&self.slopes[k], x));
-            let squared = along * along + b * b + c * c;
-            let step = if squared > 0.0 {
-                ((along.abs() / squared.sqrt() * N_COSINES as f32) as usize).min(N_COSINES - 1)
+            let x = ((i as f64 / N_PER_SAMPLE as f64 - self.origin) * self.per_sample).clamp(0.0, last);
+            let below = x as usize;
+            let (from, to) = (self.numbers[below], self.numbers[(below + 1).min(self.numbers.len() - 1)]);
+            let t = (x - below as f64) as f32;
+            let [value, slopes @ ..] = [0, 1, 2, 3].map(|c| from[c] + (to[c] - from[c]) * t);
+            let slope = slopes.iter().map(|slope| slope * slope).sum::<f32>().sqrt();
+            let along: f32 = slopes.iter().zip(direction).map(|(slope, d)| slope * d).sum();
+            let step = if slope > 0.0 {
+                ((along.abs() / slope * N_COSINES as f32) as usize).min(N_COSINES - 1)
             } else {
                 N_COSINES
             };
-            (bin(between(&self.values, x)) * (N_COSINES + 1) + step) as Met
+            (bin(value) * (N_COSINES + 1) + step) as Met
         };
         (0..n).map(met).collect()
     }

@@ -32,7 +32,7 @@ impl LevelGrid {
             return None;
         }
         let size = plan.low_size(level);
-        let mut grid = Self { origin: [0.0; 3], spacing: [1.0; 3], size, n_before: [0; 3] };
+        let mut grid = Self::finest(size);
         for a in 0..3 {
             for _ in (0..level).map(|k| plan.step(k, a)).filter(|step| step.n_low < step.n) {
                 if plan.family() == Family::Haar {
@@ -47,6 +47,11 @@ impl LevelGrid {
             grid.size[a] += grid.n_before[a] + n_after;
         }
         Some(grid)
+    }
+
+    /// The finest grid itself.
+    pub fn finest(size: [usize; 3]) -> Self {
+        Self { origin: [0.0; 3], spacing: [1.0; 3], size, n_before: [0; 3] }
     }
 
     /// An index position of the finest grid as one of the level.

@@ -97,12 +97,14 @@ impl Spread {
     }
 
     /// The function for the level. `spacing`: of the finest grid along each axis, in the function's `opacity_unit`s.
-    /// `shading`: what the picture is lit by. Functions of two dimensions are averaged only.
+    /// `shading`: what the picture is lit by. `is_steep`: whether the function is, so that the level is drawn with fewer
+    /// sheets. Functions of two dimensions are averaged only.
     pub fn filter(
         &self,
         tf: &TransferFunction,
         spacing: [f64; 3],
         shading: Option<&Shading>,
+        is_steep: bool,
     ) -> Result<TransferFunction> {
         let length = spacing.iter().product::<f64>().cbrt();
         if tf.joint().is_some() || self.hi <= self.lo {
@@ -117,8 +119,8 @@ impl Spread {
         let with = |rare: f32| {
             let rgba = self.averages(rgba_of(tf), length, rare);
             let looks = [&own, &look(&rgba)];
-            let factor = self.rays.factor(looks, shading, spacing);
-            let is_bright_enough = self.rays.is_bright_enough(looks, factor, spacing);
+            let factor = self.rays.factor(looks, shading, spacing, is_steep);
+            let is_bright_enough = self.rays.is_bright_enough(looks, factor, spacing, is_steep);
             (rgba, factor, is_bright_enough)
         };
         let (mut rgba, mut factor, is_bright_enough) = with(RARE);

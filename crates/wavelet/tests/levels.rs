@@ -234,7 +234,7 @@ fn what_is_rare_makes_no_haze() {
                 let volume = volume(family, [80, 40, 40], sample);
                 let (spread, coarse) = (spread_of(&volume, level), coarse_values(&volume, level, 1));
                 let of_grains = coarse.iter().filter(|d| **d < 50.0);
-                [spread.average(&step, 1.0), spread.filter(&step, [1.0; 3], None)].map(|tf| {
+                [spread.average(&step, 1.0), spread.filter(&step, [1.0; 3], None, true)].map(|tf| {
                     let tf = tf.unwrap();
                     of_grains.clone().filter(|d| tf.opacity(**d) > 0.0).count() as f64
                         / of_grains.clone().count() as f64
@@ -276,7 +276,8 @@ fn a_constant_volume_keeps_its_function() {
     let fine = Decoder::new(constant.clone(), 0, &[]);
     for range in [[7.0, 7.0], fine.range().map(f64::from)] {
         let spread = Spread::new(&fine, &coarse, &grid, [1.0; 3], range, BUDGET);
-        let (averaged, filtered) = (spread.average(&tf, 1.5).unwrap(), spread.filter(&tf, [1.0; 3], None).unwrap());
+        let (averaged, filtered) =
+            (spread.average(&tf, 1.5).unwrap(), spread.filter(&tf, [1.0; 3], None, true).unwrap());
         assert!((averaged.opacity(7.0) - tf.opacity(7.0)).abs() < 1e-4);
         assert!((filtered.opacity(7.0) / tf.opacity(7.0) - 1.0).abs() < 0.01);
     }
@@ -296,48 +297,101 @@ fn what_is_opaque_everywhere_stays_opaque_and_what_is_clear_stays_clear() {
             assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level} length {length}");
         }
         let shading = Some(&Shading::default());
-        let filtered = spread.filter(&step, [0.3, 1.0, 2.0], shading).unwrap();
+        let filtered = spread.filter(&step, [0.3, 1.0, 2.0], shading, true).unwrap();
         assert!(filtered.opacity(100.0) == 1.0 && filtered.opacity(0.0) == 0.0, "level {level}");
-        let filtered = spread.filter(&opaque, [0.3, 1.0, 2.0], shading).unwrap();
+        let filtered = spread.filter(&opaque, [0.3, 1.0, 2.0], shading, true).unwrap();
         assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level}");
         // Nothing to be as bright as.
         let clear = curve(&[(0.0, 0.0)]);
-        assert_eq!(spread.filter(&clear, [1.0; 3], shading).unwrap().opacity(50.0), 0.0);
+        assert_eq!(spread.filter(&clear, [1.0; 3], shading, true).unwrap().opacity(50.0), 0.0);
     }
 }
 
-/// Values on a grid, with differences as far as those of a level reach.
+/// Values on a grid, with differences as far as those of a level reach, and its sheets.
 struct Field<'a> {
     values: &'a [f64],
     size: [usize; 3],
     reach: usize,
+    /// From sheet to sheet, and where one lies; between them values are linear along a line.
+    sheet: f64,
+    origin: [f64; 3],
 }
 
 impl Field<'_> {
-    /// `|n·v|` along an axis; `spacing`: of the samples.
-    fn cosine(&self, place: usize, axis: usize, spacing: [f64; 3]) -> f64 {
-        let [nx, ny, _] = self.size;
-        let strides = [1, nx, nx * ny];
-        let gradient = [0, 1, 2].map(|a| {
-            let i = place / strides[a] % self.size[a];
-            let (from, to) = (i.saturating_sub(self.reach), (i + self.reach).min(self.size[a] - 1));
-            let at = |k: usize| self.values[place + k * strides[a] - i * strides[a]];
-            (at(to) - at(from)) / ((to - from) as f64 * spacing[a])
-        });
-        gradient[axis].abs() / gradient.iter().map(|g| g * g).sum::<f64>().sqrt().max(1e-12)
+    /// Trilinear, or the nearest where it is outside.
+    fn at(&self, position: [f64; 3]) -> f64 {
+        let last = self.size.map(|n| (n - 1) as f64);
+        let x = [0, 1, 2].map(|a| position[a].clamp(0.0, last[a]));
+        let below = [0, 1, 2].map(|a| (x[a] as usize).min(self.size[a] - 2));
+        let mut sum = 0.0;
+        for corner in 0..8 {
+            let up = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight = |a: usize| (1.0 - up[a] as f64) - (x[a] - below[a] as f64) * (1.0 - 2.0 * up[a] as f64);
+            let [i, j, k] = [0, 1, 2].map(|a| below[a] + up[a]);
+            sum += weight(0) * weight(1) * weight(2) * self.values[(k * self.size[1] + j) * self.size[0] + i];
+        }
+        sum
     }
 
-    /// Mean over all lines of samples along an axis of what is seen along them.
+    /// `|n·v|` along a unit vector; `spacing`: of the samples.
+    fn cosine(&self, position: [f64; 3], direction: [f64; 3], spacing: [f64; 3]) -> f64 {
+        let gradient = [0, 1, 2].map(|a| {
+            let end = |offset: f64| {
+                let mut end = position;
+                end[a] = (end[a] + offset).clamp(0.0, (self.size[a] - 1) as f64);
+                end
+            };
+            let (from, to) = (end(-(self.reach as f64)), end(self.reach as f64));
+            (self.at(to) - self.at(from)) / ((to[a] - from[a]) * spacing[a])
+        });
+        let along: f64 = (0..3).map(|a| gradient[a] * direction[a]).sum();
+        along.abs() / gradient.iter().map(|g| g * g).sum::<f64>().sqrt().max(1e-12)
+    }
+
+    /// Mean over lines aslant to an axis, all over its face, of what is seen along them. At the sides they turn back.
     fn brightness(&self, tf: &TransferFunction, axis: usize, spacing: [f64; 3], shading: Option<&Shading>) -> f64 {
-        let stride = [1, self.size[0], self.size[0] * self.size[1]][axis];
+        let across = [(axis + 1) % 3, (axis + 2) % 3];
+        let [n, m] = across.map(|a| self.size[a]);
         let seen = |first: usize| {
+            let mut direction = [1.0; 3];
+            // Every way across, from neighbouring places.
+            let slopes = if first & 4 == 0 { [0.5, 0.3] } else { [0.3, 0.5] };
+            for k in 0..2 {
+                direction[across[k]] = if first >> k & 1 == 0 { slopes[k] } else { -slopes[k] };
+            }
+            let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+            let path = |x: f64| {
+                let (mut position, mut heading) = ([x; 3], direction.map(|d| d / length));
+                for (k, start) in [first % n, first / n].into_iter().enumerate() {
+                    let a = across[k];
+                    let last = (self.size[a] - 1) as f64;
+                    let way = start as f64 + x * direction[a] * spacing[axis] / spacing[a];
+                    let turned = (way / last).floor() as i64 % 2 != 0;
+                    let rest = way.rem_euclid(last);
+                    position[a] = if turned { last - rest } else { rest };
+                    heading[a] *= if turned { -1.0 } else { 1.0 };
+                }
+                (position, heading)
+            };
             let (mut sum, mut clear) = (0.0, 1.0);
-            for place in (0..self.size[axis]).map(|i| first + i * stride) {
-                let value = self.values[place];
-                let alpha = -(spacing[axis] * (-tf.opacity(value)).ln_1p()).exp_m1();
+            // A steep function would miss what lies between fewer positions.
+            for x in (0..2 * self.size[axis] - 1).map(|i| 0.5 * i as f64) {
+                let (position, heading) = path(x);
+                let before = ((x - self.origin[axis]) / self.sheet).floor() * self.sheet + self.origin[axis];
+                let after = before + self.sheet;
+                let value = if before >= 0.0 && after < self.size[axis] as f64 {
+                    let [from, to] = [before, after].map(|x| self.at(path(x).0));
+                    from + (to - from) * (x - before) / self.sheet
+                } else {
+                    self.at(position)
+                };
+                let alpha = -(0.5 * length * spacing[axis] * (-tf.opacity(value)).ln_1p()).exp_m1();
+                if alpha == 0.0 {
+                    continue;
+                }
                 let color = tf.color(value).iter().sum::<f64>() / 3.0;
                 let light = shading.map_or(color, |s| {
-                    let cosine = self.cosine(place, axis, spacing);
+                    let cosine = self.cosine(position, heading, spacing);
                     let gloss = (2.0 * cosine * cosine - 1.0).max(0.0).powf(f64::from(s.specular_power));
                     color * (f64::from(s.ambient) + f64::from(s.diffuse) * cosine) + f64::from(s.specular) * gloss
                 });
@@ -346,7 +400,8 @@ impl Field<'_> {
             }
             sum
         };
-        let firsts = (0..self.values.len()).filter(|i| (i / stride).is_multiple_of(self.size[axis]));
+        // A prime: all columns and all ways.
+        let firsts = (0..n * m).step_by(7);
         firsts.clone().map(seen).sum::<f64>() / firsts.count() as f64
     }
 }
@@ -378,14 +433,17 @@ fn a_level_is_as_bright_as_the_samples() {
             let coarse = coarse_values(&volume, level, 2);
             for tf in [curve(&[(10.0, 0.0), (90.0, 0.3)]), curve(&[(60.0, 0.0), (60.0, 0.9)])] {
                 for shading in [None, Some(&shading)] {
-                    let mean = |tf: &TransferFunction, values: &[f64], reach: usize| -> f64 {
-                        let field = Field { values, size: between, reach };
+                    // Two sheets a slice, whose values are two apart.
+                    let mean = |tf: &TransferFunction, values: &[f64], per_slice: usize| -> f64 {
+                        let origin = if per_slice == 2 { [0.0; 3] } else { grid.origin.map(|x| 2.0 * x) };
+                        let field =
+                            Field { values, size: between, reach: per_slice, sheet: per_slice as f64 / 2.0, origin };
                         (0..3).map(|axis| field.brightness(tf, axis, spacing.map(|s| s / 2.0), shading)).sum()
                     };
                     let want = mean(&tf, &fine, 2);
                     let plain = mean(&tf, &coarse, 2 << level) / want;
                     let got = [0, 1].map(|k| {
-                        let filtered = spreads[k].filter(&tf, spacing, shading).unwrap();
+                        let filtered = spreads[k].filter(&tf, spacing, shading, false).unwrap();
                         mean(&filtered, &coarse, 2 << level) / want
                     });
                     let case = format!("{family:?} level {level}, lit {}: {got:?}, plain {plain}", shading.is_some());
@@ -408,7 +466,8 @@ fn thin_volumes_have_rays_too() {
             let tf = curve(&[(2.0, 0.0), (10.0, 0.5)]);
             let levels = 1..=volume.plan().n_levels().min(3);
             for level in levels.filter(|level| LevelGrid::new(volume.plan(), *level).is_some()) {
-                let filtered = spread_of(&volume, level).filter(&tf, [1.0; 3], Some(&Shading::default())).unwrap();
+                let filtered =
+                    spread_of(&volume, level).filter(&tf, [1.0; 3], Some(&Shading::default()), true).unwrap();
                 let opacities = (0..=10).map(|value| filtered.opacity(f64::from(value)));
                 assert!(opacities.clone().all(|o| (0.0..=1.0).contains(&o)), "{family:?} {size:?}");
                 assert!(opacities.clone().any(|o| o > 0.0), "{family:?} {size:?}");

@@ -31,7 +31,7 @@ NORMALISATIONS = ("l2", "peak")
 CACHE_BYTES = 1 << 29
 
 #: Levels and bands that are kept at a time, if so many fit into the cache.
-MOST_DECODED = 8
+MOST_DECODED = 6
 
 #: None of them takes more than this part of the cache.
 LARGEST_SHARE = 2
@@ -171,7 +171,7 @@ class WaveletVolume(Grid):
         """Bytes of decoded samples that are kept for the next picture; a smaller number takes longer to draw.
 
         Levels and bands that were drawn share it, so that drawing coarse to fine decodes each level once. A coarser
-        level takes about 5 MB more, for what tells how bright the finer ones were.
+        level takes about 10 MB more, for what tells how bright the finer ones were.
         """
         return self._cache_bytes
 

@@ -1,7 +1,8 @@
 //! How bright a coarser level looks beside the finest, and what makes it as bright.
 //!
 //! Rays aslant to the axes, spread evenly over the volume, know the samples and the coarse values that they meet, and how
-//! steeply the gradients of both stand to them. Between sheets values are linear, as the renderer takes them to be. Drawn by a function each, in the light of a lamp at the eye,
+//! steeply the gradients of both stand to them. Between sheets values are linear, as the renderer takes them to be. Drawn
+//! by a function each, in the light of a lamp at the eye,
 //!
 //! `B = Σ T α (c (ambient + diffuse |n·v|) + specular max(0, 2 (n·v)² − 1)^power)`,
 //!
@@ -29,8 +30,12 @@ const N_DECODED: usize = 1 << 24;
 /// Slices that one thread decodes.
 const N_LAYERS: usize = 32;
 
-/// Positions per sample: the first visible one on a ray tells how a surface stands.
-const N_PER_SAMPLE: usize = 4;
+/// Sheets per slice: of the finest samples, of a level, and of a level that is drawn with a steep function.
+const SHEETS: [usize; 3] = [2, 2, 1];
+
+/// Positions per sample of the finest grid for each of them: steep functions miss what lies between fewer, and the first
+/// visible one on a ray tells how a surface stands.
+const N_PER_SAMPLE: [usize; 3] = [4, 4, 2];
 
 /// Factors of the extinction: from one over this up to this.
 const LARGEST: f64 = 20.0;
@@ -53,9 +58,6 @@ const GRADIENT_OFFSET: f64 = 1.0;
 /// How far rays run along an axis and across it: between those along it and those that run as much along another.
 const DIRECTION: [f64; 3] = [1.0, 0.5, 0.3];
 
-/// Sheets per slice: of the finest samples, of a level, and of a level that is drawn with a steep function.
-const SHEETS: [usize; 3] = [2, 2, 1];
-
 /// Steps of `|n·v|`; one more number stands for where there is no gradient.
 const N_COSINES: usize = 31;
 
@@ -71,7 +73,7 @@ pub type Look = Vec<[f64; 2]>;
 /// A ray along an axis, more or less.
 struct Ray {
     axis: usize,
-    /// What it meets in order, for each of [`SHEETS`], as often per sample along the axis.
+    /// What it meets in order, for each of [`SHEETS`].
     met: [Vec<Met>; 3],
 }
 
@@ -117,12 +119,15 @@ impl Rays {
             let ray = |k: usize| {
                 let within = evenly_spread(axis, bundle * N_IN_BUNDLE + k, width);
                 let start = [0, 1, 2].map(|a| if a == axis { 0.0 } else { first[a] + within[a] });
-                let n = (size[axis] - 1) * N_PER_SAMPLE + 1;
                 let path = Path::new(axis, start, [first, end], spacing, k);
                 let finest = LevelGrid::finest(size);
                 let of = |which: usize| {
                     let (samples, grid) = if which == 0 { (fine, &finest) } else { (coarse, grid) };
-                    Sheets::new(samples, grid, &path, spacing, SHEETS[which] as f64).along(n, &bin)
+                    Sheets::new(samples, grid, &path, spacing, SHEETS[which] as f64).along(
+                        size[axis],
+                        N_PER_SAMPLE[which],
+                        &bin,
+                    )
                 };
                 let mut met = [of(0), of(1), of(2)];
                 // Seen from both ends.
@@ -148,7 +153,6 @@ impl Rays {
         lengths: [f64; 3],
         is_steep: bool,
     ) -> f64 {
-        let lengths = steps(lengths);
         let (lit, unlit) = (light(shading), light(None));
         let factor = self.factor_for(self.brightness(0, fine, &lit, lengths), coarse, is_steep, &lit, lengths);
         if shading.is_none() {
@@ -167,7 +171,6 @@ impl Rays {
         if factor < OUT_OF_REACH {
             return true;
         }
-        let lengths = steps(lengths);
         let unlit = light(None);
         let wanted = self.brightness(0, fine, &unlit, lengths);
         self.brightness(coarse_sheets(is_steep), coarse, &unlit, lengths.map(|length| factor * length))
@@ -203,8 +206,9 @@ impl Rays {
         at.exp()
     }
 
-    /// Mean over the rays, for one of [`SHEETS`].
+    /// Mean over the rays, for one of [`SHEETS`]. `lengths`: from sample to sample along each axis.
     fn brightness(&self, which: usize, look: &Look, light: &[[f64; 2]], lengths: [f64; 3]) -> f64 {
+        let lengths = step_lengths(which, lengths);
         // By what is met: light that comes from there, and share of the light behind that passes.
         let of_axis = lengths.map(|length| -> Vec<[f32; 2]> {
             let entries = look.iter().flat_map(|&[color, opacity]| {
@@ -241,10 +245,10 @@ fn coarse_sheets(is_steep: bool) -> usize {
     1 + usize::from(is_steep)
 }
 
-/// Lengths of rays along each axis from one position to the next.
-fn steps(lengths: [f64; 3]) -> [f64; 3] {
+/// Lengths of rays along each axis from one position to the next. `lengths`: from sample to sample.
+fn step_lengths(which: usize, lengths: [f64; 3]) -> [f64; 3] {
     let longer = DIRECTION.iter().map(|d| d * d).sum::<f64>().sqrt() / DIRECTION[0];
-    lengths.map(|length| length * longer / N_PER_SAMPLE as f64)
+    lengths.map(|length| length * longer / N_PER_SAMPLE[which] as f64)
 }
 
 /// Light that comes back by step of `|n·v|`: factor of the colour, and highlight.
@@ -410,12 +414,12 @@ impl Sheets {
         }
     }
 
-    /// What there is at `n` positions.
-    fn along(&self, n: usize, bin: impl Fn(f32) -> usize) -> Vec<Met> {
+    /// What there is on a ray that is `n` samples of the finest grid long, at so many positions per sample.
+    fn along(&self, n: usize, n_per_sample: usize, bin: impl Fn(f32) -> usize) -> Vec<Met> {
         let last = (self.numbers.len() - 1) as f64;
         let direction = self.direction.map(|d| d as f32);
         let met = |i: usize| {
-            let x = ((i as f64 / N_PER_SAMPLE as f64 - self.origin) * self.per_sample).clamp(0.0, last);
+            let x = ((i as f64 / n_per_sample as f64 - self.origin) * self.per_sample).clamp(0.0, last);
             let below = x as usize;
             let (from, to) = (self.numbers[below], self.numbers[(below + 1).min(self.numbers.len() - 1)]);
             let t = (x - below as f64) as f32;
@@ -429,6 +433,6 @@ impl Sheets {
             };
             (bin(value) * (N_COSINES + 1) + step) as Met
         };
-        (0..n).map(met).collect()
+        (0..(n - 1) * n_per_sample + 1).map(met).collect()
     }
 }

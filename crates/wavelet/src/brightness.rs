@@ -327,6 +327,43 @@ impl Samples {
     }
 }
 
+impl Samples {
+    /// What is at a position, and at both ends of a difference along each axis.
+    fn with_neighbours(&self, position: [f64; 3]) -> (f32, [[f32; 2]; 3]) {
+        self.inner_neighbours(position).unwrap_or_else(|| {
+            let end = |a: usize, offset: f64| {
+                let mut end = position;
+                end[a] = (end[a] + offset).clamp(0.0, (self.size[a] - 1) as f64);
+                self.at(end)
+            };
+            (self.at(position), [0, 1, 2].map(|a| [-GRADIENT_OFFSET, GRADIENT_OFFSET].map(|offset| end(a, offset))))
+        })
+    }
+
+    /// The same where all of it is inside: one sample further on the shares are the same.
+    #[inline]
+    fn inner_neighbours(&self, position: [f64; 3]) -> Option<(f32, [[f32; 2]; 3])> {
+        const { assert!(GRADIENT_OFFSET == 1.0, "shares are the same a whole sample further on") };
+        let strides = [1, self.n[0], self.n[0] * self.n[1]];
+        let (mut first, mut shares) = (0, [0.0; 3]);
+        for a in 0..3 {
+            let x = position[a] - self.lo[a] as f64;
+            if x < 1.0 || x + 2.0 >= (self.n[a] - 1) as f64 {
+                return None;
+            }
+            first += x as usize * strides[a];
+            shares[a] = (x - x.floor()) as f32;
+        }
+        let [tx, ty, tz] = shares;
+        let at = |i: usize| {
+            let row = |i: usize| self.values[i] + (self.values[i + 1] - self.values[i]) * tx;
+            let plane = |i: usize| row(i) + (row(i + strides[1]) - row(i)) * ty;
+            plane(i) + (plane(i + strides[2]) - plane(i)) * tz
+        };
+        Some((at(first), strides.map(|stride| [at(first - stride), at(first + stride)])))
+    }
+}
+
 /// The way of a ray, by index positions of the finest grid. It is thrown back from the sides of its box.
 struct Path {
     axis: usize,
@@ -392,16 +429,13 @@ impl Sheets {
             x = x.clamp(path.bounds[0][axis], path.bounds[1][axis]);
             let [position, signs] = path.at(x);
             let position = grid.level_from_finest(position);
-            let mut numbers = [samples.at(position); 4];
+            let (value, ends) = samples.with_neighbours(position);
+            let mut numbers = [value; 4];
             for a in 0..3 {
-                let end = |offset: f64| {
-                    let mut end = position;
-                    end[a] = (end[a] + offset).clamp(0.0, (samples.size[a] - 1) as f64);
-                    end
-                };
-                let (before, after) = (end(-GRADIENT_OFFSET), end(GRADIENT_OFFSET));
-                let way = (after[a] - before[a]) * grid.spacing[a] * spacing[a];
-                let change = f64::from(samples.at(after) - samples.at(before));
+                let last = (samples.size[a] - 1) as f64;
+                let way = (position[a] + GRADIENT_OFFSET).min(last) - (position[a] - GRADIENT_OFFSET).max(0.0);
+                let way = way * grid.spacing[a] * spacing[a];
+                let change = f64::from(ends[a][1] - ends[a][0]);
                 numbers[a + 1] = if way > 0.0 { (signs[a] * change / way) as f32 } else { 0.0 };
             }
             numbers
@@ -433,6 +467,34 @@ impl Sheets {
             };
             (bin(value) * (N_COSINES + 1) + step) as Met
         };
-        (0..(n - 1) * n_per_sample + 1).map(met).collect()
+        (0..=(n - 1) * n_per_sample).map(met).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_found_at_once_where_they_are_inside() {
+        let (size, lo, n) = ([20, 30, 40], [5, 0, 12], [9, 30, 11]);
+        let random = |i: usize| ((i as f64 * 12.9898).sin() * 43_758.545).rem_euclid(1.0);
+        let values = (0..n.iter().product()).map(|i| random(i) as f32).collect();
+        let samples = Samples { size, lo, n, values };
+        let mut n_inner = 0;
+        for i in 0..2000 {
+            let position = [0, 1, 2].map(|a| lo[a] as f64 + random(3 * i + a) * (n[a] - 1) as f64);
+            let Some((value, ends)) = samples.inner_neighbours(position) else { continue };
+            n_inner += 1;
+            assert!((value - samples.at(position)).abs() < 1e-6);
+            for a in 0..3 {
+                for (k, offset) in [-GRADIENT_OFFSET, GRADIENT_OFFSET].into_iter().enumerate() {
+                    let mut end = position;
+                    end[a] += offset;
+                    assert!((ends[a][k] - samples.at(end)).abs() < 1e-6, "{position:?} {a} {offset}");
+                }
+            }
+        }
+        assert!(n_inner > 500);
     }
 }

@@ -115,16 +115,8 @@ def draw(
     volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
 ) -> Array:
     """RGB, 0..1."""
-    return draw_by(volume, tf, view, size, camera_of, **options)[0]
-
-
-def draw_by(
-    volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
-) -> tuple[Array, float]:
-    """The same, and by how many sheets per slice."""
     picture = ws.render(volume, tf, ws.Camera.orbit(camera_of or volume, *view), size=(size, size), **options)
-    rgb = np.clip(picture.rgba[..., :3], 0.0, 1.0).astype(np.float64)
-    return rgb, float(picture.report["sheets_per_slice"])
+    return np.clip(picture.rgba[..., :3], 0.0, 1.0).astype(np.float64)
 
 
 def least_ms(work: Callable[[], object]) -> float:
@@ -164,9 +156,8 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
             whole = draw(wavelets, tf, view, size)
             page = [[whole], [whole]]
             for n in range(MOST_DROPPED):
-                ours, sheets = draw_by(wavelets, tf, view, size, drop_levels=n + 1)
-                same = {"camera_of": wavelets, "sheets_per_slice": sheets, "oversampling": 0.5 ** (n + 1)}
-                pictures = draw(low_pass[n], tf, view, size, **same), ours
+                plain = draw(low_pass[n], tf, view, size, camera_of=wavelets, oversampling=0.5 ** (n + 1))
+                pictures = plain, draw(wavelets, tf, view, size, drop_levels=n + 1)
                 changes[:, n, v] = [100 * (picture.mean() / whole.mean() - 1) for picture in pictures]
                 for line, picture in zip(page, pictures, strict=True):
                     line.append(picture)

@@ -305,28 +305,22 @@ impl RenderOptions {
     }
 }
 
-/// Sheets per slice and oversampling of each named quality, for transfer functions that are smooth and for those that
-/// are steep; the errors they reach are measured by `studies/quality`.
-const QUALITIES: [(&str, [(f64, f64); 2]); 3] = [
-    ("draft", [(0.5, 0.5), (0.5, 0.5)]),
-    ("normal", [(NORMAL_SHEETS, 1.0), (NORMAL_SHEETS, 1.0)]),
-    ("high", [(3.0, 2.0), (6.0, 3.0)]),
+/// Sheets per slice and oversampling of each named quality, for transfer functions that are smooth, for those that are
+/// steep, and for those on a coarser level, where what linear slabs miss is less than what the level itself has lost; the
+/// errors they reach are measured by `studies/quality` and `studies/lod`.
+const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
+    ("draft", [(0.5, 0.5), (0.5, 0.5), (0.5, 0.5)]),
+    ("normal", [(2.0, 1.0), (2.0, 1.0), (1.0, 1.0)]),
+    ("high", [(3.0, 2.0), (6.0, 3.0), (6.0, 3.0)]),
 ];
-
-/// Sheets per slice of quality `normal`, and those of a coarser level where the function is steep: slabs are integrated,
-/// and what linear slabs miss is less than what the level itself has lost (`studies/lod`).
-const NORMAL_SHEETS: f64 = 2.0;
-const COARSE_SHEETS: f64 = 1.0;
 
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
 /// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
 /// of which a pixel holds `samples_per_pixel`.
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
-    let (mut sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[usize::from(is_steep)];
-    if coarseness > 1.0 && is_steep && sheets_per_slice == NORMAL_SHEETS {
-        sheets_per_slice = COARSE_SHEETS;
-    }
+    let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
+    let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
     let at_least = samples_per_pixel.clamp(LEAST_OVERSAMPLING, oversampling);
     Ok((sheets_per_slice, (oversampling / coarseness).max(at_least)))
 }
@@ -346,6 +340,12 @@ mod tests {
         }
         let oversampling = |coarseness, per_pixel| quality_settings("normal", false, coarseness, per_pixel).unwrap().1;
         assert_eq!([oversampling(1.0, 9.0), oversampling(4.0, 0.1), oversampling(4.0, 0.5)], [1.0, 0.25, 0.5]);
+        let sheets = |name, is_steep, coarseness| quality_settings(name, is_steep, coarseness, 0.5).unwrap().0;
+        assert_eq!(
+            [sheets("normal", true, 1.0), sheets("normal", true, 2.0), sheets("normal", false, 2.0)],
+            [2.0, 1.0, 2.0]
+        );
+        assert_eq!([sheets("high", true, 1.0), sheets("high", true, 2.0), sheets("draft", true, 2.0)], [6.0, 6.0, 0.5]);
         let message = Kernel::from_name("cubic").unwrap_err().to_string();
         assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
         assert!(quality_settings("best", false, 1.0, 1.0).unwrap_err().to_string().contains("draft, normal, high"));

@@ -325,9 +325,7 @@ impl Samples {
         let plane = |i: usize| row(i) + (row(i + strides[1]) - row(i)) * ty;
         plane(first) + (plane(first + strides[2]) - plane(first)) * tz
     }
-}
 
-impl Samples {
     /// What is at a position, and at both ends of a difference along each axis.
     fn with_neighbours(&self, position: [f64; 3]) -> (f32, [[f32; 2]; 3]) {
         self.inner_neighbours(position).unwrap_or_else(|| {

@@ -132,10 +132,9 @@ def least_ms(work: Callable[[], object]) -> float:
 
 def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) -> list[float]:
     """Milliseconds of a frame with no level left out, one, and so on."""
-    return [
-        least_ms(partial(draw, wavelets, tf, VIEWS[0], size, drop_levels=n_dropped))
-        for n_dropped in range(MOST_DROPPED + 1)
-    ]
+    camera = ws.Camera.orbit(wavelets, *VIEWS[0])
+    frame = partial(ws.render, wavelets, tf, camera, size=(size, size))
+    return [least_ms(partial(frame, drop_levels=n_dropped)) for n_dropped in range(MOST_DROPPED + 1)]
 
 
 def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[Row]:

@@ -1,39 +1,15 @@
-//! A finished base plane: texels are put into it tile by tile, and it is read between them.
-//!
-//! It is read with the Catmull-Rom cubic (Keys 1981), which keeps what the base plane resolves, clamped to the texels
-//! around the position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing
-//! was drawn, nothing is read.
+//! A finished base plane: texels are put into it tile by tile.
 
 use glam::DVec2;
-use wavesplat_compute::simd::{LANES, Lanes, ROUND, Rows, Simd};
+use wavesplat_compute::simd::LANES;
 
 use crate::base_plane::BasePlane;
 
-/// Rows of texels that share an entry of [`BasePicture::drawn`]; along u they are [`LANES`].
-const CELL_V: usize = 8;
+/// Texels that share an entry of [`BasePicture::drawn`], along u and v.
+pub const CELL: [usize; 2] = [LANES, 8];
 
-/// Empty texels on all sides, as many as the filter reaches from what it reads as empty.
-const MARGIN: usize = 3;
-
-/// Positions may be so far from their base, and a base from the base plane; further away they are beyond any base plane.
-pub const FAR: f32 = (1 << 22) as f32;
-
-/// Pixels whose numbers fill the lanes.
-const QUAD: usize = 4;
-
-/// Which lane holds the opacity of the pixel that a lane's number belongs to.
-const OPACITY: Lanes<u32> = Lanes([3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15]);
-
-/// One where a lane holds an opacity.
-const IS_OPACITY: [f32; LANES] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-
-/// Which pixel of sixteen a lane's number belongs to, for each quad of pixels.
-const PIXEL: [Lanes<u32>; LANES / QUAD] = [
-    Lanes([0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]),
-    Lanes([4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7]),
-    Lanes([8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11]),
-    Lanes([12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15]),
-];
+/// Empty texels on all sides, as many as the filter that reads them reaches from what is empty.
+pub const MARGIN: usize = 3;
 
 /// A finished base plane.
 pub struct BasePicture {
@@ -43,7 +19,7 @@ pub struct BasePicture {
     texels: Vec<[f32; 4]>,
     /// w of opacity ½ of each texel, NaN where it is not reached; empty where no depth is wanted.
     pub w_half: Vec<f32>,
-    /// Cells of texels that have been drawn in, or have a neighbour that was.
+    /// As [`BasePicture::drawn_cells`].
     drawn: Vec<bool>,
 }
 
@@ -51,7 +27,7 @@ impl BasePicture {
     /// Nothing drawn.
     pub fn new(plane: BasePlane, with_depth: bool) -> Self {
         let [n_u, n_v] = plane.size;
-        let cells = Self::cells(&plane);
+        let cells = n_cells(&plane);
         Self {
             plane,
             texels: vec![[0.0; 4]; (n_u + 2 * MARGIN) * (n_v + 2 * MARGIN)],
@@ -60,11 +36,16 @@ impl BasePicture {
         }
     }
 
-    fn cells(plane: &BasePlane) -> [usize; 2] {
-        [plane.size[0].div_ceil(LANES), plane.size[1].div_ceil(CELL_V)]
+    /// All texels, row by row, with [`MARGIN`] on all sides; and how many a row has.
+    pub fn with_margin(&self) -> (&[[f32; 4]], usize) {
+        (&self.texels, self.pitch())
     }
 
-    /// Texels from row to row.
+    /// Rows of cells of [`CELL`] texels that have been drawn in, or have a neighbour that was; and how many a row has.
+    pub fn drawn_cells(&self) -> (&[bool], usize) {
+        (&self.drawn, n_cells(&self.plane)[0])
+    }
+
     fn pitch(&self) -> usize {
         self.plane.size[0] + 2 * MARGIN
     }
@@ -90,105 +71,11 @@ impl BasePicture {
             self.w_half[j * n_u + i..][..n].copy_from_slice(&w_half[..n]);
         }
         // The filter reaches two texels further.
-        let [n_cells_u, n_cells_v] = Self::cells(&self.plane);
-        let (u, v) = (i / LANES, j / CELL_V);
+        let [n_cells_u, n_cells_v] = n_cells(&self.plane);
+        let (u, v) = (i / CELL[0], j / CELL[1]);
         for v in v.saturating_sub(1)..(v + 2).min(n_cells_v) {
             self.drawn[v * n_cells_u + u.saturating_sub(1)..v * n_cells_u + (u + 2).min(n_cells_u)].fill(true);
         }
-    }
-
-    /// Adds to sixteen pixels `share` of what is at as many texel positions, no colour brighter than `peak`, and says
-    /// whether anything can be seen there. `base`: whole texels, which the positions count from. The first `n`
-    /// positions go one way.
-    #[inline(always)]
-    pub fn add_to<S: Simd>(
-        &self,
-        s: S,
-        base: [i32; 2],
-        positions: [S::F; 2],
-        n: usize,
-        pixels: &mut [[f32; 4]; LANES],
-        [share, peak]: [f32; 2],
-    ) -> bool {
-        let (mut place, mut weights) = ([[0; LANES]; 2], [[[0.0; LANES]; 4]; 2]);
-        for axis in 0..2 {
-            // What is beyond the base plane reads the margin. What is not a number is beyond it, too.
-            let [lo, hi] = [-1.5, self.plane.size[axis] as f32 + 0.5].map(|end| end - base[axis] as f32);
-            let x = s.max(s.min(positions[axis], s.splat(hi)), s.splat(lo));
-            // A whole position may count as the end of the texel before, which reads the same.
-            let shifted = s.add(s.sub(x, s.splat(0.5)), s.splat(ROUND));
-            // The whole number stands in the last bits.
-            let mut texels = [0.0_f32; LANES];
-            s.store(shifted, &mut texels);
-            let to_first_read = base[axis] - ROUND.to_bits() as i32 + MARGIN as i32 - 1;
-            for k in 0..LANES {
-                place[axis][k] = to_first_read.wrapping_add(texels[k].to_bits() as i32);
-            }
-            let [w0, w1, w2, w3] = catmull_rom(s, s.sub(x, s.sub(shifted, s.splat(ROUND))));
-            s.store(w0, &mut weights[axis][0]);
-            s.store(w1, &mut weights[axis][1]);
-            s.store(w2, &mut weights[axis][2]);
-            s.store(w3, &mut weights[axis][3]);
-        }
-        let ends = [[place[0][0], place[1][0]], [place[0][n - 1], place[1][n - 1]]];
-        if !self.is_drawn_between(ends) {
-            return false;
-        }
-        let is_opacity = s.lt(s.splat(0.5), s.load(&IS_OPACITY));
-        let (share, peak) = (s.splat(share), s.select(is_opacity, s.splat(1.0), s.splat(peak)));
-        for (quad, pixels) in pixels.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {
-            let color = self.read_quad(s, quad, &place, &weights);
-            let mut numbers = [0.0; LANES];
-            s.store(color, &mut numbers);
-            let color = s.min(color, s.mul(peak, s.take(&numbers, &OPACITY)));
-            s.store(s.add_mul(s.load(pixels), share, color), pixels);
-        }
-        true
-    }
-
-    /// Whether something was drawn in the box of two first texels that the filter reads.
-    #[inline(always)]
-    fn is_drawn_between(&self, [a, b]: [[i32; 2]; 2]) -> bool {
-        let n_cells = Self::cells(&self.plane);
-        let cell = |axis: usize, place: i32, n_texels: usize| {
-            let texel = (place - MARGIN as i32 + 1).max(0) as usize;
-            (texel / n_texels).min(n_cells[axis] - 1)
-        };
-        let [(u, last_u), (v, last_v)] = [(0, LANES), (1, CELL_V)]
-            .map(|(axis, n)| (cell(axis, a[axis].min(b[axis]), n), cell(axis, a[axis].max(b[axis]), n)));
-        (v..=last_v).any(|v| self.drawn[v * n_cells[0] + u..=v * n_cells[0] + last_u].contains(&true))
-    }
-
-    /// What is at the positions of four of sixteen pixels.
-    #[inline(always)]
-    fn read_quad<S: Simd>(
-        &self,
-        s: S,
-        quad: usize,
-        place: &[[i32; LANES]; 2],
-        [weights_u, weights_v]: &[[[f32; LANES]; 4]; 2],
-    ) -> S::F {
-        let pitch = self.pitch();
-        let rows = Rows::new(self.texels.as_flattened(), 4 * pitch);
-        let (mut columns, mut least, mut most) = ([s.splat(0.0); 4], [s.splat(0.0); 4], [s.splat(0.0); 4]);
-        for k in 0..QUAD {
-            let at = quad * QUAD + k;
-            // Four texels of a row are sixteen numbers: first down the columns, then across.
-            let first = place[1][at] as usize * pitch + place[0][at] as usize;
-            let [first, second, third, fourth] = s.load_rows(&rows, 4 * first);
-            let (w0, w1) = (s.splat(weights_v[0][at]), s.splat(weights_v[1][at]));
-            let (w2, w3) = (s.splat(weights_v[2][at]), s.splat(weights_v[3][at]));
-            columns[k] = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
-            least[k] = s.min(second, third);
-            most[k] = s.max(second, third);
-        }
-        let [a, b, c, d] = s.transpose_quads(columns);
-        let pixel = &PIXEL[quad];
-        let (w0, w1) = (s.take(&weights_u[0], pixel), s.take(&weights_u[1], pixel));
-        let (w2, w3) = (s.take(&weights_u[2], pixel), s.take(&weights_u[3], pixel));
-        let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
-        let ([_, a, b, _], [_, c, d, _]) = (s.transpose_quads(least), s.transpose_quads(most));
-        s.min(s.max(sum, s.min(a, b)), s.max(c, d))
     }
 
     /// w of opacity ½ at a texel position: linear where the four texels around it lie on one surface.
@@ -216,123 +103,6 @@ impl BasePicture {
     }
 }
 
-/// Weights of the four texels around positions `t` of the way from the second to the third.
-#[inline(always)]
-fn catmull_rom<S: Simd>(s: S, t: S::F) -> [S::F; 4] {
-    let (one, half) = (s.splat(1.0), s.splat(0.5));
-    let w0 = s.mul(s.sub(s.mul(s.sub(one, s.mul(half, t)), t), half), t);
-    let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(1.5), t), s.splat(2.5)), t), t), one);
-    let w3 = s.mul(s.mul(s.sub(s.mul(half, t), half), t), t);
-    [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::{DAffine3, DVec3};
-    use wavesplat_compute::simd::{Kernel, Level};
-    use wavesplat_core::{Camera, Projection};
-
-    use super::*;
-    use crate::base_plane::{IndexRays, base_planes};
-
-    fn base_plane(size: [usize; 2]) -> BasePlane {
-        let projection = Projection::Orthographic { parallel_scale: 9.0 };
-        let camera = Camera::new(DVec3::new(4.0, 5.0, 40.0), DVec3::splat(4.0), DVec3::Y, projection).unwrap();
-        let rays = IndexRays::new(&camera, DAffine3::IDENTITY, 9, 9);
-        let mut planes = base_planes(&camera, &rays, [9, 9], 1.0, [DVec3::ZERO, DVec3::splat(9.0)]).unwrap();
-        planes[0].size = size;
-        planes.remove(0)
-    }
-
-    /// Reads of a picture at positions from a base.
-    struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], [f32; 2]);
-
-    impl Kernel for Read<'_> {
-        type Output = ([[f32; 4]; LANES], bool);
-
-        #[inline(always)]
-        fn run<S: Simd>(self, s: S) -> Self::Output {
-            let Self(picture, base, [u, v], share_and_peak) = self;
-            let mut pixels = [[0.0; 4]; LANES];
-            let is_seen = picture.add_to(s, base, [s.load(&u), s.load(&v)], LANES, &mut pixels, share_and_peak);
-            (pixels, is_seen)
-        }
-    }
-
-    /// The cubic between texels, empty beyond the base plane, clamped to the nearest four.
-    fn plain(texels: &[[f32; 4]], [n_u, n_v]: [usize; 2], [u, v]: [f64; 2], [share, peak]: [f64; 2]) -> [f64; 4] {
-        let at = |i: i64, j: i64, c: usize| {
-            let inside = i >= 0 && j >= 0 && i < n_u as i64 && j < n_v as i64;
-            if inside { f64::from(texels[j as usize * n_u + i as usize][c]) } else { 0.0 }
-        };
-        let weight = |t: f64| {
-            let t = t.abs();
-            if t < 1.0 {
-                1.5 * t.powi(3) - 2.5 * t * t + 1.0
-            } else if t < 2.0 {
-                -0.5 * t.powi(3) + 2.5 * t * t - 4.0 * t + 2.0
-            } else {
-                0.0
-            }
-        };
-        let (i, j) = (u.floor() as i64, v.floor() as i64);
-        let mut rgba = [0.0; 4];
-        for (c, out) in rgba.iter_mut().enumerate() {
-            for dj in -1..3 {
-                for di in -1..3 {
-                    *out += weight(u - (i + di) as f64) * weight(v - (j + dj) as f64) * at(i + di, j + dj, c);
-                }
-            }
-            let near = [at(i, j, c), at(i + 1, j, c), at(i, j + 1, c), at(i + 1, j + 1, c)];
-            *out = out.clamp(near.into_iter().fold(f64::MAX, f64::min), near.into_iter().fold(f64::MIN, f64::max));
-        }
-        let brightest = [peak, peak, peak, 1.0].map(|peak| peak * rgba[3]);
-        [0, 1, 2, 3].map(|c| share * rgba[c].min(brightest[c]))
-    }
-
-    #[test]
-    fn it_is_read_as_the_cubic_says_and_empty_beyond() {
-        let size = [37, 21];
-        let mut picture = BasePicture::new(base_plane(size), false);
-        let random = |i: usize| ((i as f64 * 12.9898).sin() * 43758.5453).rem_euclid(1.0);
-        for j in 0..size[1] {
-            for i in (0..size[0]).step_by(LANES) {
-                let texel = |k: usize| std::array::from_fn(|c| random(1000 * j + 10 * (i + k) + c) as f32);
-                picture.put(i, j, &std::array::from_fn(texel), None);
-            }
-        }
-        let texels = picture.texels();
-        assert_eq!(texels.len(), size[0] * size[1]);
-        for run in 0..300 {
-            // Runs in all directions, some of them partly or wholly beyond.
-            let start = [0, 1].map(|a| random(7 * run + a) * (size[a] as f64 + 8.0) - 4.0);
-            let step = [0, 1].map(|a| random(7 * run + 2 + a) * 2.0 - 1.0);
-            let base = start.map(|x| x.floor() as i32);
-            let at = |a: usize, k: usize| start[a] - f64::from(base[a]) + step[a] * k as f64;
-            let positions = [0, 1].map(|a| std::array::from_fn(|k| at(a, k) as f32));
-            let (share, peak) = (0.25, 0.7);
-            for level in Level::all() {
-                let (pixels, is_seen) = level.dispatch(Read(&picture, base, positions, [share, peak]));
-                for (k, pixel) in pixels.iter().enumerate() {
-                    let position = [0, 1].map(|a| f64::from(base[a]) + f64::from(positions[a][k]));
-                    let want = plain(&texels, size, position, [share, peak].map(f64::from));
-                    for c in 0..4 {
-                        let (got, want) = (f64::from(pixel[c]), want[c]);
-                        assert!((got - want).abs() < 1e-6, "{level:?} {position:?}: {got} for {want}");
-                        assert!(is_seen || want == 0.0);
-                    }
-                }
-            }
-        }
-        let far = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, FAR, -FAR, f32::MAX];
-        let places = far.map(|x| (0, x)).into_iter().chain([1 << 22, -(1 << 22)].map(|base| (base, 3.0)));
-        for ((base, x), level) in places.flat_map(|place| Level::all().into_iter().map(move |level| (place, level))) {
-            for [u, v] in [[x, 5.0], [5.0, x], [x, x]] {
-                let base = [if u == 5.0 { 0 } else { base }, if v == 5.0 { 0 } else { base }];
-                let positions = [[u; LANES], [v; LANES]];
-                let (pixels, _) = level.dispatch(Read(&picture, base, positions, [1.0, 1.0]));
-                assert!(pixels == [[0.0; 4]; LANES], "{level:?} {base:?} {u} {v}");
-            }
-        }
-    }
+fn n_cells(plane: &BasePlane) -> [usize; 2] {
+    [0, 1].map(|axis| plane.size[axis].div_ceil(CELL[axis]))
 }

@@ -36,6 +36,7 @@ pub mod project;
 pub mod rays;
 pub mod reference;
 mod render;
+mod resample;
 pub mod shade;
 pub mod sheet;
 pub mod slices;

@@ -9,8 +9,9 @@ use glam::DVec2;
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 
-use crate::base_picture::{BasePicture, FAR};
+use crate::base_picture::BasePicture;
 use crate::base_plane::{BasePlane, Family, IndexRays};
+use crate::resample::{FAR, Resampler};
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
 pub struct Warped {
@@ -33,7 +34,8 @@ pub fn warp(
     let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
     let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
     let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
-    let reads = Reads { pictures, rays, share, peak };
+    let pictures: Vec<_> = pictures.iter().map(Resampler::new).collect();
+    let reads = Reads { pictures: &pictures, rays, share, peak };
     parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
         let first_row = band * BAND;
         level.dispatch(DrawBand { reads: &reads, offsets: &offsets, first_row, width_px, pixels });
@@ -42,7 +44,7 @@ pub fn warp(
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
             for (x, parameter) in row.iter_mut().enumerate() {
-                *parameter = ray_parameter(pictures, rays, x as f64 + 0.5, y as f64 + 0.5);
+                *parameter = ray_parameter(&pictures, rays, x as f64 + 0.5, y as f64 + 0.5);
             }
         });
         parameter
@@ -53,6 +55,10 @@ pub fn warp(
 /// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
 /// plane, and what one has read is near when the next one wants it.
 const BAND: usize = 32;
+
+/// Sums of reads, in whole cache lines. Sixteen pixels at a time may be some too many.
+#[repr(align(64))]
+struct Sums([[f32; 4]; BAND + LANES]);
 
 /// Draws some rows of pixels.
 struct DrawBand<'a> {
@@ -66,7 +72,7 @@ struct DrawBand<'a> {
 
 /// What is read.
 struct Reads<'a> {
-    pictures: &'a [BasePicture],
+    pictures: &'a [Resampler<'a>],
     rays: &'a IndexRays,
     /// Weight of a read.
     share: f32,
@@ -82,15 +88,21 @@ impl Kernel for DrawBand<'_> {
         let Self { reads, offsets, first_row, width_px, pixels } = self;
         // Parallel rays: positions are affine in the pixel.
         let parallel = match reads.pictures {
-            [only] if only.plane.eye_w().is_none() => Some((only, Affine::new(&only.plane, reads.rays))),
+            [only] if only.picture.plane.eye_w().is_none() => {
+                Some((only, Affine::new(&only.picture.plane, reads.rays)))
+            }
             _ => None,
         };
         for x in (0..width_px).step_by(BAND) {
             let columns = x..(x + BAND).min(width_px);
+            if let Some((only, affine)) = &parallel
+                && !affine.is_drawn(only, columns.clone(), first_row..first_row + pixels.len() / width_px)
+            {
+                continue;
+            }
             for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
-                // Sums are made close by: the picture is only written to, and only where something is seen. Sixteen
-                // pixels at a time may be some too many.
-                let mut sums = [[0.0; 4]; BAND + LANES];
+                // Sums are made close by: the picture is only written to, and only where something is seen.
+                let mut sums = Sums([[0.0; 4]; BAND + LANES]);
                 let mut is_seen = false;
                 for dy in offsets {
                     for dx in offsets {
@@ -104,7 +116,7 @@ impl Kernel for DrawBand<'_> {
                     }
                 }
                 if is_seen {
-                    row[columns.clone()].copy_from_slice(&sums[..columns.len()]);
+                    row[columns.clone()].copy_from_slice(&sums.0[..columns.len()]);
                 }
             }
         }
@@ -118,16 +130,16 @@ impl Reads<'_> {
     fn read_parallel<S: Simd>(
         &self,
         s: S,
-        picture: &BasePicture,
+        picture: &Resampler<'_>,
         affine: &Affine,
         [x0, y]: [f64; 2],
         columns: Range<usize>,
-        sums: &mut [[f32; 4]; BAND + LANES],
+        sums: &mut Sums,
     ) -> bool {
         let steps = [s.splat(affine.per_x.x as f32), s.splat(affine.per_x.y as f32)];
         let number = s.load(&NUMBERS);
         let mut is_seen = false;
-        for (x, sums) in columns.step_by(LANES).zip(sums.as_chunks_mut().0) {
+        for (x, sums) in columns.step_by(LANES).zip(sums.0.as_chunks_mut().0) {
             let at = affine.texel(x as f64 + x0, y);
             let base = base_of(at);
             let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
@@ -139,13 +151,7 @@ impl Reads<'_> {
 
     /// The same for any rays.
     #[inline(always)]
-    fn read<S: Simd>(
-        &self,
-        s: S,
-        [x0, y]: [f64; 2],
-        columns: Range<usize>,
-        sums: &mut [[f32; 4]; BAND + LANES],
-    ) -> bool {
+    fn read<S: Simd>(&self, s: S, [x0, y]: [f64; 2], columns: Range<usize>, sums: &mut Sums) -> bool {
         let (pictures, rays) = (self.pictures, self.rays);
         let mut is_seen = false;
         // Runs of pixels of one base plane.
@@ -159,7 +165,7 @@ impl Reads<'_> {
             let end = columns.end.min(x + LANES);
             let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, picture));
             let n = 1 + (x + 1..end).take_while(same).count();
-            let at = |k: usize| picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
+            let at = |k: usize| picture.picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
             let base = base_of(at(0));
             // Those of other base planes see nothing of this one.
             let mut positions = [[FAR; LANES]; 2];
@@ -169,7 +175,7 @@ impl Reads<'_> {
                 positions[1][k] = (at.y - f64::from(base[1])) as f32;
             }
             let positions = [s.load(&positions[0]), s.load(&positions[1])];
-            if let Some(sums) = sums[x - columns.start..].first_chunk_mut() {
+            if let Some(sums) = sums.0[x - columns.start..].first_chunk_mut() {
                 is_seen |= picture.add_to(s, base, positions, n, sums, [self.share, self.peak]);
             }
             x += n;
@@ -194,6 +200,14 @@ impl Affine {
         Self { origin: snapped(origin), per_x, per_y }
     }
 
+    /// Whether anything can be seen in some columns and rows of pixels.
+    fn is_drawn(&self, picture: &Resampler<'_>, columns: Range<usize>, rows: Range<usize>) -> bool {
+        let [(x, last_x), (y, last_y)] = [columns, rows].map(|range| (range.start as f64, range.end as f64));
+        let corners = [(x, y), (last_x, y), (x, last_y), (last_x, last_y)].map(|(x, y)| self.texel(x, y));
+        let [lo, hi] = [corners.into_iter().reduce(DVec2::min), corners.into_iter().reduce(DVec2::max)];
+        lo.zip(hi).is_some_and(|(lo, hi)| picture.is_drawn_between(lo, hi))
+    }
+
     #[inline(always)]
     fn texel(&self, x: f64, y: f64) -> DVec2 {
         self.origin + self.per_x * (x - 0.5) + self.per_y * (y - 0.5)
@@ -216,20 +230,20 @@ fn snapped(texels: DVec2) -> DVec2 {
 }
 
 #[inline(always)]
-fn serving<'a>(pictures: &'a [BasePicture], rays: &IndexRays, x: f64, y: f64) -> Option<&'a BasePicture> {
+fn serving<'a>(pictures: &'a [Resampler<'a>], rays: &IndexRays, x: f64, y: f64) -> Option<&'a Resampler<'a>> {
     match pictures {
         [] => None,
-        [only] if only.plane.eye_w().is_none() => Some(only),
+        [only] if only.picture.plane.eye_w().is_none() => Some(only),
         _ => {
             let family = Family::of(rays.direction(x, y));
-            pictures.iter().find(|p| p.plane.family == family)
+            pictures.iter().find(|p| p.picture.plane.family == family)
         }
     }
 }
 
 /// `t` of `origin + t · direction` at opacity ½.
-fn ray_parameter(pictures: &[BasePicture], rays: &IndexRays, x: f64, y: f64) -> f32 {
-    let Some(picture) = serving(pictures, rays, x, y) else { return f32::NAN };
+fn ray_parameter(pictures: &[Resampler<'_>], rays: &IndexRays, x: f64, y: f64) -> f32 {
+    let Some(Resampler { picture, .. }) = serving(pictures, rays, x, y) else { return f32::NAN };
     let w = f64::from(picture.w_half(picture.plane.texel_from_pixel(rays, x, y)));
     let [_, _, origin_w] = picture.plane.family.uvw(rays.origin(x, y));
     let [_, _, direction_w] = picture.plane.family.uvw(rays.direction(x, y));

@@ -1,0 +1,289 @@
+//! A base plane read between its texels.
+//!
+//! By the Catmull-Rom cubic (Keys 1981), which keeps what the base plane resolves, clamped to the texels around the
+//! position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing was drawn,
+//! nothing is read: a summed-area table (Crow 1984) counts what was.
+
+use glam::DVec2;
+use wavesplat_compute::simd::{LANES, Lanes, ROUND, Rows, Simd};
+
+use crate::base_picture::{BasePicture, CELL, MARGIN};
+
+/// Positions may be so far from their base, and a base from the base plane; further away they are beyond any base plane.
+pub const FAR: f32 = (1 << 22) as f32;
+
+/// Pixels whose numbers fill the lanes.
+const QUAD: usize = 4;
+
+/// Which lane holds the opacity of the pixel that a lane's number belongs to.
+const OPACITY: Lanes<u32> = Lanes([3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15]);
+
+/// One where a lane holds an opacity.
+const IS_OPACITY: [f32; LANES] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// Which pixel of sixteen a lane's number belongs to, for each quad of pixels.
+const PIXEL: [Lanes<u32>; LANES / QUAD] = [
+    Lanes([0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]),
+    Lanes([4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7]),
+    Lanes([8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11]),
+    Lanes([12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15]),
+];
+
+/// Reads a finished base plane.
+pub struct Resampler<'a> {
+    /// What is read.
+    pub picture: &'a BasePicture,
+    /// How many cells have been drawn in that are before a column and a row of cells; one column and one row more than
+    /// there are cells.
+    n_drawn: Vec<u32>,
+    n_cells: [usize; 2],
+}
+
+impl<'a> Resampler<'a> {
+    /// Reads a base plane that is finished.
+    pub fn new(picture: &'a BasePicture) -> Self {
+        let (cells, n_u) = picture.drawn_cells();
+        let mut n_drawn = vec![0; n_u + 1];
+        for row in cells.chunks_exact(n_u) {
+            let above = n_drawn.len() - (n_u + 1);
+            let mut n_in_row = 0;
+            n_drawn.push(0);
+            for (u, is_drawn) in row.iter().enumerate() {
+                n_in_row += u32::from(*is_drawn);
+                n_drawn.push(n_drawn[above + u + 1] + n_in_row);
+            }
+        }
+        Self { picture, n_drawn, n_cells: [n_u, cells.len() / n_u] }
+    }
+
+    /// Adds to sixteen pixels `share` of what is at as many texel positions, no colour brighter than `peak`, and says
+    /// whether anything can be seen there. `base`: whole texels, which the positions count from. The first `n`
+    /// positions go one way.
+    #[inline(always)]
+    pub fn add_to<S: Simd>(
+        &self,
+        s: S,
+        base: [i32; 2],
+        positions: [S::F; 2],
+        n: usize,
+        pixels: &mut [[f32; 4]; LANES],
+        [share, peak]: [f32; 2],
+    ) -> bool {
+        let mut first_read = [Lanes([0; LANES]); 2];
+        let mut shares = [s.splat(0.0); 2];
+        for axis in 0..2 {
+            // What is beyond the base plane reads the margin. What is not a number is beyond it, too.
+            let [lo, hi] = [-1.5, self.picture.plane.size[axis] as f32 + 0.5].map(|end| end - base[axis] as f32);
+            let x = s.max(s.min(positions[axis], s.splat(hi)), s.splat(lo));
+            // A whole position may count as the end of the texel before, which reads the same.
+            let shifted = s.add(s.sub(x, s.splat(0.5)), s.splat(ROUND));
+            shares[axis] = s.sub(x, s.sub(shifted, s.splat(ROUND)));
+            // The whole number stands in the last bits.
+            let mut texels = Lanes([0.0_f32; LANES]);
+            s.store(shifted, &mut texels.0);
+            let to_first_read = base[axis] - ROUND.to_bits() as i32 + MARGIN as i32 - 1;
+            for k in 0..LANES {
+                first_read[axis].0[k] = to_first_read.wrapping_add(texels.0[k].to_bits() as i32) as u32;
+            }
+        }
+        let [Lanes(i), Lanes(j)] = &first_read;
+        if !self.is_drawn([i[0].min(i[n - 1]), i[0].max(i[n - 1])], [j[0].min(j[n - 1]), j[0].max(j[n - 1])]) {
+            return false;
+        }
+        let (texels, pitch) = self.picture.with_margin();
+        let rows = Rows::new(texels.as_flattened(), 4 * pitch);
+        let mut places = Lanes([0; LANES]);
+        for k in 0..LANES {
+            places.0[k] = j[k].wrapping_mul(pitch as u32).wrapping_add(i[k]);
+        }
+        let mut weights = [[Lanes([0.0; LANES]); 4]; 2];
+        for axis in 0..2 {
+            let [w0, w1, w2, w3] = catmull_rom(s, shares[axis]);
+            s.store(w0, &mut weights[axis][0].0);
+            s.store(w1, &mut weights[axis][1].0);
+            s.store(w2, &mut weights[axis][2].0);
+            s.store(w3, &mut weights[axis][3].0);
+        }
+        let is_opacity = s.lt(s.splat(0.5), s.load(&IS_OPACITY));
+        let (share, peak) = (s.splat(share), s.select(is_opacity, s.splat(1.0), s.splat(peak)));
+        for (quad, pixels) in pixels.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {
+            let color = read_quad(s, &rows, quad, &places, &weights);
+            let mut numbers = Lanes([0.0; LANES]);
+            s.store(color, &mut numbers.0);
+            let color = s.min(color, s.mul(peak, s.take(&numbers.0, &OPACITY)));
+            s.store(s.add_mul(s.load(pixels), share, color), pixels);
+        }
+        true
+    }
+
+    /// Whether anything can be seen at positions between two, texels.
+    pub fn is_drawn_between(&self, lo: DVec2, hi: DVec2) -> bool {
+        let size = self.picture.plane.size;
+        let first_read = |x: f64, axis: usize| (x.clamp(-2.0, size[axis] as f64) + (MARGIN - 1) as f64) as u32;
+        self.is_drawn([first_read(lo.x, 0), first_read(hi.x, 0)], [first_read(lo.y, 1), first_read(hi.y, 1)])
+    }
+
+    /// Whether something was drawn where the filter reads, by the ranges of what it reads first.
+    #[inline(always)]
+    fn is_drawn(&self, [first_i, last_i]: [u32; 2], [first_j, last_j]: [u32; 2]) -> bool {
+        let [n_u, n_v] = self.n_cells;
+        let cell = |first_read: u32, n_texels: usize, n_cells: usize| {
+            ((first_read as usize).saturating_sub(MARGIN - 1) / n_texels).min(n_cells - 1)
+        };
+        let (u, end_u) = (cell(first_i, CELL[0], n_u), cell(last_i, CELL[0], n_u) + 1);
+        let (v, end_v) = (cell(first_j, CELL[1], n_v), cell(last_j, CELL[1], n_v) + 1);
+        let n_before = |u: usize, v: usize| self.n_drawn[v * (n_u + 1) + u];
+        n_before(end_u, end_v).wrapping_add(n_before(u, v)) != n_before(u, end_v).wrapping_add(n_before(end_u, v))
+    }
+}
+
+/// What is at the positions of four of sixteen pixels. `places`: of what is read first.
+#[inline(always)]
+fn read_quad<S: Simd>(
+    s: S,
+    rows: &Rows,
+    quad: usize,
+    places: &Lanes<u32>,
+    [weights_u, weights_v]: &[[Lanes; 4]; 2],
+) -> S::F {
+    let (mut columns, mut least, mut most) = ([s.splat(0.0); 4], [s.splat(0.0); 4], [s.splat(0.0); 4]);
+    for k in 0..QUAD {
+        let at = quad * QUAD + k;
+        // Four texels of a row are sixteen numbers: first down the columns, then across.
+        let [first, second, third, fourth] = s.load_rows(rows, 4 * places.0[at] as usize);
+        let (w0, w1) = (s.splat(weights_v[0].0[at]), s.splat(weights_v[1].0[at]));
+        let (w2, w3) = (s.splat(weights_v[2].0[at]), s.splat(weights_v[3].0[at]));
+        columns[k] = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
+        least[k] = s.min(second, third);
+        most[k] = s.max(second, third);
+    }
+    let [a, b, c, d] = s.transpose_quads(columns);
+    let pixel = &PIXEL[quad];
+    let (w0, w1) = (s.take(&weights_u[0].0, pixel), s.take(&weights_u[1].0, pixel));
+    let (w2, w3) = (s.take(&weights_u[2].0, pixel), s.take(&weights_u[3].0, pixel));
+    let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
+    let ([_, a, b, _], [_, c, d, _]) = (s.transpose_quads(least), s.transpose_quads(most));
+    s.min(s.max(sum, s.min(a, b)), s.max(c, d))
+}
+
+/// Weights of the four texels around positions `t` of the way from the second to the third.
+#[inline(always)]
+fn catmull_rom<S: Simd>(s: S, t: S::F) -> [S::F; 4] {
+    let (one, half) = (s.splat(1.0), s.splat(0.5));
+    let w0 = s.mul(s.sub(s.mul(s.sub(one, s.mul(half, t)), t), half), t);
+    let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(1.5), t), s.splat(2.5)), t), t), one);
+    let w3 = s.mul(s.mul(s.sub(s.mul(half, t), half), t), t);
+    [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec3};
+    use wavesplat_compute::simd::{Kernel, Level};
+    use wavesplat_core::{Camera, Projection};
+
+    use super::*;
+    use crate::base_plane::{BasePlane, IndexRays, base_planes};
+
+    fn base_plane(size: [usize; 2]) -> BasePlane {
+        let projection = Projection::Orthographic { parallel_scale: 9.0 };
+        let camera = Camera::new(DVec3::new(4.0, 5.0, 40.0), DVec3::splat(4.0), DVec3::Y, projection).unwrap();
+        let rays = IndexRays::new(&camera, DAffine3::IDENTITY, 9, 9);
+        let mut planes = base_planes(&camera, &rays, [9, 9], 1.0, [DVec3::ZERO, DVec3::splat(9.0)]).unwrap();
+        planes[0].size = size;
+        planes.remove(0)
+    }
+
+    /// Reads of a picture at positions from a base.
+    struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], [f32; 2]);
+
+    impl Kernel for Read<'_> {
+        type Output = ([[f32; 4]; LANES], bool);
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let Self(picture, base, [u, v], share_and_peak) = self;
+            let mut pixels = [[0.0; 4]; LANES];
+            let is_seen =
+                Resampler::new(picture).add_to(s, base, [s.load(&u), s.load(&v)], LANES, &mut pixels, share_and_peak);
+            (pixels, is_seen)
+        }
+    }
+
+    /// The cubic between texels, empty beyond the base plane, clamped to the nearest four.
+    fn plain(texels: &[[f32; 4]], [n_u, n_v]: [usize; 2], [u, v]: [f64; 2], [share, peak]: [f64; 2]) -> [f64; 4] {
+        let at = |i: i64, j: i64, c: usize| {
+            let inside = i >= 0 && j >= 0 && i < n_u as i64 && j < n_v as i64;
+            if inside { f64::from(texels[j as usize * n_u + i as usize][c]) } else { 0.0 }
+        };
+        let weight = |t: f64| {
+            let t = t.abs();
+            if t < 1.0 {
+                1.5 * t.powi(3) - 2.5 * t * t + 1.0
+            } else if t < 2.0 {
+                -0.5 * t.powi(3) + 2.5 * t * t - 4.0 * t + 2.0
+            } else {
+                0.0
+            }
+        };
+        let (i, j) = (u.floor() as i64, v.floor() as i64);
+        let mut rgba = [0.0; 4];
+        for (c, out) in rgba.iter_mut().enumerate() {
+            for dj in -1..3 {
+                for di in -1..3 {
+                    *out += weight(u - (i + di) as f64) * weight(v - (j + dj) as f64) * at(i + di, j + dj, c);
+                }
+            }
+            let near = [at(i, j, c), at(i + 1, j, c), at(i, j + 1, c), at(i + 1, j + 1, c)];
+            *out = out.clamp(near.into_iter().fold(f64::MAX, f64::min), near.into_iter().fold(f64::MIN, f64::max));
+        }
+        let brightest = [peak, peak, peak, 1.0].map(|peak| peak * rgba[3]);
+        [0, 1, 2, 3].map(|c| share * rgba[c].min(brightest[c]))
+    }
+
+    #[test]
+    fn it_is_read_as_the_cubic_says_and_empty_beyond() {
+        let size = [37, 21];
+        let mut picture = BasePicture::new(base_plane(size), false);
+        let random = |i: usize| ((i as f64 * 12.9898).sin() * 43758.5453).rem_euclid(1.0);
+        for j in 0..size[1] {
+            for i in (0..size[0]).step_by(LANES) {
+                let texel = |k: usize| std::array::from_fn(|c| random(1000 * j + 10 * (i + k) + c) as f32);
+                picture.put(i, j, &std::array::from_fn(texel), None);
+            }
+        }
+        let texels = picture.texels();
+        assert_eq!(texels.len(), size[0] * size[1]);
+        for run in 0..300 {
+            // Runs in all directions, some of them partly or wholly beyond.
+            let start = [0, 1].map(|a| random(7 * run + a) * (size[a] as f64 + 8.0) - 4.0);
+            let step = [0, 1].map(|a| random(7 * run + 2 + a) * 2.0 - 1.0);
+            let base = start.map(|x| x.floor() as i32);
+            let at = |a: usize, k: usize| start[a] - f64::from(base[a]) + step[a] * k as f64;
+            let positions = [0, 1].map(|a| std::array::from_fn(|k| at(a, k) as f32));
+            let (share, peak) = (0.25, 0.7);
+            for level in Level::all() {
+                let (pixels, is_seen) = level.dispatch(Read(&picture, base, positions, [share, peak]));
+                for (k, pixel) in pixels.iter().enumerate() {
+                    let position = [0, 1].map(|a| f64::from(base[a]) + f64::from(positions[a][k]));
+                    let want = plain(&texels, size, position, [share, peak].map(f64::from));
+                    for c in 0..4 {
+                        let (got, want) = (f64::from(pixel[c]), want[c]);
+                        assert!((got - want).abs() < 1e-6, "{level:?} {position:?}: {got} for {want}");
+                        assert!(is_seen || want == 0.0);
+                    }
+                }
+            }
+        }
+        let far = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, FAR, -FAR, f32::MAX];
+        let places = far.map(|x| (0, x)).into_iter().chain([1 << 22, -(1 << 22)].map(|base| (base, 3.0)));
+        for ((base, x), level) in places.flat_map(|place| Level::all().into_iter().map(move |level| (place, level))) {
+            for [u, v] in [[x, 5.0], [5.0, x], [x, x]] {
+                let base = [if u == 5.0 { 0 } else { base }, if v == 5.0 { 0 } else { base }];
+                let positions = [[u; LANES], [v; LANES]];
+                let (pixels, _) = level.dispatch(Read(&picture, base, positions, [1.0, 1.0]));
+                assert!(pixels == [[0.0; 4]; LANES], "{level:?} {base:?} {u} {v}");
+            }
+        }
+    }
+}

@@ -170,6 +170,18 @@ impl TransferFunction {
     pub fn color(&self, value: f64) -> [f64; 3] {
         interpolate(&self.color, value, |n| n.value, |n| n.rgb)
     }
+
+    /// Red, green, blue and opacity of one value after another: fast where each is near the one before.
+    pub fn rgba_in_turn(&self) -> impl FnMut(f64) -> [f64; 4] {
+        let (mut color, mut opacity) = (0, 0);
+        move |value| {
+            color = n_up_to(&self.color, value, |n| n.value, color);
+            opacity = n_up_to(&self.opacity, value, |n| n.value, opacity);
+            let [r, g, b] = between(&self.color, color, value, |n| n.value, |n| n.rgb);
+            let [opacity] = between(&self.opacity, opacity, value, |n| n.value, |n| [n.opacity]);
+            [r, g, b, opacity]
+        }
+    }
 }
 
 fn check_values(curve: &'static str, values: impl Iterator<Item = f64>) -> Result<()> {
@@ -196,6 +208,28 @@ fn interpolate<N, const C: usize>(
     channels: impl Fn(&N) -> [f64; C],
 ) -> [f64; C] {
     let upper = nodes.partition_point(|n| position(n) <= value);
+    between(nodes, upper, value, position, channels)
+}
+
+/// How many nodes are no higher than a value, counted on from about so many.
+fn n_up_to<N>(nodes: &[N], value: f64, position: impl Fn(&N) -> f64, mut n: usize) -> usize {
+    while nodes.get(n).is_some_and(|node| position(node) <= value) {
+        n += 1;
+    }
+    while n > 0 && position(&nodes[n - 1]) > value {
+        n -= 1;
+    }
+    n
+}
+
+/// `upper`: how many nodes are no higher than the value.
+fn between<N, const C: usize>(
+    nodes: &[N],
+    upper: usize,
+    value: f64,
+    position: impl Fn(&N) -> f64,
+    channels: impl Fn(&N) -> [f64; C],
+) -> [f64; C] {
     if upper == 0 {
         return channels(&nodes[0]);
     }
@@ -222,6 +256,25 @@ mod tests {
             assert!((tf.opacity(value) - expected).abs() < 1e-12, "{value}");
         }
         assert!((tf.opacity(20.0 - 1e-9) - 0.4).abs() < 1e-8, "a step belongs to its upper side");
+    }
+
+    #[test]
+    fn one_after_another_reads_the_same_as_one_by_one() {
+        let opacity = [(10.0, 0.2), (20.0, 0.4), (20.0, 0.8), (30.0, 1.0)];
+        let color = [(5.0, 0.3), (19.0, 0.9), (40.0, 0.1)];
+        let tf = TransferFunction::new(
+            opacity.map(|(value, opacity)| OpacityNode { value, opacity }).to_vec(),
+            color.map(|(value, c)| ColorNode { value, rgb: [c, 1.0 - c, 0.5] }).to_vec(),
+            None,
+        )
+        .unwrap();
+        let mut in_turn = tf.rgba_in_turn();
+        let rising = (0..100).map(|i| f64::from(i) * 0.5);
+        let to_and_fro = (0..100).map(|i| f64::from(i * 37 % 100) * 0.5);
+        for value in rising.chain(to_and_fro) {
+            let [r, g, b] = tf.color(value);
+            assert_eq!(in_turn(value), [r, g, b, tf.opacity(value)], "{value}");
+        }
     }
 
     #[test]

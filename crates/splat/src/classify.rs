@@ -73,11 +73,11 @@ impl Classifier {
         // The ends are the outer nodes themselves: a value that rounding puts beside one would make all beyond it visible.
         let value_at = |end: f64, node: usize| if end == nodes[node] { values[node] } else { end / scale + offset };
         let (first_value, last_value) = (value_at(lo, 0), value_at(hi, nodes.len() - 1));
+        let mut rgba = tf.rgba_in_turn();
         let entry = |i: usize| {
             let share = i as f64 / n as f64;
-            let value = first_value * (1.0 - share) + last_value * share;
-            let [r, g, b] = tf.color(value);
-            let depth = (-(-tf.opacity(value)).ln_1p()).min(OPAQUE);
+            let [r, g, b, opacity] = rgba(first_value * (1.0 - share) + last_value * share);
+            let depth = (-(-opacity).ln_1p()).min(OPAQUE);
             [r as f32, g as f32, b as f32, depth as f32]
         };
         // One entry more than cells, and one more so that the last cell has an upper end at its very end.
@@ -91,10 +91,10 @@ impl Classifier {
             let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
             [r * opacity, g * opacity, b * opacity, opacity]
         };
+        let slabs: Vec<_> = table.iter().copied().map(slab).collect();
         let mut variation = vec![0.0_f32];
-        for (i, pair) in table.windows(2).enumerate() {
-            let (a, b) = (slab(pair[0]), slab(pair[1]));
-            let change = (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
+        for (i, pair) in slabs.windows(2).enumerate() {
+            let change = (0..4).map(|c| (pair[0][c] - pair[1][c]).abs()).fold(0.0, f32::max);
             variation.push(variation[i] + change);
         }
         let density = |i: usize| (lo + i.min(n) as f64 * step) as f32;

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -77,6 +79,26 @@ def test_the_shares_of_the_paper_fit_into_three_times_their_bytes(ct):
         wavelets = ws.WaveletVolume.from_volume(volume, keep=keep)
         assert wavelets.kept_fraction == pytest.approx(keep, rel=1e-3)
         assert wavelets.nbytes <= 3 * 4 * sum(wavelets.kept_by_level)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of memory is read from /proc")
+def test_analysis_takes_one_copy_of_the_samples():
+    script = """
+import pathlib
+import numpy as np
+import wavesplat as ws
+def peak_bytes():
+    status = pathlib.Path("/proc/self/status").read_text()
+    return 1024 * int(status.split("VmHWM:")[1].split()[0])
+samples = np.zeros((256, 256, 256), np.uint8)
+samples[::3, ::5] = 200
+volume = ws.Volume(samples)
+before = peak_bytes()
+ws.WaveletVolume.from_volume(volume, keep=0.03)
+print((peak_bytes() - before) / (4 * samples.size))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert 0.9 < float(done.stdout) < 1.4
 
 
 @pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, lambda held: pickle.loads(pickle.dumps(held))])  # noqa: S301

@@ -51,7 +51,7 @@ class WaveletVolume:
     """Retained wavelet coefficients; `keep` says what `amount` is: "threshold", "keep" (a share) or "psnr" (dB)."""
 
     def __new__(
-        cls, samples: NDArray[np.float32], *, family: str, keep: str, amount: float, levels: int | None, peak: bool
+        cls, volume: Volume, *, family: str, keep: str, amount: float, levels: int | None, peak: bool
     ) -> WaveletVolume: ...
     @staticmethod
     def families() -> list[str]: ...

@@ -130,10 +130,8 @@ class WaveletVolume(Grid):
                 f"large for coefficients in float32; scale them to less than {LARGEST:g}"
             )
         how, amount = _what_stays(threshold, keep, psnr)
-        samples = np.ascontiguousarray(volume.samples, dtype=np.float32)
-        core = _native.WaveletVolume(
-            samples, family=family, keep=how, amount=amount, levels=levels, peak=normalisation == "peak"
-        )
+        peak = normalisation == "peak"
+        core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
         return cls(core, volume.name, volume.world_from_index, family)
 
     @property

@@ -82,6 +82,11 @@ impl Samples<'_> {
     pub fn get(&self, index: usize) -> f64 {
         with_samples!(self, s => s[index].to_f64())
     }
+
+    /// All samples, each the nearest f32.
+    pub fn to_f32(&self) -> Vec<f32> {
+        with_samples!(self, s => s.iter().map(|sample| sample.to_f32()).collect())
+    }
 }
 
 /// What one pass over the samples tells.

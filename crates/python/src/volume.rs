@@ -134,7 +134,7 @@ impl PyVolume {
 
 impl PyVolume {
     /// Calls `work` with the samples and their `[nx, ny, nz]`.
-    fn with_samples<T>(&self, py: Python<'_>, work: impl FnOnce(Samples<'_>, [usize; 3]) -> T) -> PyResult<T> {
+    pub fn with_samples<T>(&self, py: Python<'_>, work: impl FnOnce(Samples<'_>, [usize; 3]) -> T) -> PyResult<T> {
         macro_rules! borrow {
             ($array:expr, $variant:path) => {{
                 let array = $array.bind(py).readonly();

@@ -3,10 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DAffine3, DMat3, DVec3};
-use numpy::{
-    IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
-    PyUntypedArrayMethods,
-};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use wavesplat_core::{Decoder as _, Grid, Kernel, Shading, Statistics, TransferFunction};
@@ -16,7 +13,7 @@ use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, S
 
 use crate::arguments::Triple;
 use crate::errors::to_py;
-use crate::volume::affine;
+use crate::volume::{PyVolume, affine};
 
 /// See `_native.pyi`.
 #[pyclass(name = "WaveletVolume", frozen, module = "wavesplat._native")]
@@ -28,18 +25,16 @@ type Arrays<'py> = (Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<u64>>, Bound<'
 #[pymethods]
 impl PyWaveletVolume {
     #[new]
-    #[pyo3(signature = (samples, *, family, keep, amount, levels, peak))]
-    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+    #[pyo3(signature = (volume, *, family, keep, amount, levels, peak))]
     fn new(
         py: Python<'_>,
-        samples: PyReadonlyArray3<'_, f32>,
+        volume: &PyVolume,
         family: &str,
         keep: &str,
         amount: f64,
         levels: Option<usize>,
         peak: bool,
     ) -> PyResult<Self> {
-        let [nz, ny, nx] = *samples.shape() else { return Err(PyTypeError::new_err("samples must be 3-D")) };
         let family = family_of(family)?;
         let keep = match keep {
             "threshold" => Keep::Amplitude(amount),
@@ -48,8 +43,9 @@ impl PyWaveletVolume {
             _ => return Err(PyTypeError::new_err("keep must be threshold, keep or psnr")),
         };
         let norm = if peak { Norm::Peak } else { Norm::L2 };
-        let samples = samples.as_slice()?;
-        let volume = py.detach(|| WaveletVolume::new(family, [nx, ny, nz], samples, levels, norm, keep));
+        let volume = volume.with_samples(py, |samples, size| {
+            py.detach(|| WaveletVolume::new(family, size, samples.to_f32(), levels, norm, keep))
+        })?;
         Ok(Self(Arc::new(volume)))
     }
 

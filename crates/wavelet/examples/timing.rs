@@ -34,7 +34,7 @@ fn main() {
             best[0] = best[0].min((between - start).as_secs_f64());
             best[1] = best[1].min(between.elapsed().as_secs_f64());
         }
-        let kept = WaveletVolume::new(family, [n; 3], &samples, None, Norm::L2, Keep::Fraction(0.03));
+        let kept = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(0.03));
         let decoder = Decoder::new(Arc::new(kept), 0, &[]);
         let decoding = (0..3).map(|_| {
             let start = Instant::now();

@@ -6,6 +6,10 @@
 //! value of |f|. f is a product over the axes, and so are its norms. They are exact for every coefficient, boundary
 //! functions included, but for peaks of B-splines, which are looked for at every eighth of a knot interval.
 
+use std::ops::Range;
+
+use wavesplat_compute::parallel;
+
 use crate::family::Family;
 use crate::plan::Plan;
 use crate::sample::Sample;
@@ -72,28 +76,69 @@ pub fn from_amplitudes<T: Sample>(plan: &Plan, norm: Norm, amplitudes: &mut [T])
     scale(plan, norm, amplitudes, f64::recip);
 }
 
-fn scale<T: Sample>(plan: &Plan, norm: Norm, data: &mut [T], factor: impl Fn(f64) -> f64) {
+fn scale<T: Sample>(plan: &Plan, norm: Norm, data: &mut [T], factor: impl Fn(f64) -> f64 + Sync + Send) {
     assert_eq!(data.len(), plan.n_samples(), "data and plan differ in size");
+    for_each_row(plan, norm, data, |row, norms| {
+        for (c, norm) in row.iter_mut().zip(norms.iter()) {
+            *c = *c * T::from_f64(factor(norm));
+        }
+    });
+}
+
+/// Calls `work` with every row of every subband, and what makes amplitudes of its coefficients.
+pub(crate) fn for_each_row<T: Send>(
+    plan: &Plan,
+    norm: Norm,
+    data: &mut [T],
+    work: impl Fn(&mut [T], RowNorms<'_>) + Sync + Send,
+) {
     let [nx, ny, _] = plan.size();
-    let mut scale_box = |ranges: [std::ops::Range<usize>; 3], norms: [&[f64]; 3]| {
-        let [xs, ys, zs] = ranges;
-        for (z, norm_z) in zs.zip(norms[2]) {
-            for (y, norm_y) in ys.clone().zip(norms[1]) {
-                let row = &mut data[(z * ny + y) * nx..][xs.clone()];
-                for (c, norm_x) in row.iter_mut().zip(norms[0]) {
-                    *c = *c * T::from_f64(factor(norm_x * norm_y * norm_z));
-                }
+    parallel::for_each_chunk(data, nx * ny, |z, slice| {
+        for_each_row_of_slice(plan, norm, z, |first, norms| work(&mut slice[first..first + norms.len()], norms));
+    });
+}
+
+/// Calls `work` with the place in the slice of every row of every subband that there is in slice `z` of the
+/// coefficients, and what makes amplitudes of them.
+pub(crate) fn for_each_row_of_slice(plan: &Plan, norm: Norm, z: usize, mut work: impl FnMut(usize, RowNorms<'_>)) {
+    let nx = plan.size()[0];
+    let mut rows_of_box = |[xs, ys, zs]: [Range<usize>; 3], [along_x, along_y, along_z]: [&[f64]; 3]| {
+        if zs.contains(&z) && !xs.is_empty() {
+            for (y, norm_y) in ys.zip(along_y) {
+                work(y * nx + xs.start, RowNorms { along_x, y: *norm_y, z: along_z[z - zs.start] });
             }
         }
     };
     for level in 0..plan.n_levels() {
         for band in 1..8 {
             let norms = [0, 1, 2].map(|axis| plan.band_norms(norm, axis, level, band));
-            scale_box(plan.subband(level, band), norms);
+            rows_of_box(plan.subband(level, band), norms);
         }
     }
     let coarsest = plan.n_levels();
-    scale_box(plan.low_size(coarsest).map(|n| 0..n), [0, 1, 2].map(|axis| plan.norms(norm, axis, coarsest, false)));
+    let norms = [0, 1, 2].map(|axis| plan.norms(norm, axis, coarsest, false));
+    rows_of_box(plan.low_size(coarsest).map(|n| 0..n), norms);
+}
+
+/// Norms of the functions of a row of coefficients.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowNorms<'a> {
+    along_x: &'a [f64],
+    y: f64,
+    z: f64,
+}
+
+impl<'a> RowNorms<'a> {
+    /// One for each coefficient.
+    #[inline(always)]
+    pub fn iter(self) -> impl Iterator<Item = f64> + 'a {
+        let Self { along_x, y, z } = self;
+        along_x.iter().map(move |x| x * y * z)
+    }
+
+    pub fn len(self) -> usize {
+        self.along_x.len()
+    }
 }
 
 impl Factors {

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use wavesplat_compute::parallel;
 
 use crate::family::Family;
-use crate::norm::{Norm, from_amplitudes, to_amplitudes};
+use crate::norm::{Norm, for_each_row, for_each_row_of_slice};
 use crate::plan::{Plan, max_levels};
 use crate::transform::{analyse, synthesise};
 
@@ -25,6 +25,12 @@ const EMPTY: u32 = u32::MAX;
 
 /// Steps of the search for a threshold: from 17 in the logarithm to a thousandth.
 const N_HALVINGS: usize = 14;
+
+/// Bits of half a number.
+const HALF: u32 = 16;
+
+/// Parts that all slices are looked through in, which may run at once.
+const N_PARTS: usize = 16;
 
 /// Which coefficients stay. Zeros are never stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,34 +99,31 @@ struct Block {
 }
 
 impl WaveletVolume {
-    /// Analyses samples `[z][y][x]` and keeps what is asked for. `n_levels`: as many as there are where `None`.
+    /// Analyses samples `[z][y][x]`, in place, and keeps what is asked for. `n_levels`: as many as there are where
+    /// `None`. Takes no more memory than the samples and what is kept, but for [`Keep::Psnr`], which takes three times the
+    /// samples.
     ///
     /// # Panics
     /// Where the samples are not as many as `size` (x, y, z) says, or none.
     pub fn new(
         family: Family,
         size: [usize; 3],
-        samples: &[f32],
+        samples: Vec<f32>,
         n_levels: Option<usize>,
         norm: Norm,
         keep: Keep,
     ) -> Self {
         let plan = Plan::new(family, size, n_levels);
-        let mut coefficients = samples.to_vec();
+        let wanted = if let Keep::Psnr(_) = keep { samples.clone() } else { Vec::new() };
+        let mut coefficients = samples;
         analyse(&plan, &mut coefficients);
-        let mut amplitudes = coefficients.clone();
-        to_amplitudes(&plan, norm, &mut amplitudes);
         let threshold = match keep {
             Keep::Amplitude(threshold) => threshold,
-            Keep::Fraction(fraction) => threshold_of_fraction(&amplitudes, fraction),
-            Keep::Psnr(psnr_db) => threshold_of_psnr(&plan, norm, &amplitudes, samples, psnr_db),
+            Keep::Fraction(fraction) => threshold_of_fraction(&plan, norm, &coefficients, fraction),
+            Keep::Psnr(psnr_db) => threshold_of_psnr(&plan, norm, &coefficients, &wanted, psnr_db),
         };
-        for (c, amplitude) in coefficients.iter_mut().zip(&amplitudes) {
-            if f64::from(amplitude.abs()) < threshold {
-                *c = 0.0;
-            }
-        }
-        drop(amplitudes);
+        drop(wanted);
+        drop_below(&plan, norm, threshold, &mut coefficients);
         let places = places(&plan);
         let bands = parallel::map(places.len(), |b| Band::new(places[b].clone(), &coefficients, size));
         Self { plan, threshold, bands, range: OnceLock::new() }
@@ -391,33 +394,94 @@ impl Band {
     }
 }
 
-/// The amplitude that this share of the coefficients reaches.
-fn threshold_of_fraction(amplitudes: &[f32], fraction: f64) -> f64 {
-    let n_kept = (fraction * amplitudes.len() as f64).round() as usize;
+/// Zeros in place of coefficients whose amplitude is below a threshold.
+fn drop_below(plan: &Plan, norm: Norm, threshold: f64, coefficients: &mut [f32]) {
+    for_each_row(plan, norm, coefficients, |row, norms| {
+        for (c, norm) in row.iter_mut().zip(norms.iter()) {
+            if f64::from(amplitude(*c, norm)) < threshold {
+                *c = 0.0;
+            }
+        }
+    });
+}
+
+fn amplitude(coefficient: f32, norm: f64) -> f32 {
+    (coefficient * norm as f32).abs()
+}
+
+/// What `add` gathers of the amplitudes, for each of some parts of the coefficients.
+fn over_amplitudes<T: Send>(
+    plan: &Plan,
+    norm: Norm,
+    coefficients: &[f32],
+    zero: impl Fn() -> T + Sync + Send,
+    add: impl Fn(&mut T, f32) + Sync + Send,
+) -> Vec<T> {
+    let [nx, ny, nz] = plan.size();
+    // As many parts as pay.
+    let n_parts = nz.min(N_PARTS);
+    parallel::map(n_parts, |part| {
+        let mut sum = zero();
+        for z in part * nz / n_parts..(part + 1) * nz / n_parts {
+            let slice = &coefficients[z * nx * ny..][..nx * ny];
+            for_each_row_of_slice(plan, norm, z, |first, norms| {
+                slice[first..].iter().zip(norms.iter()).for_each(|(c, norm)| add(&mut sum, amplitude(*c, norm)));
+            });
+        }
+        sum
+    })
+}
+
+/// The amplitude that this share of the coefficients reaches. Amplitudes stand in the order of their bits: counting gives
+/// the upper half of them, and counting those with that half gives the lower.
+fn threshold_of_fraction(plan: &Plan, norm: Norm, coefficients: &[f32], fraction: f64) -> f64 {
+    let n_kept = (fraction * coefficients.len() as f64).round() as usize;
     if n_kept == 0 {
         return f64::INFINITY;
     }
-    let mut sizes: Vec<f32> = amplitudes.iter().map(|a| a.abs()).collect();
-    let place = n_kept.min(sizes.len()) - 1;
-    let (_, threshold, _) = sizes.select_nth_unstable_by(place, |a, b| b.total_cmp(a));
-    f64::from(*threshold)
+    let mut left = n_kept.min(coefficients.len());
+    let mut bits = 0;
+    for shift in [HALF, 0] {
+        let counts = over_amplitudes(
+            plan,
+            norm,
+            coefficients,
+            || vec![0_usize; 1 << HALF],
+            |counts, amplitude| {
+                let own = amplitude.to_bits();
+                if shift == HALF || own >> HALF == bits >> HALF {
+                    counts[(own >> shift) as usize & ((1 << HALF) - 1)] += 1;
+                }
+            },
+        );
+        for half in (0..1 << HALF).rev() {
+            let n: usize = counts.iter().map(|counts| counts[half]).sum();
+            if n >= left {
+                bits |= (half as u32) << shift;
+                break;
+            }
+            left -= n;
+        }
+    }
+    f64::from(f32::from_bits(bits))
 }
 
 /// The largest amplitude, to a thousandth, that may be dropped for a PSNR.
-fn threshold_of_psnr(plan: &Plan, norm: Norm, amplitudes: &[f32], samples: &[f32], psnr_db: f64) -> f64 {
+fn threshold_of_psnr(plan: &Plan, norm: Norm, coefficients: &[f32], samples: &[f32], psnr_db: f64) -> f64 {
     let extent =
         |values: &[f32]| values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
     let (lo, hi) = extent(samples);
     let wanted = f64::from(hi - lo).powi(2) * 10.0_f64.powf(-psnr_db / 10.0);
-    let reaches = |threshold: f64| {
-        let mut kept = amplitudes.to_vec();
-        kept.iter_mut().filter(|a| f64::from(a.abs()) < threshold).for_each(|a| *a = 0.0);
-        from_amplitudes(plan, norm, &mut kept);
+    let mut kept = coefficients.to_vec();
+    let mut reaches = |threshold: f64| {
+        kept.copy_from_slice(coefficients);
+        drop_below(plan, norm, threshold, &mut kept);
         synthesise(plan, &mut kept);
         let square: f64 = kept.iter().zip(samples).map(|(a, b)| f64::from(a - b).powi(2)).sum();
         square <= wanted * samples.len() as f64
     };
-    let largest = amplitudes.iter().fold(0.0_f32, |all, a| all.max(a.abs()));
+    let largest = over_amplitudes(plan, norm, coefficients, || 0.0_f32, |all, a| *all = all.max(a));
+    let largest = largest.into_iter().fold(0.0_f32, f32::max);
     // In the logarithm, since amplitudes span many orders.
     let (mut below, mut above) = (1e-7_f64.ln(), 2.0_f64.ln());
     let threshold = |t: f64| f64::from(largest) * t.exp();

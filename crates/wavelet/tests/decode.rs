@@ -24,7 +24,8 @@ fn boxes_of_every_level_are_those_of_synthesis() {
     for size in [[45, 70, 37], [64, 33, 16], [3, 50, 1], [1, 1, 9]] {
         let samples = samples(size);
         for (name, family) in Family::NAMES {
-            let volume = Arc::new(WaveletVolume::new(family, size, &samples, None, Norm::L2, Keep::Amplitude(8.0)));
+            let volume =
+                Arc::new(WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(8.0)));
             let coefficients = volume.coefficients(&[]);
             for level in 0..=volume.plan().n_levels() {
                 let want = synthesise_to(volume.plan(), &coefficients, level);
@@ -65,7 +66,7 @@ fn boxes_of_every_level_are_those_of_synthesis() {
 fn weighted_levels_are_those_of_synthesis_and_sum_to_the_whole() {
     let size = [40, 37, 50];
     let samples = samples(size);
-    let volume = WaveletVolume::new(Family::Cdf97, size, &samples, Some(4), Norm::L2, Keep::Fraction(0.1));
+    let volume = WaveletVolume::new(Family::Cdf97, size, samples.clone(), Some(4), Norm::L2, Keep::Fraction(0.1));
     let volume = Arc::new(volume);
     let mut sum = vec![0.0; samples.len()];
     for k in 0..=4 {

@@ -11,7 +11,7 @@ const LIFTED: [Family; 3] = [Family::Haar, Family::Cdf53, Family::Cdf97];
 fn volume(family: Family, size: [usize; 3], sample: impl Fn([usize; 3]) -> f32) -> Arc<WaveletVolume> {
     let [nx, ny, nz] = size;
     let samples: Vec<f32> = (0..nx * ny * nz).map(|i| sample([i % nx, i / nx % ny, i / (nx * ny)])).collect();
-    Arc::new(WaveletVolume::new(family, size, &samples, None, Norm::L2, Keep::Amplitude(0.0)))
+    Arc::new(WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(0.0)))
 }
 
 fn level_of(volume: &Arc<WaveletVolume>, level: usize) -> (LevelGrid, Coarse) {

@@ -25,7 +25,7 @@ fn with_nothing_dropped_the_samples_come_back() {
         for size in [[1, 1, 1], [9, 1, 17], [23, 8, 11], [33, 20, 9]] {
             let n: usize = size.iter().product();
             let samples: Vec<f32> = (0..n).map(|i| ((i * 7919) % 251) as f32).collect();
-            let volume = WaveletVolume::new(family, size, &samples, None, Norm::L2, Keep::Amplitude(0.0));
+            let volume = WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(0.0));
             let back = volume.to_samples(&[]);
             assert!(back.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 2.5e-3), "{name} {size:?}");
         }
@@ -36,7 +36,7 @@ fn with_nothing_dropped_the_samples_come_back() {
 fn the_printed_share_of_the_ripples_is_kept() {
     let n = 32;
     let keep = |family| {
-        let volume = WaveletVolume::new(family, [n; 3], &ripples(n), None, Norm::L2, Keep::Amplitude(12.0));
+        let volume = WaveletVolume::new(family, [n; 3], ripples(n), None, Norm::L2, Keep::Amplitude(12.0));
         100.0 * volume.n_kept() as f64 / (n * n * n) as f64
     };
     // Printed in the method's paper: 19.95 %.
@@ -48,7 +48,8 @@ fn the_printed_share_of_the_ripples_is_kept() {
 fn what_is_kept_are_the_large_amplitudes_in_their_places() {
     let (n, threshold) = (21, 9.0);
     let samples = ripples(n);
-    let volume = WaveletVolume::new(Family::Cdf97, [n; 3], &samples, Some(2), Norm::Peak, Keep::Amplitude(threshold));
+    let volume =
+        WaveletVolume::new(Family::Cdf97, [n; 3], samples.clone(), Some(2), Norm::Peak, Keep::Amplitude(threshold));
     let plan = Plan::new(Family::Cdf97, [n; 3], Some(2));
     let mut want = samples;
     analyse(&plan, &mut want);
@@ -65,7 +66,7 @@ fn what_is_kept_are_the_large_amplitudes_in_their_places() {
 #[test]
 fn bands_sum_to_the_whole() {
     let n = 24;
-    let volume = WaveletVolume::new(Family::Cdf53, [n; 3], &ripples(n), Some(3), Norm::L2, Keep::Fraction(0.3));
+    let volume = WaveletVolume::new(Family::Cdf53, [n; 3], ripples(n), Some(3), Norm::L2, Keep::Fraction(0.3));
     let all = volume.to_samples(&[]);
     let mut sum = vec![0.0; all.len()];
     for level in 0..4 {
@@ -83,13 +84,13 @@ fn a_share_and_a_psnr_are_kept() {
     let samples = ripples(n);
     for (name, family) in Family::NAMES {
         for fraction in [0.02, 0.2] {
-            let volume = WaveletVolume::new(family, [n; 3], &samples, None, Norm::L2, Keep::Fraction(fraction));
+            let volume = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(fraction));
             let got = volume.n_kept() as f64 / samples.len() as f64;
             assert!((got - fraction).abs() < 0.002, "{name}: {got} for {fraction}");
         }
         let mut n_before = 0;
         for wanted in [30.0, 50.0] {
-            let volume = WaveletVolume::new(family, [n; 3], &samples, None, Norm::L2, Keep::Psnr(wanted));
+            let volume = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Psnr(wanted));
             let (lo, hi) = samples.iter().fold((f32::MAX, f32::MIN), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
             let got = psnr_db(&volume.to_samples(&[]), &samples, f64::from(hi - lo));
             assert!(got >= wanted - 1e-6 && got < wanted + 1.0, "{name}: {got} dB for {wanted}");
@@ -97,7 +98,7 @@ fn a_share_and_a_psnr_are_kept() {
             n_before = volume.n_kept();
         }
     }
-    let nothing = WaveletVolume::new(Family::Haar, [n; 3], &samples, None, Norm::L2, Keep::Fraction(0.0));
+    let nothing = WaveletVolume::new(Family::Haar, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(0.0));
     assert_eq!(nothing.n_kept(), 0);
     assert!(nothing.to_samples(&[]).iter().all(|s| *s == 0.0));
 }
@@ -108,7 +109,8 @@ fn memory_is_proportional_to_what_is_kept() {
     let n = 96;
     let samples = ripples(n);
     for fraction in [0.02, 0.1, 1.0] {
-        let volume = WaveletVolume::new(Family::Cdf97, [n; 3], &samples, None, Norm::L2, Keep::Fraction(fraction));
+        let volume =
+            WaveletVolume::new(Family::Cdf97, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(fraction));
         let kept_bytes = 4 * volume.n_kept();
         assert!(volume.n_bytes() <= 3 * kept_bytes, "{fraction}: {} for {kept_bytes}", volume.n_bytes());
     }
@@ -117,7 +119,7 @@ fn memory_is_proportional_to_what_is_kept() {
 /// A volume and what is stored of it.
 fn parts_of(family: Family, size: [usize; 3]) -> (WaveletVolume, Parts) {
     let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
-    let volume = WaveletVolume::new(family, size, &samples, None, Norm::L2, Keep::Fraction(0.2));
+    let volume = WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Fraction(0.2));
     let parts = volume.to_parts();
     (volume, parts)
 }

@@ -9,8 +9,9 @@ picture (mean over pixels and channels, shaded, over black) from the picture of 
 the views, and in brackets the view that is worst.
 Goals: at most half of plain's change; below 8 % at one level; below 4 % at two on CT with a soft function.
 
-Time is of the processor for a frame with everything kept that may be kept (least of 9); `--large` adds 512^3 samples,
-the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below ours.
+Time is of the processor for a frame with everything kept that may be kept (least of 9); `--large` adds 512^3 and
+1024^3 samples, the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below
+ours.
 
 `--record` writes the table to RESULTS.md beside this file. Volumes are from BENCH_DATA or, where it lacks them,
 bundled.
@@ -44,6 +45,10 @@ RESULTS = Path(__file__).with_name("RESULTS.md")
 #: Azimuth and elevation, degrees.
 VIEWS = ((20, 15), (-65, -20), (35, 60))
 MOST_DROPPED = 3
+
+#: Sides of the large volumes, and of their pictures.
+LARGE = 512, 1024
+LARGE_SIZE = 1024
 
 Array = NDArray[np.float64]
 
@@ -166,26 +171,23 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
     return rows
 
 
-def large() -> list[Row]:
-    """512^3 samples: the engine, repeated; only its time."""
+def large(n: int) -> list[Row]:
+    """n^3 samples: the engine, repeated; only its time."""
     subject = SUBJECTS["engine"]
     engine = subject.volume()
     if engine is None:
         return []
-    samples = np.tile(engine.samples, (4, 2, 2))[:512, :512, :512]
-    wavelets = ws.WaveletVolume.from_volume(ws.Volume(samples), keep=0.03)
-    wavelets.cache_bytes = 3 << 30
+    repeats = [-(-n // m) for m in engine.samples.shape]
+    wavelets = ws.WaveletVolume.from_volume(ws.Volume(np.tile(engine.samples, repeats)[:n, :n, :n]), keep=0.03)
+    # A level may have half of it.
+    wavelets.cache_bytes = 3 * 4 * n**3
     nothing = np.zeros((MOST_DROPPED, 1))
-    return [
-        Row(
-            "engine, 512^3, 1024 px",
-            curve,
-            nothing,
-            nothing,
-            frame_times(wavelets, transfer_function(subject, curve, 1.0), 1024),
-        )
-        for curve in ("soft", "hard")
-    ]
+
+    def row(curve: str) -> Row:
+        times = frame_times(wavelets, transfer_function(subject, curve, 1.0), LARGE_SIZE)
+        return Row(f"engine, {n}^3, {LARGE_SIZE} px", curve, nothing, nothing, times)
+
+    return [row(curve) for curve in ("soft", "hard")]
 
 
 def table(rows: Sequence[Row]) -> list[list[str]]:
@@ -235,14 +237,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Leave out levels of details and look at the brightness.")
     parser.add_argument("--size", type=int, default=384, metavar="PX", help="side of the pictures; 384")
     parser.add_argument("--only", nargs="+", default=list(SUBJECTS), choices=SUBJECTS, help="volumes")
-    parser.add_argument("--large", action="store_true", help="time 512^3 samples too; 3 GB")
+    parser.add_argument("--large", action="store_true", help="time 512^3 and 1024^3 samples too; 10 GB")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "study-lod", help="folder of the pictures")
     parser.add_argument("--record", action="store_true", help="write RESULTS.md")
     options = parser.parse_args()
     pages: dict[str, list[list[Array]]] = {}
     rows = [row for name in options.only for row in measure(name, options.size, pages)]
     if options.large:
-        rows += large()
+        rows += [row for n in LARGE for row in large(n)]
     print(as_markdown(table(rows)))
     save_pages(pages, options.out)
     if options.record:

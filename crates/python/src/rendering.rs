@@ -361,9 +361,9 @@ pub fn quality_settings(
     camera: &PyCamera,
     height: usize,
 ) -> PyResult<(f64, f64)> {
-    let curves = volume.transfer_function(&transfer_function.0, Composite::Over, shading.map(|s| &s.0))?;
+    let curves = &transfer_function.0;
+    let is_steep = volume.is_steep(py, curves, shading.map(|s| &s.0))?;
     volume.with_grid(py, |grid| {
-        let is_steep = wavesplat_splat::is_steep(grid, &curves);
         let samples_per_pixel = camera.0.pixel_size(grid.middle(), height) / grid.mean_spacing();
         let settings = wavesplat_core::quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel);
         let (sheets, oversampling) = settings.map_err(to_py)?;

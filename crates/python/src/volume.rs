@@ -7,6 +7,7 @@ use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayM
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use wavesplat_core::{Composite, Grid, Kernel, Samples, Shading, Statistics, TransferFunction, Volume};
+use wavesplat_splat::is_steep;
 use wavesplat_splat::slices::{Prepared, Slices};
 
 use crate::errors::to_py;
@@ -53,8 +54,17 @@ impl Drawable<'_> {
         shading: Option<&Shading>,
     ) -> PyResult<TransferFunction> {
         match (self, composite) {
-            (Self::Decoded(volume), Composite::Over) => volume.filtered(tf, shading),
+            (Self::Decoded(volume), Composite::Over) => Ok(volume.filtered(tf, shading)?.0),
             _ => Ok(tf.clone()),
+        }
+    }
+
+    /// Whether a transfer function gets the quality settings of a steep one.
+    pub fn is_steep(&self, py: Python<'_>, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<bool> {
+        match self {
+            Self::Samples(_) => self.with_grid(py, |grid| Ok(is_steep(grid, tf))),
+            // What its levels are made as bright for.
+            Self::Decoded(volume) => Ok(volume.filtered(tf, shading)?.1),
         }
     }
 

@@ -201,6 +201,7 @@ struct Filtered {
     of: TransferFunction,
     shading: Option<Shading>,
     tf: TransferFunction,
+    is_steep: bool,
 }
 
 #[pymethods]
@@ -235,21 +236,25 @@ impl PyDecodedVolume {
         (x, y, z)
     }
 
-    /// The transfer function that makes of a coarser level what it makes of the finest; kept until another is asked for.
-    pub fn filtered(&self, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<TransferFunction> {
-        let Some(spread) = &self.spread else { return Ok(tf.clone()) };
+    /// The transfer function that makes of a coarser level what it makes of the finest, and whether the one that was given
+    /// is steep; kept until another is asked for.
+    pub fn filtered(&self, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<(TransferFunction, bool)> {
         let mut kept = self.filtered.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = &*kept
             && (&kept.of, kept.shading.as_ref()) == (tf, shading)
         {
-            return Ok(kept.tf.clone());
+            return Ok((kept.tf.clone(), kept.is_steep));
         }
-        let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
-        let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
         let is_steep = wavesplat_splat::is_steep(&self.grid, tf);
-        let filtered = spread.filter(tf, spacing.to_array(), shading, is_steep).map_err(to_py)?;
-        *kept = Some(Filtered { of: tf.clone(), shading: shading.cloned(), tf: filtered.clone() });
-        Ok(filtered)
+        let filtered = if let Some(spread) = &self.spread {
+            let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
+            let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
+            spread.filter(tf, spacing.to_array(), shading, is_steep).map_err(to_py)?
+        } else {
+            tf.clone()
+        };
+        *kept = Some(Filtered { of: tf.clone(), shading: shading.cloned(), tf: filtered.clone(), is_steep });
+        Ok((filtered, is_steep))
     }
 
     /// What is decoded for a kernel; kept until another is asked for.

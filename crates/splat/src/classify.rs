@@ -42,14 +42,12 @@ pub struct Classifier {
     only_color: Option<[f32; 3]>,
     /// `visible[i]`: how many of the entries before `i` have an opacity.
     visible: Vec<u32>,
-    /// Total variation of a slab's associated colour and opacity up to each entry.
-    variation: Vec<f32>,
 }
 
 impl Classifier {
     /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
     /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Grid::density_from_sample`].
-    /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, for [`Classifier::variation`].
+    /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, which tells what counts as opaque.
     pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2], slab_thickness: f64) -> Self {
         let (offset, scale) = density_from_sample;
         let density = |value: f64| (value - offset) * scale;
@@ -87,16 +85,6 @@ impl Classifier {
             visible.push(visible[i] + u32::from(entry[3] > 0.0));
         }
         let only_color = only_color(&table);
-        let slab = |[r, g, b, depth]: Entry| {
-            let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
-            [r * opacity, g * opacity, b * opacity, opacity]
-        };
-        let slabs: Vec<_> = table.iter().copied().map(slab).collect();
-        let mut variation = vec![0.0_f32];
-        for (i, pair) in slabs.windows(2).enumerate() {
-            let change = (0..4).map(|c| (pair[0][c] - pair[1][c]).abs()).fold(0.0, f32::max);
-            variation.push(variation[i] + change);
-        }
         let density = |i: usize| (lo + i.min(n) as f64 * step) as f32;
         let first = table.iter().position(|entry| entry[3] > 0.0);
         let last = table.iter().rposition(|entry| entry[3] > 0.0);
@@ -109,14 +97,22 @@ impl Classifier {
         };
         let passage = passage_table(&table, density, step, OPAQUE_SLAB / slab_thickness);
         let (lo, hi) = (lo as f32, hi as f32);
-        Self { table, passage, lo, hi, per_density: (1.0 / step) as f32, visible_range, only_color, visible, variation }
+        Self { table, passage, lo, hi, per_density: (1.0 / step) as f32, visible_range, only_color, visible }
     }
 
-    /// How much a slab's colour and opacity change in all on the way from one density up to another: bounds how wrong
-    /// one of them is for the other.
-    #[inline(always)]
-    pub fn variation(&self, lo: f32, hi: f32) -> f32 {
-        self.variation[self.position(hi) as usize + 1] - self.variation[self.position(lo) as usize]
+    /// How much associated colour and opacity of a slab change in all from the least density to the greatest.
+    /// `slab_thickness`: in `opacity_unit`s.
+    pub fn variation(&self, slab_thickness: f64) -> f32 {
+        let mut before = None;
+        let mut variation = 0.0_f32;
+        for &[r, g, b, depth] in &self.table {
+            let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
+            let slab = [r * opacity, g * opacity, b * opacity, opacity];
+            let [own, other] = [slab, before.unwrap_or(slab)];
+            variation += (0..4).map(|c| (other[c] - own[c]).abs()).fold(0.0, f32::max);
+            before = Some(slab);
+        }
+        variation
     }
 
     /// Densities beyond which nothing is visible.

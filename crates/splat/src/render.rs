@@ -214,11 +214,14 @@ const OPAQUE: f32 = 1.0 - 2e-6;
 /// Whether a transfer function can change opacity or colour by a visible amount within a voxel; of a coarser level,
 /// within one of the finest: its pictures are smaller, and a smooth function is as smooth on it.
 pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
-    // As thick as the slabs of two sheets a slice.
-    let thickness = 0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
-    Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness)
-        .variation(f32::NEG_INFINITY, f32::INFINITY)
-        >= STEEP
+    let thickness = slab_of_the_finest(grid, tf);
+    let classifier = Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness);
+    classifier.variation(thickness) >= STEEP
+}
+
+/// Thickness of a slab of two sheets a slice, of a coarser level one of the finest, in `opacity_unit`s.
+fn slab_of_the_finest(grid: &Grid, tf: &TransferFunction) -> f64 {
+    0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit())
 }
 
 /// Everything that does not depend on the base plane.
@@ -231,6 +234,8 @@ struct Scene<'a> {
     tf: &'a TransferFunction,
     classifier: Classifier,
     opacity_unit: f64,
+    /// Of a typical slab, in `opacity_unit`s.
+    slab_thickness: f64,
     labels: Option<&'a Labels>,
     fields: Vec<Field<'a>>,
     light: Option<LightTerms>,
@@ -256,7 +261,20 @@ impl<'a> Scene<'a> {
         let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
         let classifier = Classifier::new(tf, grid.density_from_sample(), slices.range(), slab_thickness);
         let (labels, fields, light) = (None, Vec::new(), None);
-        Self { level, grid, slices, camera, options, tf, classifier, opacity_unit, labels, fields, light }
+        Self {
+            level,
+            grid,
+            slices,
+            camera,
+            options,
+            tf,
+            classifier,
+            opacity_unit,
+            slab_thickness,
+            labels,
+            fields,
+            light,
+        }
     }
 
     /// What is held off of the light, where that is wanted.
@@ -356,9 +374,10 @@ impl<'a> Scene<'a> {
         let (picture, work) = match self.options.composite {
             Composite::Over => {
                 let plain = !(self.options.refined && variant.may_pre_integrate());
+                let varies = |thickness| self.classifier.variation(thickness) >= STEEP;
                 let is_steep = !plain
-                    && self.classifier.variation(f32::NEG_INFINITY, f32::INFINITY) >= STEEP
-                    && (self.grid.coarseness() <= 1.0 || is_steep(self.grid, self.tf));
+                    && varies(self.slab_thickness)
+                    && (self.grid.coarseness() <= 1.0 || varies(slab_of_the_finest(self.grid, self.tf)));
                 // A function of two dimensions has no integral along a slab.
                 let is_steep = is_steep && !extras.by_gradient.as_ref().is_some_and(ByGradient::decides_color);
                 let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };

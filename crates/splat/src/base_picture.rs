@@ -5,7 +5,7 @@ use wavesplat_compute::simd::LANES;
 
 use crate::base_plane::BasePlane;
 
-/// Texels that share an entry of [`BasePicture::drawn`], along u and v.
+/// Texels that share an entry of [`BasePicture::drawn_cells`], along u and v.
 pub const CELL: [usize; 2] = [LANES, 8];
 
 /// Empty texels on all sides, as many as the filter that reads them reaches from what is empty.

@@ -194,6 +194,21 @@ mod tests {
         planes.remove(0)
     }
 
+    fn random(i: usize) -> f64 {
+        ((i as f64 * 12.9898).sin() * 43758.5453).rem_euclid(1.0)
+    }
+
+    fn full_picture(size: [usize; 2]) -> BasePicture {
+        let mut picture = BasePicture::new(base_plane(size), false);
+        for j in 0..size[1] {
+            for i in (0..size[0]).step_by(LANES) {
+                let texel = |k: usize| std::array::from_fn(|c| random(1000 * j + 10 * (i + k) + c) as f32);
+                picture.put(i, j, &std::array::from_fn(texel), None);
+            }
+        }
+        picture
+    }
+
     /// Reads of a picture at positions from a base.
     struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], [f32; 2]);
 
@@ -244,14 +259,7 @@ mod tests {
     #[test]
     fn it_is_read_as_the_cubic_says_and_empty_beyond() {
         let size = [37, 21];
-        let mut picture = BasePicture::new(base_plane(size), false);
-        let random = |i: usize| ((i as f64 * 12.9898).sin() * 43758.5453).rem_euclid(1.0);
-        for j in 0..size[1] {
-            for i in (0..size[0]).step_by(LANES) {
-                let texel = |k: usize| std::array::from_fn(|c| random(1000 * j + 10 * (i + k) + c) as f32);
-                picture.put(i, j, &std::array::from_fn(texel), None);
-            }
-        }
+        let picture = full_picture(size);
         let texels = picture.texels();
         assert_eq!(texels.len(), size[0] * size[1]);
         for run in 0..300 {
@@ -275,6 +283,43 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Chunks here and there: what is left out has nothing in it, and something is left out.
+    #[test]
+    fn only_what_is_empty_is_left_out() {
+        let size = [150, 90];
+        let mut picture = BasePicture::new(base_plane(size), false);
+        for (i, j) in [(32, 0), (144, 40), (0, 89), (80, 48)] {
+            picture.put(i, j, &[[0.5, 0.25, 0.125, 1.0]; LANES], None);
+        }
+        let texels = picture.texels();
+        let (mut n_left_out, mut n_seen) = (0, 0);
+        for v in -4..size[1] as i32 + 4 {
+            for u in (-20..size[0] as i32 + 4).step_by(LANES) {
+                let positions = [std::array::from_fn(|k| 0.3 + k as f32), [0.6; LANES]];
+                let (pixels, is_seen) = Level::best().dispatch(Read(&picture, [u, v], positions, [1.0, 1.0]));
+                for (k, pixel) in pixels.iter().enumerate() {
+                    let at = [f64::from(u) + f64::from(positions[0][k]), f64::from(v) + f64::from(positions[1][k])];
+                    let want = plain(&texels, size, at, [1.0, 1.0]);
+                    assert!(
+                        (0..4).all(|c| (f64::from(pixel[c]) - want[c]).abs() < 1e-6),
+                        "{at:?}: {pixel:?} for {want:?}"
+                    );
+                    n_seen += usize::from(want[3] > 0.0);
+                }
+                let first = DVec2::new(f64::from(u) + 0.3, f64::from(v) + 0.6);
+                let last = first + DVec2::new((LANES - 1) as f64, 0.0);
+                assert_eq!(Resampler::new(&picture).is_drawn_between(first, last), is_seen, "{first}");
+                n_left_out += usize::from(!is_seen);
+            }
+        }
+        assert!(n_left_out > 500 && n_seen > 100, "{n_left_out} left out, {n_seen} pixels seen");
+    }
+
+    #[test]
+    fn far_away_there_is_nothing() {
+        let picture = full_picture([37, 21]);
         let far = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, FAR, -FAR, f32::MAX];
         let places = far.map(|x| (0, x)).into_iter().chain([1 << 22, -(1 << 22)].map(|base| (base, 3.0)));
         for ((base, x), level) in places.flat_map(|place| Level::all().into_iter().map(move |level| (place, level))) {

@@ -48,6 +48,10 @@ const BRIGHT_ENOUGH: f64 = 0.93;
 /// up for by more of what has none.
 const MOST_FOR_LIGHT: f64 = 1.25;
 
+/// How much brighter colours may get where more extinction does not help: what is opaque has lost highlights on its
+/// edges, which are rounder on a level. More would be seen in the hue of colours that have a full channel.
+const MOST_OF_COLOR: f64 = 1.02;
+
 /// How alike the logarithms of the brightnesses get, if it takes no more steps than the second number.
 const TOLERANCE: f64 = 2e-3;
 const N_STEPS: usize = 12;
@@ -143,30 +147,36 @@ impl Rays {
         Self(bundles.into_iter().flatten().collect())
     }
 
-    /// By how much the extinction of the coarse look has to be multiplied, so that the level is as bright as the finest.
-    /// `lengths`: from sample to sample along each axis, in units of the opacities. Without shading, colours are as they
-    /// are. `is_steep`: whether the level gets the sheets of a steep function.
-    pub fn factor(
+    /// By how much the extinction of the coarse look has to be multiplied, and then its colours by a little, so that the
+    /// level is as bright as the finest. `lengths`: from sample to sample along each axis, in units of the opacities.
+    /// Without shading, colours are as they are. `is_steep`: whether the level gets the sheets of a steep function.
+    pub fn factors(
         &self,
         [fine, coarse]: [&Look; 2],
         shading: Option<&Shading>,
         lengths: [f64; 3],
         is_steep: bool,
-    ) -> f64 {
+    ) -> [f64; 2] {
         let (lit, unlit) = (light(shading), light(None));
-        let factor = self.factor_for(self.brightness(0, fine, &lit, lengths), coarse, is_steep, &lit, lengths);
+        let wanted_lit = self.brightness(0, fine, &lit, lengths);
+        let mut factor = self.factor_for(wanted_lit, coarse, is_steep, &lit, lengths);
         if shading.is_none() {
-            return factor;
+            return [factor, 1.0];
         }
-        let [wanted, got] = [
-            self.brightness(0, fine, &unlit, lengths),
-            self.brightness(coarse_sheets(is_steep), coarse, &unlit, lengths.map(|length| factor * length)),
-        ];
+        let coarse_brightness = |factor: f64, light: &[[f64; 2]]| {
+            self.brightness(coarse_sheets(is_steep), coarse, light, lengths.map(|length| factor * length))
+        };
+        let (wanted, got) = (self.brightness(0, fine, &unlit, lengths), coarse_brightness(factor, &unlit));
         let bounded = got.clamp(wanted / MOST_FOR_LIGHT, wanted * MOST_FOR_LIGHT);
-        if got == bounded { factor } else { self.factor_for(bounded, coarse, is_steep, &unlit, lengths) }
+        if got != bounded {
+            factor = self.factor_for(bounded, coarse, is_steep, &unlit, lengths);
+        }
+        let is_out_of_reach = got != bounded || factor >= OUT_OF_REACH;
+        let gain = if is_out_of_reach { wanted_lit / coarse_brightness(factor, &lit) } else { 1.0 };
+        [factor, if gain > 1.0 { gain.min(MOST_OF_COLOR) } else { 1.0 }]
     }
 
-    /// Whether a factor that [`Rays::factor`] found makes the coarse look about as bright, without light.
+    /// Whether a factor of the extinction that [`Rays::factors`] found makes the coarse look about as bright, without light.
     pub fn is_bright_enough(&self, [fine, coarse]: [&Look; 2], factor: f64, lengths: [f64; 3], is_steep: bool) -> bool {
         if factor < OUT_OF_REACH {
             return true;

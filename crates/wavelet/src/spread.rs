@@ -119,17 +119,19 @@ impl Spread {
         let with = |rare: f32| {
             let rgba = self.averages(rgba_of(tf), length, rare);
             let looks = [&own, &look(&rgba)];
-            let factor = self.rays.factor(looks, shading, spacing, is_steep);
-            let is_bright_enough = self.rays.is_bright_enough(looks, factor, spacing, is_steep);
-            (rgba, factor, is_bright_enough)
+            let factors = self.rays.factors(looks, shading, spacing, is_steep);
+            let is_bright_enough = self.rays.is_bright_enough(looks, factors[0], spacing, is_steep);
+            (rgba, factors, is_bright_enough)
         };
-        let (mut rgba, mut factor, is_bright_enough) = with(RARE);
+        let (mut rgba, mut factors, is_bright_enough) = with(RARE);
         // Where much of what is seen is rare.
         if !is_bright_enough {
-            (rgba, factor, _) = with(0.0);
+            (rgba, factors, _) = with(0.0);
         }
-        for [.., opacity] in &mut rgba {
+        let [factor, gain] = factors;
+        for [color @ .., opacity] in &mut rgba {
             *opacity = opacity_of(factor, *opacity);
+            *color = color.map(|c| (gain * c).min(1.0));
         }
         self.function(tf, &rgba)
     }

@@ -11,7 +11,7 @@ const LIFTED: [Family; 3] = [Family::Haar, Family::Cdf53, Family::Cdf97];
 fn volume(family: Family, size: [usize; 3], sample: impl Fn([usize; 3]) -> f32) -> Arc<WaveletVolume> {
     let [nx, ny, nz] = size;
     let samples: Vec<f32> = (0..nx * ny * nz).map(|i| sample([i % nx, i / nx % ny, i / (nx * ny)])).collect();
-    Arc::new(WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(0.0)))
+    Arc::new(WaveletVolume::new(family, size, samples, None, Norm::L2, Keep::Amplitude(0.0)))
 }
 
 fn level_of(volume: &Arc<WaveletVolume>, level: usize) -> (LevelGrid, Coarse) {
@@ -249,6 +249,23 @@ fn what_is_rare_makes_no_haze() {
             );
         }
     }
+}
+
+/// Bars with sharp edges, which are rounder on a level.
+#[test]
+fn what_is_opaque_gets_lost_light_back_as_color() {
+    let is_bar = |[x, y, z]: [usize; 3]| (x % 16 < 8) ^ (y % 16 < 8) ^ (z % 16 < 8);
+    let volume = volume(Family::Cdf97, [64; 3], |at| if is_bar(at) { 200.0 } else { 0.0 });
+    let opacity = [(99.0, 0.0), (100.0, 1.0)].map(|(value, opacity)| OpacityNode { value, opacity }).to_vec();
+    let color = vec![ColorNode { value: 0.0, rgb: [0.5, 0.995, 0.0] }];
+    let step = TransferFunction::new(opacity, color, Some(1.0)).unwrap();
+    let shiny = Shading { ambient: 0.1, diffuse: 0.7, specular: 0.2, ..Shading::default() };
+    let spread = spread_of(&volume, 1);
+    let colors = |shading| spread.filter(&step, [1.0; 3], shading, true).unwrap().color(200.0);
+    assert_eq!(colors(None), [0.5, 0.995, 0.0]);
+    let [r, g, b] = colors(Some(&shiny));
+    assert!(0.5005 < r && r <= 0.51 + 1e-12, "{r}");
+    assert!(0.995 < g && g <= 1.0 && b == 0.0, "{g} {b}");
 }
 
 #[test]

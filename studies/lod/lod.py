@@ -2,7 +2,8 @@
 
 A coarse sample stands for many samples. Classified by its own value (the plain low-pass) thin structures vanish and the
 picture gets darker; `render(..., drop_levels=n)` classifies it by what it stands for (crates/wavelet/src/spread.rs).
-Both are drawn from the coarse samples, with as many sheets and texels per sample.
+Both are drawn from the coarse samples with as many texels per sample, at quality normal: plain as a volume of its own,
+so with two sheets a slice, a level of a steep function with one.
 
 Every CT, MRI and engine that is to be had, soft and hard functions, three views: change of the mean brightness of the
 picture (mean over pixels and channels, shaded, over black) from the picture of all levels, in percent; the mean over

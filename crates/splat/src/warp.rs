@@ -34,8 +34,8 @@ pub fn warp(
     let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
     let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
     let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
-    let pictures: Vec<_> = pictures.iter().map(Resampler::new).collect();
-    let reads = Reads { pictures: &pictures, rays, share, peak };
+    let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
+    let reads = Reads { resamplers: &resamplers, rays, share, peak };
     parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
         let first_row = band * BAND;
         level.dispatch(DrawBand { reads: &reads, offsets: &offsets, first_row, width_px, pixels });
@@ -44,7 +44,7 @@ pub fn warp(
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
             for (x, parameter) in row.iter_mut().enumerate() {
-                *parameter = ray_parameter(&pictures, rays, x as f64 + 0.5, y as f64 + 0.5);
+                *parameter = ray_parameter(&resamplers, rays, x as f64 + 0.5, y as f64 + 0.5);
             }
         });
         parameter
@@ -72,7 +72,7 @@ struct DrawBand<'a> {
 
 /// What is read.
 struct Reads<'a> {
-    pictures: &'a [Resampler<'a>],
+    resamplers: &'a [Resampler<'a>],
     rays: &'a IndexRays,
     /// Weight of a read.
     share: f32,
@@ -87,7 +87,7 @@ impl Kernel for DrawBand<'_> {
     fn run<S: Simd>(self, s: S) {
         let Self { reads, offsets, first_row, width_px, pixels } = self;
         // Parallel rays: positions are affine in the pixel.
-        let parallel = match reads.pictures {
+        let parallel = match reads.resamplers {
             [only] if only.picture.plane.eye_w().is_none() => {
                 Some((only, Affine::new(&only.picture.plane, reads.rays)))
             }
@@ -130,7 +130,7 @@ impl Reads<'_> {
     fn read_parallel<S: Simd>(
         &self,
         s: S,
-        picture: &Resampler<'_>,
+        resampler: &Resampler<'_>,
         affine: &Affine,
         [x0, y]: [f64; 2],
         columns: Range<usize>,
@@ -144,7 +144,7 @@ impl Reads<'_> {
             let base = base_of(at);
             let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
             let positions = [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)];
-            is_seen |= picture.add_to(s, base, positions, LANES, sums, [self.share, self.peak]);
+            is_seen |= resampler.add_to(s, base, positions, LANES, sums, [self.share, self.peak]);
         }
         is_seen
     }
@@ -152,20 +152,20 @@ impl Reads<'_> {
     /// The same for any rays.
     #[inline(always)]
     fn read<S: Simd>(&self, s: S, [x0, y]: [f64; 2], columns: Range<usize>, sums: &mut Sums) -> bool {
-        let (pictures, rays) = (self.pictures, self.rays);
+        let (resamplers, rays) = (self.resamplers, self.rays);
         let mut is_seen = false;
         // Runs of pixels of one base plane.
         let mut x = columns.start;
         while x < columns.end {
-            let serving = |x: usize| serving(pictures, rays, x as f64 + x0, y);
-            let Some(picture) = serving(x) else {
+            let serving = |x: usize| serving(resamplers, rays, x as f64 + x0, y);
+            let Some(resampler) = serving(x) else {
                 x += 1;
                 continue;
             };
             let end = columns.end.min(x + LANES);
-            let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, picture));
+            let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, resampler));
             let n = 1 + (x + 1..end).take_while(same).count();
-            let at = |k: usize| picture.picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
+            let at = |k: usize| resampler.picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
             let base = base_of(at(0));
             // Those of other base planes see nothing of this one.
             let mut positions = [[FAR; LANES]; 2];
@@ -176,7 +176,7 @@ impl Reads<'_> {
             }
             let positions = [s.load(&positions[0]), s.load(&positions[1])];
             if let Some(sums) = sums.0[x - columns.start..].first_chunk_mut() {
-                is_seen |= picture.add_to(s, base, positions, n, sums, [self.share, self.peak]);
+                is_seen |= resampler.add_to(s, base, positions, n, sums, [self.share, self.peak]);
             }
             x += n;
         }
@@ -201,11 +201,11 @@ impl Affine {
     }
 
     /// Whether anything can be seen in some columns and rows of pixels.
-    fn is_drawn(&self, picture: &Resampler<'_>, columns: Range<usize>, rows: Range<usize>) -> bool {
+    fn is_drawn(&self, resampler: &Resampler<'_>, columns: Range<usize>, rows: Range<usize>) -> bool {
         let [(x, last_x), (y, last_y)] = [columns, rows].map(|range| (range.start as f64, range.end as f64));
         let corners = [(x, y), (last_x, y), (x, last_y), (last_x, last_y)].map(|(x, y)| self.texel(x, y));
         let [lo, hi] = [corners.into_iter().reduce(DVec2::min), corners.into_iter().reduce(DVec2::max)];
-        lo.zip(hi).is_some_and(|(lo, hi)| picture.is_drawn_between(lo, hi))
+        lo.zip(hi).is_some_and(|(lo, hi)| resampler.is_drawn_between(lo, hi))
     }
 
     #[inline(always)]
@@ -230,20 +230,20 @@ fn snapped(texels: DVec2) -> DVec2 {
 }
 
 #[inline(always)]
-fn serving<'a>(pictures: &'a [Resampler<'a>], rays: &IndexRays, x: f64, y: f64) -> Option<&'a Resampler<'a>> {
-    match pictures {
+fn serving<'a>(resamplers: &'a [Resampler<'a>], rays: &IndexRays, x: f64, y: f64) -> Option<&'a Resampler<'a>> {
+    match resamplers {
         [] => None,
         [only] if only.picture.plane.eye_w().is_none() => Some(only),
         _ => {
             let family = Family::of(rays.direction(x, y));
-            pictures.iter().find(|p| p.picture.plane.family == family)
+            resamplers.iter().find(|r| r.picture.plane.family == family)
         }
     }
 }
 
 /// `t` of `origin + t · direction` at opacity ½.
-fn ray_parameter(pictures: &[Resampler<'_>], rays: &IndexRays, x: f64, y: f64) -> f32 {
-    let Some(Resampler { picture, .. }) = serving(pictures, rays, x, y) else { return f32::NAN };
+fn ray_parameter(resamplers: &[Resampler<'_>], rays: &IndexRays, x: f64, y: f64) -> f32 {
+    let Some(Resampler { picture, .. }) = serving(resamplers, rays, x, y) else { return f32::NAN };
     let w = f64::from(picture.w_half(picture.plane.texel_from_pixel(rays, x, y)));
     let [_, _, origin_w] = picture.plane.family.uvw(rays.origin(x, y));
     let [_, _, direction_w] = picture.plane.family.uvw(rays.direction(x, y));

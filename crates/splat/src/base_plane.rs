@@ -1,6 +1,6 @@
 //! Base planes: texels of every sheet laid out so that texel (i, j) of each lies on one viewing ray.
 //!
-//! A ray belongs to the index axis `w` it runs most along. For parallel rays there is one such axis and the base
+//! A ray belongs to the index axis `w` it runs most along ([`Family`]). For parallel rays there is one such axis and the base
 //! coordinates `(p, q)` are the index position where the ray crosses the slice `w = 0`; sheet `w` is that grid shifted
 //! by the shear `w · (du/dw, dv/dw)`. For perspective the rays form up to six families (three axes, two signs) and
 //! `(p, q)` are the slopes `(du/dw, dv/dw)`, at most 1.1 in magnitude; sheet `w` is that grid scaled by `w − eye.w`
@@ -8,85 +8,92 @@
 //!
 //! Source: the shear-warp factorisation (Lacroute & Levoy 1994), here with the sheets reconstructed, not resampled.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
+use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Camera, Error, Projection, Result};
 
-/// Viewing rays in index space: origin and direction are affine in the pixel position.
-#[derive(Clone, Copy, Debug)]
-pub struct IndexRays {
-    origin: [DVec3; 3],
-    direction: [DVec3; 3],
-}
-
-impl IndexRays {
-    /// Rays of a camera over a picture of this size.
-    pub fn new(camera: &Camera, index_from_world: DAffine3, width_px: usize, height_px: usize) -> Self {
-        let corner = |x: f64, y: f64| {
-            let ray = camera.ray(x, y, width_px, height_px);
-            (index_from_world.transform_point3(ray.origin), index_from_world.transform_vector3(ray.direction))
-        };
-        let (o, d) = corner(0.0, 0.0);
-        let ((ox, dx), (oy, dy)) = (corner(1.0, 0.0), corner(0.0, 1.0));
-        Self { origin: [o, ox - o, oy - o], direction: [d, dx - d, dy - d] }
-    }
-
-    /// The rays of the part of the picture whose upper left corner is at a pixel position.
-    #[must_use]
-    pub fn part(self, [x_px, y_px]: [usize; 2]) -> Self {
-        let (x_px, y_px) = (x_px as f64, y_px as f64);
-        let Self { origin: [_, ox, oy], direction: [_, dx, dy] } = self;
-        Self { origin: [self.origin(x_px, y_px), ox, oy], direction: [self.direction(x_px, y_px), dx, dy] }
-    }
-
-    /// Index-space origin of the ray through a pixel position.
-    pub fn origin(&self, x_px: f64, y_px: f64) -> DVec3 {
-        self.origin[0] + self.origin[1] * x_px + self.origin[2] * y_px
-    }
-
-    /// Index-space direction of the ray through a pixel position, not normalised.
-    pub fn direction(&self, x_px: f64, y_px: f64) -> DVec3 {
-        self.direction[0] + self.direction[1] * x_px + self.direction[2] * y_px
-    }
-}
-
-/// Largest slope of a ray in its family: rays that run along two axes nearly alike take the one whose slices are
-/// contiguous.
-const MUCH: f64 = 1.1;
-
-/// Which axis rays run along, and which way: one of six.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Family {
-    /// Index axes called u, v, w.
-    pub axes: [usize; 3],
-    /// Whether rays run towards growing w.
-    pub ascending: bool,
-}
-
-impl Family {
-    /// The family of a ray by its index-space direction: the axis that it runs most along, or one that it runs nearly as
-    /// much along and whose slices lie better in memory.
-    pub fn of(direction: DVec3) -> Self {
-        let d = direction.to_array();
-        let a = direction.abs();
-        let much = a.max_element() / MUCH;
-        let w = if a.z >= much { 2 } else { usize::from(a.y >= much) };
-        let axes = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][w];
-        Self { axes, ascending: d[w] > 0.0 }
-    }
-
-    /// Components along u, v, w.
-    pub fn uvw(&self, v: DVec3) -> [f64; 3] {
-        self.axes.map(|a| v[a])
-    }
-}
+use crate::family::{Family, IndexRays};
+use crate::needs::{Need, needs};
 
 /// Where the rays of a family come from.
 #[derive(Clone, Copy, Debug)]
-enum Spread {
+pub enum Spread {
     /// All rays have these slopes; `(p, q)` is the position at w = 0.
-    Parallel { slope: [f64; 2] },
+    Parallel {
+        /// Change of u and of v per slice.
+        slope: [f64; 2],
+    },
     /// All rays pass the eye (u, v, w); `(p, q)` are their slopes.
-    FromEye { eye: [f64; 3] },
+    FromEye {
+        /// Index coordinates along u, v, w.
+        eye: [f64; 3],
+    },
+}
+
+impl Spread {
+    /// That of a family.
+    pub fn new(family: &Family, rays: &IndexRays, is_parallel: bool) -> Self {
+        if is_parallel {
+            let [du, dv, dw] = family.uvw(rays.direction(0.0, 0.0));
+            Self::Parallel { slope: snapped(DVec2::new(du / dw, dv / dw)).to_array() }
+        } else {
+            Self::FromEye { eye: family.uvw(rays.origin(0.0, 0.0)) }
+        }
+    }
+
+    /// Base coordinates `(p, q)` of a pixel position.
+    pub fn base_from_pixel(&self, family: &Family, rays: &IndexRays, x_px: f64, y_px: f64) -> DVec2 {
+        match self {
+            Self::Parallel { slope } => {
+                let [u, v, w] = family.uvw(rays.origin(x_px, y_px));
+                DVec2::new(u - slope[0] * w, v - slope[1] * w)
+            }
+            Self::FromEye { .. } => {
+                let [u, v, w] = family.uvw(rays.direction(x_px, y_px));
+                DVec2::new(u / w, v / w)
+            }
+        }
+    }
+
+    /// The inverse, as [`BasePlane::pixel_from_base`] has it.
+    fn pixel_from_base(&self, family: &Family, rays: &IndexRays) -> DMat3 {
+        match self {
+            Self::Parallel { .. } => {
+                let at = |x: f64, y: f64| self.base_from_pixel(family, rays, x, y);
+                let first = at(0.0, 0.0);
+                let (per_x, per_y) = (at(1.0, 0.0) - first, at(0.0, 1.0) - first);
+                DMat3::from_cols(per_x.extend(0.0), per_y.extend(0.0), first.extend(1.0)).inverse()
+            }
+            Self::FromEye { .. } => {
+                let [first, per_x, per_y] = rays.direction.map(|d| DVec3::from_array(family.uvw(d)));
+                let ahead = if family.ascending { 1.0 } else { -1.0 };
+                DMat3::from_cols(per_x, per_y, first).inverse() * ahead
+            }
+        }
+    }
+
+    /// Bounds of a box in base coordinates; `None` where the eye is not clear of it.
+    fn shadow(&self, family: &Family, [lo, hi]: [DVec3; 2]) -> Option<[DVec2; 2]> {
+        let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for corner in 0..8 {
+            let pick = |bit: usize| if corner >> bit & 1 == 0 { lo } else { hi };
+            let corner = DVec3::new(pick(0).x, pick(1).y, pick(2).z);
+            let [u, v, w] = family.uvw(corner);
+            let base = match self {
+                Self::Parallel { slope } => DVec2::new(u - slope[0] * w, v - slope[1] * w),
+                Self::FromEye { eye } => {
+                    let ahead = (w - eye[2]) * if family.ascending { 1.0 } else { -1.0 };
+                    if ahead < 1e-6 {
+                        return None;
+                    }
+                    DVec2::new((u - eye[0]) / (w - eye[2]), (v - eye[1]) / (w - eye[2]))
+                }
+            };
+            min = min.min(base);
+            max = max.max(base);
+        }
+        Some([min, max])
+    }
 }
 
 /// A grid of rays of one family.
@@ -101,6 +108,10 @@ pub struct BasePlane {
     pub step: DVec2,
     /// Texels along u and v.
     pub size: [usize; 2],
+    /// Pixel position of base coordinates `(p, q, 1)`, times a number that is positive ahead of the eye.
+    pixel_from_base: DMat3,
+    /// Size of the picture.
+    size_px: DVec2,
 }
 
 /// A ray as lines over w: `u = u0 + du · w`, `v = v0 + dv · w`.
@@ -139,32 +150,48 @@ impl BasePlane {
         }
     }
 
+    /// Whether the picture may need any of the texels `from..=to`. A base plane is a box around what it needs: where the
+    /// picture or the family's part of it lies aslant in it, corners are left over.
+    pub fn is_needed(&self, from: [usize; 2], to: [usize; 2]) -> bool {
+        let [from, to] = [from, to].map(|[i, j]| DVec2::new(i as f64, j as f64));
+        let [lo, hi] = [from - MARGIN_TEXELS, to + MARGIN_TEXELS].map(|texel| self.origin + self.step * texel);
+        if self.eye_w().is_some() && !self.family.has_slopes(lo, hi) {
+            return false;
+        }
+        let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for corner in [lo, DVec2::new(hi.x, lo.y), DVec2::new(lo.x, hi.y), hi] {
+            let at = self.pixel_from_base * corner.extend(1.0);
+            if at.z.is_nan() || at.z <= 0.0 {
+                return true;
+            }
+            let pixel = at.truncate() / at.z;
+            (min, max) = (min.min(pixel), max.max(pixel));
+        }
+        max.cmpge(DVec2::ZERO).all() && min.cmple(self.size_px).all()
+    }
+
+    /// Texel positions, along u and along v, of pixel positions from one on along x; for rays from an eye.
+    #[inline(always)]
+    pub fn texels_from_pixels(&self, rays: &IndexRays, [x_px, y_px]: [f64; 2]) -> [[f64; LANES]; 2] {
+        let first = self.family.uvw(rays.direction(x_px, y_px));
+        let per_pixel = self.family.uvw(rays.direction[1]);
+        let (origin, step) = (self.origin.to_array(), self.step.to_array());
+        let mut texels = [[0.0; LANES]; 2];
+        for k in 0..LANES {
+            let w = first[2] + per_pixel[2] * k as f64;
+            for axis in 0..2 {
+                let slope = (first[axis] + per_pixel[axis] * k as f64) / w;
+                texels[axis][k] = (slope - origin[axis]) / step[axis];
+            }
+        }
+        texels
+    }
+
     /// Texel position of a pixel position, whichever family its ray belongs to.
     pub fn texel_from_pixel(&self, rays: &IndexRays, x_px: f64, y_px: f64) -> DVec2 {
-        let base = base_from_pixel(&self.family, &self.spread, rays, x_px, y_px);
+        let base = self.spread.base_from_pixel(&self.family, rays, x_px, y_px);
         (base - self.origin) / self.step
     }
-}
-
-fn base_from_pixel(family: &Family, spread: &Spread, rays: &IndexRays, x_px: f64, y_px: f64) -> DVec2 {
-    match spread {
-        Spread::Parallel { slope } => {
-            let [u, v, w] = family.uvw(rays.origin(x_px, y_px));
-            DVec2::new(u - slope[0] * w, v - slope[1] * w)
-        }
-        Spread::FromEye { .. } => {
-            let [u, v, w] = family.uvw(rays.direction(x_px, y_px));
-            DVec2::new(u / w, v / w)
-        }
-    }
-}
-
-/// The part of a family that the picture needs: range of `(p, q)` and its finest pixel distance.
-struct Need {
-    family: Family,
-    lo: DVec2,
-    hi: DVec2,
-    pixel: DVec2,
 }
 
 /// Texels beyond the outermost pixel centre, for the warp's filter.
@@ -181,43 +208,20 @@ const LEAST_STEP_ON_LATTICE: f64 = 1e-3;
 /// Most texels of a base plane: 16 bytes each, 4 GiB in all.
 const MAX_TEXELS: f64 = (1 << 28) as f64;
 
-/// The base planes that a picture needs, at `oversampling` texels per pixel along each axis. `box_lo` and `box_hi`
-/// bound what is drawn, in index coordinates; rays that miss it get no texels.
+/// The base planes that a picture needs, at `oversampling` texels per pixel along each axis. `shown`: corners of a box
+/// around what is drawn, in index coordinates; rays that miss it get no texels.
 pub fn base_planes(
     camera: &Camera,
     rays: &IndexRays,
     [width_px, height_px]: [usize; 2],
     oversampling: f64,
-    [box_lo, box_hi]: [DVec3; 2],
+    shown: [DVec3; 2],
 ) -> Result<Vec<BasePlane>> {
     let orthographic = matches!(camera.projection(), Projection::Orthographic { .. });
-    let mut needs: Vec<Need> = Vec::new();
-    // Parallel rays: the map is affine, so the corners of the picture are enough.
-    let (xs, ys) = if orthographic {
-        (vec![0.0, width_px as f64], vec![0.0, height_px as f64])
-    } else {
-        let centres = |n: usize| (0..n).map(|i| i as f64 + 0.5).collect();
-        (centres(width_px), centres(height_px))
-    };
-    for &y in &ys {
-        for &x in &xs {
-            let family = Family::of(rays.direction(x, y));
-            let spread = spread(&family, rays, orthographic);
-            let base = base_from_pixel(&family, &spread, rays, x, y);
-            let pixel = pixel_distance(&family, &spread, rays, x, y);
-            match needs.iter_mut().find(|n| n.family == family) {
-                None => needs.push(Need { family, lo: base, hi: base, pixel }),
-                Some(need) => {
-                    need.lo = need.lo.min(base);
-                    need.hi = need.hi.max(base);
-                    need.pixel = need.pixel.min(pixel);
-                }
-            }
-        }
-    }
     let mut planes = Vec::new();
-    for Need { family, lo, hi, pixel } in needs {
-        let spread = spread(&family, rays, orthographic);
+    for need in needs(rays, [width_px, height_px], orthographic) {
+        let (pixel, [lo, hi]) = (need.pixel_distance(), need.range);
+        let Need { family, spread, .. } = need;
         // A grazing family can have pixels much denser at one end; it gets no more texels than the picture has.
         let floor = (hi - lo) / (4.0 * oversampling * (width_px + height_px) as f64);
         let step = (pixel / oversampling).max(floor).max(DVec2::splat(1e-12));
@@ -225,7 +229,7 @@ pub fn base_planes(
         let step = if on_lattice { snapped(step) } else { step };
         let margin = MARGIN_TEXELS * step + pixel;
         let (mut lo, mut hi) = (lo - margin, hi + margin);
-        if let Some((box_lo, box_hi)) = shadow(&family, &spread, box_lo, box_hi) {
+        if let Some([box_lo, box_hi]) = spread.shadow(&family, shown) {
             lo = lo.max(box_lo - MARGIN_TEXELS * step);
             hi = hi.min(box_hi + MARGIN_TEXELS * step);
         }
@@ -233,7 +237,7 @@ pub fn base_planes(
             continue;
         }
         // A texel on the first pixel's centre makes the warp an identity where the axes agree.
-        let anchor = base_from_pixel(&family, &spread, rays, 0.5, 0.5);
+        let anchor = spread.base_from_pixel(&family, rays, 0.5, 0.5);
         let anchor = if anchor.is_finite() { anchor } else { DVec2::ZERO };
         let anchor = if on_lattice { snapped(anchor) } else { anchor };
         let origin = anchor + ((lo - anchor) / step).floor() * step;
@@ -246,7 +250,10 @@ pub fn base_planes(
                 mend: "ask for a smaller picture or less oversampling",
             });
         }
-        planes.push(BasePlane { family, spread, origin, step, size: [size.x as usize, size.y as usize] });
+        let size = [size.x as usize, size.y as usize];
+        let pixel_from_base = spread.pixel_from_base(&family, rays);
+        let size_px = DVec2::new(width_px as f64, height_px as f64);
+        planes.push(BasePlane { family, spread, origin, step, size, pixel_from_base, size_px });
     }
     Ok(planes)
 }
@@ -256,50 +263,10 @@ fn snapped(position: DVec2) -> DVec2 {
     (position / LATTICE).round() * LATTICE
 }
 
-fn spread(family: &Family, rays: &IndexRays, orthographic: bool) -> Spread {
-    if orthographic {
-        let [du, dv, dw] = family.uvw(rays.direction(0.0, 0.0));
-        Spread::Parallel { slope: snapped(DVec2::new(du / dw, dv / dw)).to_array() }
-    } else {
-        Spread::FromEye { eye: family.uvw(rays.origin(0.0, 0.0)) }
-    }
-}
-
-/// Largest change of p and of q per pixel, in any direction of the picture.
-fn pixel_distance(family: &Family, spread: &Spread, rays: &IndexRays, x: f64, y: f64) -> DVec2 {
-    let at = |dx: f64, dy: f64| base_from_pixel(family, spread, rays, x + dx, y + dy);
-    // Central differences are exact for the affine map and good to second order for the homography.
-    let (dx, dy) = (at(0.25, 0.0) - at(-0.25, 0.0), at(0.0, 0.25) - at(0.0, -0.25));
-    DVec2::new(dx.x.hypot(dy.x), dx.y.hypot(dy.y)) * 2.0
-}
-
-/// Bounds of the box in base coordinates; `None` where the eye is not clear of it.
-fn shadow(family: &Family, spread: &Spread, lo: DVec3, hi: DVec3) -> Option<(DVec2, DVec2)> {
-    let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for corner in 0..8 {
-        let pick = |bit: usize| if corner >> bit & 1 == 0 { lo } else { hi };
-        let corner = DVec3::new(pick(0).x, pick(1).y, pick(2).z);
-        let [u, v, w] = family.uvw(corner);
-        let base = match spread {
-            Spread::Parallel { slope } => DVec2::new(u - slope[0] * w, v - slope[1] * w),
-            Spread::FromEye { eye } => {
-                let ahead = (w - eye[2]) * if family.ascending { 1.0 } else { -1.0 };
-                if ahead < 1e-6 {
-                    return None;
-                }
-                DVec2::new((u - eye[0]) / (w - eye[2]), (v - eye[1]) / (w - eye[2]))
-            }
-        };
-        min = min.min(base);
-        max = max.max(base);
-    }
-    Some((min, max))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DMat3;
+    use glam::{DAffine3, DMat3};
 
     fn check(projection: Projection, position: DVec3, box_hi: DVec3, n_families: usize) {
         let focal = DVec3::new(10.0, 9.0, 8.0);
@@ -384,6 +351,94 @@ mod tests {
             let (dx, dy) = (at(51.0, 40.0) - at(50.0, 40.0), at(50.0, 41.0) - at(50.0, 40.0));
             assert!((dx.x.hypot(dy.x) - oversampling).abs() < 1e-9);
             assert!((dx.y.hypot(dy.y) - oversampling).abs() < 1e-9);
+        }
+    }
+
+    /// Texels that the filter reads are needed, some others are not, and on the whole there are as many as pixels.
+    fn check_needs(projection: Projection, position: DVec3, roll: DVec3, [least, most]: [f64; 2]) {
+        let focal = DVec3::splat(20.0);
+        let camera = Camera::new(position, focal, roll, projection).unwrap();
+        let size = [300, 200];
+        let rays = IndexRays::new(&camera, DAffine3::IDENTITY, size[0], size[1]);
+        let planes = base_planes(&camera, &rays, size, 1.0, [DVec3::splat(-200.0), DVec3::splat(240.0)]).unwrap();
+        let cells = |plane: &BasePlane| plane.size.map(|n| n.div_ceil(LANES));
+        let is_needed = |plane: &BasePlane, cell: [usize; 2]| {
+            let from = cell.map(|c| c * LANES);
+            plane.is_needed(from, from.map(|c| c + LANES - 1))
+        };
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let at = [x as f64 + 0.5, y as f64 + 0.5];
+                let family = Family::of(rays.direction(at[0], at[1]));
+                let plane = planes.iter().find(|plane| plane.family == family).unwrap();
+                let texel = plane.texel_from_pixel(&rays, at[0], at[1]);
+                if plane.eye_w().is_some() {
+                    let [u, v] = plane.texels_from_pixels(&rays, at);
+                    assert!((DVec2::new(u[0], v[0]) - texel).length() < 1e-9);
+                    let last = plane.texel_from_pixel(&rays, at[0] + 15.0, at[1]);
+                    assert!(!last.is_finite() || (DVec2::new(u[15], v[15]) - last).length() < 1e-7 * last.length());
+                }
+                for corner in [[-1.0, -1.0], [2.0, -1.0], [-1.0, 2.0], [2.0, 2.0]] {
+                    let read = texel.floor() + DVec2::from_array(corner);
+                    let (i, j) = (read.x as usize, read.y as usize);
+                    assert!(i < plane.size[0] && j < plane.size[1], "{read} of {:?}", plane.size);
+                    assert!(is_needed(plane, [i / LANES, j / LANES]), "{read}");
+                }
+            }
+        }
+        let n_cells: usize = planes.iter().map(|plane| cells(plane).into_iter().product::<usize>()).sum();
+        let all = |plane: &BasePlane| {
+            let [n_u, n_v] = cells(plane);
+            (0..n_u * n_v).filter(|cell| is_needed(plane, [cell % n_u, cell / n_u])).count()
+        };
+        let n_needed: usize = planes.iter().map(all).sum();
+        let texels_per_pixel = (n_needed * LANES * LANES) as f64 / (size[0] * size[1]) as f64;
+        assert!((least..most).contains(&texels_per_pixel), "{texels_per_pixel}, {n_needed} of {n_cells} cells");
+        assert!(n_needed < n_cells, "{n_needed} of {n_cells} cells");
+    }
+
+    #[test]
+    fn what_the_filter_reads_is_needed_and_not_much_more() {
+        let wide = |view_angle_rad: f64| Projection::Perspective { view_angle_rad };
+        let diagonal = DVec3::splat(20.0) + DVec3::new(600.0, 590.0, 580.0);
+        check_needs(Projection::Orthographic { parallel_scale: 30.0 }, diagonal, DVec3::Z, [0.8, 1.5]);
+        check_needs(wide(0.5), diagonal, DVec3::Z, [0.8, 1.5]);
+        check_needs(wide(0.5), diagonal, DVec3::new(1.0, 0.3, 0.2), [0.8, 1.5]);
+        check_needs(wide(0.5), DVec3::new(620.0, 20.0, 21.0), DVec3::new(0.0, 1.0, 1.0), [0.8, 1.5]);
+        // From inside, all around: towards the picture's corners pixels lie eight times closer than in the middle.
+        check_needs(wide(2.2), DVec3::new(25.0, 24.0, 23.0), DVec3::Z, [0.8, 4.0]);
+    }
+
+    #[test]
+    fn in_perspective_texels_lie_as_pixels_do_on_the_whole() {
+        let (focal, projection) = (DVec3::splat(50.0), Projection::Perspective { view_angle_rad: 0.5 });
+        let camera = Camera::new(focal + 230.0 * DVec3::new(1.0, 0.9, 0.8), focal, DVec3::Z, projection).unwrap();
+        let rays = IndexRays::new(&camera, DAffine3::IDENTITY, 200, 200);
+        let lay_out = |shown: [f64; 2]| base_planes(&camera, &rays, [200, 200], 1.0, shown.map(DVec3::splat)).unwrap();
+        let planes = lay_out([-200.0, 300.0]);
+        let mut distances = vec![(DVec2::ZERO, 0, DVec2::INFINITY); planes.len()];
+        for y in 0..200 {
+            for x in 0..200 {
+                let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let family = Family::of(rays.direction(x, y));
+                let k = planes.iter().position(|plane| plane.family == family).unwrap();
+                let at = |x: f64, y: f64| planes[k].texel_from_pixel(&rays, x, y);
+                let (dx, dy) = (at(x + 0.5, y) - at(x - 0.5, y), at(x, y + 0.5) - at(x, y - 0.5));
+                let distance = DVec2::new(dx.x.hypot(dy.x), dx.y.hypot(dy.y));
+                distances[k].0 += distance;
+                distances[k].1 += 1;
+                distances[k].2 = distances[k].2.min(distance);
+            }
+        }
+        for (sum, n, finest) in distances {
+            let mean = sum / f64::from(n);
+            assert!(n > 5000 && (mean - 1.0).abs().max_element() < 0.02, "{n} pixels, {mean} texels apart");
+            assert!(finest.min_element() > 0.69 && finest.max_element() < 1.0, "{finest}");
+        }
+        // Texels stay where they are as the volume is cut.
+        for (whole, cut) in planes.iter().zip(&lay_out([20.0, 70.0])) {
+            let offset = (cut.origin - whole.origin) / whole.step;
+            assert!(cut.step == whole.step && (offset - offset.round()).length() < 1e-6, "{offset}");
         }
     }
 }

@@ -12,8 +12,8 @@ use glam::DMat3;
 use wavesplat_compute::simd::{ROUND, Wide};
 use wavesplat_core::{Joint, TransferFunction};
 
-use crate::base_plane::Family;
 use crate::classify::{Entry, OPAQUE};
+use crate::family::Family;
 use crate::shade::Metric;
 
 /// Entries of the table of factors.

@@ -80,9 +80,19 @@ impl Rays {
         if plane.eye_w().is_none() {
             rays.directions.push(geometry.directions(i0, j0));
         } else if span[0] < span[1] {
-            for strip in 0..N_STRIPS {
-                rays.directions.extend((0..TILE_V).map(|row| geometry.directions(i0 + strip * LANES, j0 + row)));
-            }
+            rays.directions
+                .resize(Chunk::N, Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] });
+            level.run(
+                #[inline(always)]
+                || {
+                    for (index, directions) in rays.directions.iter_mut().enumerate() {
+                        if rays.missed[index] != u16::MAX {
+                            let [strip, row] = [index / TILE_V, index % TILE_V];
+                            *directions = geometry.directions(i0 + strip * LANES, j0 + row);
+                        }
+                    }
+                },
+            );
         }
         if let Some(fade) = &geometry.fade {
             for strip in 0..N_STRIPS {
@@ -179,22 +189,26 @@ impl Rays {
 }
 
 impl RayGeometry<'_> {
+    #[inline(always)]
     fn directions(&self, i: usize, j: usize) -> Directions {
         let family = &self.plane.family;
         let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
         let across = columns[0].cross(columns[1]).normalize().dot(columns[2]).abs();
         let form = on_gradient(self.world_from_index.matrix3, family).transpose();
         let sign = if family.ascending { 1.0 } else { -1.0 };
+        // Along a row of texels, the way from slice to slice changes evenly.
+        let slope = self.plane.ray(i as f64, j as f64).slope;
+        let change = self.plane.ray((i + 1) as f64, j as f64).slope[0] - slope[0];
+        let first = columns[0] * slope[0] + columns[1] * slope[1] + columns[2];
+        let per_texel = columns[0] * change;
+        let [form_of_first, form_per_texel] = [first, per_texel].map(|v| (form * (v * -sign)).to_array());
         let mut directions = Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] };
         for k in 0..LANES {
-            let slope = self.plane.ray((i + k) as f64, j as f64).slope;
-            let per_slice = columns[0] * slope[0] + columns[1] * slope[1] + columns[2];
-            let length = per_slice.length();
+            let length = (first + per_texel * k as f64).length();
             let thickness = if self.view_angle_correction { length } else { across };
             directions.thickness.0[k] = (thickness / self.opacity_unit) as f32;
-            let to_eye = form * (per_slice * (-sign / length));
             for c in 0..3 {
-                directions.to_eye[c].0[k] = to_eye[c] as f32;
+                directions.to_eye[c].0[k] = ((form_of_first[c] + form_per_texel[c] * k as f64) / length) as f32;
             }
         }
         directions

@@ -10,13 +10,14 @@ use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{Camera, Composite, Error, Grid, Picture, RenderOptions, Result, Shading, TransferFunction};
 
 use crate::base_picture::BasePicture;
-use crate::base_plane::{BasePlane, IndexRays, base_planes};
+use crate::base_plane::{BasePlane, base_planes};
 use crate::bricks::Occupied;
 use crate::by_gradient::ByGradient;
 use crate::classify::Classifier;
 use crate::composite::{Compositor, Over};
 use crate::extras::Extras;
 use crate::fade::Fade;
+use crate::family::IndexRays;
 use crate::fields::Field;
 use crate::first_hit::FirstHit;
 use crate::interval::Region;

@@ -183,7 +183,8 @@ mod tests {
     use wavesplat_core::{Camera, Projection};
 
     use super::*;
-    use crate::base_plane::{BasePlane, IndexRays, base_planes};
+    use crate::base_plane::{BasePlane, base_planes};
+    use crate::family::IndexRays;
 
     fn base_plane(size: [usize; 2]) -> BasePlane {
         let projection = Projection::Orthographic { parallel_scale: 9.0 };

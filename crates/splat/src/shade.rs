@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use wavesplat_compute::simd::{LANES, Simd, Wide};
 use wavesplat_core::{Camera, LightFrame, Projection, Shading};
 
-use crate::base_plane::Family;
+use crate::family::Family;
 
 /// `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
 #[derive(Clone, Copy, Debug)]

@@ -88,14 +88,15 @@ impl TileJob<'_> {
     /// Runs one tile; `None` where nothing is seen.
     pub fn run<C: Compositor>(&self, tile: [usize; 2], compositor: impl FnOnce() -> C, work: &mut Work) -> Option<C> {
         let first = [tile[0] * TILE_U, tile[1] * TILE_V];
-        let layers = self.active_layers(first);
+        let needed = self.needed_blocks(first);
+        let layers = if needed == 0 { Vec::new() } else { self.active_layers(first) };
         if !layers.contains(&true) {
             work.n_skipped += self.spacing.n_slabs as u64;
             return None;
         }
         let level = self.geometry.level;
         let (rays, span) = Rays::new(&self.rays, level, first);
-        let mut alive = alive_blocks(|chunk| rays.missed(chunk) != u16::MAX);
+        let mut alive = needed & alive_blocks(|chunk| rays.missed(chunk) != u16::MAX);
         let slabs = self.active_slabs(first, self.spacing.range(span), &layers, alive);
         work.n_skipped += (self.spacing.n_slabs - slabs.len()) as u64;
         if slabs.is_empty() {
@@ -171,6 +172,20 @@ impl TileJob<'_> {
             in_front = Some(slab.sheets[1]);
         }
         Some(compositor)
+    }
+
+    /// The blocks that the picture needs.
+    fn needed_blocks(&self, [i0, j0]: [usize; 2]) -> BlockMask {
+        let plane = self.geometry.plane;
+        let mut blocks = 0;
+        for strip in 0..N_STRIPS {
+            for block in 0..N_BLOCKS_V {
+                let (i, j) = (i0 + strip * LANES, j0 + block * BLOCK_V);
+                let is_needed = plane.is_needed([i, j], [i + LANES - 1, j + BLOCK_V - 1]);
+                blocks |= BlockMask::from(is_needed) << (strip * N_BLOCKS_V + block);
+            }
+        }
+        blocks
     }
 
     /// Where texels `from..=to` lie on two sheets, along u and along v.

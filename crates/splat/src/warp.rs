@@ -10,7 +10,8 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 
 use crate::base_picture::BasePicture;
-use crate::base_plane::{BasePlane, Family, IndexRays};
+use crate::base_plane::BasePlane;
+use crate::family::{Family, IndexRays};
 use crate::resample::{FAR, Resampler};
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
@@ -149,7 +150,7 @@ impl Reads<'_> {
         is_seen
     }
 
-    /// The same for any rays.
+    /// The same for rays from an eye.
     #[inline(always)]
     fn read<S: Simd>(&self, s: S, [x0, y]: [f64; 2], columns: Range<usize>, sums: &mut Sums) -> bool {
         let (resamplers, rays) = (self.resamplers, self.rays);
@@ -157,22 +158,20 @@ impl Reads<'_> {
         // Runs of pixels of one base plane.
         let mut x = columns.start;
         while x < columns.end {
-            let serving = |x: usize| serving(resamplers, rays, x as f64 + x0, y);
-            let Some(resampler) = serving(x) else {
-                x += 1;
+            let at = [x as f64 + x0, y];
+            let (family, n) = rays.families_along_x(at, LANES.min(columns.end - x));
+            let Some(resampler) = resamplers.iter().find(|r| r.picture.plane.family == family) else {
+                x += n;
                 continue;
             };
-            let end = columns.end.min(x + LANES);
-            let same = |x: &usize| serving(*x).is_some_and(|other| std::ptr::eq(other, resampler));
-            let n = 1 + (x + 1..end).take_while(same).count();
-            let at = |k: usize| resampler.picture.plane.texel_from_pixel(rays, (x + k) as f64 + x0, y);
-            let base = base_of(at(0));
+            let texels = resampler.picture.plane.texels_from_pixels(rays, at);
+            let base = base_of(DVec2::new(texels[0][0], texels[1][0]));
             // Those of other base planes see nothing of this one.
             let mut positions = [[FAR; LANES]; 2];
-            for k in 0..n {
-                let at = at(k);
-                positions[0][k] = (at.x - f64::from(base[0])) as f32;
-                positions[1][k] = (at.y - f64::from(base[1])) as f32;
+            for axis in 0..2 {
+                for k in 0..n {
+                    positions[axis][k] = (texels[axis][k] - f64::from(base[axis])) as f32;
+                }
             }
             let positions = [s.load(&positions[0]), s.load(&positions[1])];
             if let Some(sums) = sums.0[x - columns.start..].first_chunk_mut() {
@@ -229,21 +228,11 @@ fn snapped(texels: DVec2) -> DVec2 {
     (texels * PER_TEXEL).round() / PER_TEXEL
 }
 
-#[inline(always)]
-fn serving<'a>(resamplers: &'a [Resampler<'a>], rays: &IndexRays, x: f64, y: f64) -> Option<&'a Resampler<'a>> {
-    match resamplers {
-        [] => None,
-        [only] if only.picture.plane.eye_w().is_none() => Some(only),
-        _ => {
-            let family = Family::of(rays.direction(x, y));
-            resamplers.iter().find(|r| r.picture.plane.family == family)
-        }
-    }
-}
-
 /// `t` of `origin + t · direction` at opacity ½.
 fn ray_parameter(resamplers: &[Resampler<'_>], rays: &IndexRays, x: f64, y: f64) -> f32 {
-    let Some(Resampler { picture, .. }) = serving(resamplers, rays, x, y) else { return f32::NAN };
+    let family = Family::of(rays.direction(x, y));
+    let serving = resamplers.iter().find(|r| r.picture.plane.family == family);
+    let Some(Resampler { picture, .. }) = serving else { return f32::NAN };
     let w = f64::from(picture.w_half(picture.plane.texel_from_pixel(rays, x, y)));
     let [_, _, origin_w] = picture.plane.family.uvw(rays.origin(x, y));
     let [_, _, direction_w] = picture.plane.family.uvw(rays.direction(x, y));

@@ -7,7 +7,7 @@ use wavesplat_core::{
     Camera, ClipPlane, Composite, Crop, Error, Kernel, Picture, Projection, RenderOptions, Samples, Shading,
     TransferFunction, Volume,
 };
-use wavesplat_splat::base_plane::IndexRays;
+use wavesplat_splat::family::IndexRays;
 use wavesplat_splat::slices::Slices;
 use wavesplat_splat::{Monitor, render, render_base_planes};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, mean_brightness, opacity_ramp, psnr_db};
@@ -66,6 +66,11 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
             let depth = -(-opacity_per_unit).ln_1p() * (hi - lo).max(0.0) * per_slice.length() / 1.5;
             let want = -(-depth).exp_m1();
             let got = f64::from(texel[3]);
+            let (i, j) = (t % n_u / 16 * 16, t / n_u / 8 * 8);
+            if !picture.plane.is_needed([i, j], [i + 15, j + 7]) {
+                assert!(got == 0.0, "texel {t}: {got} where no pixel looks, {options:?}");
+                continue;
+            }
             assert!((got - want).abs() < 1e-6, "texel {t}: {got} for {want}, {options:?}");
             n_hit += usize::from(want > 0.01);
         }
@@ -149,7 +154,8 @@ fn ball_scene() -> (Phantom, TransferFunction) {
 #[test]
 fn quarter_turns_permute_pixels() {
     let (phantom, tf) = ball_scene();
-    let direction = DVec3::new(0.4, 0.8, 0.3);
+    // One family serves each picture.
+    let direction = DVec3::new(0.3, 0.9, 0.25);
     let [nx, ny, nz] = phantom.size;
     // (x, y) -> (n_y − 1 − y, x): a quarter turn about z.
     let mut turned = Phantom { samples: Vec::new(), size: [ny, nx, nz], world_from_index: DAffine3::IDENTITY };

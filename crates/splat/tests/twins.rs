@@ -273,8 +273,8 @@ fn every_processor_gives_the_same_bits() {
     let mut wrong = Vec::new();
     for (name, kernel, nodes, shading, projection, want) in [
         ("soft", Kernel::Linear, soft, None, orthographic, 0x2d91_badb_8d7f_669b),
-        ("hard", Kernel::Linear, hard, None, PERSPECTIVE, 0x2f2e_a045_56cc_62fd),
-        ("soft shaded", Kernel::CatmullRom, soft, shaded(), PERSPECTIVE, 0xbbb3_d612_7ad0_5f00),
+        ("hard", Kernel::Linear, hard, None, PERSPECTIVE, 0x9867_cdcf_1660_1c72),
+        ("soft shaded", Kernel::CatmullRom, soft, shaded(), PERSPECTIVE, 0xfdc1_c068_776c_127d),
         ("hard shaded", Kernel::Bspline3, hard, shaded(), orthographic, 0x9bf7_a384_b0e2_5ea2),
     ] {
         let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 20.0, projection);
@@ -557,6 +557,11 @@ fn projections_equal_their_definitions() {
             for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
                 let want = project::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
                 for (t, ([density, length, _, coverage], want)) in picture.texels().iter().zip(want).enumerate() {
+                    let n_u = picture.plane.size[0];
+                    let (i, j) = (t % n_u / 16 * 16, t / n_u / 8 * 8);
+                    if *coverage == 0.0 && !picture.plane.is_needed([i, j], [i + 15, j + 7]) {
+                        continue;
+                    }
                     assert_eq!(want.is_some(), *coverage == 1.0, "{composite:?} {from} texel {t}");
                     let Some(want) = want else { continue };
                     let got = match composite {

@@ -12,7 +12,7 @@ use wavesplat_compute::parallel;
 use wavesplat_core::{Camera, Error, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
 
 use crate::Monitor;
-use crate::base_plane::IndexRays;
+use crate::family::IndexRays;
 use crate::interval::Region;
 use crate::kernel;
 use crate::kernel::{MAX_TAPS, fold, n_taps, taps};

@@ -24,7 +24,8 @@ use wavesplat_core::{
 };
 
 use super::raycast::Sampler;
-use crate::base_plane::{BasePlane, IndexRays, base_planes};
+use crate::base_plane::{BasePlane, base_planes};
+use crate::family::IndexRays;
 use crate::footprint::whole_steps;
 use crate::interval::Region;
 use crate::kernel::{fold, n_taps, taps, weight};
@@ -364,7 +365,7 @@ fn draw_family(
             let mut row = image[y * options.width_px..][..options.width_px].to_vec();
             for (x, pixel) in row.iter_mut().enumerate() {
                 let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
-                if crate::base_plane::Family::of(rays.direction(px, py)) == family {
+                if crate::family::Family::of(rays.direction(px, py)) == family {
                     let texel = plane.texel_from_pixel(rays, px, py);
                     let ray = plane.ray(texel.x, texel.y);
                     let [lo, hi] = region.texel_interval(plane, &ray);

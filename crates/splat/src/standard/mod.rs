@@ -55,10 +55,11 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Grid, Picture, Projection, RenderOptions, Result, TransferFunction};
 
 use crate::base_picture::BasePicture;
-use crate::base_plane::{BasePlane, Family, IndexRays, base_planes};
+use crate::base_plane::{BasePlane, base_planes};
 use crate::bricks::Occupied;
 use crate::by_gradient::ByGradient;
 use crate::classify::Classifier;
+use crate::family::{Family, IndexRays};
 use crate::interval::Region;
 use crate::kernel::radius;
 use crate::prefilter;

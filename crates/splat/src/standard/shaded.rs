@@ -10,8 +10,8 @@ use wavesplat_core::RenderOptions;
 
 use super::samples::{Densities, Layer};
 use super::{Buffer, FamilyScene, Scene, SliceDistance};
-use crate::base_plane::Family;
 use crate::classify::one_minus_exp_neg;
+use crate::family::Family;
 use crate::slices::Window;
 
 /// How samples are seen: from which side, and how far rays run through their slab.

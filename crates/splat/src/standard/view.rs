@@ -22,7 +22,7 @@ use super::resample::resample;
 use super::samples::{Densities, Layer, visible_layers};
 use super::shaded::Shaded;
 use super::{FamilyScene, Report, Scene, SliceDistance};
-use crate::base_plane::{Family, IndexRays};
+use crate::family::{Family, IndexRays};
 use crate::render::{Monitor, Progress};
 use crate::slices::Window;
 

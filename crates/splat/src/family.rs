@@ -126,6 +126,7 @@ mod tests {
 
     #[test]
     fn slopes_of_a_family_are_those_of_its_rays() {
+        const N: usize = 24;
         let (mut n_with, mut n_without, mut n_missed) = (0, 0, 0);
         for run in 0..6000 {
             let lo = DVec2::new(slope(10 * run), slope(10 * run + 2));
@@ -141,7 +142,6 @@ mod tests {
                         }
                         Family::of(DVec3::from_array(ray)) == family
                     };
-                    const N: usize = 24;
                     let found = (0..=N * N).any(|k| has(DVec2::new((k % N) as f64, (k / N) as f64) / N as f64));
                     let told = family.has_slopes(lo, hi);
                     assert!(told || !found, "{family:?} {lo} {hi}");

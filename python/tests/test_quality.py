@@ -91,7 +91,7 @@ def test_a_psnr_costs_nothing_where_nothing_is_seen_and_what_is_out_of_reach_is_
     volume = ws.Volume(np.zeros((8, 8, 8), np.float32))
     clear = ws.TransferFunction([(0, 0.0), (1, 0.0)], [(0, 1, 1, 1), (1, 1, 1, 1)])
     report = ws.render(volume, clear, size=(40, 30), psnr=60).report
-    assert report["sheets_per_slice"] == 0.5
+    assert report["sheets_per_slice"] == 0.7
     assert report["oversampling"] == 0.5
     volume = ws.examples.ripples(16)
     hard = ws.TransferFunction([(127, 0.0), (128, 1.0)], [(0, 1, 1, 1)])

@@ -89,24 +89,44 @@ pub fn render_labelled(
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Picture, Report)> {
-    render_part(slices, labels, tf, camera, options, [[0, 0], [options.width_px, options.height_px]], monitor)
+    let whole = Part::whole(options);
+    let (mut pictures, report) = render_parts(slices, labels, tf, camera, options, &[whole], monitor)?;
+    Ok((pictures.remove(0), report))
 }
 
-/// Draws a part of the picture: `part` is its first pixel and its size.
-pub(crate) fn render_part(
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub first_px: [usize; 2],
+    pub size_px: [usize; 2],
+}
+
+impl Part {
+    fn whole(options: &RenderOptions) -> Self {
+        Self { first_px: [0, 0], size_px: [options.width_px, options.height_px] }
+    }
+
+    /// The rays of its pixels.
+    fn rays(&self, grid: &Grid, camera: &Camera, options: &RenderOptions) -> IndexRays {
+        let whole = IndexRays::new(camera, grid.index_from_world(), options.width_px, options.height_px);
+        whole.part(self.first_px)
+    }
+}
+
+/// Draws parts of the picture, as they are in the whole.
+pub(crate) fn render_parts(
     slices: &Slices,
     labels: Option<&Labels>,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
-    [first_px, size]: [[usize; 2]; 2],
+    parts: &[Part],
     monitor: &dyn Monitor,
-) -> Result<(Picture, Report)> {
+) -> Result<(Vec<Picture>, Report)> {
     parallel::with_threads(options.n_threads, || {
         let full = [options.width_px, options.height_px];
-        let rays = IndexRays::new(camera, slices.grid().index_from_world(), full[0], full[1]).part(first_px);
-        let (pictures, mut report) =
-            draw_base_planes(Level::best(), (slices, labels), tf, camera, options, (&rays, size), monitor)?;
+        let (base_pictures, mut report) =
+            draw_base_planes(Level::best(), (slices, labels), tf, camera, options, parts, monitor)?;
         report.n_threads = parallel::n_threads();
         // One read per texel that a pixel covers along each axis.
         let reads = if options.composite.is_projection() { 1 } else { options.oversampling.round().max(1.0) as usize };
@@ -115,24 +135,29 @@ pub(crate) fn render_part(
         } else {
             options.shading.as_ref().map_or(1.0, brightest)
         };
-        let warped = warp(Level::best(), &pictures, &rays, size, reads, peak, options.with_depth);
-        let mut picture =
-            Picture { width_px: size[0], height_px: size[1], rgba: warped.rgba, depth: None, value: None };
-        if options.composite.is_projection() {
-            color_projection(&mut picture, slices.grid(), tf, options.composite);
-        }
-        picture.depth = warped.ray_parameter.map(|parameters| {
-            // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
-            let world_length = |i: usize| {
-                let [x, y] = [i % size[0] + first_px[0], i / size[0] + first_px[1]].map(|px| px as f64 + 0.5);
-                camera.ray(x, y, full[0], full[1]).direction.length()
-            };
-            parameters.iter().enumerate().map(|(i, t)| (f64::from(*t) * world_length(i)) as f32).collect()
-        });
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
-        Ok((picture, report))
+        let draw = |(part, base_pictures): (&Part, &Vec<BasePicture>)| {
+            let Part { first_px, size_px: size } = part;
+            let rays = part.rays(slices.grid(), camera, options);
+            let warped = warp(Level::best(), base_pictures, &rays, *size, reads, peak, options.with_depth);
+            let mut picture =
+                Picture { width_px: size[0], height_px: size[1], rgba: warped.rgba, depth: None, value: None };
+            if options.composite.is_projection() {
+                color_projection(&mut picture, slices.grid(), tf, options.composite);
+            }
+            picture.depth = warped.ray_parameter.map(|parameters| {
+                // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
+                let world_length = |i: usize| {
+                    let [x, y] = [i % size[0] + first_px[0], i / size[0] + first_px[1]].map(|px| px as f64 + 0.5);
+                    camera.ray(x, y, full[0], full[1]).direction.length()
+                };
+                parameters.iter().enumerate().map(|(i, t)| (f64::from(*t) * world_length(i)) as f32).collect()
+            });
+            if let Some(background) = options.background {
+                picture.over_background(background);
+            }
+            picture
+        };
+        Ok((parts.iter().zip(&base_pictures).map(draw).collect(), report))
     })
 }
 
@@ -163,42 +188,55 @@ pub fn render_base_planes_at(
     options: &RenderOptions,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    let size = [options.width_px, options.height_px];
-    let rays = IndexRays::new(camera, slices.grid().index_from_world(), size[0], size[1]);
-    draw_base_planes(level, (slices, None), tf, camera, options, (&rays, size), monitor)
+    let (mut pictures, report) =
+        draw_base_planes(level, (slices, None), tf, camera, options, &[Part::whole(options)], monitor)?;
+    Ok((pictures.remove(0), report))
 }
 
+/// Draws the base planes of parts of the picture.
 fn draw_base_planes(
     level: Level,
     (slices, labels): (&Slices, Option<&Labels>),
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
-    (rays, size): (&IndexRays, [usize; 2]),
+    parts: &[Part],
     monitor: &dyn Monitor,
-) -> Result<(Vec<BasePicture>, Report)> {
+) -> Result<(Vec<Vec<BasePicture>>, Report)> {
     options.validate()?;
     let region = Region::new(slices.grid(), options)?;
-    let planes = base_planes(camera, rays, size, options.oversampling, region.bounds)?;
+    let planes = |part: &Part| {
+        let rays = part.rays(slices.grid(), camera, options);
+        base_planes(camera, &rays, part.size_px, options.oversampling, region.bounds)
+    };
+    let planes: Vec<_> = parts.iter().map(planes).collect::<Result<_>>()?;
     let mut scene = Scene::new(level, slices, tf, camera, options);
     let light = scene.light(labels)?;
     scene.set_fields(labels, light.as_ref())?;
     let mut report = Report {
         n_nonfinite_samples: slices.grid().statistics().n_nonfinite,
-        n_base_planes: planes.len(),
+        n_base_planes: planes.iter().map(Vec::len).sum(),
         simd: level.name(),
         ..Report::default()
     };
-    let n_tiles_all: usize = planes.iter().map(|p| p.size[0].div_ceil(TILE_U) * p.size[1].div_ceil(TILE_V)).sum();
-    let progress = Progress::new(monitor, n_tiles_all);
+    let n_tiles = |p: &BasePlane| p.size[0].div_ceil(TILE_U) * p.size[1].div_ceil(TILE_V);
+    let progress = Progress::new(monitor, planes.iter().flatten().map(n_tiles).sum());
+    // Parts are small: each is drawn on one thread for the most part.
+    let drawn = parallel::map(parts.len(), |part| {
+        let draw = |plane: &BasePlane| scene.draw_plane(plane, &region, &progress);
+        planes[part].iter().map(draw).collect::<Result<Vec<_>>>()
+    });
     let mut pictures = Vec::new();
-    for plane in planes {
-        let (picture, work, n_sheets) = scene.draw_plane(&plane, &region, &progress)?;
-        report.n_texels += work.n_texels;
-        report.n_skipped_sheets += work.n_skipped;
-        report.n_sheets.push(n_sheets);
-        report.n_base_texels += picture.plane.size.iter().product::<usize>() as u64;
-        pictures.push(picture);
+    for drawn in drawn {
+        let mut of_part = Vec::new();
+        for (picture, work, n_sheets) in drawn? {
+            report.n_texels += work.n_texels;
+            report.n_skipped_sheets += work.n_skipped;
+            report.n_sheets.push(n_sheets);
+            report.n_base_texels += picture.plane.size.iter().product::<usize>() as u64;
+            of_part.push(picture);
+        }
+        pictures.push(of_part);
     }
     Ok((pictures, report))
 }

@@ -178,6 +178,9 @@ impl TileJob<'_> {
     fn needed_blocks(&self, [i0, j0]: [usize; 2]) -> BlockMask {
         let plane = self.geometry.plane;
         let mut blocks = 0;
+        if !plane.is_needed([i0, j0], [i0 + TILE_U - 1, j0 + TILE_V - 1]) {
+            return blocks;
+        }
         for strip in 0..N_STRIPS {
             for block in 0..N_BLOCKS_V {
                 let (i, j) = (i0 + strip * LANES, j0 + block * BLOCK_V);

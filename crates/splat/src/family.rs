@@ -43,9 +43,7 @@ impl IndexRays {
     pub fn direction(&self, x_px: f64, y_px: f64) -> DVec3 {
         self.direction[0] + self.direction[1] * x_px + self.direction[2] * y_px
     }
-}
 
-impl IndexRays {
     /// The family of a pixel position's ray, and how many of the `n` positions from there on along x are of it in turn.
     #[inline(always)]
     pub fn families_along_x(&self, [x_px, y_px]: [f64; 2], n: usize) -> (Family, usize) {

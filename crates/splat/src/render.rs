@@ -113,7 +113,8 @@ impl Part {
     }
 }
 
-/// Draws parts of the picture, as they are in the whole.
+/// Draws parts of the picture as they are in the whole, but that each has texels of its own: in perspective they lie as
+/// the part's own pixels do.
 pub(crate) fn render_parts(
     slices: &Slices,
     labels: Option<&Labels>,

@@ -105,13 +105,13 @@ def render(
     sheets_per_slice : float, optional
         Sheets per slice distance.
     oversampling : float, optional
-        Texels per pixel, along each side; in perspective on the whole: pixels whose rays lie closest together get fewer,
-        by a factor of 0.7 at most.
+        Texels per pixel, along each side; in perspective on the whole: pixels whose rays lie closest together get 0.7 of
+        that at least.
     psnr : float, optional
         Instead of `quality`: choose both for this PSNR against the converged picture with 16 rays a pixel, in dB, 20 to
         80; 40 is good, 50 can hardly be told from it. The choice is by the errors of small parts of the picture, which
-        takes about as long as a frame: give what the report holds to the frames that follow. `expected_psnr_db` there is
-        mostly less than what is reached, and less than what was asked for where nothing reaches that.
+        takes about as long as a frame: give what the report holds to the frames that follow. `expected_psnr_db` there
+        is mostly less than what is reached, and less than what was asked for where nothing reaches that.
     drop_levels : int
         Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its
         own resolution, with fewer sheets and texels (B-spline families: at the full one), and classified by

@@ -471,12 +471,12 @@ def record(rows: Sequence[Row], frames: list[list[str]], size_px: int) -> None:
         f"## {name}\n\n{size_of(name)}.\n\n{as_markdown(subject_table(rows, name))}" for name in SUBJECTS
     )
     # The recipe says itself where plots go.
-    arguments = sys.argv[3:] if sys.argv[1:2] == ["--out"] else sys.argv[1:]
+    given = sys.argv[3:] if sys.argv[1:2] == ["--out"] else sys.argv[1:]
     RESULTS.write_text(
         f"""# Wavelet coefficients dropped
 
 {dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
-Command: `make study-wavelets STUDY_WAVELETS="{" ".join(arguments)}"`.
+Command: `make study-wavelets STUDY_WAVELETS="{" ".join(given)}"`.
 What is measured, and how, stands at the head of `wavelets.py`; "theirs" is what the paper prints, of other scans.
 
 ## Goals

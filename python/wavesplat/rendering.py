@@ -105,8 +105,8 @@ def render(
     sheets_per_slice : float, optional
         Sheets per slice distance.
     oversampling : float, optional
-        Texels per pixel, along each side; in perspective on the whole: pixels whose rays lie closest together get 0.7 of
-        that at least.
+        Texels per pixel, along each side; in perspective on the whole: where rays lie closest together, pixels get 0.7
+        of that at least.
     psnr : float, optional
         Instead of `quality`: choose both for this PSNR against the converged picture with 16 rays a pixel, in dB, 20 to
         80; 40 is good, 50 can hardly be told from it. The choice is by the errors of small parts of the picture, which

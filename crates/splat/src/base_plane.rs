@@ -1,8 +1,8 @@
 //! Base planes: texels of every sheet laid out so that texel (i, j) of each lies on one viewing ray.
 //!
-//! A ray belongs to the index axis `w` it runs most along ([`Family`]). For parallel rays there is one such axis and the base
-//! coordinates `(p, q)` are the index position where the ray crosses the slice `w = 0`; sheet `w` is that grid shifted
-//! by the shear `w · (du/dw, dv/dw)`. For perspective the rays form up to six families (three axes, two signs) and
+//! A ray belongs to the index axis `w` it runs most along ([`Family`]). For parallel rays there is one such axis and
+//! the base coordinates `(p, q)` are the index position where the ray crosses the slice `w = 0`; sheet `w` is that grid
+//! shifted by the shear `w · (du/dw, dv/dw)`. For perspective the rays form up to six families (three axes, two signs) and
 //! `(p, q)` are the slopes `(du/dw, dv/dw)`, at most 1.1 in magnitude; sheet `w` is that grid scaled by `w − eye.w`
 //! about the eye. Either way a sheet's texels stay axis-aligned and uniform, so the kernel stays separable.
 //!
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn texels_are_at_least_as_dense_as_asked() {
+    fn texels_of_parallel_rays_are_as_dense_as_asked() {
         let camera = Camera::new(
             DVec3::new(50.0, 30.0, 22.0),
             DVec3::ZERO,

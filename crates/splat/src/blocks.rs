@@ -4,6 +4,7 @@
 //! longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients. The prefilter runs over
 //! all samples of a line, but what is a few samples away hardly counts, so a block with a margin is enough.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use wavesplat_compute::parallel;
@@ -18,7 +19,7 @@ pub const BLOCK: usize = 32;
 const BLOCK_BYTES: usize = BLOCK * BLOCK * BLOCK * size_of::<f32>();
 
 /// Sides of the boxes in which a volume is looked through, about.
-const PIECE: usize = 64;
+const PIECE: [usize; 3] = [64, 64, 32];
 
 /// Samples around a box that its spline coefficients are made from: the pole to this power is below f32.
 const MARGIN: usize = 14;
@@ -99,11 +100,6 @@ impl Blocks {
         self.size
     }
 
-    /// Whether all blocks fit into the budget.
-    pub fn all_fit(&self) -> bool {
-        Self::most_bytes(self.size) <= self.budget_bytes
-    }
-
     /// Decodes a box, without a look at what is kept.
     pub fn decode(&self, lo: [usize; 3], hi: [usize; 3], part: &mut Part) {
         let (offset, scale) = self.map;
@@ -132,26 +128,6 @@ impl Blocks {
                 let out = part.row_mut(j, k);
                 out.copy_from_slice(&row[..out.len()]);
             }
-        }
-    }
-
-    /// Keeps the block that begins at `lo` out of a box that holds it.
-    pub fn keep(&self, lo: [usize; 3], part: &Part) {
-        let block = self.request([0, 1, 2].map(|a| lo[a] / BLOCK..lo[a] / BLOCK + 1));
-        for block in block {
-            block.get_or_init(|| {
-                let size = self.block_size(lo);
-                let [nx, ny, _] = part.size;
-                let at = [0, 1, 2].map(|a| lo[a] - part.lo[a]);
-                let mut densities = Vec::with_capacity(size.iter().product());
-                for k in 0..size[2] {
-                    for j in 0..size[1] {
-                        let row = &part.densities[((at[2] + k) * ny + at[1] + j) * nx + at[0]..];
-                        densities.extend_from_slice(&row[..size[0]]);
-                    }
-                }
-                densities
-            });
         }
     }
 
@@ -192,7 +168,7 @@ impl Blocks {
     }
 
     /// The blocks of a box, z slowest; those that are new are empty. Others may go for them.
-    fn request(&self, [xs, ys, zs]: [std::ops::Range<usize>; 3]) -> Vec<Block> {
+    fn request(&self, [xs, ys, zs]: [Range<usize>; 3]) -> Vec<Block> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         held.now += 1;
         let now = held.now;
@@ -236,38 +212,64 @@ pub fn samples_every(decoder: &dyn Decoder, step: usize) -> ([usize; 3], Vec<f32
     let size = decoder.size();
     let n @ [nx, ny, _] = size.map(|n| n.div_ceil(step));
     // Wanted samples of a piece of an axis.
-    let piece = |a: usize, k: usize| k * PIECE / step..((k + 1) * PIECE / step).min(n[a]);
-    let n_pieces = n.map(|n| (n * step).div_ceil(PIECE));
-    let pieces = parallel::map(n_pieces.iter().product(), |p| {
-        let place = [p % n_pieces[0], p / n_pieces[0] % n_pieces[1], p / (n_pieces[0] * n_pieces[1])];
-        let wanted = [0, 1, 2].map(|a| piece(a, place[a]));
-        let mut out = Vec::with_capacity(wanted.iter().map(ExactSizeIterator::len).product());
-        if wanted.iter().any(std::ops::Range::is_empty) {
-            return (wanted, out);
-        }
-        let lo = [0, 1, 2].map(|a| wanted[a].start * step);
-        let hi = [0, 1, 2].map(|a| (wanted[a].end - 1) * step + 1);
-        let [bx, by, bz] = [0, 1, 2].map(|a| hi[a] - lo[a]);
-        let mut samples = vec![0.0; bx * by * bz];
-        decoder.decode(lo, hi, &mut samples);
-        for z in (0..bz).step_by(step) {
-            for y in (0..by).step_by(step) {
-                out.extend(samples[(z * by + y) * bx..][..bx].iter().step_by(step));
-            }
-        }
-        (wanted, out)
-    });
+    let piece = |a: usize, k: usize| (k * PIECE[a]).div_ceil(step)..((k + 1) * PIECE[a]).div_ceil(step).min(n[a]);
+    let n_pieces = [0, 1, 2].map(|a| size[a].div_ceil(PIECE[a]));
     let mut all = vec![0.0; n.iter().product()];
-    for ([xs, ys, zs], samples) in pieces {
-        let mut rows = samples.chunks_exact(xs.len().max(1));
-        for z in zs {
-            for y in ys.clone() {
-                let Some(row) = rows.next() else { break };
-                all[(z * ny + y) * nx..][xs.clone()].copy_from_slice(row);
+    let mut rest = all.as_mut_slice();
+    // A layer of pieces at a time, so that next to nothing is held twice.
+    for layer in 0..n_pieces[2] {
+        let zs = piece(2, layer);
+        let pieces = parallel::map(n_pieces[0] * n_pieces[1], |p| {
+            let wanted = [piece(0, p % n_pieces[0]), piece(1, p / n_pieces[0]), zs.clone()];
+            let samples = decoded_every(decoder, step, &wanted);
+            (wanted, samples)
+        });
+        let (slices, behind) = rest.split_at_mut(zs.len() * nx * ny);
+        rest = behind;
+        parallel::for_each_chunk(slices, nx * ny, |z, slice| {
+            for ([xs, ys, _], samples) in &pieces {
+                let rows = samples.chunks_exact(xs.len().max(1)).skip(z * ys.len());
+                for (y, row) in ys.clone().zip(rows) {
+                    slice[y * nx..][xs.clone()].copy_from_slice(row);
+                }
             }
-        }
+        });
     }
     (n, all)
+}
+
+/// Ranges of every `step`-th sample.
+fn decoded_every(decoder: &dyn Decoder, step: usize, wanted: &[Range<usize>; 3]) -> Vec<f32> {
+    if wanted.iter().any(Range::is_empty) {
+        return Vec::new();
+    }
+    let [lo, hi] = [wanted.each_ref().map(|w| w.start * step), wanted.each_ref().map(|w| (w.end - 1) * step + 1)];
+    let [nx, ny, nz] = [0, 1, 2].map(|a| hi[a] - lo[a]);
+    let mut samples = vec![0.0; nx * ny * nz];
+    decoder.decode(lo, hi, &mut samples);
+    if step == 1 {
+        return samples;
+    }
+    let mut out = Vec::with_capacity(wanted.iter().map(ExactSizeIterator::len).product());
+    for z in (0..nz).step_by(step) {
+        for y in (0..ny).step_by(step) {
+            out.extend(samples[(z * ny + y) * nx..][..nx].iter().step_by(step));
+        }
+    }
+    out
+}
+
+/// All densities, `[z][y][x]`.
+pub fn densities(decoder: &dyn Decoder, grid: &Grid) -> Vec<f32> {
+    let (_, mut densities) = samples_every(decoder, 1);
+    let [nx, ny, _] = grid.size();
+    let (offset, scale) = grid.density_from_sample();
+    parallel::for_each_chunk(&mut densities, nx * ny, |_, slice| {
+        for d in slice {
+            *d = ((f64::from(*d) - offset) * scale) as f32;
+        }
+    });
+    densities
 }
 
 #[cfg(test)]
@@ -346,7 +348,6 @@ mod tests {
     #[test]
     fn what_is_kept_stays_within_the_budget() {
         let (numbers, blocks) = blocks(4);
-        assert!(!blocks.all_fit());
         for _ in 0..3 {
             check(&blocks, [0, 0, 0], SIZE);
             assert!(blocks.held.lock().unwrap().n_blocks <= 4);

@@ -21,7 +21,7 @@ const SIDE: usize = 4;
 const LARGE_SIDE: usize = 8;
 
 /// Bounds of a volume whose samples are there: those of 800 samples along each axis.
-const MOST_BYTES: usize = 32 << 20;
+pub const MOST_BYTES: usize = 32 << 20;
 
 /// Levels of the density range.
 const N_LEVELS: usize = 4096;
@@ -152,9 +152,10 @@ impl Reach {
 }
 
 impl Bricks {
-    /// Reads every row about 1.6 times. `range` bounds the densities.
-    pub fn new(rows: &impl Rows, size: [usize; 3], kernel: Kernel, range: [f32; 2]) -> Self {
-        let side = side_within(MOST_BYTES, size);
+    /// Reads every row about 1.6 times. `range` bounds the densities. Bricks are large where small ones took more than
+    /// `budget_bytes`.
+    pub fn new(rows: &impl Rows, size: [usize; 3], kernel: Kernel, range: [f32; 2], budget_bytes: usize) -> Self {
+        let side = side_within(budget_bytes, size);
         let reach = Reach::new(side, size, kernel);
         let n = reach.n();
         let level = level_in(range);
@@ -166,8 +167,7 @@ impl Bricks {
         Self { side, n, range, bounds }
     }
 
-    /// Decodes all blocks, and keeps them if they all fit. `range` bounds the densities; where it is not known, as of
-    /// spline coefficients, it is found. Bricks are large where small ones took more than `budget_bytes`.
+    /// Decodes all blocks. `range` bounds the densities; where it is not known, as of spline coefficients, it is found.
     pub fn of_blocks(
         level: Level,
         blocks: &Blocks,
@@ -180,29 +180,19 @@ impl Bricks {
         let reach = Reach::new(side, size, kernel);
         let n = reach.n();
         let n_blocks = size.map(|n| n.div_ceil(BLOCK));
-        let places = |b: usize| [b % n_blocks[0], b / n_blocks[0] % n_blocks[1], b / (n_blocks[0] * n_blocks[1])];
         let bricks_of = |b: usize| {
-            let place = places(b);
+            let place = [b % n_blocks[0], b / n_blocks[0] % n_blocks[1], b / (n_blocks[0] * n_blocks[1])];
             [0, 1, 2].map(|a| (place[a] * BLOCK / side).min(n[a])..((place[a] + 1) * BLOCK / side).min(n[a]))
         };
         let of_block = parallel::map(n_blocks.iter().product(), |b| {
             let bricks = bricks_of(b);
-            let first = places(b).map(|place| place * BLOCK);
-            let samples = |a: usize| {
-                let own = first[a]..(first[a] + BLOCK).min(size[a]);
-                let Range { start, end } = bricks[a];
-                if start == end {
-                    return own;
-                }
-                own.start.min(reach.samples(a, start).start)..own.end.max(reach.samples(a, end - 1).end)
-            };
-            let samples = [0, 1, 2].map(samples);
-            let lo = [0, 1, 2].map(|a| samples[a].start);
-            let mut part = Part::default();
-            blocks.decode(lo, [0, 1, 2].map(|a| samples[a].end), &mut part);
-            if blocks.all_fit() {
-                blocks.keep(first, &part);
+            if bricks.iter().any(Range::is_empty) {
+                return Vec::new();
             }
+            let lo = [0, 1, 2].map(|a| reach.samples(a, bricks[a].start).start);
+            let hi = [0, 1, 2].map(|a| reach.samples(a, bricks[a].end - 1).end);
+            let mut part = Part::default();
+            blocks.decode(lo, hi, &mut part);
             reach.bounds(&FloatRows { densities: &part.densities, level }, lo, part.size, bricks)
         });
         let range = range.unwrap_or_else(|| {

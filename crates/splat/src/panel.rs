@@ -2,7 +2,7 @@
 //!
 //! Slices across x have their samples a whole row apart in memory; read sheet by sheet, every sample costs a cache
 //! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it. Of volumes that
-//! are decoded it loads what the dozen slices need, whichever way they lie.
+//! are decoded in blocks it loads what the dozen slices need, whichever way they lie.
 
 use wavesplat_compute::simd::LANES;
 
@@ -52,7 +52,7 @@ impl Panel {
     ) {
         let [axis_u, axis_v, axis_w] = &geometry.axes;
         let across = geometry.plane.family.axes[0] != 0;
-        if !geometry.is_own_grid() || (!across && !geometry.slices.is_decoded()) {
+        if !geometry.is_own_grid() || (!across && !geometry.slices.is_loaded()) {
             return;
         }
         if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {

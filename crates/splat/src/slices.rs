@@ -5,7 +5,8 @@
 //! are filled from their neighbours, so that the surroundings keep an honest gradient, and a mask says where they
 //! are: what a masked sample reaches is drawn as empty.
 //!
-//! Volumes that are decoded ([`crate::blocks`]) have no buffer: a box of them is loaded first, then it is the same.
+//! Volumes that are decoded become such a float copy where it fits into the memory they may take. Where it does not
+//! ([`crate::blocks`]), a box of them is loaded first, then it is the same.
 
 use std::sync::Arc;
 
@@ -13,8 +14,8 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Level, Simd};
 use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_samples};
 
-use crate::blocks::{Blocks, Part};
-use crate::bricks::{Bricks, FloatRows, Rows, widen};
+use crate::blocks::{self, Blocks, Part};
+use crate::bricks::{self, Bricks, FloatRows, Rows, widen};
 use crate::kernel::{MAX_TAPS, fold, n_taps};
 use crate::prefilter;
 
@@ -27,7 +28,8 @@ pub struct Slices<'a> {
 
 enum Source<'a> {
     Samples(Samples<'a>),
-    Blocks(Arc<Blocks>),
+    /// A volume without samples; its blocks where its densities are not all prepared.
+    Decoded(Option<Arc<Blocks>>),
 }
 
 /// What is computed once from the samples for a kernel; worth keeping between pictures.
@@ -39,8 +41,9 @@ pub struct Prepared {
     mask: Option<Vec<bool>>,
     range: [f32; 2],
     bricks: Bricks,
-    /// What is decoded of a volume without samples.
+    /// What is decoded of a volume without samples; `None` where there are densities.
     blocks: Option<Arc<Blocks>>,
+    is_decoded: bool,
 }
 
 /// Share of the memory for decoded blocks that the bounds of bricks may take in addition.
@@ -57,39 +60,57 @@ impl Prepared {
         let level = Level::best();
         if pole.is_none() && n_nonfinite == 0 {
             let samples = *volume.samples();
-            let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range);
-            return Self { kernel, size, densities: None, mask: None, range, bricks, blocks: None };
+            let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range, bricks::MOST_BYTES);
+            return Self { kernel, size, densities: None, mask: None, range, bricks, blocks: None, is_decoded: false };
         }
         let mut densities = densities(volume.samples(), map);
         let mask = (n_nonfinite > 0).then(|| densities.iter().map(|d| !d.is_finite()).collect());
         if mask.is_some() {
             fill_holes(&mut densities, size);
         }
-        if let Some(z) = pole {
+        Self { mask, ..Self::of_densities(densities, size, kernel, range, bricks::MOST_BYTES) }
+    }
+
+    /// Of densities that are all finite. Their bounds are to take at most `bounds_bytes`.
+    fn of_densities(
+        mut densities: Vec<f32>,
+        size: [usize; 3],
+        kernel: Kernel,
+        mut range: [f32; 2],
+        bounds_bytes: usize,
+    ) -> Self {
+        if let Some(z) = prefilter::pole(kernel) {
             prefilter::prefilter_volume(&mut densities, size, z);
+            // Spline coefficients leave the range of the samples.
+            let extent = [f32::INFINITY, f32::NEG_INFINITY];
+            range = densities.iter().fold(extent, |[lo, hi], d| [lo.min(*d), hi.max(*d)]);
         }
-        // Spline coefficients leave the range of the samples.
-        let extent = (f32::INFINITY, f32::NEG_INFINITY);
-        let (lo, hi) = densities.iter().fold(extent, |(lo, hi), d| (lo.min(*d), hi.max(*d)));
-        let bricks = Bricks::new(&FloatRows { densities: &densities, level }, size, kernel, [lo, hi]);
-        Self { kernel, size, densities: Some(densities), mask, range, bricks, blocks: None }
+        let rows = FloatRows { densities: &densities, level: Level::best() };
+        let bricks = Bricks::new(&rows, size, kernel, range, bounds_bytes);
+        Self { kernel, size, densities: Some(densities), mask: None, range, bricks, blocks: None, is_decoded: false }
     }
 
     /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
-    /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept.
+    /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
     pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
+        let (size, range, bounds_bytes) = (grid.size(), grid.density_range(), budget_bytes / BOUNDS_SHARE);
+        if Blocks::most_bytes(size) <= budget_bytes {
+            let densities = blocks::densities(&*decoder, grid);
+            let prepared = Self::of_densities(densities, size, kernel, range, bounds_bytes);
+            return Self { is_decoded: true, ..prepared };
+        }
         let blocks = Arc::new(Blocks::new(decoder, grid, kernel, budget_bytes));
-        let range = prefilter::pole(kernel).is_none().then(|| grid.density_range());
-        let bricks = Bricks::of_blocks(Level::best(), &blocks, kernel, range, budget_bytes / BOUNDS_SHARE);
-        let (size, range) = (grid.size(), bricks.range());
-        Self { kernel, size, densities: None, mask: None, range, bricks, blocks: Some(blocks) }
+        let range = prefilter::pole(kernel).is_none().then_some(range);
+        let bricks = Bricks::of_blocks(Level::best(), &blocks, kernel, range, bounds_bytes);
+        let range = bricks.range();
+        Self { kernel, size, densities: None, mask: None, range, bricks, blocks: Some(blocks), is_decoded: true }
     }
 
     /// Slices of a volume that is decoded as it is drawn, from [`Prepared::of_decoder`] with the same grid; `None` where
     /// this was made from samples.
     pub fn slices<'a>(self: &Arc<Self>, grid: &Grid) -> Option<Slices<'a>> {
-        let source = Source::Blocks(self.blocks.clone()?);
-        Some(Slices { source, grid: grid.clone(), prepared: self.clone() })
+        let source = || Source::Decoded(self.blocks.clone());
+        self.is_decoded.then(|| Slices { source: source(), grid: grid.clone(), prepared: self.clone() })
     }
 }
 
@@ -176,10 +197,12 @@ impl<'a> Slices<'a> {
                 let (offset, scale) = self.grid.density_from_sample();
                 (samples.get(i) - offset) * scale
             }
-            (None, Source::Blocks(blocks)) => {
+            (None, Source::Decoded(blocks)) => {
                 let mut part = Part::default();
-                blocks.load(index, index.map(|i| i + 1), &mut part);
-                f64::from(part.densities[0])
+                blocks.as_ref().map_or(f64::NAN, |blocks| {
+                    blocks.load(index, index.map(|i| i + 1), &mut part);
+                    f64::from(part.densities[0])
+                })
             }
         }
     }
@@ -204,8 +227,9 @@ impl<'a> Slices<'a> {
             (_, Source::Samples(samples)) => {
                 with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64));
             }
-            (_, Source::Blocks(blocks)) => {
-                let Some((lo, hi)) = whole.reached(points) else { return };
+            (Some(densities), Source::Decoded(_)) => whole.write(densities, points, out, sample),
+            (None, Source::Decoded(blocks)) => {
+                let (Some(blocks), Some((lo, hi))) = (blocks, whole.reached(points)) else { return };
                 let mut part = Part::default();
                 blocks.load(lo, hi, &mut part);
                 let part_sums = PointSums { lo: part.lo, size: part.size, ..whole };
@@ -240,7 +264,7 @@ impl<'a> Slices<'a> {
         }
         let samples = match &self.source {
             Source::Samples(samples) => *samples,
-            Source::Blocks(_) => {
+            Source::Decoded(_) => {
                 let slices = taps.iter().fold([usize::MAX, 0], |[lo, hi], tap| [lo.min(tap.0), hi.max(tap.0)]);
                 let mut part = Part::default();
                 self.load(axes, window, slices, &mut part);
@@ -256,13 +280,13 @@ impl<'a> Slices<'a> {
     }
 
     /// Whether boxes must be loaded before they are read.
-    pub fn is_decoded(&self) -> bool {
-        matches!(self.source, Source::Blocks(_))
+    pub fn is_loaded(&self) -> bool {
+        matches!(self.source, Source::Decoded(Some(_)))
     }
 
-    /// Loads what a window reaches in the slices from the first to the last of `slices`, of a volume that is decoded.
+    /// Loads what a window reaches in the slices from the first to the last of `slices`, where that must be.
     pub fn load(&self, axes: [usize; 3], window: Window, slices: [usize; 2], part: &mut Part) {
-        let Source::Blocks(blocks) = &self.source else { return };
+        let Source::Decoded(Some(blocks)) = &self.source else { return };
         let size = self.prepared.size;
         let reached = |[lo, hi]: [i64; 2], n: usize| {
             let folded = (lo..=hi).map(|i| fold(self.prepared.kernel, i, n));

@@ -121,7 +121,7 @@ impl Densities {
             for slice in self.first..=last {
                 let taps = [(slice, 1.0)];
                 let out = &mut self.values[(slice - self.first) * plane..];
-                if slices.is_decoded() {
+                if slices.is_loaded() {
                     slices.combine_part(level, axes, &self.part, &taps, window, out, stride);
                 } else {
                     slices.combine(level, axes, &taps, window, out, stride);

@@ -4,8 +4,10 @@
 //! position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing was drawn,
 //! nothing is read: a summed-area table (Crow 1984) counts what was.
 
+use std::ops::Range;
+
 use glam::DVec2;
-use wavesplat_compute::simd::{LANES, Lanes, ROUND, Rows, Simd};
+use wavesplat_compute::simd::{LANES, Lanes, Math, ROUND, Rows, Simd};
 
 use crate::base_picture::{BasePicture, CELL, MARGIN};
 
@@ -13,7 +15,10 @@ use crate::base_picture::{BasePicture, CELL, MARGIN};
 pub const FAR: f32 = (1 << 22) as f32;
 
 /// Pixels whose numbers fill the lanes.
-const QUAD: usize = 4;
+pub const QUAD: usize = 4;
+
+/// Sixteen pixels, four a vector.
+pub type Quads<S> = [<S as Math>::F; LANES / QUAD];
 
 /// Which lane holds the opacity of the pixel that a lane's number belongs to.
 const OPACITY: Lanes<u32> = Lanes([3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15]);
@@ -56,19 +61,18 @@ impl<'a> Resampler<'a> {
         Self { picture, n_drawn, n_cells: [n_u, cells.len() / n_u] }
     }
 
-    /// Adds to sixteen pixels `share` of what is at as many texel positions, no colour brighter than `peak`, and says
-    /// whether anything can be seen there. `base`: whole texels, which the positions count from. The first `n`
-    /// positions go one way.
+    /// What is at sixteen texel positions, no colour brighter than `peak`: four of them a vector; `None` where nothing
+    /// can be seen. `base`: whole texels, which the positions count from. `lanes`: those that are looked at for that,
+    /// whose positions go one way, while others are far away; `None` where it is known that something is there.
     #[inline(always)]
-    pub fn add_to<S: Simd>(
+    pub fn read<S: Simd>(
         &self,
         s: S,
         base: [i32; 2],
         positions: [S::F; 2],
-        n: usize,
-        pixels: &mut [[f32; 4]; LANES],
-        [share, peak]: [f32; 2],
-    ) -> bool {
+        lanes: Option<Range<usize>>,
+        peak: f32,
+    ) -> Option<Quads<S>> {
         let mut first_read = [Lanes([0; LANES]); 2];
         let mut shares = [s.splat(0.0); 2];
         for axis in 0..2 {
@@ -87,8 +91,12 @@ impl<'a> Resampler<'a> {
             }
         }
         let [Lanes(i), Lanes(j)] = &first_read;
-        if !self.is_drawn([i[0].min(i[n - 1]), i[0].max(i[n - 1])], [j[0].min(j[n - 1]), j[0].max(j[n - 1])]) {
-            return false;
+        if let Some(lanes) = lanes {
+            let (first, last) = (lanes.start, lanes.end - 1);
+            let ends = [[i[first], i[last]], [j[first], j[last]]].map(|[a, b]| [a.min(b), a.max(b)]);
+            if self.cells(ends).is_empty() {
+                return None;
+            }
         }
         let (texels, pitch) = self.picture.with_margin();
         let rows = Rows::new(texels.as_flattened(), 4 * pitch);
@@ -105,27 +113,24 @@ impl<'a> Resampler<'a> {
             s.store(w3, &mut weights[axis][3].0);
         }
         let is_opacity = s.lt(s.splat(0.5), s.load(&IS_OPACITY));
-        let (share, peak) = (s.splat(share), s.select(is_opacity, s.splat(1.0), s.splat(peak)));
-        for (quad, pixels) in pixels.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {
-            let color = read_quad(s, &rows, quad, &places, &weights);
-            let mut numbers = Lanes([0.0; LANES]);
-            s.store(color, &mut numbers.0);
-            let color = s.min(color, s.mul(peak, s.take(&numbers.0, &OPACITY)));
-            s.store(s.add_mul(s.load(pixels), share, color), pixels);
+        let peak = s.select(is_opacity, s.splat(1.0), s.splat(peak));
+        let mut quads = [s.splat(0.0); LANES / QUAD];
+        for quad in 0..LANES / QUAD {
+            quads[quad] = read_quad(s, &rows, quad, &places, &weights, peak);
         }
-        true
+        Some(quads)
     }
 
-    /// Whether anything can be seen at positions between two, texels.
-    pub fn is_drawn_between(&self, lo: DVec2, hi: DVec2) -> bool {
+    /// What has been drawn that can be seen at positions between two, texels.
+    pub fn drawn_between(&self, lo: DVec2, hi: DVec2) -> Drawn {
         let size = self.picture.plane.size;
         let first_read = |x: f64, axis: usize| (x.clamp(-2.0, size[axis] as f64) + (MARGIN - 1) as f64) as u32;
-        self.is_drawn([first_read(lo.x, 0), first_read(hi.x, 0)], [first_read(lo.y, 1), first_read(hi.y, 1)])
+        self.cells([[first_read(lo.x, 0), first_read(hi.x, 0)], [first_read(lo.y, 1), first_read(hi.y, 1)]])
     }
 
-    /// Whether something was drawn where the filter reads, by the ranges of what it reads first.
+    /// What has been drawn where the filter reads, by the ranges of what it reads first.
     #[inline(always)]
-    fn is_drawn(&self, [first_i, last_i]: [u32; 2], [first_j, last_j]: [u32; 2]) -> bool {
+    fn cells(&self, [[first_i, last_i], [first_j, last_j]]: [[u32; 2]; 2]) -> Drawn {
         let [n_u, n_v] = self.n_cells;
         let cell = |first_read: u32, n_texels: usize, n_cells: usize| {
             ((first_read as usize).saturating_sub(MARGIN - 1) / n_texels).min(n_cells - 1)
@@ -133,11 +138,33 @@ impl<'a> Resampler<'a> {
         let (u, end_u) = (cell(first_i, CELL[0], n_u), cell(last_i, CELL[0], n_u) + 1);
         let (v, end_v) = (cell(first_j, CELL[1], n_v), cell(last_j, CELL[1], n_v) + 1);
         let n_before = |u: usize, v: usize| self.n_drawn[v * (n_u + 1) + u];
-        n_before(end_u, end_v).wrapping_add(n_before(u, v)) != n_before(u, end_v).wrapping_add(n_before(end_u, v))
+        let n_here = n_before(end_u, end_v).wrapping_add(n_before(u, v));
+        let n_drawn = n_here.wrapping_sub(n_before(u, end_v).wrapping_add(n_before(end_u, v)));
+        Drawn { n_drawn, n_cells: ((end_u - u) * (end_v - v)) as u32 }
     }
 }
 
-/// What is at the positions of four of sixteen pixels. `places`: of what is read first.
+/// Cells of a base plane, and how many of them have been drawn in.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    n_drawn: u32,
+    n_cells: u32,
+}
+
+impl Drawn {
+    /// None of them.
+    pub fn is_empty(self) -> bool {
+        self.n_drawn == 0
+    }
+
+    /// All of them.
+    pub fn is_full(self) -> bool {
+        self.n_drawn == self.n_cells
+    }
+}
+
+/// What is at the positions of four of sixteen pixels. `places`: of what is read first. `peak`: largest share of the
+/// opacity that a number may have.
 #[inline(always)]
 fn read_quad<S: Simd>(
     s: S,
@@ -145,6 +172,7 @@ fn read_quad<S: Simd>(
     quad: usize,
     places: &Lanes<u32>,
     [weights_u, weights_v]: &[[Lanes; 4]; 2],
+    peak: S::F,
 ) -> S::F {
     let (mut columns, mut least, mut most) = ([s.splat(0.0); 4], [s.splat(0.0); 4], [s.splat(0.0); 4]);
     for k in 0..QUAD {
@@ -163,7 +191,10 @@ fn read_quad<S: Simd>(
     let (w2, w3) = (s.take(&weights_u[2].0, pixel), s.take(&weights_u[3].0, pixel));
     let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
     let ([_, a, b, _], [_, c, d, _]) = (s.transpose_quads(least), s.transpose_quads(most));
-    s.min(s.max(sum, s.min(a, b)), s.max(c, d))
+    let color = s.min(s.max(sum, s.min(a, b)), s.max(c, d));
+    let mut numbers = Lanes([0.0; LANES]);
+    s.store(color, &mut numbers.0);
+    s.min(color, s.mul(peak, s.take(&numbers.0, &OPACITY)))
 }
 
 /// Weights of the four texels around positions `t` of the way from the second to the third.
@@ -211,23 +242,27 @@ mod tests {
     }
 
     /// Reads of a picture at positions from a base.
-    struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], [f32; 2]);
+    struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], f32);
 
     impl Kernel for Read<'_> {
         type Output = ([[f32; 4]; LANES], bool);
 
         #[inline(always)]
         fn run<S: Simd>(self, s: S) -> Self::Output {
-            let Self(picture, base, [u, v], share_and_peak) = self;
+            let Self(picture, base, [u, v], peak) = self;
             let mut pixels = [[0.0; 4]; LANES];
-            let is_seen =
-                Resampler::new(picture).add_to(s, base, [s.load(&u), s.load(&v)], LANES, &mut pixels, share_and_peak);
-            (pixels, is_seen)
+            let quads = Resampler::new(picture).read(s, base, [s.load(&u), s.load(&v)], Some(0..LANES), peak);
+            if let Some(quads) = quads {
+                for (pixels, quad) in pixels.as_flattened_mut().as_chunks_mut().0.iter_mut().zip(quads) {
+                    s.store(quad, pixels);
+                }
+            }
+            (pixels, quads.is_some())
         }
     }
 
     /// The cubic between texels, empty beyond the base plane, clamped to the nearest four.
-    fn plain(texels: &[[f32; 4]], [n_u, n_v]: [usize; 2], [u, v]: [f64; 2], [share, peak]: [f64; 2]) -> [f64; 4] {
+    fn plain(texels: &[[f32; 4]], [n_u, n_v]: [usize; 2], [u, v]: [f64; 2], peak: f64) -> [f64; 4] {
         let at = |i: i64, j: i64, c: usize| {
             let inside = i >= 0 && j >= 0 && i < n_u as i64 && j < n_v as i64;
             if inside { f64::from(texels[j as usize * n_u + i as usize][c]) } else { 0.0 }
@@ -254,7 +289,7 @@ mod tests {
             *out = out.clamp(near.into_iter().fold(f64::MAX, f64::min), near.into_iter().fold(f64::MIN, f64::max));
         }
         let brightest = [peak, peak, peak, 1.0].map(|peak| peak * rgba[3]);
-        [0, 1, 2, 3].map(|c| share * rgba[c].min(brightest[c]))
+        [0, 1, 2, 3].map(|c| rgba[c].min(brightest[c]))
     }
 
     #[test]
@@ -270,12 +305,12 @@ mod tests {
             let base = start.map(|x| x.floor() as i32);
             let at = |a: usize, k: usize| start[a] - f64::from(base[a]) + step[a] * k as f64;
             let positions = [0, 1].map(|a| std::array::from_fn(|k| at(a, k) as f32));
-            let (share, peak) = (0.25, 0.7);
+            let peak = 0.7;
             for level in Level::all() {
-                let (pixels, is_seen) = level.dispatch(Read(&picture, base, positions, [share, peak]));
+                let (pixels, is_seen) = level.dispatch(Read(&picture, base, positions, peak));
                 for (k, pixel) in pixels.iter().enumerate() {
                     let position = [0, 1].map(|a| f64::from(base[a]) + f64::from(positions[a][k]));
-                    let want = plain(&texels, size, position, [share, peak].map(f64::from));
+                    let want = plain(&texels, size, position, f64::from(peak));
                     for c in 0..4 {
                         let (got, want) = (f64::from(pixel[c]), want[c]);
                         assert!((got - want).abs() < 1e-6, "{level:?} {position:?}: {got} for {want}");
@@ -299,10 +334,10 @@ mod tests {
         for v in -4..size[1] as i32 + 4 {
             for u in (-20..size[0] as i32 + 4).step_by(LANES) {
                 let positions = [std::array::from_fn(|k| 0.3 + k as f32), [0.6; LANES]];
-                let (pixels, is_seen) = Level::best().dispatch(Read(&picture, [u, v], positions, [1.0, 1.0]));
+                let (pixels, is_seen) = Level::best().dispatch(Read(&picture, [u, v], positions, 1.0));
                 for (k, pixel) in pixels.iter().enumerate() {
                     let at = [f64::from(u) + f64::from(positions[0][k]), f64::from(v) + f64::from(positions[1][k])];
-                    let want = plain(&texels, size, at, [1.0, 1.0]);
+                    let want = plain(&texels, size, at, 1.0);
                     assert!(
                         (0..4).all(|c| (f64::from(pixel[c]) - want[c]).abs() < 1e-6),
                         "{at:?}: {pixel:?} for {want:?}"
@@ -311,7 +346,7 @@ mod tests {
                 }
                 let first = DVec2::new(f64::from(u) + 0.3, f64::from(v) + 0.6);
                 let last = first + DVec2::new((LANES - 1) as f64, 0.0);
-                assert_eq!(Resampler::new(&picture).is_drawn_between(first, last), is_seen, "{first}");
+                assert_eq!(!Resampler::new(&picture).drawn_between(first, last).is_empty(), is_seen, "{first}");
                 n_left_out += usize::from(!is_seen);
             }
         }
@@ -327,7 +362,7 @@ mod tests {
             for [u, v] in [[x, 5.0], [5.0, x], [x, x]] {
                 let base = [if u == 5.0 { 0 } else { base }, if v == 5.0 { 0 } else { base }];
                 let positions = [[u; LANES], [v; LANES]];
-                let (pixels, _) = level.dispatch(Read(&picture, base, positions, [1.0, 1.0]));
+                let (pixels, _) = level.dispatch(Read(&picture, base, positions, 1.0));
                 assert!(pixels == [[0.0; 4]; LANES], "{level:?} {base:?} {u} {v}");
             }
         }

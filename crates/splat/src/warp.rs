@@ -12,7 +12,7 @@ use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
 use crate::family::{Family, IndexRays};
-use crate::resample::{FAR, Resampler};
+use crate::resample::{Drawn, FAR, Quads, Resampler};
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
 pub struct Warped {
@@ -57,10 +57,6 @@ pub fn warp(
 /// plane, and what one has read is near when the next one wants it.
 const BAND: usize = 32;
 
-/// Sums of reads, in whole cache lines. Sixteen pixels at a time may be some too many.
-#[repr(align(64))]
-struct Sums([[f32; 4]; BAND + LANES]);
-
 /// Draws some rows of pixels.
 struct DrawBand<'a> {
     reads: &'a Reads<'a>,
@@ -96,90 +92,130 @@ impl Kernel for DrawBand<'_> {
         };
         for x in (0..width_px).step_by(BAND) {
             let columns = x..(x + BAND).min(width_px);
-            if let Some((only, affine)) = &parallel
-                && !affine.is_drawn(only, columns.clone(), first_row..first_row + pixels.len() / width_px)
-            {
+            let drawn = parallel.as_ref().map(|(only, affine)| {
+                affine.drawn(only, columns.clone(), first_row..first_row + pixels.len() / width_px)
+            });
+            if drawn.is_some_and(Drawn::is_empty) {
                 continue;
             }
+            let look = !drawn.is_some_and(Drawn::is_full);
             for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
-                // Sums are made close by: the picture is only written to, and only where something is seen.
-                let mut sums = Sums([[0.0; 4]; BAND + LANES]);
-                let mut is_seen = false;
-                for dy in offsets {
-                    for dx in offsets {
-                        let at = [*dx, (first_row + k) as f64 + dy];
-                        is_seen |= match &parallel {
-                            Some((only, affine)) => {
-                                reads.read_parallel(s, only, affine, at, columns.clone(), &mut sums)
-                            }
-                            None => reads.read(s, at, columns.clone(), &mut sums),
-                        };
+                for x in columns.clone().step_by(LANES) {
+                    let n = LANES.min(columns.end - x);
+                    let at = |[dx, dy]: [f64; 2]| [x as f64 + dx, (first_row + k) as f64 + dy];
+                    let seen = match &parallel {
+                        Some((only, affine)) => reads.parallel(s, only, affine, offsets, at, look),
+                        None => reads.perspective(s, offsets, n, at),
+                    };
+                    // The picture is only written to, and only where something is seen.
+                    if let Some(seen) = seen {
+                        put(s, &seen, &mut row[x..x + n]);
                     }
-                }
-                if is_seen {
-                    row[columns.clone()].copy_from_slice(&sums.0[..columns.len()]);
                 }
             }
         }
     }
 }
 
+/// Writes as many of sixteen pixels as there is room for.
+#[inline(always)]
+fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
+    let mut some = [[0.0; 4]; LANES];
+    let all = pixels.first_chunk_mut().unwrap_or(&mut some);
+    for (k, quad) in all.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {
+        s.store(quads[k], quad);
+    }
+    if pixels.len() < LANES {
+        pixels.copy_from_slice(&some[..pixels.len()]);
+    }
+}
+
 impl Reads<'_> {
-    /// Adds a read of every pixel of some columns of a row, and says whether anything is seen there. `at`: picture
-    /// position of that of the row's first pixel.
+    /// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `at`: picture position of the
+    /// first of them, by where a pixel is read. `look`: whether to look for that, where something may not be there.
     #[inline(always)]
-    fn read_parallel<S: Simd>(
+    fn parallel<S: Simd>(
         &self,
         s: S,
         resampler: &Resampler<'_>,
         affine: &Affine,
-        [x0, y]: [f64; 2],
-        columns: Range<usize>,
-        sums: &mut Sums,
-    ) -> bool {
+        offsets: &[f64],
+        at: impl Fn([f64; 2]) -> [f64; 2],
+        look: bool,
+    ) -> Option<Quads<S>> {
         let steps = [s.splat(affine.per_x.x as f32), s.splat(affine.per_x.y as f32)];
         let number = s.load(&NUMBERS);
-        let mut is_seen = false;
-        for (x, sums) in columns.step_by(LANES).zip(sums.0.as_chunks_mut().0) {
-            let at = affine.texel(x as f64 + x0, y);
-            let base = base_of(at);
-            let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
-            let positions = [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)];
-            is_seen |= resampler.add_to(s, base, positions, LANES, sums, [self.share, self.peak]);
+        let mut sum = None;
+        for dy in offsets {
+            for dx in offsets {
+                let [x, y] = at([*dx, *dy]);
+                let at = affine.texel(x, y);
+                let base = base_of(at);
+                let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
+                let positions = [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)];
+                let read = resampler.read(s, base, positions, look.then_some(0..LANES), self.peak);
+                if offsets.len() == 1 {
+                    return read;
+                }
+                sum = self.sum(s, sum, read);
+            }
         }
-        is_seen
+        sum
     }
 
-    /// The same for rays from an eye.
+    /// The same for rays from an eye; `n`: how many pixels there are.
     #[inline(always)]
-    fn read<S: Simd>(&self, s: S, [x0, y]: [f64; 2], columns: Range<usize>, sums: &mut Sums) -> bool {
+    fn perspective<S: Simd>(
+        &self,
+        s: S,
+        offsets: &[f64],
+        n: usize,
+        at: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> Option<Quads<S>> {
         let (resamplers, rays) = (self.resamplers, self.rays);
-        let mut is_seen = false;
-        // Runs of pixels of one base plane.
-        let mut x = columns.start;
-        while x < columns.end {
-            let at = [x as f64 + x0, y];
-            let (family, n) = rays.families_along_x(at, LANES.min(columns.end - x));
-            let Some(resampler) = resamplers.iter().find(|r| r.picture.plane.family == family) else {
-                x += n;
-                continue;
-            };
-            let texels = resampler.picture.plane.texels_from_pixels(rays, at);
-            let base = base_of(DVec2::new(texels[0][0], texels[1][0]));
-            // Those of other base planes see nothing of this one.
-            let mut positions = [[FAR; LANES]; 2];
-            for axis in 0..2 {
-                for k in 0..n {
-                    positions[axis][k] = (texels[axis][k] - f64::from(base[axis])) as f32;
+        let mut sum = None;
+        for dy in offsets {
+            for dx in offsets {
+                let [x, y] = at([*dx, *dy]);
+                // Runs of pixels of one base plane.
+                let mut first = 0;
+                while first < n {
+                    let at = [x + first as f64, y];
+                    let (family, n_of_it) = rays.families_along_x(at, n - first);
+                    let lanes = first..first + n_of_it;
+                    first = lanes.end;
+                    let Some(resampler) = resamplers.iter().find(|r| r.picture.plane.family == family) else {
+                        continue;
+                    };
+                    let texels = resampler.picture.plane.texels_from_pixels(rays, at);
+                    let base = base_of(DVec2::new(texels[0][0], texels[1][0]));
+                    // Those of other base planes see nothing of this one.
+                    let mut positions = [[FAR; LANES]; 2];
+                    for axis in 0..2 {
+                        for (k, lane) in lanes.clone().enumerate() {
+                            positions[axis][lane] = (texels[axis][k] - f64::from(base[axis])) as f32;
+                        }
+                    }
+                    let positions = [s.load(&positions[0]), s.load(&positions[1])];
+                    sum = self.sum(s, sum, resampler.read(s, base, positions, Some(lanes), self.peak));
                 }
             }
-            let positions = [s.load(&positions[0]), s.load(&positions[1])];
-            if let Some(sums) = sums.0[x - columns.start..].first_chunk_mut() {
-                is_seen |= resampler.add_to(s, base, positions, n, sums, [self.share, self.peak]);
-            }
-            x += n;
         }
-        is_seen
+        sum
+    }
+
+    /// A sum of reads with one more.
+    #[inline(always)]
+    fn sum<S: Simd>(&self, s: S, sum: Option<Quads<S>>, read: Option<Quads<S>>) -> Option<Quads<S>> {
+        let Some(mut quads) = read else { return sum };
+        let share = s.splat(self.share);
+        for k in 0..quads.len() {
+            quads[k] = match &sum {
+                Some(sum) => s.add_mul(sum[k], share, quads[k]),
+                None => s.mul(share, quads[k]),
+            };
+        }
+        Some(quads)
     }
 }
 
@@ -199,12 +235,13 @@ impl Affine {
         Self { origin: snapped(origin), per_x, per_y }
     }
 
-    /// Whether anything can be seen in some columns and rows of pixels.
-    fn is_drawn(&self, resampler: &Resampler<'_>, columns: Range<usize>, rows: Range<usize>) -> bool {
+    /// What can be seen in some columns and rows of pixels.
+    fn drawn(&self, resampler: &Resampler<'_>, columns: Range<usize>, rows: Range<usize>) -> Drawn {
         let [(x, last_x), (y, last_y)] = [columns, rows].map(|range| (range.start as f64, range.end as f64));
         let corners = [(x, y), (last_x, y), (x, last_y), (last_x, last_y)].map(|(x, y)| self.texel(x, y));
-        let [lo, hi] = [corners.into_iter().reduce(DVec2::min), corners.into_iter().reduce(DVec2::max)];
-        lo.zip(hi).is_some_and(|(lo, hi)| resampler.is_drawn_between(lo, hi))
+        let [first, others @ ..] = corners;
+        let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
+        resampler.drawn_between(lo, hi)
     }
 
     #[inline(always)]

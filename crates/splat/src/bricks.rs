@@ -8,6 +8,7 @@
 //! outwards.
 
 use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
@@ -27,13 +28,26 @@ pub const MOST_BYTES: usize = 32 << 20;
 const N_LEVELS: usize = 4096;
 
 /// Least and largest density of every brick, `[z][y][x]`.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Bricks {
     side: usize,
     n: [usize; 3],
     range: [f32; 2],
     bounds: Vec<[u16; 2]>,
+    /// What was asked for last, for the most part by one frame after the other.
+    latest: Mutex<Vec<Latest>>,
 }
+
+/// Bricks that passed a test.
+#[derive(Debug)]
+struct Latest {
+    axes: [usize; 3],
+    passing: Vec<u16>,
+    occupied: Arc<Occupied>,
+}
+
+/// As many are kept as a volume has axes to look along.
+const N_LATEST: usize = 3;
 
 /// Where a kernel reads samples: of a grid of `size`, the row of `nx` samples that begins at an index, as densities.
 pub trait Rows: Sync {
@@ -164,7 +178,7 @@ impl Bricks {
             let bounds = reach.bounds(rows, [0; 3], size, [0..n[0], 0..n[1], bz..bz + 1]);
             layer.iter_mut().zip(bounds).for_each(|(kept, bounds)| *kept = level(bounds));
         });
-        Self { side, n, range, bounds }
+        Self { side, n, range, bounds, latest: Mutex::default() }
     }
 
     /// Decodes all blocks. `range` bounds the densities; where it is not known, as of spline coefficients, it is found.
@@ -213,7 +227,7 @@ impl Bricks {
                 }
             }
         }
-        Self { side, n, range, bounds }
+        Self { side, n, range, bounds, latest: Mutex::default() }
     }
 
     /// Least and largest density there can be.
@@ -228,7 +242,7 @@ impl Bricks {
 
     /// The bricks whose range of densities passes a test, laid out for sheets along `axes` (u, v, w). The test must
     /// hold for a range when it holds for a part of it.
-    pub fn occupied(&self, axes: [usize; 3], test: impl Fn([f32; 2]) -> bool) -> Occupied {
+    pub fn occupied(&self, axes: [usize; 3], test: impl Fn([f32; 2]) -> bool) -> Arc<Occupied> {
         // `passing[l]`: how many steps from level to level below l pass. The outer levels stand for all beyond them.
         let mut passing = vec![0_u16; N_LEVELS + 1];
         for level in 0..N_LEVELS {
@@ -237,19 +251,28 @@ impl Bricks {
             // A level more on either side: the bounds were rounded.
             passing[level + 1] = passing[level] + u16::from(test([from, to]));
         }
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = latest.iter().find(|known| (known.axes, &known.passing) == (axes, &passing)) {
+            return known.occupied.clone();
+        }
+        let occupied = Arc::new(self.passed(axes, &passing));
+        latest.insert(0, Latest { axes, passing, occupied: occupied.clone() });
+        latest.truncate(N_LATEST);
+        occupied
+    }
+
+    /// The bricks that pass, by how many steps of the range do before each level.
+    fn passed(&self, axes: [usize; 3], passing: &[u16]) -> Occupied {
         let n = axes.map(|a| self.n[a]);
         let n_words = n[0].div_ceil(64);
         let mut occupied = Occupied { log_side: self.side.ilog2(), n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
         let [nx, ny, _] = self.n;
-        let place = [0, 1, 2].map(|a| axes.iter().position(|axis| *axis == a).unwrap_or(a));
-        for (i, [lo, hi]) in self.bounds.iter().enumerate() {
-            if passing[usize::from(*hi) + 1] > passing[usize::from(*lo)] {
-                let brick = [i % nx, i / nx % ny, i / (nx * ny)];
-                let mut uvw = [0; 3];
-                for a in 0..3 {
-                    uvw[place[a]] = brick[a];
+        for (row, bounds) in self.bounds.chunks_exact(nx).enumerate() {
+            for (x, [lo, hi]) in bounds.iter().enumerate() {
+                if passing[usize::from(*hi) + 1] > passing[usize::from(*lo)] {
+                    let [u, v, w] = axes.map(|a| [x, row % ny, row / ny][a]);
+                    occupied.bits[(w * n[1] + v) * n_words + u / 64] |= 1 << (u % 64);
                 }
-                occupied.bits[(uvw[2] * n[1] + uvw[1]) * n_words + uvw[0] / 64] |= 1 << (uvw[0] % 64);
             }
         }
         occupied
@@ -268,12 +291,12 @@ pub struct Occupied {
 
 impl Occupied {
     /// The bricks of both; `None` where they are not the same bricks.
-    pub fn or(mut self, other: &Self) -> Option<Self> {
+    pub fn or(&self, other: &Self) -> Option<Self> {
         if (self.log_side, self.n) != (other.log_side, other.n) {
             return None;
         }
-        self.bits.iter_mut().zip(&other.bits).for_each(|(bits, other)| *bits |= other);
-        Some(self)
+        let bits = self.bits.iter().zip(&other.bits).map(|(a, b)| a | b).collect();
+        Some(Self { bits, ..*self })
     }
 
     /// Layer of bricks that a cell lies in.
@@ -353,6 +376,25 @@ mod tests {
                 assert!(lo - 1e-5 <= density && density <= hi + 1e-5, "{name} {position:?}: {density} in {lo}..{hi}");
             }
         }
+    }
+
+    #[test]
+    fn what_was_asked_for_last_is_kept() {
+        let phantom = Phantom::sample([9, 9, 9], glam::DAffine3::IDENTITY, |p| p.x);
+        let slices = Slices::new(&phantom.volume(), Kernel::Linear);
+        let bricks = slices.bricks();
+        let all_axes = [[0, 1, 2], [0, 2, 1], [1, 2, 0]];
+        let above = |axes: [usize; 3], least: f32| bricks.occupied(axes, |[_, hi]| hi > least);
+        let first = all_axes.map(|axes| above(axes, 5.0));
+        for (axes, first) in all_axes.into_iter().zip(&first) {
+            assert!(Arc::ptr_eq(&above(axes, 5.0), first), "{axes:?}");
+        }
+        let other = above([0, 1, 2], 2.0);
+        assert_ne!(other.bits, first[0].bits);
+        assert!(Arc::ptr_eq(&above([0, 1, 2], 2.0), &other));
+        // The oldest has gone.
+        let again = above([0, 1, 2], 5.0);
+        assert!(!Arc::ptr_eq(&again, &first[0]) && again.bits == first[0].bits);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
@@ -391,7 +391,7 @@ impl<'a> Scene<'a> {
             let (offset, scale) = self.grid.density_from_sample();
             ((value - offset) * scale) as f32
         };
-        let job = |opacity_unit: f64, occupied: Option<Occupied>| TileJob {
+        let job = |opacity_unit: f64, occupied: Option<Arc<Occupied>>| TileJob {
             geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset, variant, spacing.step),
             rays: RayGeometry {
                 plane,
@@ -425,7 +425,7 @@ impl<'a> Scene<'a> {
                 if let Some(field) = extras.matter_field() {
                     let matter = label_fields[field - self.fields.len()].slices.bricks();
                     let covered = matter.occupied(axes, |[_, hi]| hi > 0.0);
-                    occupied = occupied.and_then(|occupied| occupied.or(&covered));
+                    occupied = occupied.and_then(|occupied| occupied.or(&covered)).map(Arc::new);
                 }
                 let (classifier, shader) = (&self.classifier, shader.as_ref());
                 let job = job(self.opacity_unit, occupied);

@@ -4,6 +4,8 @@
 //! between two sheets. What is left is reconstructed chunk by chunk as the compositor asks for it.
 
 use std::ops::Range;
+use std::sync::Arc;
+
 use wavesplat_compute::simd::{Kernel, LANES, Simd};
 
 use crate::bricks::Occupied;
@@ -56,7 +58,7 @@ pub struct TileJob<'a> {
     pub rays: RayGeometry<'a>,
     pub spacing: SheetSpacing,
     /// Bricks that change anything; `None`: all.
-    pub occupied: Option<Occupied>,
+    pub occupied: Option<Arc<Occupied>>,
     /// Where the fields lie.
     pub fields: Vec<SheetGeometry<'a>>,
 }

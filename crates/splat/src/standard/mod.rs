@@ -49,6 +49,8 @@ mod samples;
 mod shaded;
 mod view;
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
@@ -256,7 +258,7 @@ struct Scene<'a> {
 struct FamilyScene<'a> {
     scene: &'a Scene<'a>,
     family: Family,
-    occupied: Occupied,
+    occupied: Arc<Occupied>,
     shader: Option<Shader>,
     by_gradient: Option<ByGradient>,
     sight: Sight,

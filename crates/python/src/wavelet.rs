@@ -7,7 +7,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, P
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use wavesplat_core::{Decoder as _, Grid, Kernel, Shading, Statistics, TransferFunction};
-use wavesplat_splat::blocks::{Blocks, samples_every};
+use wavesplat_splat::blocks::{bytes_of_all, samples_every};
 use wavesplat_splat::slices::Prepared;
 use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume};
 
@@ -163,7 +163,7 @@ impl PyWaveletVolume {
             .map(|corner| DVec3::from_array(level_grid.level_from_finest(corner.to_array())));
         let grid = Grid::new(name, decoder.size(), world_from_index * finest_from_level, statistics, false);
         let grid = grid.map_err(to_py)?.as_level_of(finest.default_opacity_unit(), bounds);
-        let cache_bytes = cache_bytes.min(Blocks::most_bytes(grid.size()));
+        let cache_bytes = cache_bytes.min(bytes_of_all(grid.size()));
         let decoder = Arc::new(decoder);
         Ok(PyDecodedVolume {
             grid,

@@ -1,6 +1,7 @@
-//! Densities of a volume that is decoded when it is looked at: blocks of 32 x 32 x 32, the latest of which are kept.
+//! Densities of a volume that is decoded: all of them, or, as it is looked at, blocks of 32 x 32 x 32, the latest of
+//! which are kept.
 //!
-//! What is kept stays below a budget, so volumes larger than memory can be drawn; the block that was not asked for the
+//! What is kept of blocks stays below a budget, so volumes larger than memory can be drawn; the block that was not asked for the
 //! longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients. The prefilter runs over
 //! all samples of a line, but what is a few samples away hardly counts, so a block with a margin is enough.
 
@@ -88,11 +89,6 @@ impl Blocks {
         let held = Held { slots: vec![Slot::default(); n.iter().product()], ..Held::default() };
         let map = grid.density_from_sample();
         Self { decoder, map, pole: prefilter::pole(kernel), size, n, budget_bytes, held: Mutex::new(held) }
-    }
-
-    /// The largest budget that is of use to a volume of this size.
-    pub fn most_bytes(size: [usize; 3]) -> usize {
-        size.map(|n| n.div_ceil(BLOCK)).iter().product::<usize>() * BLOCK_BYTES
     }
 
     /// Samples along x, y, z.
@@ -257,6 +253,11 @@ fn decoded_every(decoder: &dyn Decoder, step: usize, wanted: &[Range<usize>; 3])
         }
     }
     out
+}
+
+/// What all densities of a volume of this size take.
+pub fn bytes_of_all(size: [usize; 3]) -> usize {
+    size.iter().product::<usize>() * size_of::<f32>()
 }
 
 /// All densities, `[z][y][x]`.

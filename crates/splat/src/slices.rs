@@ -94,7 +94,7 @@ impl Prepared {
     /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
     pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
         let (size, range, bounds_bytes) = (grid.size(), grid.density_range(), budget_bytes / BOUNDS_SHARE);
-        if Blocks::most_bytes(size) <= budget_bytes {
+        if blocks::bytes_of_all(size) <= budget_bytes {
             let densities = blocks::densities(&*decoder, grid);
             let prepared = Self::of_densities(densities, size, kernel, range, bounds_bytes);
             return Self { is_decoded: true, ..prepared };

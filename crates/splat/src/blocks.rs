@@ -1,9 +1,10 @@
 //! Densities of a volume that is decoded: all of them, or, as it is looked at, blocks of 32 x 32 x 32, the latest of
 //! which are kept.
 //!
-//! What is kept of blocks stays below a budget, so volumes larger than memory can be drawn; the block that was not asked for the
-//! longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients. The prefilter runs over
-//! all samples of a line, but what is a few samples away hardly counts, so a block with a margin is enough.
+//! What is kept of blocks stays below a budget, so volumes larger than memory can be drawn; the block that was not
+//! asked for the longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients. The
+//! prefilter runs over all samples of a line, but what is a few samples away hardly counts, so a block with a margin is
+//! enough.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -98,14 +99,10 @@ impl Blocks {
 
     /// Decodes a box, without a look at what is kept.
     pub fn decode(&self, lo: [usize; 3], hi: [usize; 3], part: &mut Part) {
-        let (offset, scale) = self.map;
-        let density = |s: &f32| ((f64::from(*s) - offset) * scale) as f32;
         part.resize(lo, hi);
         let Some(z) = self.pole else {
             self.decoder.decode(lo, hi, &mut part.densities);
-            for d in &mut part.densities {
-                *d = density(d);
-            }
+            to_densities(&mut part.densities, self.map);
             return;
         };
         let from = lo.map(|lo| lo.saturating_sub(MARGIN));
@@ -113,9 +110,7 @@ impl Blocks {
         let n @ [nx, ny, _] = [0, 1, 2].map(|a| to[a] - from[a]);
         let mut wide = vec![0.0; n.iter().product()];
         self.decoder.decode(from, to, &mut wide);
-        for d in &mut wide {
-            *d = density(d);
-        }
+        to_densities(&mut wide, self.map);
         prefilter::prefilter_box(&mut wide, n, z);
         let first = [0, 1, 2].map(|a| lo[a] - from[a]);
         for k in 0..part.size[2] {
@@ -234,7 +229,7 @@ pub fn samples_every(decoder: &dyn Decoder, step: usize) -> ([usize; 3], Vec<f32
     (n, all)
 }
 
-/// Ranges of every `step`-th sample.
+/// The box of wanted ranges of every `step`-th sample.
 fn decoded_every(decoder: &dyn Decoder, step: usize, wanted: &[Range<usize>; 3]) -> Vec<f32> {
     if wanted.iter().any(Range::is_empty) {
         return Vec::new();
@@ -264,13 +259,14 @@ pub fn bytes_of_all(size: [usize; 3]) -> usize {
 pub fn densities(decoder: &dyn Decoder, grid: &Grid) -> Vec<f32> {
     let (_, mut densities) = samples_every(decoder, 1);
     let [nx, ny, _] = grid.size();
-    let (offset, scale) = grid.density_from_sample();
-    parallel::for_each_chunk(&mut densities, nx * ny, |_, slice| {
-        for d in slice {
-            *d = ((f64::from(*d) - offset) * scale) as f32;
-        }
-    });
+    parallel::for_each_chunk(&mut densities, nx * ny, |_, slice| to_densities(slice, grid.density_from_sample()));
     densities
+}
+
+fn to_densities(samples: &mut [f32], (offset, scale): (f64, f64)) {
+    for s in samples {
+        *s = ((f64::from(*s) - offset) * scale) as f32;
+    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ import struct
 
 import numpy as np
 import pytest
+from vti_files import save_vti
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError, FileError, LimitError
@@ -40,12 +41,14 @@ def save(path, samples=NOISE):
 
         with h5py.File(path, "w") as file:
             file["raw"] = samples
+    elif name.endswith(".vti"):
+        save_vti(path, {"d": samples}, compressor="vtkZLibDataCompressor" if name.startswith("packed") else None)
     return path
 
 
 KINDS = [
     "a.nii", "a.nii.gz", "a.mha", "packed.mha", "a.nrrd", "packed.nrrd",
-    "a.tif", "packed.tif", "a.npy", "a.npz", "a.h5",
+    "a.tif", "packed.tif", "a.npy", "a.npz", "a.h5", "a.vti", "packed.vti",
 ]  # fmt: skip
 
 N_FILES = 60

@@ -38,6 +38,7 @@ SUFFIXES = {
     ".mha": "itk",
     ".mhd": "itk",
     ".vtk": "itk",
+    ".vti": "vti",
     ".dcm": "dicom",
     ".ima": "dicom",
     ".tiff": "tiff",
@@ -65,6 +66,7 @@ MAGIC = {
 OPTIONS = {
     "nifti": {"time", "channel"},
     "itk": {"time", "channel"},
+    "vti": {"channel", "dataset"},
     "dicom": {"series", "time", "channel"},
     "tiff": {"time", "channel"},
     "arrays": {"time", "channel", "dataset"},
@@ -72,7 +74,7 @@ OPTIONS = {
     "hdf5": {"time", "channel", "dataset"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
-KINDS = "NIfTI, NRRD, MetaImage, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
+KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
 
 
 def open(
@@ -94,15 +96,16 @@ def open(
     Parameters
     ----------
     path : path or URL
-        NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), a folder of DICOM files or one of
-        the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also under a URL).
+        NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
+        of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
+        under a URL).
     series : str, optional
         DICOM: the Series Instance UID, if the folder holds several series.
     time, channel : int, optional
         Which time point and which channel, from 0, if the file holds several.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
-        HDF5, .npz, Zarr: the name of the array, if there are several.
+        HDF5, .npz, .vti, Zarr: the name of the array, if there are several.
     level : int, optional
         OME-Zarr: the level of detail; 0, the default, is the finest.
     shape, dtype : optional

@@ -1,8 +1,8 @@
 """VTK's XML images (.vti): one array of points or cells, in one piece or several.
 
-No library but VTK itself reads them, which is some fifty times the size of this package.
-Format: "XML File Formats" in the VTK documentation, and VTK's own writer for how base64 is cut:
-https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+No library but VTK itself reads them, and it is large.
+Format: "XML File Formats", https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html, and for the bytes
+before the samples "VTK XML Formats", https://itk.org/Wiki/VTK_XML_Formats.
 The file says nothing of a patient: its axes are kept as they are.
 """
 

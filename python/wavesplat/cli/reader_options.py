@@ -35,7 +35,7 @@ class ReaderOptions:
     ] = None
     time: Annotated[int | None, typer.Option(metavar="N", help="Which time point, from 0.")] = None
     channel: Annotated[int | None, typer.Option(metavar="N", help="Which channel, from 0.")] = None
-    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, .npz, Zarr: which array.")] = None
+    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, .npz, .vti, Zarr: which array.")] = None
     level: Annotated[int | None, typer.Option(metavar="N", help="OME-Zarr: level of detail, 0 is the finest.")] = None
     shape: Annotated[
         Any, typer.Option(metavar="Z,Y,X", parser=parsers.whole_numbers, help="Raw: number of samples.")

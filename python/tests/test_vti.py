@@ -1,4 +1,4 @@
-"""VTK's XML images: every way to write one gives the same samples. (VTK's own writer was tried in 400 ways by hand.)"""
+"""VTK's XML images: every way to write one gives the same samples."""
 
 from __future__ import annotations
 
@@ -58,6 +58,24 @@ def test_cells_have_their_samples_in_their_middles(tmp_path):
 def test_pieces_are_put_together(tmp_path, of_cells):
     path = save_vti(tmp_path / "a.vti", {"d": SAMPLES}, n_pieces=3, of_cells=of_cells, first=(0, 4, -2))
     assert np.array_equal(ws.open(path).samples, SAMPLES)
+
+
+@pytest.mark.parametrize("of_cells", [False, True])
+def test_a_missing_piece_is_missed(tmp_path, of_cells):
+    path = save_vti(tmp_path / "a.vti", {"d": SAMPLES}, n_pieces=2, of_cells=of_cells)
+    content = path.read_bytes()
+    begin = content.rindex(b"<Piece")
+    path.write_bytes(content[:begin] + content[content.rindex(b"</Piece>") + len(b"</Piece>") :])
+    with pytest.raises(FileError, match="the pieces of 'd' do not fill the file's extent"):
+        ws.open(path)
+
+
+def test_a_piece_beyond_the_extent_is_refused(tmp_path):
+    path = save_vti(tmp_path / "a.vti", {"d": SAMPLES})
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b'<Piece Extent="0 8 0 6 0 5"', b'<Piece Extent="0 8 0 6 -3 2"'))
+    with pytest.raises(FileError, match="a piece beyond the extent"):
+        ws.open(path)
 
 
 def test_arrays_and_channels_are_chosen(tmp_path):

@@ -61,8 +61,11 @@ def _read(request: Request, stored: _Stored) -> Grid:
     channel = choose("channel", n_components, request.channel, path)
     size = _size(whole, of_cells)
     samples: NDArray[Any] | None = None
+    n_cells = 0
     for piece in image.iter("Piece"):
         extent = _extent(piece.get("Extent", ""))
+        if (extent[:, 0] < whole[:, 0]).any() or (extent[:, 1] > whole[:, 1]).any():
+            raise ValueError("a piece beyond the extent")
         for array in piece.findall("CellData/DataArray" if of_cells else "PointData/DataArray"):
             if array.get("Name", "") == name:
                 part = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))[..., channel]
@@ -71,26 +74,27 @@ def _read(request: Request, stored: _Stored) -> Grid:
                     samples = np.zeros(size[::-1], part.dtype)
                 first = extent[:, 0] - whole[:, 0]
                 samples[tuple(slice(i, i + n) for i, n in zip(first[::-1], part.shape, strict=True))] = part
-    if samples is None:
-        raise FileError(f"the file has no samples; write it again: {path}")
+                n_cells += _n_cells(extent)
+    # Pieces share points, but no cells.
+    if samples is None or n_cells != _n_cells(whole):
+        raise FileError(f"the pieces of {name!r} do not fill the file's extent; write them all into one file: {path}")
     return Grid(samples, _world_from_index(image, whole, of_cells))
 
 
 def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
     """Whether the samples are of cells, their name, and how many there are at each place."""
     piece = image.find("Piece")
-    sets = [(part, of_cells) for tag, of_cells in (("PointData", False), ("CellData", True))
-            for part in ([] if piece is None else piece.findall(tag))]  # fmt: skip
-    arrays = [(array, of_cells) for part, of_cells in sets for array in part.findall("DataArray")]
+    points, cells = ([], []) if piece is None else (piece.findall("PointData"), piece.findall("CellData"))
+    arrays = [(array, part in cells) for part in (*points, *cells) for array in part.findall("DataArray")]
     names = [array.get("Name", "") for array, _ in arrays]
-    named = [part.get("Scalars") for part, _ in sets if part.get("Scalars") in names]
+    named = [name for part in (*points, *cells) if (name := part.get("Scalars", "")) in names]
     if request.dataset is not None:
         if request.dataset not in names:
             listed = ", ".join(names) or "none"
             raise ArgumentError(f"no array {request.dataset!r}; the file holds {listed}: {request.path}")
         place = names.index(request.dataset)
     elif named or len(names) == 1:
-        place = names.index(named[0]) if named and named[0] is not None else 0
+        place = names.index(named[0]) if named else 0
     else:
         listed = ", ".join(names) or "none"
         raise FileError(
@@ -112,6 +116,12 @@ def _size(extent: NDArray[np.int64], of_cells: bool) -> tuple[int, int, int]:
     """Samples along x, y, z."""
     nx, ny, nz = (int(n) for n in extent[:, 1] - extent[:, 0] + (0 if of_cells else 1))
     return nx, ny, nz
+
+
+def _n_cells(extent: NDArray[np.int64]) -> int:
+    """A layer of points counts as one of cells."""
+    nx, ny, nz = (max(n, 1) for n in _size(extent, of_cells=True))
+    return nx * ny * nz
 
 
 def _world_from_index(image: ET.Element, whole: NDArray[np.int64], of_cells: bool) -> NDArray[np.float64]:
@@ -208,7 +218,7 @@ class _Stored:
 
 def _parsed(text: bytes) -> ET.Element:
     """Without a document type, there are no entities that could grow."""
-    if b"<!DOCTYPE" in text:
+    if b"<!DOCTYPE" in text or b"\0" in text:  # a zero byte: of UTF-16, in which it looks otherwise
         raise ValueError("a document type, which VTK does not write")
     return ET.fromstring(text)  # noqa: S314 - see above
 

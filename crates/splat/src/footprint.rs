@@ -14,8 +14,8 @@ use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::{GradientScheme, Kernel, MAX_GRADIENT_OFFSET};
 
 use crate::kernel::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
-use crate::slices::SliceTap;
 use crate::weights::{Taps, Weights};
+use crate::window::SliceTap;
 
 /// Taps of a difference footprint, at most.
 pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;

@@ -24,6 +24,7 @@ pub mod family;
 pub mod fields;
 pub mod first_hit;
 pub mod footprint;
+mod holes;
 pub mod interval;
 pub mod kernel;
 pub mod labels;
@@ -46,6 +47,7 @@ pub mod standard;
 mod tile;
 pub mod warp;
 pub mod weights;
+pub mod window;
 
 pub use render::{Monitor, Report, is_steep, render, render_base_planes, render_base_planes_at, render_labelled};
 pub use wavesplat_compute::parallel::with_threads;

@@ -19,7 +19,8 @@ use wavesplat_core::{Grid, Result, Samples, Volume};
 use crate::classify::{Classifier, one_minus_exp_neg};
 use crate::fields::Field;
 use crate::labels::{Labels, own_depth};
-use crate::slices::{Slices, Window};
+use crate::slices::Slices;
+use crate::window::Window;
 use wavesplat_core::Kernel;
 
 /// Cells of the coarse volume along its longest side, at most.

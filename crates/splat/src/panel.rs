@@ -10,7 +10,7 @@ use crate::blocks::Part;
 use crate::footprint::{Axis, Difference};
 use crate::kernel::{n_taps, reach};
 use crate::sheet::SheetGeometry;
-use crate::slices::{SliceTap, Window, sum_slices};
+use crate::window::{SliceTap, Window, sum_slices};
 
 /// Densities of a box of samples, slice by slice.
 pub struct Panel {
@@ -52,7 +52,7 @@ impl Panel {
     ) {
         let [axis_u, axis_v, axis_w] = &geometry.axes;
         let across = geometry.plane.family.axes[0] != 0;
-        if !geometry.is_own_grid() || (!across && !geometry.slices.is_loaded()) {
+        if !geometry.is_own_grid() || (!across && !geometry.slices.must_load()) {
             return;
         }
         if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {

@@ -17,8 +17,9 @@ use crate::fields::Field;
 use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group, MAX_DIFFERENCE_TAPS, Span, bits};
 use crate::noise::{NoisySheet, noisy_entries, sheet_number};
 use crate::panel::Panel;
-use crate::slices::{Slices, Window};
+use crate::slices::Slices;
 use crate::weights::Weights;
+use crate::window::Window;
 
 /// Strips of a tile.
 pub const N_STRIPS: usize = 4;

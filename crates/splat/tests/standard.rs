@@ -474,7 +474,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     let tf = opacity_ramp(&[(140.0, 0.0), (150.0, 0.1), (151.0, 1.0), (200.0, 0.6)], None);
     let prepared = Prepared::of_decoder(Arc::new(Boxes(phantom.clone())), volume.grid(), Kernel::Linear, 3 << 17);
     let decoded = Arc::new(prepared).slices(volume.grid()).unwrap();
-    assert!(decoded.is_loaded());
+    assert!(decoded.must_load());
     let slices = Slices::new(&volume, Kernel::Linear);
     for from in [DVec3::new(0.2, 0.3, 1.0), DVec3::new(-1.0, 0.5, 0.4), DVec3::new(-0.3, 1.0, 0.2)] {
         let camera = camera_towards(phantom.centre(), from, 40.0, ORTHOGRAPHIC);

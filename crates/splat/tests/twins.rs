@@ -399,7 +399,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
             let (want, report) = draw(&slices);
             assert!(want.rgba.iter().any(|pixel| pixel[3] > 0.9));
             for (decoded, in_blocks) in decoded.iter().zip([false, true]) {
-                assert_eq!(decoded.is_loaded(), in_blocks);
+                assert_eq!(decoded.must_load(), in_blocks);
                 let (got, other) = draw(decoded);
                 let difference = max_difference(&got.rgba, &want.rgba);
                 match kernel {
@@ -427,7 +427,7 @@ fn panels_hold_what_wide_differences_need() {
         let slices = Slices::new(&volume, kernel);
         let decoded = Arc::new(Prepared::of_decoder(decoder.clone(), volume.grid(), kernel, 1 << 17));
         let decoded = decoded.slices(volume.grid()).expect("it is of a decoder");
-        assert!(decoded.is_loaded());
+        assert!(decoded.must_load());
         for gradient_offset in [0.5, 1.7, 2.0, 2.5, 4.0] {
             for from in [DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.2, -1.0, 0.3)] {
                 let camera = camera_towards(phantom.centre(), from, 90.0, projection);

@@ -7,7 +7,8 @@ use wavesplat_compute::simd::{LANES, Level};
 
 use super::FamilyScene;
 use crate::blocks::Part;
-use crate::slices::{Slices, Window};
+use crate::slices::Slices;
+use crate::window::Window;
 
 /// Samples of one slice that a tile shows.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +122,7 @@ impl Densities {
             for slice in self.first..=last {
                 let taps = [(slice, 1.0)];
                 let out = &mut self.values[(slice - self.first) * plane..];
-                if slices.is_loaded() {
+                if slices.must_load() {
                     slices.combine_part(level, axes, &self.part, &taps, window, out, stride);
                 } else {
                     slices.combine(level, axes, &taps, window, out, stride);

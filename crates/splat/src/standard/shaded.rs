@@ -12,7 +12,7 @@ use super::samples::{Densities, Layer};
 use super::{Buffer, FamilyScene, Scene, SliceDistance};
 use crate::classify::one_minus_exp_neg;
 use crate::family::Family;
-use crate::slices::Window;
+use crate::window::Window;
 
 /// How samples are seen: from which side, and how far rays run through their slab.
 pub struct Sight {

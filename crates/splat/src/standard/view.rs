@@ -24,7 +24,7 @@ use super::shaded::Shaded;
 use super::{FamilyScene, Report, Scene, SliceDistance};
 use crate::family::{Family, IndexRays};
 use crate::render::{Monitor, Progress};
-use crate::slices::Window;
+use crate::window::Window;
 
 /// Texels of a tile along each side.
 const TILE: usize = 64;

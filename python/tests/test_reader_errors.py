@@ -240,6 +240,13 @@ def test_options_that_mean_nothing_are_refused(tmp_path, options):
         ws.open(path, **options)
 
 
+def test_what_itk_says_is_passed_on_without_its_source(tmp_path):
+    path = tmp_path / "a.nrrd"
+    path.write_bytes(b"NRRD0004\ntype: short\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n" + bytes(128))
+    line = fails(path, "cannot read as an image: type .short. and encoding .raw. require endian info; the file is")
+    assert "cxx" not in line
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_fuzzed(tmp_path, capfd, name):
     """Either a volume or a `WavesplatError` of one line; nothing else ever comes out."""

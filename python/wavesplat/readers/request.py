@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -18,7 +19,7 @@ from wavesplat.errors import ArgumentError, FileError, WavesplatError
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
-__all__ = ["Grid", "Request", "choose", "first_line", "index_unnamed_axes", "quiet", "reading"]
+__all__ = ["Grid", "Request", "choose", "index_unnamed_axes", "quiet", "reading", "telling_line"]
 
 
 class Grid(NamedTuple):
@@ -77,7 +78,7 @@ def reading(kind: str, path: object) -> Iterator[None]:
         raise
     except Exception as error:
         raise FileError(
-            f"cannot read as {kind}: {first_line(error)}; the file is truncated, damaged or not {kind}: {path}"
+            f"cannot read as {kind}: {telling_line(error)}; the file is truncated, damaged or not {kind}: {path}"
         ) from error
 
 
@@ -92,11 +93,20 @@ def quiet(library: str) -> Iterator[None]:
         logger.disabled = before
 
 
-def first_line(error: BaseException) -> str:
-    """The first line of an error's message that says something, or its type."""
-    lines = (line.strip() for line in str(error).splitlines())
-    return next((line.rstrip(".;") for line in lines if line), type(error).__name__)
+def telling_line(error: BaseException) -> str:
+    """The first line of an error's message that says something, or its type.
 
+    ITK begins with a line of its own source and goes from the general to the particular: of it, the last.
+    """
+    lines = [line.strip().rstrip(".;") for line in str(error).splitlines() if line.strip()]
+    if len(lines) > 1 and ITK_SOURCE in lines[0]:
+        return ITK_PLACE.sub("", lines[-1])
+    return lines[0] if lines else type(error).__name__
+
+
+#: A file of ITK's source, and what stands before its words: "itk::ERROR: Class(0x5555): ", "[nrrd] _function: ".
+ITK_SOURCE = ".cxx:"
+ITK_PLACE = re.compile(r"^(itk::ERROR: \w+\(\w+\): |\[\w+\] \w+: )")
 
 WHAT = {"time": "time points", "channel": "channels"}
 

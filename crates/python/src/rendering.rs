@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Picture, RenderOptions};
-use wavesplat_splat::estimate::settings_for_psnr;
+use wavesplat_splat::estimate::render_to_psnr;
 use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::{Monitor, reference, with_threads};
@@ -110,15 +110,6 @@ impl PyMonitor {
     }
 }
 
-/// Stops with a monitor, and tells nothing.
-struct Quiet<'a>(&'a PyMonitor);
-
-impl Monitor for Quiet<'_> {
-    fn progress(&self, _: f32) -> ControlFlow<()> {
-        if self.0.interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 impl Monitor for PyMonitor {
     fn progress(&self, fraction: f32) -> ControlFlow<()> {
         if self.interrupted.load(Ordering::Relaxed) {
@@ -175,7 +166,7 @@ pub fn render<'py>(
         depth_shading: depth_shading.map_or(none.depth_shading, <[f64; 2]>::from),
         attenuation: attenuation.map_or(none.attenuation, <[f64; 2]>::from),
     };
-    let mut options = RenderOptions {
+    let options = RenderOptions {
         width_px: width,
         height_px: height,
         kernel: Kernel::from_name(kernel).map_err(to_py)?,
@@ -199,20 +190,15 @@ pub fn render<'py>(
             let slices = with_threads(options.n_threads, slices);
             let (tf, camera) = (&curves, &camera.0);
             let labels = labels.map(|labels| &labels.0);
-            let mut expected = None;
-            if let Some(psnr_db) = psnr {
-                // The small pictures are a part of the work that is not told of.
-                let quiet = Quiet(&monitor);
-                let chosen = settings_for_psnr(&slices, labels, tf, camera, &options, psnr_db, &quiet)?;
-                options.sheets_per_slice = chosen.sheets_per_slice;
-                options.oversampling = chosen.oversampling;
-                expected = Some(chosen.psnr_db);
-            }
-            let drawn = wavesplat_splat::render_labelled(&slices, labels, tf, camera, &options, &monitor);
-            drawn.map(|drawn| (drawn, expected))
+            let Some(psnr_db) = psnr else {
+                let drawn = wavesplat_splat::render_labelled(&slices, labels, tf, camera, &options, &monitor);
+                return drawn.map(|(picture, report)| (picture, report, None));
+            };
+            let drawn = render_to_psnr(&slices, labels, tf, camera, &options, psnr_db, &monitor);
+            drawn.map(|(picture, report, settings)| (picture, report, Some(settings)))
         })
     })?;
-    let ((mut picture, report), expected_psnr_db) = result.map_err(to_py)?;
+    let (mut picture, report, chosen) = result.map_err(to_py)?;
     let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
     };
@@ -221,10 +207,12 @@ pub fn render<'py>(
     dict.set_item("value", plane(picture.value.take())?)?;
     dict.set_item("rgba", image(py, picture)?)?;
     let numbers = PyDict::new(py);
-    numbers.set_item("sheets_per_slice", options.sheets_per_slice)?;
-    numbers.set_item("oversampling", options.oversampling)?;
-    if let Some(expected) = expected_psnr_db {
-        numbers.set_item("expected_psnr_db", expected)?;
+    let own = (options.sheets_per_slice, options.oversampling);
+    let (sheets_per_slice, oversampling) = chosen.map_or(own, |c| (c.sheets_per_slice, c.oversampling));
+    numbers.set_item("sheets_per_slice", sheets_per_slice)?;
+    numbers.set_item("oversampling", oversampling)?;
+    if let Some(chosen) = chosen {
+        numbers.set_item("expected_psnr_db", chosen.psnr_db)?;
     }
     numbers.set_item("n_texels", report.n_texels)?;
     numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;

@@ -52,9 +52,27 @@ impl BasePicture {
 
     /// Rows of texels: associated RGBA; projections: density, length of the path, 0, coverage.
     pub fn texels(&self) -> Vec<[f32; 4]> {
-        let [n_u, n_v] = self.plane.size;
-        let rows = self.texels.chunks_exact(self.pitch()).skip(MARGIN).take(n_v);
-        rows.flat_map(|row| &row[MARGIN..MARGIN + n_u]).copied().collect()
+        (0..self.plane.size[1]).flat_map(|j| self.row(j)).copied().collect()
+    }
+
+    /// A row of texels, as in [`BasePicture::texels`].
+    pub fn row(&self, j: usize) -> &[[f32; 4]] {
+        &self.texels[(j + MARGIN) * self.pitch() + MARGIN..][..self.plane.size[0]]
+    }
+
+    /// Every `k`th texel along u and along v, from the `first`th on.
+    #[must_use]
+    pub fn every(&self, k: usize, first: usize) -> Self {
+        let mut coarser = Self::new(self.plane.every(k, first), false);
+        let [n_u, n_v] = coarser.plane.size;
+        for j in 0..n_v {
+            let row = self.row(first + k * j);
+            for i in (0..n_u).step_by(LANES) {
+                let chunk = std::array::from_fn(|lane| row.get(first + k * (i + lane)).copied().unwrap_or_default());
+                coarser.put(i, j, &chunk, None);
+            }
+        }
+        coarser
     }
 
     /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out, and so is

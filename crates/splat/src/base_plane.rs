@@ -142,6 +142,14 @@ impl BasePlane {
         })
     }
 
+    /// The same with every `k`th texel along u and along v, from the `first`th on.
+    #[must_use]
+    pub fn every(&self, k: usize, first: usize) -> Self {
+        let origin = self.origin + self.step * first as f64;
+        let size = self.size.map(|n| n.saturating_sub(first).div_ceil(k));
+        Self { origin, step: self.step * k as f64, size, ..self.clone() }
+    }
+
     /// The eye's w, where the rays begin; `None` for parallel rays.
     pub fn eye_w(&self) -> Option<f64> {
         match self.spread {
@@ -206,7 +214,7 @@ const LATTICE: f64 = 1.0 / (1_u64 << 34) as f64;
 const LEAST_STEP_ON_LATTICE: f64 = 1e-3;
 
 /// Most texels of a base plane: 16 bytes each, 4 GiB in all.
-const MAX_TEXELS: f64 = (1 << 28) as f64;
+pub(crate) const MAX_TEXELS: f64 = (1 << 28) as f64;
 
 /// The base planes that a picture needs, at `oversampling` texels per pixel along each axis. `shown`: corners of a box
 /// around what is drawn, in index coordinates; rays that miss it get no texels.

@@ -1,19 +1,24 @@
-//! Sheets per slice and oversampling that reach a wanted PSNR, by an estimate of the picture's error.
+//! A picture of a wanted PSNR.
 //!
-//! Two errors add up, and neither knows much of the other: that of the sheets, along the rays, and that of the base
-//! plane and the warp, across them. Both are measured on a few small parts of the picture, spread over what it shows,
-//! drawn with growing effort. Errors in between follow a power law. Of all settings that promise the PSNR the cheapest
-//! is taken: the number of texels is `sheets_per_slice · oversampling²`.
+//! A picture is drawn with what does for most, tells its own error (`probe.rs`), and is drawn once more where that is
+//! too large, with the cheapest settings of which experience promises enough from there.
 //!
 //! PSNR is that of the colours over black against the converged picture with many rays a pixel, peak 1.
 
-use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, TransferFunction};
+use std::ops::ControlFlow;
 
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, TransferFunction};
+
+use crate::base_plane::MAX_TEXELS;
 use crate::labels::Labels;
-use crate::render::{Monitor, Part, render_labelled, render_parts};
+use crate::probe::{self, Errors, OF_MEAN};
+use crate::render::{Monitor, Report, draw, finished, reads_per_axis, warped};
+use crate::scene::{Scene, is_steep, pixel_in_samples, with_scene};
 use crate::slices::Slices;
 
-/// Settings and what they should reach.
+/// Settings and what they reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Sheets per slice distance.
@@ -24,32 +29,34 @@ pub struct Estimate {
     pub psnr_db: f64,
 }
 
+/// The least oversampling with which a pixel is the mean of several reads; and the factor by which twice of that makes
+/// the error across the rays fall, since there are more of them.
+const ONE_READ: f64 = 1.5;
+const MORE_READS: f64 = 0.2;
+
 /// Settings that are chosen from.
-const SHEETS: [f64; 8] = [0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0];
-const OVERSAMPLINGS: [f64; 7] = [0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0];
+const SHEETS: [f64; 9] = [0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0];
+const OVERSAMPLINGS: [f64; 10] = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0, 4.0];
 
-/// Settings that are measured, each against the last of them: as many as it takes, two at least.
-/// Oversampling is measured with as few sheets as leave the picture what it is, and are drawn anyway: the second.
-const PROBED_SHEETS: [f64; 4] = [0.7, 1.5, 3.0, 6.0];
-const PROBED_OVERSAMPLINGS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
-const FEWEST_PROBES: usize = 2;
+/// Fewer pixels are a small picture.
+const SMALL_PX: usize = 128 * 128;
 
-/// How the mean square error falls with the effort as long as a single one was measured: 6 dB per doubling.
-const USUAL_SLOPE: f64 = -2.0;
+/// Pictures that are drawn at most.
+const MOST_PICTURES: i32 = 4;
 
-/// What is chosen is at most this share of the last that was measured, while there is more to measure: nearer to it,
-/// errors are told by what was measured far from it.
-const TRUSTED: f64 = 0.5;
+/// Factors of the sheets and of the oversampling from one picture to the next.
+const FARTHEST: [f64; 2] = [4.0, 2.5];
 
-/// Parts of the picture that are drawn, and their sides in pixels.
-const N_PARTS: usize = 5;
-const PART_PX: usize = 32;
+/// What promises less by no more than this may still do.
+const NEARLY_DB: f64 = 2.0;
 
-/// Sides of the overview that shows where there is something.
-const OVERVIEW_PX: usize = 64;
+/// What is chosen by an error that was measured is to be better than it must be by this much, so that it need not be
+/// drawn again.
+const SPARE_DB: f64 = 0.5;
 
-/// Chooses settings for a picture. The options' own settings are not used. PSNR between 20 and 80 dB.
-pub fn settings_for_psnr(
+/// Draws a volume with the cheapest settings known to reach a PSNR, between 20 and 80 dB. The options' own settings are
+/// not used.
+pub fn render_to_psnr(
     slices: &Slices,
     labels: Option<&Labels>,
     tf: &TransferFunction,
@@ -57,168 +64,162 @@ pub fn settings_for_psnr(
     options: &RenderOptions,
     psnr_db: f64,
     monitor: &dyn Monitor,
-) -> Result<Estimate> {
+) -> Result<(Picture, Report, Estimate)> {
     if !(20.0..=80.0).contains(&psnr_db) {
         let mend = "pass 40 for a good picture, 50 for one that cannot be told from the converged one";
         return Err(Error::out_of_range("psnr", psnr_db, "between 20 and 80 dB", mend));
     }
-    let full = [options.width_px, options.height_px];
-    let with = |size: [usize; 2], sheets_per_slice: f64, oversampling: f64| RenderOptions {
-        width_px: size[0],
-        height_px: size[1],
-        sheets_per_slice,
-        oversampling,
-        background: None,
-        with_depth: false,
-        ..options.clone()
-    };
-    let overview = with(full.map(|n| n.min(OVERVIEW_PX)), 0.5, 1.0);
-    let (overview, _) = render_labelled(slices, labels, tf, camera, &overview, monitor)?;
-    let (parts, n_covered) = parts(&overview, full);
-    // Each part stands for as much of what is covered.
-    let n_numbers = parts.iter().map(|part| 3 * part.size_px[0] * part.size_px[1]).sum::<usize>().max(1) as f64;
-    let scale = n_covered as f64 / overview.rgba.len() as f64 / n_numbers;
-    let draw = |sheets: f64, oversampling: f64| -> Result<Vec<Picture>> {
-        let options = with(full, sheets, oversampling);
-        Ok(render_parts(slices, labels, tf, camera, &options, &parts, monitor)?.0)
-    };
-    let mut along = Probes::new(&PROBED_SHEETS, scale);
-    let mut across = Probes::new(&PROBED_OVERSAMPLINGS, scale);
-    loop {
-        along.draw(|sheets| draw(sheets, 1.0))?;
-        across.draw(|oversampling| match oversampling {
-            // These parts are there already.
-            1.0 => Ok(along.pictures[1].clone()),
-            _ => draw(PROBED_SHEETS[1], oversampling),
-        })?;
-        let chosen = cheapest(&along.decay(), &across.decay(), psnr_db);
-        let is_too_far = [along.wants_more(chosen.sheets_per_slice), across.wants_more(chosen.oversampling)];
-        if is_too_far == [false; 2] {
-            return Ok(chosen);
+    parallel::with_threads(options.n_threads, || {
+        let mut experience = Experience::usual(slices, tf, camera, options);
+        let mut settings = experience.cheapest(psnr_db, [0.0, least_oversampling(options)], [f64::MAX; 2]);
+        let mut n_drawn = 0;
+        loop {
+            let Estimate { sheets_per_slice, oversampling, .. } = settings;
+            let options = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
+            // As if one more picture followed each, and no other.
+            let left = 0.5_f32.powi(n_drawn);
+            let drawing = Share { of: monitor, from: 1.0 - left, to: 1.0 - 0.6 * left };
+            let probing = Share { of: monitor, from: 1.0 - 0.6 * left, to: 1.0 - 0.5 * left };
+            let draw = |scene: &Scene| {
+                let (base_pictures, report) = draw(scene, &drawing)?;
+                let picture = warped(scene, &base_pictures, options.with_depth);
+                let errors = probe::errors(scene, &base_pictures, &picture, &probing)?;
+                Ok((picture, report, errors))
+            };
+            let (picture, report, errors) = with_scene(Level::best(), (slices, labels), tf, camera, &options, draw)?;
+            n_drawn += 1;
+            settings.psnr_db = psnr_of(errors.map_or(0.0, Errors::sum));
+            let next = if n_drawn == MOST_PICTURES || settings.psnr_db >= psnr_db {
+                settings
+            } else {
+                experience = experience.after(errors.unwrap_or_default(), settings);
+                let least = [sheets_per_slice, oversampling];
+                let near = experience.cheapest(psnr_db, least, [FARTHEST[0] * least[0], FARTHEST[1] * least[1]]);
+                // Experience leads so far, and no further while it may do and there is time to look again.
+                let may_do = near.psnr_db + NEARLY_DB >= psnr_db && n_drawn + 1 < MOST_PICTURES;
+                if may_do { near } else { experience.cheapest(psnr_db, least, [f64::MAX; 2]) }
+            };
+            if next.has_settings_of(&settings) {
+                if errors.is_none() {
+                    // Nothing would be seen with the least of them, either.
+                    [settings.sheets_per_slice, settings.oversampling] = [SHEETS[0], OVERSAMPLINGS[0]];
+                }
+                return match monitor.progress(1.0) {
+                    ControlFlow::Continue(()) => Ok((finished(camera, &options, picture), report, settings)),
+                    ControlFlow::Break(()) => Err(Error::Cancelled),
+                };
+            }
+            settings = next;
         }
+    })
+}
+
+/// Small pictures cost little, and few texels tell little of their error.
+fn least_oversampling(options: &RenderOptions) -> f64 {
+    if options.width_px * options.height_px < SMALL_PX { 1.0 } else { OVERSAMPLINGS[0] }
+}
+
+fn psnr_of(mean_square: f64) -> f64 {
+    -10.0 * mean_square.max(1e-12).log10()
+}
+
+impl Estimate {
+    fn has_settings_of(&self, other: &Self) -> bool {
+        self.sheets_per_slice == other.sheets_per_slice && self.oversampling == other.oversampling
     }
 }
 
-/// The cheapest settings that promise a PSNR, by how errors decay along rays and across them; those that promise most,
-/// if none does.
-fn cheapest(along: &Decay, across: &Decay, psnr_db: f64) -> Estimate {
-    let mut best: Option<Estimate> = None;
-    for sheets_per_slice in SHEETS {
-        for oversampling in OVERSAMPLINGS {
-            let error = along.at(sheets_per_slice) + across.at(oversampling);
-            let new = Estimate { sheets_per_slice, oversampling, psnr_db: -10.0 * error.max(1e-12).log10() };
-            let is_better = |old: &Estimate| {
-                let cost = |e: &Estimate| e.sheets_per_slice * e.oversampling * e.oversampling;
-                let reached = [old, &new].map(|e| e.psnr_db >= psnr_db);
-                match reached {
-                    [true, true] => cost(&new) < cost(old),
-                    [false, false] => new.psnr_db > old.psnr_db,
-                    [_, new_does] => new_does,
-                }
-            };
-            if best.as_ref().is_none_or(is_better) {
-                best = Some(new);
+/// What is known of errors and costs.
+#[derive(Clone, Copy, Debug)]
+struct Experience {
+    /// Errors with some settings.
+    errors: Errors,
+    at: Estimate,
+    /// The factor by which twice the sheets make the error along the rays fall.
+    along_decay: f64,
+    is_smooth: bool,
+    composite: Composite,
+    /// Distance of pixels.
+    pixel_in_samples: f64,
+    /// More would make base planes too large.
+    most_oversampling: f64,
+}
+
+impl Experience {
+    /// Of pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
+    fn usual(slices: &Slices, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Self {
+        let composite = options.composite;
+        let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep(slices.grid(), tf);
+        let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
+        let [along_decay, across_decay] = if is_smooth { [0.12, 0.25] } else { [0.2, 0.33] };
+        let errors = Errors { along: mean_square_of(along_db), across: mean_square_of(across_db), across_decay };
+        // The closer pixels are to each other, the less is left out between them.
+        let pixel_in_samples = pixel_in_samples(slices.grid(), camera, options);
+        let oversampling = 0.7 * (pixel_in_samples / 0.62).powf(0.25);
+        let at = Estimate { sheets_per_slice: 2.0, oversampling, psnr_db: psnr_of(errors.sum()) };
+        // Base planes that lie aslant to the picture have more texels than it has pixels.
+        let most_oversampling = (MAX_TEXELS / (3.0 * options.width_px as f64 * options.height_px as f64)).sqrt();
+        Self { errors, at, along_decay, is_smooth, composite, pixel_in_samples, most_oversampling }
+    }
+
+    /// With the errors of a picture that was drawn.
+    fn after(&self, errors: Errors, at: Estimate) -> Self {
+        Self { errors, at, along_decay: if self.is_smooth { 0.16 } else { 0.2 }, ..*self }
+    }
+
+    /// The error with other settings: falls evenly with the logarithm of the effort.
+    fn error(&self, new: &Estimate) -> f64 {
+        let along = self.along_decay.powf((new.sheets_per_slice / self.at.sheets_per_slice).log2());
+        let across = |estimate: &Estimate| {
+            let oversampling = estimate.oversampling;
+            let with_one_read = |oversampling: f64| self.errors.across_decay.powf(oversampling.log2());
+            let is_mean = reads_per_axis(self.composite, oversampling) > 1;
+            let more_reads = || OF_MEAN * MORE_READS.powf((oversampling / ONE_READ).log2());
+            if is_mean { with_one_read(ONE_READ) * more_reads() } else { with_one_read(oversampling) }
+        };
+        self.errors.along * along + self.errors.across * across(new) / across(&self.at)
+    }
+
+    /// How long a picture takes, in no unit. Much of a sheet's work is for samples, not for texels; of a hard surface
+    /// much is done whatever the number of sheets.
+    fn cost(&self, settings: &Estimate) -> f64 {
+        let texels_per_sample = settings.oversampling / self.pixel_in_samples;
+        let (per_picture, per_sample) = if self.is_smooth { (0.0, 1.1) } else { (1.5, 2.2) };
+        (per_picture + settings.sheets_per_slice) * (per_sample + texels_per_sample.powi(2))
+    }
+
+    /// The cheapest settings that promise a PSNR; those that promise nearly the most, if none does.
+    fn cheapest(&self, psnr_db: f64, least: [f64; 2], most: [f64; 2]) -> Estimate {
+        let most = [most[0], most[1].min(self.most_oversampling.max(least[1]).max(OVERSAMPLINGS[0]))];
+        let within = |k: usize| move |n: &f64| (least[k]..=most[k]).contains(n);
+        let mut all = Vec::new();
+        for sheets_per_slice in SHEETS.into_iter().filter(within(0)) {
+            for oversampling in OVERSAMPLINGS.into_iter().filter(within(1)) {
+                let mut new = Estimate { sheets_per_slice, oversampling, psnr_db: 0.0 };
+                new.psnr_db = psnr_of(self.error(&new));
+                all.push(new);
             }
         }
-    }
-    best.expect("there are settings")
-}
-
-/// Parts of the picture at growing effort along one axis of the settings.
-struct Probes<'a> {
-    efforts: &'a [f64],
-    /// How many of them are wanted.
-    n: usize,
-    /// Pictures of the parts at each effort so far.
-    pictures: Vec<Vec<Picture>>,
-    /// Mean square error per sum of squares.
-    scale: f64,
-}
-
-impl<'a> Probes<'a> {
-    fn new(efforts: &'a [f64], scale: f64) -> Self {
-        Self { efforts, n: FEWEST_PROBES, pictures: Vec::new(), scale }
-    }
-
-    /// Draws what is wanted and not there yet.
-    fn draw(&mut self, draw: impl Fn(f64) -> Result<Vec<Picture>>) -> Result<()> {
-        while self.pictures.len() < self.n {
-            self.pictures.push(draw(self.efforts[self.pictures.len()])?);
-        }
-        Ok(())
-    }
-
-    /// Whether a choice goes too far beyond what has been measured; then one more is wanted.
-    fn wants_more(&mut self, chosen: f64) -> bool {
-        let wants_more = self.n < self.efforts.len() && chosen > TRUSTED * self.efforts[self.n - 1];
-        self.n += usize::from(wants_more);
-        wants_more
-    }
-
-    fn decay(&self) -> Decay {
-        let (last, others) = self.pictures.split_last().expect("there are two at least");
-        let error = |pictures: &Vec<Picture>| {
-            let of_parts = pictures.iter().zip(last).map(|(picture, last)| sum_of_squares(picture, last));
-            self.scale * likely_most(&of_parts.collect::<Vec<_>>())
-        };
-        Decay::new(&self.efforts[..self.n], others.iter().map(error))
+        let best_db = all.iter().map(|estimate| estimate.psnr_db).fold(f64::NEG_INFINITY, f64::max);
+        let wanted_db = (psnr_db + SPARE_DB).min(best_db - SPARE_DB);
+        let enough = all.into_iter().filter(|estimate| estimate.psnr_db >= wanted_db);
+        enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).expect("there are settings")
     }
 }
 
-/// Parts of a picture of a size, centred where an overview of it shows something, evenly in reading order; and how
-/// many pixels of the overview do.
-fn parts(overview: &Picture, full: [usize; 2]) -> (Vec<Part>, usize) {
-    let covered: Vec<usize> = (0..overview.rgba.len()).filter(|i| overview.rgba[*i][3] > 1e-3).collect();
-    let small = [overview.width_px, overview.height_px];
-    let size = full.map(|n| n.min(PART_PX));
-    let part = |k: usize| {
-        let i = covered[(2 * k + 1) * covered.len() / (2 * N_PARTS)];
-        let at = [i % small[0], i / small[0]];
-        let first = |a: usize| ((2 * at[a] + 1) * full[a] / (2 * small[a])).saturating_sub(size[a] / 2);
-        Part { first_px: [0, 1].map(|a| first(a).min(full[a] - size[a])), size_px: size }
-    };
-    let n_parts = if covered.is_empty() { 0 } else { N_PARTS };
-    ((0..n_parts).map(part).collect(), covered.len())
+fn mean_square_of(psnr_db: f64) -> f64 {
+    10.0_f64.powf(-0.1 * psnr_db)
 }
 
-/// Mean square error over effort.
-struct Decay {
-    /// Logarithms of effort and error.
-    points: Vec<[f64; 2]>,
+/// A part of the work that a monitor is told of.
+struct Share<'a> {
+    of: &'a dyn Monitor,
+    from: f32,
+    to: f32,
 }
 
-impl Decay {
-    /// `errors`: of all efforts but the last, against the last, which has next to none.
-    fn new(efforts: &[f64], errors: impl Iterator<Item = f64>) -> Self {
-        Self { points: efforts.iter().zip(errors).map(|(x, y)| [x.ln(), y.max(1e-12).ln()]).collect() }
+impl Monitor for Share<'_> {
+    fn progress(&self, fraction: f32) -> ControlFlow<()> {
+        self.of.progress(self.from + (self.to - self.from) * fraction)
     }
-
-    /// The error at an effort, on the line through the nearest two points.
-    fn at(&self, effort: f64) -> f64 {
-        let x = effort.ln();
-        let after = self.points.iter().position(|p| p[0] >= x).unwrap_or(self.points.len() - 1).max(1);
-        let [x1, y1] = self.points[after.min(self.points.len() - 1)];
-        let slope = match self.points.get(after) {
-            // Errors do not grow with the effort.
-            Some(_) => ((y1 - self.points[after - 1][1]) / (x1 - self.points[after - 1][0])).min(0.0),
-            None => USUAL_SLOPE,
-        };
-        (y1 + slope * (x - x1)).exp()
-    }
-}
-
-/// The sum of numbers drawn from many, and its standard error: few parts may happen to be good ones.
-fn likely_most(numbers: &[f64]) -> f64 {
-    let n = numbers.len() as f64;
-    let mean = numbers.iter().sum::<f64>() / n;
-    let variance = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    if numbers.len() < 2 { numbers.iter().sum() } else { n * mean + (n * variance).sqrt() }
-}
-
-/// Square differences of the colours over black.
-fn sum_of_squares(a: &Picture, b: &Picture) -> f64 {
-    let square = |(a, b): (&[f32; 4], &[f32; 4])| {
-        (0..3).map(|c| f64::from(a[c].clamp(0.0, 1.0) - b[c].clamp(0.0, 1.0)).powi(2)).sum::<f64>()
-    };
-    a.rgba.iter().zip(&b.rgba).map(square).sum()
 }

@@ -34,6 +34,15 @@ impl IndexRays {
         Self { origin: [self.origin(x_px, y_px), ox, oy], direction: [self.direction(x_px, y_px), dx, dy] }
     }
 
+    /// How far apart the rays of neighbouring pixels are, in samples, where that of a pixel position is nearest to a point.
+    pub fn distance_at(&self, point: DVec3, [x_px, y_px]: [f64; 2]) -> f64 {
+        let (origin, direction) = (self.origin(x_px, y_px), self.direction(x_px, y_px));
+        let t = (point - origin).dot(direction) / direction.length_squared();
+        let at = |x: f64, y: f64| self.origin(x, y) + self.direction(x, y) * t;
+        let [dx, dy] = [at(x_px + 1.0, y_px), at(x_px, y_px + 1.0)].map(|next| (next - at(x_px, y_px)).length());
+        (dx * dy).sqrt()
+    }
+
     /// Index-space origin of the ray through a pixel position.
     pub fn origin(&self, x_px: f64, y_px: f64) -> DVec3 {
         self.origin[0] + self.origin[1] * x_px + self.origin[2] * y_px

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use wavesplat_compute::simd::{Kernel, LANES, Simd};
 
+use crate::base_plane::BasePlane;
 use crate::bricks::Occupied;
 use crate::composite::{Compositor, Slab};
 use crate::fields::{FieldPanels, FieldSheets};
@@ -63,6 +64,24 @@ pub struct TileJob<'a> {
     pub fields: Vec<SheetGeometry<'a>>,
 }
 
+/// Blocks of a tile that are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// The tile's number along u and along v.
+    pub tile: [usize; 2],
+    pub blocks: BlockMask,
+}
+
+impl Piece {
+    /// All tiles of a base plane.
+    pub fn all(plane: &BasePlane) -> Vec<Self> {
+        let [n_u, n_v] = plane.size;
+        let (n_tiles_u, n_tiles_v) = (n_u.div_ceil(TILE_U), n_v.div_ceil(TILE_V));
+        let piece = |k: usize| Self { tile: [k % n_tiles_u, k / n_tiles_u], blocks: BlockMask::MAX };
+        (0..n_tiles_u * n_tiles_v).map(piece).collect()
+    }
+}
+
 /// Numbers for the report.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
@@ -81,16 +100,10 @@ struct ActiveSlab {
 }
 
 impl TileJob<'_> {
-    /// Tiles along u and v.
-    pub fn n_tiles(&self) -> [usize; 2] {
-        let [n_u, n_v] = self.geometry.plane.size;
-        [n_u.div_ceil(TILE_U), n_v.div_ceil(TILE_V)]
-    }
-
     /// Runs one tile; `None` where nothing is seen.
-    pub fn run<C: Compositor>(&self, tile: [usize; 2], compositor: impl FnOnce() -> C, work: &mut Work) -> Option<C> {
-        let first = [tile[0] * TILE_U, tile[1] * TILE_V];
-        let needed = self.needed_blocks(first);
+    pub fn run<C: Compositor>(&self, piece: &Piece, compositor: impl FnOnce() -> C, work: &mut Work) -> Option<C> {
+        let first = [piece.tile[0] * TILE_U, piece.tile[1] * TILE_V];
+        let needed = self.needed_blocks(first) & piece.blocks;
         let layers = if needed == 0 { Vec::new() } else { self.active_layers(first) };
         if !layers.contains(&true) {
             work.n_skipped += self.spacing.n_slabs as u64;

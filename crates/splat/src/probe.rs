@@ -1,0 +1,268 @@
+//! What a picture tells of its own error.
+//!
+//! Two errors add up, and neither knows much of the other: that of the sheets, along the rays, and that of the base
+//! plane and the warp, across them. Each is told from the change that another effort makes: some tiles are drawn once
+//! more with half or twice the sheets, mostly where there is contrast, and some rows of pixels once more from every second and every fourth texel.
+//!
+//! Errors are mean square errors of the colours over black, peak 1, of the whole picture. How large they are by those
+//! changes is experience with soft and hard functions on a casting, a CT and an MRI; `tests/estimate.rs` and
+//! `python/tests/test_quality.py` hold it to pictures that it does not come from, too.
+
+use wavesplat_compute::simd::LANES;
+use wavesplat_core::{Picture, Result};
+
+use crate::base_picture::BasePicture;
+use crate::render::{Monitor, Progress, color_projection, reads_per_axis, warped_rows};
+use crate::scene::Scene;
+use crate::sheet::{BLOCK_V, Block, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V};
+use crate::tile::Piece;
+
+/// What a picture tells of its own error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Along the rays.
+    pub along: f64,
+    /// Across the rays.
+    pub across: f64,
+    /// The factor by which the latter falls with half the distance of texels.
+    pub across_decay: f64,
+}
+
+impl Errors {
+    /// The error of the picture.
+    pub fn sum(self) -> f64 {
+        self.along + self.across
+    }
+}
+
+/// Of so many pieces that show something one is drawn once more; and of few so many, where colours along a ray change
+/// smoothly and where they do not.
+const EVERY_PIECE: usize = 32;
+const LEAST_PIECES: [usize; 2] = [24, 40];
+
+/// A piece that has no contrast counts as much as others with this share of the mean.
+const FLAT: f64 = 0.1;
+
+/// Blocks of a strip that are a piece.
+const N_BLOCKS: usize = 2;
+
+/// The error of a picture with plain sheets is this share of what half the sheets change: errors fall by 8 dB with twice
+/// the sheets, and both pictures have their own.
+const OF_HALF: f64 = 0.15;
+
+/// The error of a picture by what twice the sheets change: not all of it, since these have errors too.
+const OF_TWICE: f64 = 1.25;
+
+/// Fewer slabs cannot be halved.
+const LEAST_SLABS_TO_HALVE: usize = 16;
+
+/// Rows of pixels that are compared together, how many such bands are at least, and of how many one is at most.
+const BAND_PX: usize = 16;
+const LEAST_BANDS: usize = 8;
+const EVERY_BAND: usize = 4;
+
+/// The factor by which half the distance of texels makes the error fall: not less than this, and not more with one read
+/// per pixel, with several, and of projections, which end abruptly where the volume does.
+const LEAST_DECAY: f64 = 0.63;
+const MOST_DECAY: [f64; 3] = [0.25, 0.16, 0.5];
+
+/// The share of the error along the rays that what is left out across them changes, too.
+const COMMON: f64 = 0.3;
+
+/// The share of the error across rays that is left where a pixel is the mean of several reads.
+pub const OF_MEAN: f64 = 0.55;
+
+/// Measures the errors of a picture and the base planes that it is made of; `None` where nothing is seen.
+pub fn errors(
+    scene: &Scene,
+    base_pictures: &[BasePicture],
+    picture: &Picture,
+    monitor: &dyn Monitor,
+) -> Result<Option<Errors>> {
+    let n_seen = picture.rgba.iter().filter(|rgba| rgba[3] > 0.0).count();
+    if n_seen == 0 {
+        return Ok(None);
+    }
+    let share_seen = n_seen as f64 / picture.rgba.len() as f64;
+    let along = share_seen * along(scene, base_pictures, monitor)?;
+    let [fewer, fewest] = across(scene, base_pictures, picture).map(|error| share_seen * error);
+    let oversampling = scene.options.oversampling;
+    let [reads, fewer_reads] = [1.0, 0.5].map(|share| reads_per_axis(scene.options.composite, share * oversampling));
+    let is_projection = scene.options.composite.is_projection();
+    let most_decay = MOST_DECAY[if is_projection { 2 } else { usize::from(fewer_reads > 1) }];
+    let decay = if fewest > 0.0 { (fewer / fewest).clamp(most_decay, LEAST_DECAY) } else { LEAST_DECAY };
+    let of_mean = if reads > 1 && fewer_reads == 1 { OF_MEAN } else { 1.0 };
+    let across = fewer * decay * of_mean;
+    // Noise of the sheets is in both; the mean of several reads has less of it.
+    let (along, across) =
+        if reads > 1 { (OF_MEAN * along, across) } else { (along, across - (COMMON * along).min(0.5 * across)) };
+    Ok(Some(Errors { along, across, across_decay: decay }))
+}
+
+/// Squares of differences of what is seen.
+#[derive(Clone, Copy, Default)]
+struct Difference {
+    sum_of_squares: f64,
+    n_seen: usize,
+}
+
+impl Difference {
+    fn between(a: &[[f32; 4]], b: &[[f32; 4]]) -> Self {
+        let mut all = Self::default();
+        for (a, b) in a.iter().zip(b) {
+            let square = |c: usize| f64::from(a[c].clamp(0.0, 1.0) - b[c].clamp(0.0, 1.0)).powi(2);
+            all.sum_of_squares += (0..3).map(square).sum::<f64>() / 3.0;
+            all.n_seen += usize::from(a[3] > 0.0 || b[3] > 0.0);
+        }
+        all
+    }
+
+    fn merge(self, other: Self) -> Self {
+        Self { sum_of_squares: self.sum_of_squares + other.sum_of_squares, n_seen: self.n_seen + other.n_seen }
+    }
+
+    /// Per what is seen.
+    fn mean(self) -> f64 {
+        self.sum_of_squares / self.n_seen.max(1) as f64
+    }
+}
+
+/// The error along the rays, per texel that is seen.
+fn along(scene: &Scene, base_pictures: &[BasePicture], monitor: &dyn Monitor) -> Result<f64> {
+    let sheets_per_slice = scene.options.sheets_per_slice;
+    let n_slabs = |picture: &BasePicture| scene.spacing(&picture.plane, sheets_per_slice).n_slabs;
+    let can_halve = base_pictures.iter().all(|picture| n_slabs(picture) >= LEAST_SLABS_TO_HALVE);
+    let (times, share) =
+        if can_halve && sheets_per_slice >= 1.0 && scene.is_smooth() { (0.5, OF_HALF) } else { (2.0, OF_TWICE) };
+    let mut all: Vec<Place> = base_pictures
+        .iter()
+        .enumerate()
+        .flat_map(|(k, picture)| {
+            Piece::all(&picture.plane).into_iter().flat_map(pieces_of).map(move |piece| (k, piece))
+        })
+        .map(|(plane, piece)| Place::new(plane, piece, &base_pictures[plane]))
+        .filter(|place| place.n_seen > 0)
+        .collect();
+    if all.is_empty() {
+        return Ok(0.0);
+    }
+    let floor = FLAT * all.iter().map(|place| place.contrast).sum::<f64>() / all.len() as f64 + f64::MIN_POSITIVE;
+    for place in &mut all {
+        place.contrast += floor;
+    }
+    let n_seen: usize = all.iter().map(|place| place.n_seen).sum();
+    let least = LEAST_PIECES[usize::from(!scene.is_smooth())];
+    let n = (all.len() / EVERY_PIECE).max(least).min(all.len());
+    let (chosen, of_all) = choose(&all, n);
+    let progress = Progress::new(monitor, n);
+    let mut sums = Vec::new();
+    for (k, picture) in base_pictures.iter().enumerate() {
+        let of_plane: Vec<&Place> = chosen.iter().filter(|place| place.plane == k).copied().collect();
+        if of_plane.is_empty() {
+            continue;
+        }
+        let mut pieces: Vec<Piece> = of_plane.iter().map(|place| place.piece).collect();
+        pieces.dedup();
+        let (other, ..) = scene.draw_plane(&picture.plane, times * sheets_per_slice, &pieces, &progress)?;
+        sums.extend(of_plane.iter().map(|place| {
+            let [own, other] = [picture, &other].map(|picture| colors_of(scene, picture, &place.piece));
+            Difference::between(&own, &other).sum_of_squares * (of_all / place.contrast)
+        }));
+    }
+    Ok(share * likely_most(&sums) / n_seen as f64)
+}
+
+/// A piece that shows something.
+struct Place {
+    plane: usize,
+    piece: Piece,
+    n_seen: usize,
+    /// How much colours change from texel to texel in it.
+    contrast: f64,
+}
+
+impl Place {
+    fn new(plane: usize, piece: Piece, picture: &BasePicture) -> Self {
+        let n_seen = rows_of(picture, &piece).flatten().filter(|rgba| rgba[3] > 0.0).count();
+        let mut contrast = 0.0_f32;
+        let change = |a: &[f32; 4], b: &[f32; 4]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f32>();
+        for row in rows_of(picture, &piece) {
+            contrast += row.windows(2).map(|pair| change(&pair[0], &pair[1])).sum::<f32>();
+        }
+        Self { plane, piece, n_seen, contrast: f64::from(contrast) }
+    }
+}
+
+/// Chooses pieces, those of much contrast more often than others.
+fn choose(all: &[Place], n: usize) -> (Vec<&Place>, f64) {
+    let sum: f64 = all.iter().map(|place| place.contrast).sum();
+    let mut chosen = Vec::new();
+    let mut before = 0.0;
+    for place in all {
+        before += place.contrast;
+        while chosen.len() < n && (chosen.len() as f64 + 0.5) * sum <= before * n as f64 {
+            chosen.push(place);
+        }
+    }
+    (chosen, sum)
+}
+
+/// The pieces of a tile.
+fn pieces_of(tile: Piece) -> impl Iterator<Item = Piece> {
+    (0..N_STRIPS).flat_map(move |strip| {
+        (0..N_BLOCKS_V).step_by(N_BLOCKS).map(move |first| {
+            let mask = |block: usize| Block { strip, row: block * BLOCK_V }.mask();
+            Piece { blocks: (first..first + N_BLOCKS).map(mask).sum(), ..tile }
+        })
+    })
+}
+
+/// The texels of a piece.
+fn rows_of<'a>(picture: &'a BasePicture, piece: &Piece) -> impl Iterator<Item = &'a [[f32; 4]]> {
+    let [n_u, n_v] = picture.plane.size;
+    let first = Block::new(piece.blocks.trailing_zeros() as usize);
+    let (i, j) = (piece.tile[0] * TILE_U + first.strip * LANES, piece.tile[1] * TILE_V + first.row);
+    let columns = i.min(n_u)..(i + LANES).min(n_u);
+    (j..(j + N_BLOCKS * BLOCK_V).min(n_v)).map(move |j| &picture.row(j)[columns.clone()])
+}
+
+/// What they look like.
+fn colors_of(scene: &Scene, picture: &BasePicture, piece: &Piece) -> Vec<[f32; 4]> {
+    let mut texels: Vec<_> = rows_of(picture, piece).flatten().copied().collect();
+    let composite = scene.options.composite;
+    if composite.is_projection() {
+        color_projection(&mut texels, scene.grid, scene.tf, composite);
+    }
+    texels
+}
+
+/// The mean of numbers and its standard error: few may happen to be good ones.
+fn likely_most(numbers: &[f64]) -> f64 {
+    let n = numbers.len() as f64;
+    let mean = numbers.iter().sum::<f64>() / n;
+    if numbers.len() < 2 {
+        return mean;
+    }
+    let variance = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean + (variance / n).sqrt()
+}
+
+/// What half the texels along each axis change, and a quarter of them, per pixel that is seen.
+fn across(scene: &Scene, base_pictures: &[BasePicture], picture: &Picture) -> [f64; 2] {
+    let n_bands = picture.height_px.div_ceil(BAND_PX);
+    let every = (n_bands / LEAST_BANDS).clamp(1, EVERY_BAND);
+    [2, 4].map(|k| {
+        let mut all = Difference::default();
+        // Few texels may happen to lie well.
+        for first in (0..k).step_by(if n_bands < LEAST_BANDS { 1 } else { k }) {
+            let coarser: Vec<BasePicture> = base_pictures.iter().map(|picture| picture.every(k, first)).collect();
+            for band in (every / 2..n_bands).step_by(every) {
+                let rows = band * BAND_PX..((band + 1) * BAND_PX).min(picture.height_px);
+                let own = &picture.rgba[rows.start * picture.width_px..rows.end * picture.width_px];
+                let other = warped_rows(scene, &coarser, rows, scene.options.oversampling / k as f64, false);
+                all = all.merge(Difference::between(own, &other.rgba));
+            }
+        }
+        all.mean()
+    })
+}

@@ -1,0 +1,135 @@
+//! Pictures of a wanted PSNR, against the same with the finest settings.
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+use glam::DVec3;
+use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
+use wavesplat_splat::estimate::render_to_psnr;
+use wavesplat_splat::slices::Slices;
+use wavesplat_splat::{Monitor, render};
+use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
+
+const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 22.0 };
+const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
+
+fn options(composite: Composite) -> RenderOptions {
+    RenderOptions { width_px: 160, height_px: 130, composite, ..RenderOptions::default() }
+}
+
+fn camera(phantom: &Phantom, projection: Projection) -> Camera {
+    camera_towards(phantom.centre(), DVec3::new(0.7, 0.6, 0.5), 90.0, projection)
+}
+
+fn soft() -> TransferFunction {
+    opacity_ramp(&[(60.0, 0.0), (128.0, 0.05), (255.0, 0.2)], None)
+}
+
+fn hard() -> TransferFunction {
+    opacity_ramp(&[(127.0, 0.0), (128.0, 1.0)], None)
+}
+
+fn psnr_db(a: &Picture, b: &Picture) -> f64 {
+    let square = |(a, b): (&[f32; 4], &[f32; 4])| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>();
+    let sum: f64 = a.rgba.iter().zip(&b.rgba).map(square).sum();
+    -10.0 * (sum / (3 * a.rgba.len()) as f64).log10()
+}
+
+#[test]
+fn the_picture_has_the_error_that_is_told() {
+    let phantom = Phantom::ripples(32);
+    let volume = phantom.volume();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    for (tf, composite, projection, wanted) in [
+        (soft(), Composite::Over, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
+        (soft(), Composite::Over, PERSPECTIVE, [34.0, 40.0, 48.0]),
+        (hard(), Composite::Over, ORTHOGRAPHIC, [26.0, 30.0, 34.0]),
+        (soft(), Composite::Maximum, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
+        (soft(), Composite::Mean, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
+        (soft(), Composite::FirstHit { iso_value: 128.0 }, ORTHOGRAPHIC, [26.0, 30.0, 34.0]),
+    ] {
+        let options = options(composite);
+        let camera = camera(&phantom, projection);
+        let finest = RenderOptions { sheets_per_slice: 12.0, oversampling: 6.0, ..options.clone() };
+        let finest = render(&slices, &tf, &camera, &finest, &()).unwrap().0;
+        let mut efforts = Vec::new();
+        for wanted_db in wanted {
+            let (picture, _, chosen) = render_to_psnr(&slices, None, &tf, &camera, &options, wanted_db, &()).unwrap();
+            let got_db = psnr_db(&picture, &finest);
+            assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
+            assert!((-2.0..8.0).contains(&(got_db - chosen.psnr_db)), "{composite:?}: {got_db}, {chosen:?}");
+            efforts.push(chosen.sheets_per_slice * chosen.oversampling.powi(2));
+            // It is what the settings draw.
+            let (sheets_per_slice, oversampling) = (chosen.sheets_per_slice, chosen.oversampling);
+            let with_them = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
+            let same = render(&slices, &tf, &camera, &with_them, &()).unwrap().0;
+            assert!(same.rgba == picture.rgba, "{composite:?}, {wanted_db}: {chosen:?}");
+        }
+        assert!(efforts.is_sorted() && efforts[0] < efforts[2], "{composite:?}: {efforts:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
+    let phantom = Phantom::ripples(12);
+    let volume = phantom.volume();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    let (options, camera) = (options(Composite::Over), camera(&phantom, ORTHOGRAPHIC));
+    let draw = |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, 80.0, &()).unwrap().2;
+    assert!(draw(&hard()).psnr_db < 80.0);
+    let invisible = draw(&opacity_ramp(&[(0.0, 0.0), (255.0, 0.0)], None));
+    assert!(invisible.psnr_db > 80.0 && invisible.sheets_per_slice < 1.0 && invisible.oversampling < 1.0);
+    for psnr_db in [5.0, 100.0, f64::NAN] {
+        let refused = render_to_psnr(&slices, None, &soft(), &camera, &options, psnr_db, &());
+        assert!(matches!(refused, Err(Error::OutOfRange { .. })));
+    }
+}
+
+#[test]
+fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
+    for size in [[2, 9, 9], [9, 2, 9], [9, 9, 2]] {
+        let phantom = Phantom::sample(size, glam::DAffine3::IDENTITY, |p| 20.0 * p.length());
+        let volume = phantom.volume();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let camera = camera_towards(phantom.centre(), DVec3::X, 90.0, ORTHOGRAPHIC);
+        let options = options(Composite::Over);
+        let (picture, _, chosen) = render_to_psnr(&slices, None, &soft(), &camera, &options, 40.0, &()).unwrap();
+        let finest = RenderOptions { sheets_per_slice: 12.0, oversampling: 6.0, ..options };
+        let finest = render(&slices, &soft(), &camera, &finest, &()).unwrap().0;
+        assert!(psnr_db(&picture, &finest) > 38.0, "{size:?}: {chosen:?}");
+    }
+}
+
+/// Remembers what it is told, and stops at a fraction.
+struct Listener {
+    told: Mutex<Vec<f32>>,
+    until: f32,
+}
+
+impl Monitor for Listener {
+    fn progress(&self, fraction: f32) -> ControlFlow<()> {
+        self.told.lock().unwrap().push(fraction);
+        if fraction < self.until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+}
+
+#[test]
+fn progress_grows_to_one_and_stops_where_it_is_told_to() {
+    let phantom = Phantom::ripples(16);
+    let volume = phantom.volume();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    let options = RenderOptions { n_threads: Some(1), ..options(Composite::Over) };
+    let camera = camera(&phantom, ORTHOGRAPHIC);
+    for (until, is_drawn) in [(2.0, true), (0.1, false), (0.45, false), (0.6, false), (1.0, false)] {
+        let listener = Listener { told: Mutex::new(Vec::new()), until };
+        // Out of reach of the first picture.
+        let drawn = render_to_psnr(&slices, None, &hard(), &camera, &options, 60.0, &listener);
+        let told = listener.told.into_inner().unwrap();
+        assert!(told.is_sorted() && told.len() > 3, "{told:?}");
+        if is_drawn {
+            assert!(drawn.is_ok() && told.last() == Some(&1.0));
+        } else {
+            assert!(matches!(drawn, Err(Error::Cancelled)) && *told.last().unwrap() >= until);
+        }
+    }
+}

@@ -13,7 +13,7 @@ use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, T
 
 use crate::base_plane::MAX_TEXELS;
 use crate::labels::Labels;
-use crate::probe::{self, Errors, OF_MEAN};
+use crate::probe::{self, Errors, OF_MEAN, along_of_mean};
 use crate::render::{Monitor, Report, draw, finished, reads_per_axis, warped};
 use crate::scene::{Scene, is_steep, pixel_in_samples, with_scene};
 use crate::slices::Slices;
@@ -71,7 +71,7 @@ pub fn render_to_psnr(
     }
     parallel::with_threads(options.n_threads, || {
         let mut experience = Experience::usual(slices, tf, camera, options);
-        let mut settings = experience.cheapest(psnr_db, [0.0, least_oversampling(options)], [f64::MAX; 2]);
+        let mut settings = experience.cheapest(psnr_db, experience.least(options), [f64::MAX; 2]);
         let mut n_drawn = 0;
         loop {
             let Estimate { sheets_per_slice, oversampling, .. } = settings;
@@ -112,11 +112,6 @@ pub fn render_to_psnr(
             settings = next;
         }
     })
-}
-
-/// Small pictures cost little, and few texels tell little of their error.
-fn least_oversampling(options: &RenderOptions) -> f64 {
-    if options.width_px * options.height_px < SMALL_PX { 1.0 } else { OVERSAMPLINGS[0] }
 }
 
 fn psnr_of(mean_square: f64) -> f64 {
@@ -162,6 +157,13 @@ impl Experience {
         Self { errors, at, along_decay, is_smooth, composite, pixel_in_samples, most_oversampling }
     }
 
+    /// The least that a first picture is drawn with. Small pictures cost little, and few texels tell little of their
+    /// error; nor do few sheets where colours along a ray do not change smoothly.
+    fn least(&self, options: &RenderOptions) -> [f64; 2] {
+        let is_small = options.width_px * options.height_px < SMALL_PX;
+        [if self.is_smooth { SHEETS[0] } else { 1.0 }, if is_small { 1.0 } else { OVERSAMPLINGS[0] }]
+    }
+
     /// With the errors of a picture that was drawn.
     fn after(&self, errors: Errors, at: Estimate) -> Self {
         Self { errors, at, along_decay: if self.is_smooth { 0.16 } else { 0.2 }, ..*self }
@@ -169,7 +171,10 @@ impl Experience {
 
     /// The error with other settings: falls evenly with the logarithm of the effort.
     fn error(&self, new: &Estimate) -> f64 {
-        let along = self.along_decay.powf((new.sheets_per_slice / self.at.sheets_per_slice).log2());
+        let along = |estimate: &Estimate| {
+            let with_one_read = self.along_decay.powf(estimate.sheets_per_slice.log2());
+            with_one_read * along_of_mean(reads_per_axis(self.composite, estimate.oversampling), self.is_smooth)
+        };
         let across = |estimate: &Estimate| {
             let oversampling = estimate.oversampling;
             let with_one_read = |oversampling: f64| self.errors.across_decay.powf(oversampling.log2());
@@ -177,7 +182,7 @@ impl Experience {
             let more_reads = || OF_MEAN * MORE_READS.powf((oversampling / ONE_READ).log2());
             if is_mean { with_one_read(ONE_READ) * more_reads() } else { with_one_read(oversampling) }
         };
-        self.errors.along * along + self.errors.across * across(new) / across(&self.at)
+        self.errors.along * along(new) / along(&self.at) + self.errors.across * across(new) / across(&self.at)
     }
 
     /// How long a picture takes, in no unit. Much of a sheet's work is for samples, not for texels; of a hard surface

@@ -72,6 +72,12 @@ const COMMON: f64 = 0.3;
 /// The share of the error across rays that is left where a pixel is the mean of several reads.
 pub const OF_MEAN: f64 = 0.55;
 
+/// The share of the error along the rays that is left where a pixel is the mean of so many reads along each axis: all of
+/// it where colours along a ray change smoothly, since it is the same for all of them.
+pub fn along_of_mean(reads: usize, is_smooth: bool) -> f64 {
+    if is_smooth { 1.0 } else { (reads as f64).powf(-1.5) }
+}
+
 /// Measures the errors of a picture and the base planes that it is made of; `None` where nothing is seen.
 pub fn errors(
     scene: &Scene,
@@ -94,9 +100,8 @@ pub fn errors(
     let of_mean = if reads > 1 && fewer_reads == 1 { OF_MEAN } else { 1.0 };
     let across = fewer * decay * of_mean;
     // Noise of the sheets is in both; the mean of several reads has less of it.
-    let (along, across) =
-        if reads > 1 { (OF_MEAN * along, across) } else { (along, across - (COMMON * along).min(0.5 * across)) };
-    Ok(Some(Errors { along, across, across_decay: decay }))
+    let across = if reads > 1 { across } else { across - (COMMON * along).min(0.5 * across) };
+    Ok(Some(Errors { along: along * along_of_mean(reads, scene.is_smooth()), across, across_decay: decay }))
 }
 
 /// Squares of differences of what is seen.

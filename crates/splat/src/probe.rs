@@ -259,7 +259,9 @@ fn across(scene: &Scene, base_pictures: &[BasePicture], picture: &Picture) -> [f
     [2, 4].map(|k| {
         let mut all = Difference::default();
         // Few texels may happen to lie well.
-        for first in (0..k).step_by(if n_bands < LEAST_BANDS { 1 } else { k }) {
+        let n_first = if n_bands < LEAST_BANDS { k } else { 1 };
+        let least_size = base_pictures.iter().flat_map(|picture| picture.plane.size).fold(k, usize::min);
+        for first in 0..n_first.min(least_size) {
             let coarser: Vec<BasePicture> = base_pictures.iter().map(|picture| picture.every(k, first)).collect();
             for band in (every / 2..n_bands).step_by(every) {
                 let rows = band * BAND_PX..((band + 1) * BAND_PX).min(picture.height_px);

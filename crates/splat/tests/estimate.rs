@@ -100,6 +100,27 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
     }
 }
 
+#[test]
+fn what_a_picture_hardly_shows_is_drawn_too() {
+    let phantom = Phantom::ripples(12);
+    let volume = phantom.volume();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    for projection in [ORTHOGRAPHIC, PERSPECTIVE] {
+        for aside in 0..120 {
+            let towards = DVec3::new(0.3, 0.2, 1.0);
+            let aside = DVec3::new(0.25 * f64::from(aside), 0.2 * f64::from(aside), 0.0);
+            let camera = camera_towards(phantom.centre() + aside, towards, 60.0, projection);
+            for [width_px, height_px] in [[40, 30], [1, 1], [300, 2]] {
+                let options = RenderOptions { width_px, height_px, ..options(Composite::Over) };
+                let drawn = render_to_psnr(&slices, None, &soft(), &camera, &options, 40.0, &());
+                let (picture, _, chosen) = drawn.unwrap();
+                assert!(picture.rgba.as_flattened().iter().all(|number| number.is_finite()), "{chosen:?}");
+                assert!(chosen.psnr_db.is_finite(), "{chosen:?}");
+            }
+        }
+    }
+}
+
 /// Remembers what it is told, and stops at a fraction.
 struct Listener {
     told: Mutex<Vec<f32>>,

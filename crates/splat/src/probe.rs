@@ -46,9 +46,10 @@ const FLAT: f64 = 0.1;
 /// Blocks of a strip that are a piece.
 const N_BLOCKS: usize = 2;
 
-/// The error of a picture with plain sheets is this share of what half the sheets change: errors fall by 8 dB with twice
-/// the sheets, and both pictures have their own.
-const OF_HALF: f64 = 0.15;
+/// The error of a picture with plain sheets is this share of what half the sheets change, with few sheets per slice and
+/// with many: errors fall by 8 dB or more with twice the sheets, and both pictures have their own.
+const OF_HALF: [f64; 2] = [0.15, 0.1];
+const MANY_SHEETS: f64 = 3.0;
 
 /// The error of a picture by what twice the sheets change: not all of it, since these have errors too.
 const OF_TWICE: f64 = 1.25;
@@ -137,8 +138,9 @@ fn along(scene: &Scene, base_pictures: &[BasePicture], monitor: &dyn Monitor) ->
     let sheets_per_slice = scene.options.sheets_per_slice;
     let n_slabs = |picture: &BasePicture| scene.spacing(&picture.plane, sheets_per_slice).n_slabs;
     let can_halve = base_pictures.iter().all(|picture| n_slabs(picture) >= LEAST_SLABS_TO_HALVE);
+    let of_half = OF_HALF[usize::from(sheets_per_slice >= MANY_SHEETS)];
     let (times, share) =
-        if can_halve && sheets_per_slice >= 1.0 && scene.is_smooth() { (0.5, OF_HALF) } else { (2.0, OF_TWICE) };
+        if can_halve && sheets_per_slice >= 1.0 && scene.is_smooth() { (0.5, of_half) } else { (2.0, OF_TWICE) };
     let mut all: Vec<Place> = base_pictures
         .iter()
         .enumerate()

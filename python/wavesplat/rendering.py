@@ -111,8 +111,9 @@ def render(
         Instead of `quality`: choose both for this PSNR against the converged picture with 16 rays a pixel, in dB, 20 to
         80; 40 is good, 50 can hardly be told from it. A picture is drawn with what mostly does, a part of it once more
         with other settings, which tells its error; where that is too large, it is drawn again, four times at most. Give
-        the settings in the report to the frames that follow. `expected_psnr_db` there is mostly less than what is
-        reached, and less than what was asked for where nothing reaches that.
+        the settings in the report to the frames that follow. `expected_psnr_db` there is an estimate: mostly less
+        than what is reached, at 50 and more some dB off either way, and less than what was asked for where nothing
+        reaches that.
     drop_levels : int
         Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its
         own resolution, with fewer sheets and texels (B-spline families: at the full one), and classified by

@@ -1,8 +1,9 @@
 //! What a picture tells of its own error.
 //!
 //! Two errors add up, and neither knows much of the other: that of the sheets, along the rays, and that of the base
-//! plane and the warp, across them. Each is told from the change that another effort makes: some tiles are drawn once
-//! more with half or twice the sheets, mostly where there is contrast, and some rows of pixels once more from every second and every fourth texel.
+//! plane and the warp, across them. Each is told from the change that another effort makes: some pieces of tiles are
+//! drawn once more with half or twice the sheets, mostly where there is contrast, and some rows of pixels are read once
+//! more from every second and every fourth texel.
 //!
 //! Errors are mean square errors of the colours over black, peak 1, of the whole picture. How large they are by those
 //! changes is experience with soft and hard functions on a casting, a CT and an MRI; `tests/estimate.rs` and
@@ -67,7 +68,7 @@ const EVERY_BAND: usize = 4;
 const LEAST_DECAY: f64 = 0.63;
 const MOST_DECAY: [f64; 3] = [0.25, 0.16, 0.5];
 
-/// The share of the error along the rays that what is left out across them changes, too.
+/// Noise of the sheets changes what is measured across the rays, too: by this share of the error along them.
 const COMMON: f64 = 0.3;
 
 /// The share of the error across rays that is left where a pixel is the mean of several reads.

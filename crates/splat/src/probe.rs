@@ -74,8 +74,8 @@ const COMMON: f64 = 0.3;
 /// The share of the error across rays that is left where a pixel is the mean of several reads.
 pub const OF_MEAN: f64 = 0.55;
 
-/// The share of the error along the rays that is left where a pixel is the mean of so many reads along each axis: all of
-/// it where colours along a ray change smoothly, since it is the same for all of them.
+/// The share of the error along the rays that is left where a pixel is the mean of so many reads along each axis: all
+/// of it where colours along a ray change smoothly, since it is the same for all of them.
 pub fn along_of_mean(reads: usize, is_smooth: bool) -> f64 {
     if is_smooth { 1.0 } else { (reads as f64).powf(-1.5) }
 }

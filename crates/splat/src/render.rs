@@ -18,7 +18,8 @@ use crate::warp::warp;
 
 /// Told about progress from worker threads; may stop the work.
 pub trait Monitor: Sync {
-    /// `fraction` of the work that is done, `0..=1`. `Break` stops; the result is then [`wavesplat_core::Error::Cancelled`].
+    /// `fraction` of the work that is done, `0..=1`. `Break` stops; the result is then
+    /// [`wavesplat_core::Error::Cancelled`].
     fn progress(&self, fraction: f32) -> ControlFlow<()>;
 }
 

@@ -241,6 +241,25 @@ mod tests {
         picture
     }
 
+    #[test]
+    fn every_other_texel_lies_where_it_lay() {
+        let picture = full_picture([37, 21]);
+        for (k, first, size) in [(2, 0, [19, 11]), (2, 1, [18, 10]), (4, 0, [10, 6]), (4, 3, [9, 5])] {
+            let coarser = picture.every(k, first);
+            assert_eq!(coarser.plane.size, size);
+            for j in 0..size[1] {
+                for i in 0..size[0] {
+                    assert_eq!(coarser.row(j)[i], picture.row(first + k * j)[first + k * i]);
+                    let at = |plane: &BasePlane, i: usize, j: usize| {
+                        plane.origin + plane.step * DVec2::new(i as f64, j as f64)
+                    };
+                    let apart = at(&coarser.plane, i, j) - at(&picture.plane, first + k * i, first + k * j);
+                    assert!(apart.length() < 1e-12, "{k} {first}: {i} {j}");
+                }
+            }
+        }
+    }
+
     /// Reads of a picture at positions from a base.
     struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], f32);
 

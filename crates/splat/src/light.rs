@@ -73,7 +73,7 @@ impl Dimness {
             let mut slice = vec![0.0; nx * ny];
             for z in (cz * per_cell[2]..((cz + 1) * per_cell[2]).min(nz)).step_by(skip[2]) {
                 let window = Window { u: [0, nx as i64 - 1], v: [0, ny as i64 - 1] };
-                slices.combine(Level::best(), [0, 1, 2], &[(z, 1.0)], window, &mut slice, nx);
+                slices.combine(Level::best(), [0, 1, 2], &[(z, 1.0)], None, window, &mut slice, nx);
                 for y in (0..ny).step_by(skip[1]) {
                     for x in (0..nx).step_by(skip[0]) {
                         let mut depth = classifier.look_up_one(slice[y * nx + x])[3];

@@ -14,7 +14,9 @@ use wavesplat_core::Variant;
 
 use crate::base_plane::BasePlane;
 use crate::fields::Field;
-use crate::footprint::{Axis, AxisFootprints, Difference, Footprint, Group, MAX_DIFFERENCE_TAPS, Span, bits};
+use crate::footprint::{
+    Axis, AxisFootprints, Difference, Footprint, Group, MAX_DIFFERENCE_TAPS, SliceTaps, Span, bits,
+};
 use crate::noise::{NoisySheet, noisy_entries, sheet_number};
 use crate::panel::Panel;
 use crate::slices::Slices;
@@ -182,6 +184,17 @@ impl<'a> SheetGeometry<'a> {
         let inside = |(x, dx): (f64, f64), (origin, per_index): (f64, f64)| (origin + per_index * x, per_index * dx);
         ([inside(u, of_u), inside(v, of_v)], origin_w + per_w * w)
     }
+
+    /// The first slice that the rays meet behind some.
+    fn slice_behind(&self, slices: &SliceTaps) -> Option<usize> {
+        let (_, per_w) = self.from_index[2];
+        let slices = slices.iter().map(|(slice, _)| *slice);
+        if self.plane.family.ascending == (per_w > 0.0) {
+            slices.max().map(|last| last + 1).filter(|slice| *slice < self.axes[2].n_samples)
+        } else {
+            slices.min()?.checked_sub(1)
+        }
+    }
 }
 
 /// Numbers that combined slices are padded with, so that whole vectors can be read from any sample on.
@@ -314,7 +327,8 @@ impl Sheet {
         let (first, window) = self.place(&part);
         let density = &mut self.density[first..];
         if !panel.combine(geometry, &taps, window, density, self.stride) {
-            geometry.slices.combine(geometry.level, axes, &taps, window, density, self.stride);
+            let soon = geometry.slice_behind(&taps);
+            geometry.slices.combine(geometry.level, axes, &taps, soon, window, density, self.stride);
         }
         if geometry.slices.has_mask() {
             self.holes.resize(self.stride * self.n_v, 0.0);
@@ -482,7 +496,8 @@ impl Sheet {
         let (first, window) = self.place(&part);
         let through = &mut self.through[first..];
         if !panel.combine(geometry, &taps, window, through, self.stride) {
-            geometry.slices.combine(geometry.level, axes, &taps, window, through, self.stride);
+            let soon = geometry.slice_behind(&taps);
+            geometry.slices.combine(geometry.level, axes, &taps, soon, window, through, self.stride);
         }
     }
 }

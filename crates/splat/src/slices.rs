@@ -223,11 +223,14 @@ impl<'a> Slices<'a> {
     }
 
     /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
+    /// `soon`: a slice of which the same window is wanted next.
+    #[expect(clippy::too_many_arguments, reason = "what is read, what comes next, and where it goes")]
     pub fn combine(
         &self,
         level: Level,
         axes: [usize; 3],
         taps: &[SliceTap],
+        soon: Option<usize>,
         window: Window,
         out: &mut [f32],
         stride: usize,
@@ -236,7 +239,7 @@ impl<'a> Slices<'a> {
         if let Some(grid) = &self.prepared.densities {
             return level.run(
                 #[inline(always)]
-                || region.combine(grid, taps, out, |d| d),
+                || region.combine(grid, taps, soon, out, |d| d),
             );
         }
         let samples = match &self.source {
@@ -250,9 +253,9 @@ impl<'a> Slices<'a> {
         };
         let (offset, scale) = self.grid.density_from_sample();
         if is_identity((offset, scale)) {
-            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, Sample::to_f32)));
+            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, soon, out, Sample::to_f32)));
         } else {
-            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, out, |s| ((s.to_f64() - offset) * scale) as f32)));
+            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, soon, out, |s| ((s.to_f64() - offset) * scale) as f32)));
         }
     }
 
@@ -292,7 +295,7 @@ impl<'a> Slices<'a> {
         let region = self.region(axes, window, stride).inside(axes, part);
         level.run(
             #[inline(always)]
-            || region.combine(&part.densities, taps, out, |d| d),
+            || region.combine(&part.densities, taps, None, out, |d| d),
         );
     }
 
@@ -350,7 +353,7 @@ impl<'a> Slices<'a> {
             let region = self.region(axes, window, stride);
             level.run(
                 #[inline(always)]
-                || region.combine(mask, taps, out, |hole| if hole { 1.0 } else { 0.0 }),
+                || region.combine(mask, taps, None, out, |hole| if hole { 1.0 } else { 0.0 }),
             );
         }
     }
@@ -446,8 +449,8 @@ mod tests {
             let taps = [(0, 0.25), (2, 0.75)];
             let n = window.n_u() * window.n_v();
             let (mut a, mut b) = (vec![9.0; n], vec![9.0; n]);
-            narrow.combine(Level::best(), axes, &taps, window, &mut a, window.n_u());
-            float.combine(Level::best(), axes, &taps, window, &mut b, window.n_u());
+            narrow.combine(Level::best(), axes, &taps, None, window, &mut a, window.n_u());
+            float.combine(Level::best(), axes, &taps, None, window, &mut b, window.n_u());
             for (i, (a, b)) in a.iter().zip(&b).enumerate() {
                 let (u, v) = (window.u[0] + (i % window.n_u()) as i64, window.v[0] + (i / window.n_u()) as i64);
                 let mut index = [0; 3];

@@ -2,7 +2,7 @@
 //!
 //! Both read beyond the border what the kernel folds back there. Samples keep their own type until they are summed.
 
-use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Simd};
+use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Simd, prefetch};
 use wavesplat_core::Kernel;
 
 use crate::blocks::Part;
@@ -64,9 +64,17 @@ impl Region {
         (fold(self.kernel, i, self.n[axis]) - self.origin[axis]) * self.stride[axis]
     }
 
-    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`.
+    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`. `soon`: a slice that is combined soon, whose
+    /// rows are asked for as those above or below them are read.
     #[inline(always)]
-    pub fn combine<T: Copy>(&self, grid: &[T], taps: &[SliceTap], out: &mut [f32], density: impl Fn(T) -> f32) {
+    pub fn combine<T: Copy>(
+        &self,
+        grid: &[T],
+        taps: &[SliceTap],
+        soon: Option<usize>,
+        out: &mut [f32],
+        density: impl Fn(T) -> f32,
+    ) {
         let Window { u: [u_lo, u_hi], v: [v_lo, _] } = self.window;
         let [su, _, sw] = self.stride;
         let [first_u, _, first_w] = self.origin;
@@ -84,6 +92,9 @@ impl Region {
             let row = &mut out[r * self.out_stride..];
             let n_room = self.out_stride.min(row.len());
             if su == 1 {
+                if let Some(slice) = soon {
+                    prefetch(&grid[from(slice)..][..n_inner]);
+                }
                 sum_slices(grid, taps, from, &mut row[n_left..n_room], n_inner, &density);
             } else {
                 let inner = &mut row[n_left..n_left + n_inner];

@@ -17,6 +17,9 @@ mod plain;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+
 pub use pair::Pair;
 pub use plain::Plain;
 
@@ -40,6 +43,10 @@ impl<T: Copy + Default> Default for Lanes<T> {
         Self::splat(T::default())
     }
 }
+
+/// What processors fetch at a time.
+#[cfg(target_arch = "x86_64")]
+const LINE_BYTES: usize = 64;
 
 /// Rows of numbers, for [`Simd::load_rows`].
 #[derive(Clone, Copy, Debug)]
@@ -206,6 +213,18 @@ impl<S: Simd> Wide for S {
     fn all_bits(self, m: S::M) -> [u16; 2] {
         [self.bits(m); 2]
     }
+}
+
+/// Asks for memory that is read soon, so that it is at hand then. Where processors cannot be asked, nothing is done.
+#[inline(always)]
+pub fn prefetch<T>(soon: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    for byte in (0..size_of_val(soon)).step_by(LINE_BYTES) {
+        // SAFETY: an address inside the slice; and nothing is read that a program could see.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(soon.as_ptr().cast::<i8>().add(byte)) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = soon;
 }
 
 /// 1.5 · 2^23: adding and taking it away rounds to an integer, which then stands in the low bits.

@@ -125,7 +125,7 @@ impl Densities {
                 if slices.must_load() {
                     slices.combine_part(level, axes, &self.part, &taps, window, out, stride);
                 } else {
-                    slices.combine(level, axes, &taps, window, out, stride);
+                    slices.combine(level, axes, &taps, None, window, out, stride);
                 }
             }
         }

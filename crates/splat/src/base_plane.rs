@@ -183,13 +183,13 @@ impl BasePlane {
     pub fn texels_from_pixels(&self, rays: &IndexRays, [x_px, y_px]: [f64; 2]) -> [[f64; LANES]; 2] {
         let first = self.family.uvw(rays.direction(x_px, y_px));
         let per_pixel = self.family.uvw(rays.direction[1]);
-        let (origin, step) = (self.origin.to_array(), self.step.to_array());
+        let (origin, per_step) = (self.origin.to_array(), self.step.recip().to_array());
         let mut texels = [[0.0; LANES]; 2];
         for k in 0..LANES {
-            let w = first[2] + per_pixel[2] * k as f64;
+            let per_w = 1.0 / (first[2] + per_pixel[2] * k as f64);
             for axis in 0..2 {
-                let slope = (first[axis] + per_pixel[axis] * k as f64) / w;
-                texels[axis][k] = (slope - origin[axis]) / step[axis];
+                let slope = (first[axis] + per_pixel[axis] * k as f64) * per_w;
+                texels[axis][k] = (slope - origin[axis]) * per_step[axis];
             }
         }
         texels

@@ -53,6 +53,13 @@ impl IndexRays {
         self.direction[0] + self.direction[1] * x_px + self.direction[2] * y_px
     }
 
+    /// The family of all rays between pixel positions, if they are of one.
+    pub fn family_of_all(&self, corners: &[[f64; 2]]) -> Option<Family> {
+        let mut directions = corners.iter().map(|[x_px, y_px]| self.direction(*x_px, *y_px));
+        let family = Family::of(directions.clone().next()?);
+        directions.all(|d| Family::of(d) == family && family.is_convex_at(d)).then_some(family)
+    }
+
     /// The family of a pixel position's ray, and how many of the `n` positions from there on along x are of it in turn.
     #[inline(always)]
     pub fn families_along_x(&self, [x_px, y_px]: [f64; 2], n: usize) -> (Family, usize) {
@@ -164,7 +171,7 @@ mod tests {
 
     #[test]
     fn runs_of_a_family_are_told_as_pixel_by_pixel() {
-        let mut n_mixed = 0;
+        let (mut n_mixed, mut n_whole, mut n_untold) = (0, 0, 0);
         for run in 0..4000 {
             let vector = |i: usize| DVec3::from_array([0, 1, 2].map(|c| slope(40 * run + 2 * (3 * i + c))));
             // Up to a right angle within a run, from around corners of the cube of directions.
@@ -176,7 +183,19 @@ mod tests {
                 assert_eq!(rays.families_along_x([0.5, 0.5], n), (families[0], n_alike));
                 n_mixed += usize::from(n_alike < n);
             }
+            let corners = [[0.0, 0.0], [16.0, 0.0], [0.0, 16.0], [16.0, 16.0]];
+            let families: Vec<_> =
+                (0..17 * 17).map(|k| Family::of(rays.direction(f64::from(k % 17), f64::from(k / 17)))).collect();
+            match rays.family_of_all(&corners) {
+                Some(family) => {
+                    assert!(families.iter().all(|f| *f == family));
+                    n_whole += 1;
+                }
+                // Few that are of one family are not told to be.
+                None => n_untold += usize::from(families.iter().all(|f| *f == families[0])),
+            }
         }
         assert!(n_mixed > 1000, "{n_mixed}");
+        assert!(n_whole > 500 && n_untold < n_whole / 10, "{n_whole} {n_untold}");
     }
 }

@@ -12,7 +12,7 @@ use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
 use crate::family::{Family, IndexRays};
-use crate::resample::{Drawn, FAR, Quads, Resampler};
+use crate::resample::{FAR, Quads, Resampler};
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
 pub struct Warped {
@@ -33,13 +33,12 @@ pub fn warp(
     with_depth: bool,
 ) -> Warped {
     let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
-    let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
     let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
-    let reads = Reads { resamplers: &resamplers, rays, share, peak };
+    let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
+    let reads = Reads { resamplers: &resamplers, rays, offsets: &offsets, share, peak };
     parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
-        let first_row = band * BAND;
-        level.dispatch(DrawBand { reads: &reads, offsets: &offsets, first_row, width_px, pixels });
+        reads.draw_band(level, band * BAND, pixels, width_px);
     });
     let parameters = with_depth.then(|| {
         let mut parameter = vec![f32::NAN; width_px * height_px];
@@ -57,60 +56,114 @@ pub fn warp(
 /// plane, and what one has read is near when the next one wants it.
 const BAND: usize = 32;
 
-/// Draws some rows of pixels.
-struct DrawBand<'a> {
-    reads: &'a Reads<'a>,
-    /// Where a pixel is read, along x and along y.
-    offsets: &'a [f64],
-    first_row: usize,
-    width_px: usize,
-    pixels: &'a mut [[f32; 4]],
-}
-
 /// What is read.
 struct Reads<'a> {
     resamplers: &'a [Resampler<'a>],
     rays: &'a IndexRays,
+    /// Where a pixel is read, along x and along y.
+    offsets: &'a [f64],
     /// Weight of a read.
     share: f32,
     /// Largest unassociated colour.
     peak: f32,
 }
 
-impl Kernel for DrawBand<'_> {
+impl<'a> Reads<'a> {
+    /// Draws some rows of pixels.
+    fn draw_band(&self, level: Level, first_row: usize, pixels: &mut [[f32; 4]], width_px: usize) {
+        // Parallel rays: positions are affine in the pixel.
+        let parallel = match self.resamplers {
+            [only] if only.picture.plane.eye_w().is_none() => Some((only, Affine::new(&only.picture.plane, self.rays))),
+            _ => None,
+        };
+        for x in (0..width_px).step_by(BAND) {
+            let rectangle = Rectangle { columns: x..(x + BAND).min(width_px), first_row, pixels, width_px };
+            if let Some((only, affine)) = &parallel {
+                self.draw_one(level, rectangle, only, affine);
+            } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
+                if let Some(resampler) = self.resampler(family) {
+                    let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
+                    self.draw_one(level, rectangle, resampler, &slopes);
+                }
+            } else {
+                level.dispatch(Draw { reads: self, source: Mixed { reads: self }, rectangle });
+            }
+        }
+    }
+
+    /// Draws pixels that one base plane serves, where anything of it can be seen.
+    fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) {
+        let [first, others @ ..] = rectangle.corners().map(|[x, y]| map.texel(x, y));
+        let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
+        let drawn = resampler.drawn_between(lo, hi);
+        if !drawn.is_empty() {
+            let source = OnePlane { resampler, map, look: !drawn.is_full(), peak: self.peak };
+            level.dispatch(Draw { reads: self, source, rectangle });
+        }
+    }
+
+    /// What serves a family, where it has anything.
+    fn resampler(&self, family: Family) -> Option<&'a Resampler<'a>> {
+        self.resamplers.iter().find(|r| r.picture.plane.family == family)
+    }
+
+    /// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `n`: how many of them there
+    /// are.
+    #[inline(always)]
+    fn pixels<S: Simd>(&self, s: S, source: &impl Source, [x, y]: [usize; 2], n: usize) -> Option<Quads<S>> {
+        let share = s.splat(self.share);
+        let mut sum = None;
+        for dy in self.offsets {
+            for dx in self.offsets {
+                let read = source.read(s, [x as f64 + dx, y as f64 + dy], n);
+                if self.offsets.len() == 1 {
+                    return read;
+                }
+                sum = add(s, sum, share, read);
+            }
+        }
+        sum
+    }
+}
+
+/// Some columns of some rows of pixels.
+struct Rectangle<'a> {
+    columns: Range<usize>,
+    first_row: usize,
+    /// The rows.
+    pixels: &'a mut [[f32; 4]],
+    width_px: usize,
+}
+
+impl Rectangle<'_> {
+    /// The pixel positions around it.
+    fn corners(&self) -> [[f64; 2]; 4] {
+        let last_row = self.first_row + self.pixels.len() / self.width_px;
+        let [x, last_x, y, last_y] =
+            [self.columns.start, self.columns.end, self.first_row, last_row].map(|edge| edge as f64);
+        [[x, y], [last_x, y], [x, last_y], [last_x, last_y]]
+    }
+}
+
+/// Draws a rectangle.
+struct Draw<'a, R> {
+    reads: &'a Reads<'a>,
+    source: R,
+    rectangle: Rectangle<'a>,
+}
+
+impl<R: Source> Kernel for Draw<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Self { reads, offsets, first_row, width_px, pixels } = self;
-        // Parallel rays: positions are affine in the pixel.
-        let parallel = match reads.resamplers {
-            [only] if only.picture.plane.eye_w().is_none() => {
-                Some((only, Affine::new(&only.picture.plane, reads.rays)))
-            }
-            _ => None,
-        };
-        for x in (0..width_px).step_by(BAND) {
-            let columns = x..(x + BAND).min(width_px);
-            let drawn = parallel.as_ref().map(|(only, affine)| {
-                affine.drawn(only, columns.clone(), first_row..first_row + pixels.len() / width_px)
-            });
-            if drawn.is_some_and(Drawn::is_empty) {
-                continue;
-            }
-            let look = !drawn.is_some_and(Drawn::is_full);
-            for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
-                for x in columns.clone().step_by(LANES) {
-                    let n = LANES.min(columns.end - x);
-                    let at = |[dx, dy]: [f64; 2]| [x as f64 + dx, (first_row + k) as f64 + dy];
-                    let seen = match &parallel {
-                        Some((only, affine)) => reads.parallel(s, only, affine, offsets, at, look),
-                        None => reads.perspective(s, offsets, n, at),
-                    };
-                    // The picture is only written to, and only where something is seen.
-                    if let Some(seen) = seen {
-                        put(s, &seen, &mut row[x..x + n]);
-                    }
+        let Self { reads, source, rectangle: Rectangle { columns, first_row, pixels, width_px } } = self;
+        for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
+            for x in columns.clone().step_by(LANES) {
+                let n = LANES.min(columns.end - x);
+                // The picture is only written to, and only where something is seen.
+                if let Some(seen) = reads.pixels(s, &source, [x, first_row + k], n) {
+                    put(s, &seen, &mut row[x..x + n]);
                 }
             }
         }
@@ -130,96 +183,85 @@ fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
     }
 }
 
-impl Reads<'_> {
-    /// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `at`: picture position of the
-    /// first of them, by where a pixel is read. `look`: whether to look for that, where something may not be there.
-    #[inline(always)]
-    fn parallel<S: Simd>(
-        &self,
-        s: S,
-        resampler: &Resampler<'_>,
-        affine: &Affine,
-        offsets: &[f64],
-        at: impl Fn([f64; 2]) -> [f64; 2],
-        look: bool,
-    ) -> Option<Quads<S>> {
-        let steps = [s.splat(affine.per_x.x as f32), s.splat(affine.per_x.y as f32)];
-        let number = s.load(&NUMBERS);
-        let mut sum = None;
-        for dy in offsets {
-            for dx in offsets {
-                let [x, y] = at([*dx, *dy]);
-                let at = affine.texel(x, y);
-                let base = base_of(at);
-                let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
-                let positions = [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)];
-                let read = resampler.read(s, base, positions, look.then_some(0..LANES), self.peak);
-                if offsets.len() == 1 {
-                    return read;
-                }
-                sum = self.sum(s, sum, read);
-            }
-        }
-        sum
+/// A sum of reads with a share of one more.
+#[inline(always)]
+fn add<S: Simd>(s: S, sum: Option<Quads<S>>, share: S::F, read: Option<Quads<S>>) -> Option<Quads<S>> {
+    let Some(mut quads) = read else { return sum };
+    for k in 0..quads.len() {
+        quads[k] = match &sum {
+            Some(sum) => s.add_mul(sum[k], share, quads[k]),
+            None => s.mul(share, quads[k]),
+        };
     }
+    Some(quads)
+}
 
-    /// The same for rays from an eye; `n`: how many pixels there are.
-    #[inline(always)]
-    fn perspective<S: Simd>(
-        &self,
-        s: S,
-        offsets: &[f64],
-        n: usize,
-        at: impl Fn([f64; 2]) -> [f64; 2],
-    ) -> Option<Quads<S>> {
-        let (resamplers, rays) = (self.resamplers, self.rays);
-        let mut sum = None;
-        for dy in offsets {
-            for dx in offsets {
-                let [x, y] = at([*dx, *dy]);
-                // Runs of pixels of one base plane.
-                let mut first = 0;
-                while first < n {
-                    let at = [x + first as f64, y];
-                    let (family, n_of_it) = rays.families_along_x(at, n - first);
-                    let lanes = first..first + n_of_it;
-                    first = lanes.end;
-                    let Some(resampler) = resamplers.iter().find(|r| r.picture.plane.family == family) else {
-                        continue;
-                    };
-                    let texels = resampler.picture.plane.texels_from_pixels(rays, at);
-                    let base = base_of(DVec2::new(texels[0][0], texels[1][0]));
-                    // Those of other base planes see nothing of this one.
-                    let mut positions = [[FAR; LANES]; 2];
-                    for axis in 0..2 {
-                        for (k, lane) in lanes.clone().enumerate() {
-                            positions[axis][lane] = (texels[axis][k] - f64::from(base[axis])) as f32;
-                        }
-                    }
-                    let positions = [s.load(&positions[0]), s.load(&positions[1])];
-                    sum = self.sum(s, sum, resampler.read(s, base, positions, Some(lanes), self.peak));
-                }
-            }
-        }
-        sum
-    }
+/// Where pixels are read from.
+trait Source {
+    /// Sixteen pixels of a row, the first of them at a picture position; `None` where nothing can be seen. `n`: how many
+    /// of them there are.
+    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize) -> Option<Quads<S>>;
+}
 
-    /// A sum of reads with one more.
+/// One base plane serves all pixels.
+struct OnePlane<'a, M> {
+    resampler: &'a Resampler<'a>,
+    map: &'a M,
+    /// Whether something may not be there.
+    look: bool,
+    peak: f32,
+}
+
+impl<M: Map> Source for OnePlane<'_, M> {
     #[inline(always)]
-    fn sum<S: Simd>(&self, s: S, sum: Option<Quads<S>>, read: Option<Quads<S>>) -> Option<Quads<S>> {
-        let Some(mut quads) = read else { return sum };
-        let share = s.splat(self.share);
-        for k in 0..quads.len() {
-            quads[k] = match &sum {
-                Some(sum) => s.add_mul(sum[k], share, quads[k]),
-                None => s.mul(share, quads[k]),
-            };
-        }
-        Some(quads)
+    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize) -> Option<Quads<S>> {
+        let (base, positions) = self.map.positions(s, at);
+        self.resampler.read(s, base, positions, self.look.then_some(0..n), self.peak)
     }
 }
 
-/// Texel positions of parallel rays.
+/// Every pixel is served by the base plane of its own ray.
+struct Mixed<'a> {
+    reads: &'a Reads<'a>,
+}
+
+impl Source for Mixed<'_> {
+    #[inline(always)]
+    fn read<S: Simd>(&self, s: S, [x, y]: [f64; 2], n: usize) -> Option<Quads<S>> {
+        let reads = self.reads;
+        let mut sum = None;
+        // Runs of pixels of one base plane.
+        let mut first = 0;
+        while first < n {
+            let (family, n_of_it) = reads.rays.families_along_x([x + first as f64, y], n - first);
+            let lanes = first..first + n_of_it;
+            first = lanes.end;
+            let Some(resampler) = reads.resampler(family) else { continue };
+            let texels = resampler.picture.plane.texels_from_pixels(reads.rays, [x, y]);
+            let base = base_of(DVec2::new(texels[0][lanes.start], texels[1][lanes.start]));
+            // Those of other base planes see nothing of this one.
+            let mut positions = [[FAR; LANES]; 2];
+            for axis in 0..2 {
+                for lane in lanes.clone() {
+                    positions[axis][lane] = (texels[axis][lane] - f64::from(base[axis])) as f32;
+                }
+            }
+            let positions = [s.load(&positions[0]), s.load(&positions[1])];
+            sum = add(s, sum, s.splat(1.0), resampler.read(s, base, positions, Some(lanes), reads.peak));
+        }
+        sum
+    }
+}
+
+/// Texel positions of pixel positions.
+trait Map {
+    /// Of one.
+    fn texel(&self, x: f64, y: f64) -> DVec2;
+    /// Of sixteen from one on along x, counted from whole texels.
+    fn positions<S: Simd>(&self, s: S, at: [f64; 2]) -> ([i32; 2], [S::F; 2]);
+}
+
+/// Those of parallel rays.
 struct Affine {
     /// Of the first pixel's middle.
     origin: DVec2,
@@ -234,19 +276,47 @@ impl Affine {
         let (per_x, per_y) = (snapped(at(1.5, 0.5) - origin), snapped(at(0.5, 1.5) - origin));
         Self { origin: snapped(origin), per_x, per_y }
     }
+}
 
-    /// What can be seen in some columns and rows of pixels.
-    fn drawn(&self, resampler: &Resampler<'_>, columns: Range<usize>, rows: Range<usize>) -> Drawn {
-        let [(x, last_x), (y, last_y)] = [columns, rows].map(|range| (range.start as f64, range.end as f64));
-        let corners = [(x, y), (last_x, y), (x, last_y), (last_x, last_y)].map(|(x, y)| self.texel(x, y));
-        let [first, others @ ..] = corners;
-        let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
-        resampler.drawn_between(lo, hi)
-    }
-
+impl Map for Affine {
     #[inline(always)]
     fn texel(&self, x: f64, y: f64) -> DVec2 {
         self.origin + self.per_x * (x - 0.5) + self.per_y * (y - 0.5)
+    }
+
+    #[inline(always)]
+    fn positions<S: Simd>(&self, s: S, [x, y]: [f64; 2]) -> ([i32; 2], [S::F; 2]) {
+        let at = self.texel(x, y);
+        let base = base_of(at);
+        let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
+        let steps = [s.splat(self.per_x.x as f32), s.splat(self.per_x.y as f32)];
+        let number = s.load(&NUMBERS);
+        (base, [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)])
+    }
+}
+
+/// Those of rays from an eye.
+struct Slopes<'a> {
+    plane: &'a BasePlane,
+    rays: &'a IndexRays,
+}
+
+impl Map for Slopes<'_> {
+    fn texel(&self, x: f64, y: f64) -> DVec2 {
+        self.plane.texel_from_pixel(self.rays, x, y)
+    }
+
+    #[inline(always)]
+    fn positions<S: Simd>(&self, s: S, at: [f64; 2]) -> ([i32; 2], [S::F; 2]) {
+        let texels = self.plane.texels_from_pixels(self.rays, at);
+        let base = base_of(DVec2::new(texels[0][0], texels[1][0]));
+        let mut positions = [[0.0; LANES]; 2];
+        for axis in 0..2 {
+            for k in 0..LANES {
+                positions[axis][k] = (texels[axis][k] - f64::from(base[axis])) as f32;
+            }
+        }
+        (base, [s.load(&positions[0]), s.load(&positions[1])])
     }
 }
 

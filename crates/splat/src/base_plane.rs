@@ -55,6 +55,26 @@ impl Spread {
         }
     }
 
+    /// Change of the base coordinates per pixel, along x and along y.
+    pub fn base_per_pixel(&self, family: &Family, rays: &IndexRays, x_px: f64, y_px: f64) -> [DVec2; 2] {
+        match self {
+            Self::Parallel { .. } => {
+                let base = |x: f64, y: f64| self.base_from_pixel(family, rays, x, y);
+                [base(x_px + 0.25, y_px) - base(x_px - 0.25, y_px), base(x_px, y_px + 0.25) - base(x_px, y_px - 0.25)]
+                    .map(|change| change * 2.0)
+            }
+            // (u / w)' = (u' − (u / w) w') / w
+            Self::FromEye { .. } => {
+                let per_w = 1.0 / rays.direction(x_px, y_px)[family.axes[2]];
+                let base = self.base_from_pixel(family, rays, x_px, y_px);
+                [rays.direction[1], rays.direction[2]].map(|per_pixel| {
+                    let [u, v, w] = family.uvw(per_pixel);
+                    (DVec2::new(u, v) - base * w) * per_w
+                })
+            }
+        }
+    }
+
     /// The inverse, as [`BasePlane::pixel_from_base`] has it.
     fn pixel_from_base(&self, family: &Family, rays: &IndexRays) -> DMat3 {
         match self {

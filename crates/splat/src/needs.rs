@@ -1,5 +1,7 @@
 //! What a picture needs of each family of rays: which rays, and how close together.
 
+use std::ops::Range;
+
 use glam::DVec2;
 use wavesplat_compute::parallel;
 
@@ -23,8 +25,8 @@ struct PixelDistance {
     n: f64,
 }
 
-/// So many pixels of a row tell by the first of them how far apart they are: that changes smoothly.
-const EVERY: usize = 8;
+/// Squares of so many pixels count as one where they are of one family: how far apart pixels are changes smoothly.
+const SQUARE_PX: usize = 8;
 
 /// Where pixels are finest, texels are coarser than they by this at most.
 const COARSER: f64 = std::f64::consts::SQRT_2;
@@ -37,31 +39,59 @@ pub fn needs(rays: &IndexRays, size_px: [usize; 2], is_parallel: bool) -> Vec<Ne
         let [right, lower] = size_px.map(|n| n as f64);
         for [x, y] in [[0.0, 0.0], [right, 0.0], [0.0, lower], [right, lower]] {
             let family = Family::of(rays.direction(x, y));
-            need_of(&mut needs, rays, family, is_parallel).add(rays, [x, y], 1.0);
+            let need = need_of(&mut needs, rays, family, is_parallel);
+            need.widen(rays, &[[x, y]]);
+            need.add(rays, [x, y], 1.0);
         }
         return needs;
     }
-    let row = |y: usize| {
-        let mut needs = Vec::new();
-        let mut x = 0;
-        while x < size_px[0] {
-            let [x_px, y_px] = [x as f64 + 0.5, y as f64 + 0.5];
-            let (family, n) = rays.families_along_x([x_px, y_px], EVERY.min(size_px[0] - x));
-            let need = need_of(&mut needs, rays, family, is_parallel);
-            // Along a row, base coordinates go one way.
-            need.add(rays, [x_px, y_px], n as f64);
-            need.widen(rays, [x_px + (n - 1) as f64, y_px]);
-            x += n;
-        }
-        needs
+    let band = |k: usize| {
+        let rows = SQUARE_PX * k..size_px[1].min(SQUARE_PX * (k + 1));
+        needs_of_rows(rays, rows, size_px[0])
     };
-    for of_row in parallel::map(size_px[1], row).into_iter().flatten() {
-        match needs.iter_mut().find(|need: &&mut Need| need.family == of_row.family) {
-            Some(need) => need.merge(&of_row),
-            None => needs.push(of_row),
+    for of_band in parallel::map(size_px[1].div_ceil(SQUARE_PX), band).into_iter().flatten() {
+        match needs.iter_mut().find(|need: &&mut Need| need.family == of_band.family) {
+            Some(need) => need.merge(&of_band),
+            None => needs.push(of_band),
         }
     }
     needs
+}
+
+/// What some rows of pixels need, of rays from an eye.
+fn needs_of_rows(rays: &IndexRays, rows: Range<usize>, width_px: usize) -> Vec<Need> {
+    let mut needs = Vec::new();
+    for x in (0..width_px).step_by(SQUARE_PX) {
+        let columns = x..width_px.min(x + SQUARE_PX);
+        let (last_x, last_y) = (columns.end - 1, rows.end - 1);
+        let corners = [[x, rows.start], [last_x, rows.start], [x, last_y], [last_x, last_y]].map(middle);
+        if let Some(family) = rays.family_of_all(&corners) {
+            let need = need_of(&mut needs, rays, family, false);
+            // Straight lines of pixels are straight in base coordinates.
+            need.widen(rays, &corners);
+            let [first, .., last] = corners;
+            let center = [0, 1].map(|axis| 0.5 * (first[axis] + last[axis]));
+            need.add(rays, center, (columns.len() * rows.len()) as f64);
+            continue;
+        }
+        for y in rows.clone() {
+            let mut x = columns.start;
+            while x < columns.end {
+                let first = middle([x, y]);
+                let (family, n) = rays.families_along_x(first, columns.end - x);
+                let need = need_of(&mut needs, rays, family, false);
+                need.widen(rays, &[first, middle([x + n - 1, y])]);
+                need.add(rays, first, n as f64);
+                x += n;
+            }
+        }
+    }
+    needs
+}
+
+/// The middle of a pixel.
+fn middle(pixel: [usize; 2]) -> [f64; 2] {
+    pixel.map(|i| i as f64 + 0.5)
 }
 
 /// The entry of a family.
@@ -81,22 +111,21 @@ fn need_of<'a>(needs: &'a mut Vec<Need>, rays: &IndexRays, family: Family, is_pa
 }
 
 impl Need {
-    /// Adds a pixel position, and how far apart pixels are there, for `n` of them.
-    fn add(&mut self, rays: &IndexRays, at_px: [f64; 2], n: f64) {
-        self.widen(rays, at_px);
-        let [x_px, y_px] = at_px;
-        let base = |dx: f64, dy: f64| self.spread.base_from_pixel(&self.family, rays, x_px + dx, y_px + dy);
-        // Largest change of p and of q per pixel, in any direction of the picture. Central differences are exact for the
-        // affine map and good to second order for the homography.
-        let (dx, dy) = (base(0.25, 0.0) - base(-0.25, 0.0), base(0.0, 0.25) - base(0.0, -0.25));
-        let distance = PixelDistance::of(DVec2::new(dx.x.hypot(dy.x), dx.y.hypot(dy.y)) * 2.0, n);
+    /// Adds how far apart pixels are at a position, for `n` of them.
+    fn add(&mut self, rays: &IndexRays, [x_px, y_px]: [f64; 2], n: f64) {
+        // Largest change of p and of q per pixel, in any direction of the picture.
+        let [dx, dy] = self.spread.base_per_pixel(&self.family, rays, x_px, y_px);
+        let distance =
+            PixelDistance::of(DVec2::new(dx.x * dx.x + dy.x * dy.x, dx.y * dx.y + dy.y * dy.y).map(f64::sqrt), n);
         self.distance.merge(&distance);
     }
 
-    /// Adds a pixel position.
-    fn widen(&mut self, rays: &IndexRays, [x_px, y_px]: [f64; 2]) {
-        let here = self.spread.base_from_pixel(&self.family, rays, x_px, y_px);
-        self.range = [self.range[0].min(here), self.range[1].max(here)];
+    /// Adds pixel positions.
+    fn widen(&mut self, rays: &IndexRays, at_px: &[[f64; 2]]) {
+        for [x_px, y_px] in at_px {
+            let here = self.spread.base_from_pixel(&self.family, rays, *x_px, *y_px);
+            self.range = [self.range[0].min(here), self.range[1].max(here)];
+        }
     }
 
     fn merge(&mut self, other: &Self) {

@@ -10,8 +10,9 @@ picture (mean over pixels and channels, shaded, over black) from the picture of 
 the views, and in brackets the view that is worst.
 Goals: at most half of plain's change; below 8 % at one level; below 4 % at two on CT with a soft function.
 
-Time is of the processor for a frame with everything kept that may be kept (least of 9); `--large` adds 512^3 and
-1024^3 samples, the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below
+Time is of the processor for a frame with everything kept that may be kept (least of 9), at last that of a frame without
+any details, which is what the pixels cost: it does not fall with the level. `--large` adds 512^3 and 1024^3 samples,
+the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below
 ours.
 
 `--record` writes the table to RESULTS.md beside this file. Volumes are from BENCH_DATA or, where it lacks them,
@@ -137,10 +138,11 @@ def least_ms(work: Callable[[], object]) -> float:
 
 
 def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) -> list[float]:
-    """Milliseconds of a frame with no level left out, one, and so on."""
+    """Milliseconds of a frame with no level left out, one, and so on; at last all."""
     camera = ws.Camera.orbit(wavelets, *VIEWS[0])
     frame = partial(ws.render, wavelets, tf, camera, size=(size, size))
-    return [least_ms(partial(frame, drop_levels=n_dropped)) for n_dropped in range(MOST_DROPPED + 1)]
+    n_dropped = [*range(MOST_DROPPED + 1), wavelets.n_levels]
+    return [least_ms(partial(frame, drop_levels=n)) for n in n_dropped]
 
 
 def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[Row]:
@@ -225,7 +227,7 @@ def record(rows: Sequence[Row], size: int) -> None:
 
 {dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size} x {size} pixels, cdf97, all coefficients.
 Command: `make study-lod STUDY_LOD="{" ".join(sys.argv[1:])}"`. What is measured stands at the head of `lod.py`.
-Numbers are for one / two / three levels left out; those of a frame begin with none.
+Numbers are for one / two / three levels left out; those of a frame begin with none and end with all.
 
 {as_markdown(table(rows))}
 """,

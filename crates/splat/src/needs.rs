@@ -73,7 +73,9 @@ fn needs_of_rows(rays: &IndexRays, rows: Range<usize>, width_px: usize) -> Vec<N
             let center = [0, 1].map(|axis| 0.5 * (first[axis] + last[axis]));
             need.add(rays, center, (columns.len() * rows.len()) as f64);
             // Towards one of the corners they are closest.
-            corners.into_iter().for_each(|corner| need.add(rays, corner, 0.0));
+            for corner in corners {
+                need.add(rays, corner, 0.0);
+            }
             continue;
         }
         for y in rows.clone() {

@@ -65,7 +65,7 @@ fn check_twin(
 ) -> usize {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, kernel);
-    let mut n_compared = 0;
+    let (mut n_compared, mut n_left_out) = (0, 0);
     for (from, projection) in [
         (DVec3::new(0.2, 0.3, 1.0), ORTHOGRAPHIC),
         (DVec3::new(-1.0, 0.5, 0.4), ORTHOGRAPHIC),
@@ -87,6 +87,12 @@ fn check_twin(
         for picture in &pictures {
             let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &picture.plane).unwrap();
             for (t, (texel, want)) in picture.texels().iter().zip(&want).enumerate() {
+                // In perspective, corners of a base plane may be left out, but only those that no pixel reads.
+                let at = [t % picture.plane.size[0], t / picture.plane.size[0]];
+                if *texel == [0.0; 4] && !picture.plane.is_needed(at, at) {
+                    n_left_out += usize::from(want[3] > 0.0);
+                    continue;
+                }
                 for c in 0..4 {
                     let (got, want) = (f64::from(texel[c]), want[c]);
                     assert!((got - want).abs() < 1e-4, "{kernel:?} {variant:?} {from} texel {t}: {got} for {want}");
@@ -95,6 +101,7 @@ fn check_twin(
             }
         }
     }
+    assert!(n_left_out <= n_compared / 100, "{n_left_out} left out of {n_compared} texels");
     n_compared
 }
 

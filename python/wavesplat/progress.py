@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import Generic, TypeVar
 
 __all__ = ["run"]
 
 T = TypeVar("T")
 
-#: How often the bar moves and Ctrl-C is noticed.
+#: How often the bar moves and, on Windows, Ctrl-C is noticed.
 POLL_SECS = 0.05
 
 
@@ -18,22 +21,44 @@ def run(work: Callable[[Callable[[float], bool]], T], label: str, *, shown: bool
     """What `work(progress)` returns, with a progress bar on stderr if `shown`.
 
     The work runs in a second thread, so that this one is free to receive Ctrl-C: it then makes `progress` return False,
-    waits for the work to stop, and raises `KeyboardInterrupt`.
+    waits for the work to stop, and raises `KeyboardInterrupt`. Further ones change nothing: work that outlived this
+    call would come back into an interpreter that is being taken down.
     """
     task = _Task(work)
-    task.thread.start()
-    try:
+    with _interrupts(task):
+        task.thread.start()
         if shown:
             _show(task, label)
         while task.thread.is_alive():
             task.thread.join(POLL_SECS)
-    except KeyboardInterrupt:
-        task.cancelled = True
-        task.thread.join()
-        raise
+    if task.cancelled:
+        raise KeyboardInterrupt
     if task.error is not None:
         raise task.error
     return task.result[0]
+
+
+@contextmanager
+def _interrupts(task: _Task[T]) -> Iterator[None]:
+    """Ctrl-C cancels the task, and raises nothing.
+
+    In Python 3.11 an exception that comes while `Thread.join` waits marks the thread as ended when it is not
+    (`Thread._wait_for_tstate_lock`). Elsewhere than in the main thread, which alone receives signals, and where Ctrl-C
+    already means something else than `KeyboardInterrupt`, nothing changes.
+    """
+    plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if not plain or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def cancel(_signal: int, _frame: FrameType | None) -> None:
+        task.cancelled = True
+
+    signal.signal(signal.SIGINT, cancel)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class _Task(Generic[T]):

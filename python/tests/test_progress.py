@@ -1,0 +1,48 @@
+"""Work in its own thread: what it returns, and what Ctrl-C does to it."""
+
+import signal
+import sys
+import threading
+import time
+
+import pytest
+
+from wavesplat import progress
+
+
+@pytest.fixture
+def interruptible():
+    """Ctrl-C raises, as in a shell: a background job, which tests may be, starts with it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_it_returns_what_the_work_returns():
+    assert progress.run(lambda report: report(0.5), "Working", shown=False) is True
+
+
+def test_it_raises_what_the_work_raises():
+    with pytest.raises(ZeroDivisionError):
+        progress.run(lambda _: 1 / 0, "Working", shown=False)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+@pytest.mark.usefixtures("interruptible")
+@pytest.mark.parametrize("shown", [False, True])
+def test_ctrl_c_waits_until_the_work_has_stopped(shown):
+    stopped = threading.Event()
+
+    def work(report):
+        for _ in range(2):  # the second comes while the first is being obeyed
+            time.sleep(0.2)
+            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+        while report(0.5):
+            time.sleep(0.01)
+        time.sleep(0.2)
+        stopped.set()
+
+    with pytest.raises(KeyboardInterrupt):
+        progress.run(work, "Working", shown=shown)
+    assert stopped.is_set()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -44,12 +44,6 @@ const SMALL_PX: usize = 128 * 128;
 /// Pictures that are drawn at most.
 const MOST_PICTURES: i32 = 4;
 
-/// Factors of the sheets and of the oversampling from one picture to the next.
-const FARTHEST: [f64; 2] = [4.0, 2.5];
-
-/// What promises less by no more than this may still do.
-const NEARLY_DB: f64 = 2.0;
-
 /// What is chosen by an error that was measured is to be better than it must be by this much, so that it need not be
 /// drawn again.
 const SPARE_DB: f64 = 0.5;
@@ -71,7 +65,7 @@ pub fn render_to_psnr(
     }
     parallel::with_threads(options.n_threads, || {
         let mut experience = Experience::usual(slices, tf, camera, options);
-        let mut settings = experience.cheapest(psnr_db, experience.least(options), [f64::MAX; 2]);
+        let mut settings = experience.cheapest(psnr_db, experience.least(options));
         let mut n_drawn = 0;
         loop {
             let Estimate { sheets_per_slice, oversampling, .. } = settings;
@@ -93,11 +87,7 @@ pub fn render_to_psnr(
                 settings
             } else {
                 experience = experience.after(errors.unwrap_or_default(), settings);
-                let least = [sheets_per_slice, oversampling];
-                let near = experience.cheapest(psnr_db, least, [FARTHEST[0] * least[0], FARTHEST[1] * least[1]]);
-                // Experience leads so far, and no further while it may do and there is time to look again.
-                let may_do = near.psnr_db + NEARLY_DB >= psnr_db && n_drawn + 1 < MOST_PICTURES;
-                if may_do { near } else { experience.cheapest(psnr_db, least, [f64::MAX; 2]) }
+                experience.cheapest(psnr_db, [sheets_per_slice, oversampling])
             };
             if next.has_settings_of(&settings) {
                 if errors.is_none() {
@@ -194,12 +184,13 @@ impl Experience {
     }
 
     /// The cheapest settings that promise a PSNR; those that promise nearly the most, if none does.
-    fn cheapest(&self, psnr_db: f64, least: [f64; 2], most: [f64; 2]) -> Estimate {
-        let most = [most[0], most[1].min(self.most_oversampling.max(least[1]).max(OVERSAMPLINGS[0]))];
-        let within = |k: usize| move |n: &f64| (least[k]..=most[k]).contains(n);
+    fn cheapest(&self, psnr_db: f64, [least_sheets, least_oversampling]: [f64; 2]) -> Estimate {
+        let most_oversampling = self.most_oversampling.max(least_oversampling).max(OVERSAMPLINGS[0]);
         let mut all = Vec::new();
-        for sheets_per_slice in SHEETS.into_iter().filter(within(0)) {
-            for oversampling in OVERSAMPLINGS.into_iter().filter(within(1)) {
+        for sheets_per_slice in SHEETS.into_iter().filter(|n| *n >= least_sheets) {
+            for oversampling in
+                OVERSAMPLINGS.into_iter().filter(|n| (least_oversampling..=most_oversampling).contains(n))
+            {
                 let mut new = Estimate { sheets_per_slice, oversampling, psnr_db: 0.0 };
                 new.psnr_db = psnr_of(self.error(&new));
                 all.push(new);

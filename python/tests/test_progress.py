@@ -1,6 +1,7 @@
 """Work in its own thread: what it returns, and what Ctrl-C does to it."""
 
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -34,15 +35,34 @@ def test_ctrl_c_waits_until_the_work_has_stopped(shown):
     stopped = threading.Event()
 
     def work(report):
-        for _ in range(2):  # the second comes while the first is being obeyed
-            time.sleep(0.2)
-            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
         while report(0.5):
             time.sleep(0.01)
-        time.sleep(0.2)
+        time.sleep(0.3)
         stopped.set()
 
     with pytest.raises(KeyboardInterrupt):
         progress.run(work, "Working", shown=shown)
     assert stopped.is_set()
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_a_second_ctrl_c_does_not_wait():
+    script = """
+import signal, threading, time
+from wavesplat import progress
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def work(report):
+    for _ in range(2):
+        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+        while report(0.5):
+            time.sleep(0.01)
+    time.sleep(600)
+
+progress.run(work, "Working", shown=False)
+"""
+    done = subprocess.run([sys.executable, "-c", script], timeout=60, check=False)
+    assert done.returncode == 130

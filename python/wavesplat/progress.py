@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,13 +18,15 @@ T = TypeVar("T")
 #: How often the bar moves and, on Windows, Ctrl-C is noticed.
 POLL_SECS = 0.05
 
+#: To a terminal, in which the bar has hidden it (ECMA-48, DECTCEM).
+SHOW_CURSOR = b"\x1b[?25h"
+
 
 def run(work: Callable[[Callable[[float], bool]], T], label: str, *, shown: bool) -> T:
     """What `work(progress)` returns, with a progress bar on stderr if `shown`.
 
     The work runs in a second thread, so that this one is free to receive Ctrl-C: it then makes `progress` return False,
-    waits for the work to stop, and raises `KeyboardInterrupt`. Further ones change nothing: work that outlived this
-    call would come back into an interpreter that is being taken down.
+    waits for the work to stop, and raises `KeyboardInterrupt`. One more does not wait and ends the process at once.
     """
     task = _Task(work)
     with _interrupts(task):
@@ -52,6 +56,10 @@ def _interrupts(task: _Task[T]) -> Iterator[None]:
         return
 
     def cancel(_signal: int, _frame: FrameType | None) -> None:
+        if task.cancelled:
+            # Work that goes on must not come back into an interpreter that is being taken down.
+            os.write(2, SHOW_CURSOR if sys.stderr.isatty() else b"")
+            os._exit(128 + signal.SIGINT)
         task.cancelled = True
 
     signal.signal(signal.SIGINT, cancel)

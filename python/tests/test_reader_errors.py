@@ -247,6 +247,14 @@ def test_what_itk_says_is_passed_on_without_its_source(tmp_path):
     assert "cxx" not in line
 
 
+def test_itk_does_not_say_that_a_damaged_file_is_not_there(tmp_path):
+    path = save(tmp_path / "packed.mha")
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
+    line = fails(path, "cannot read as an image: File cannot be read; the file is truncated")
+    assert "No such file" not in line
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_fuzzed(tmp_path, capfd, name):
     """Either a volume or a `WavesplatError` of one line; nothing else ever comes out."""

@@ -18,7 +18,7 @@ T = TypeVar("T")
 #: How often the bar moves and, on Windows, Ctrl-C is noticed.
 POLL_SECS = 0.05
 
-#: To a terminal, in which the bar has hidden it (ECMA-48, DECTCEM).
+#: To a terminal, in which the bar has hidden it (DECTCEM of the VT220).
 SHOW_CURSOR = b"\x1b[?25h"
 
 

@@ -6,8 +6,8 @@
 //! more from every second and every fourth texel.
 //!
 //! Errors are mean square errors of the colours over black, peak 1, of the whole picture. How large they are by those
-//! changes is experience with soft and hard functions on a casting, a CT and an MRI; `tests/estimate.rs` and
-//! `python/tests/test_quality.py` hold it to pictures that it does not come from, too.
+//! changes is experience with soft and hard functions on a casting, a CT, an MRI and ripples; `tests/estimate.rs`
+//! and `python/tests/test_quality.py` hold it to other pictures, too.
 
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Picture, Result};

@@ -83,7 +83,9 @@ def test_a_wanted_psnr_is_reached(scene, view_angle):
         assert report["expected_psnr_db"] >= wanted_db
         # On the safe side, since the two errors are added.
         assert -1.5 < psnr_db(picture.rgba, want) - report["expected_psnr_db"] < 9, report
-        effort.append(report["sheets_per_slice"] * report["oversampling"] ** 2)
+        effort.append(sum(p["share"] * p["sheets_per_slice"] * p["oversampling"] ** 2 for p in report["passes"]))
+        assert report["sheets_per_slice"] == max(p["sheets_per_slice"] for p in report["passes"])
+        assert report["oversampling"] == max(p["oversampling"] for p in report["passes"])
     assert effort[0] < effort[1] < effort[2]
 
 

@@ -109,9 +109,10 @@ def render(
         of that at least.
     psnr : float, optional
         Instead of `quality`: choose both for this PSNR against the converged picture with 16 rays a pixel, in dB, 20 to
-        80; 40 is good, 50 can hardly be told from it. A picture is drawn with what mostly does, a part of it once more
-        with other settings, which tells its error; where that is too large, it is drawn again, four times at most. Give
-        the settings in the report to the frames that follow. `expected_psnr_db` there is an estimate: mostly less
+        80; 40 is good, 50 can hardly be told from it. A picture is drawn with what mostly does and tells its error;
+        where that is too large, the parts of it that have much contrast are drawn again, more finely, three times at
+        most. `passes` in the report holds what was drawn: with which settings, and the share of what is seen;
+        `sheets_per_slice` and `oversampling` there are the finest. `expected_psnr_db` is an estimate: mostly less
         than what is reached, at 50 and more some dB off either way, and less than what was asked for where nothing
         reaches that.
     drop_levels : int

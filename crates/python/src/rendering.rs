@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Picture, RenderOptions};
-use wavesplat_splat::estimate::render_to_psnr;
+use wavesplat_splat::estimate::{Estimate, render_to_psnr};
 use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::{Monitor, reference, with_threads};
@@ -207,12 +207,20 @@ pub fn render<'py>(
     dict.set_item("value", plane(picture.value.take())?)?;
     dict.set_item("rgba", image(py, picture)?)?;
     let numbers = PyDict::new(py);
-    let own = (options.sheets_per_slice, options.oversampling);
-    let (sheets_per_slice, oversampling) = chosen.map_or(own, |c| (c.sheets_per_slice, c.oversampling));
+    let own = [options.sheets_per_slice, options.oversampling];
+    let [sheets_per_slice, oversampling] = chosen.as_ref().map_or(own, Estimate::finest);
     numbers.set_item("sheets_per_slice", sheets_per_slice)?;
     numbers.set_item("oversampling", oversampling)?;
     if let Some(chosen) = chosen {
         numbers.set_item("expected_psnr_db", chosen.psnr_db)?;
+        let passes = chosen.passes.iter().map(|pass| {
+            let dict = PyDict::new(py);
+            dict.set_item("sheets_per_slice", pass.sheets_per_slice)?;
+            dict.set_item("oversampling", pass.oversampling)?;
+            dict.set_item("share", pass.share)?;
+            Ok(dict)
+        });
+        numbers.set_item("passes", passes.collect::<PyResult<Vec<_>>>()?)?;
     }
     numbers.set_item("n_texels", report.n_texels)?;
     numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;

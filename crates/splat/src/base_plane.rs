@@ -8,12 +8,15 @@
 //!
 //! Source: the shear-warp factorisation (Lacroute & Levoy 1994), here with the sheets reconstructed, not resampled.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec2, DVec3};
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Camera, Error, Projection, Result};
 
 use crate::family::{Family, IndexRays};
 use crate::needs::{Need, needs};
+use crate::parts::Parts;
 
 /// Where the rays of a family come from.
 #[derive(Clone, Copy, Debug)]
@@ -132,6 +135,8 @@ pub struct BasePlane {
     pixel_from_base: DMat3,
     /// Size of the picture.
     size_px: DVec2,
+    /// The parts of the picture that are drawn; `None`: all.
+    pub parts: Option<Arc<Parts>>,
 }
 
 /// A ray as lines over w: `u = u0 + du · w`, `v = v0 + dv · w`.
@@ -182,7 +187,8 @@ impl BasePlane {
     /// picture or the family's part of it lies aslant in it, corners are left over.
     pub fn is_needed(&self, from: [usize; 2], to: [usize; 2]) -> bool {
         let [from, to] = [from, to].map(|[i, j]| DVec2::new(i as f64, j as f64));
-        let [lo, hi] = [from - MARGIN_TEXELS, to + MARGIN_TEXELS].map(|texel| self.origin + self.step * texel);
+        let margin = if self.parts.is_some() { READ_TEXELS } else { MARGIN_TEXELS };
+        let [lo, hi] = [from - margin, to + margin].map(|texel| self.origin + self.step * texel);
         if self.eye_w().is_some() && !self.family.has_slopes(lo, hi) {
             return false;
         }
@@ -195,7 +201,10 @@ impl BasePlane {
             let pixel = at.truncate() / at.z;
             (min, max) = (min.min(pixel), max.max(pixel));
         }
-        max.cmpge(DVec2::ZERO).all() && min.cmple(self.size_px).all()
+        match &self.parts {
+            Some(parts) => parts.any_between(min, max),
+            None => max.cmpge(DVec2::ZERO).all() && min.cmple(self.size_px).all(),
+        }
     }
 
     /// Texel positions, along u and along v, of pixel positions from one on along x; for rays from an eye.
@@ -221,6 +230,9 @@ impl BasePlane {
         (base - self.origin) / self.step
     }
 }
+
+/// Texels that the warp's filter reads lie less than this from the position, but for rounding.
+const READ_TEXELS: f64 = 2.01;
 
 /// Texels beyond the outermost pixel centre, for the warp's filter.
 const MARGIN_TEXELS: f64 = 4.0;
@@ -281,7 +293,7 @@ pub fn base_planes(
         let size = [size.x as usize, size.y as usize];
         let pixel_from_base = spread.pixel_from_base(&family, rays);
         let size_px = DVec2::new(width_px as f64, height_px as f64);
-        planes.push(BasePlane { family, spread, origin, step, size, pixel_from_base, size_px });
+        planes.push(BasePlane { family, spread, origin, step, size, pixel_from_base, size_px, parts: None });
     }
     Ok(planes)
 }

@@ -9,6 +9,7 @@
 //! changes is experience with soft and hard functions on a casting, a CT, an MRI and ripples; `tests/estimate.rs`
 //! and `python/tests/test_quality.py` hold it to other pictures, too.
 
+use wavesplat_compute::parallel;
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Picture, Result};
 
@@ -67,8 +68,10 @@ const EVERY_BAND: usize = 4;
 const LEAST_DECAY: f64 = 0.63;
 const MOST_DECAY: [f64; 3] = [0.25, 0.16, 0.5];
 
-/// Noise of the sheets changes what is measured across the rays, too: by this share of the error along them.
+/// Noise of the sheets changes what is measured across the rays, too: by this share of the error along them,
+/// of what is measured by that much at most.
 const COMMON: f64 = 0.3;
+const MOST_COMMON: f64 = 0.25;
 
 /// The share of the error across rays that is left where a pixel is the mean of several reads.
 pub const OF_MEAN: f64 = 0.55;
@@ -101,7 +104,7 @@ pub fn errors(
     let of_mean = if reads > 1 && fewer_reads == 1 { OF_MEAN } else { 1.0 };
     let across = fewer * decay * of_mean;
     // Noise of the sheets is in both; the mean of several reads has less of it.
-    let across = if reads > 1 { across } else { across - (COMMON * along).min(0.5 * across) };
+    let across = if reads > 1 { across } else { across - (COMMON * along).min(MOST_COMMON * across) };
     Ok(Some(Errors { along: along * along_of_mean(reads, scene.is_smooth()), across, across_decay: decay }))
 }
 
@@ -141,15 +144,15 @@ fn along(scene: &Scene, base_pictures: &[BasePicture], monitor: &dyn Monitor) ->
     let of_half = OF_HALF[usize::from(sheets_per_slice >= MANY_SHEETS)];
     let (times, share) =
         if can_halve && sheets_per_slice >= 1.0 && scene.is_smooth() { (0.5, of_half) } else { (2.0, OF_TWICE) };
-    let mut all: Vec<Place> = base_pictures
-        .iter()
-        .enumerate()
-        .flat_map(|(k, picture)| {
-            Piece::all(&picture.plane).into_iter().flat_map(pieces_of).map(move |piece| (k, piece))
-        })
-        .map(|(plane, piece)| Place::new(plane, piece, &base_pictures[plane]))
-        .filter(|place| place.n_seen > 0)
-        .collect();
+    let mut all: Vec<Place> = Vec::new();
+    for (plane, picture) in base_pictures.iter().enumerate() {
+        let tiles = Piece::all(&picture.plane);
+        let of_tile = |k: usize| {
+            let places = pieces_of(tiles[k]).map(|piece| Place::new(plane, piece, picture));
+            places.filter(|place| place.n_seen > 0).collect::<Vec<_>>()
+        };
+        all.extend(parallel::map(tiles.len(), of_tile).into_iter().flatten());
+    }
     if all.is_empty() {
         return Ok(0.0);
     }
@@ -189,12 +192,17 @@ struct Place {
 
 impl Place {
     fn new(plane: usize, piece: Piece, picture: &BasePicture) -> Self {
-        let n_seen = rows_of(picture, &piece).flatten().filter(|rgba| rgba[3] > 0.0).count();
-        let mut contrast = 0.0_f32;
-        let change = |a: &[f32; 4], b: &[f32; 4]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f32>();
+        let mut n_seen = 0;
+        let mut changes = [0.0_f32; 4];
         for row in rows_of(picture, &piece) {
-            contrast += row.windows(2).map(|pair| change(&pair[0], &pair[1])).sum::<f32>();
+            n_seen += row.iter().filter(|rgba| rgba[3] > 0.0).count();
+            for (a, b) in row.iter().zip(row.iter().skip(1)) {
+                for c in 0..4 {
+                    changes[c] += (a[c] - b[c]).powi(2);
+                }
+            }
         }
+        let contrast = changes[0] + changes[1] + changes[2];
         Self { plane, piece, n_seen, contrast: f64::from(contrast) }
     }
 }
@@ -257,19 +265,23 @@ fn likely_most(numbers: &[f64]) -> f64 {
 fn across(scene: &Scene, base_pictures: &[BasePicture], picture: &Picture) -> [f64; 2] {
     let n_bands = picture.height_px.div_ceil(BAND_PX);
     let every = (n_bands / LEAST_BANDS).clamp(1, EVERY_BAND);
-    [2, 4].map(|k| {
+    [2, 4].map(|k_texels| {
         let mut all = Difference::default();
         // Few texels may happen to lie well.
-        let n_first = if n_bands < LEAST_BANDS { k } else { 1 };
-        let least_size = base_pictures.iter().flat_map(|picture| picture.plane.size).fold(k, usize::min);
+        let n_first = if n_bands < LEAST_BANDS { k_texels } else { 1 };
+        let least_size = base_pictures.iter().flat_map(|picture| picture.plane.size).fold(k_texels, usize::min);
         for first in 0..n_first.min(least_size) {
-            let coarser: Vec<BasePicture> = base_pictures.iter().map(|picture| picture.every(k, first)).collect();
-            for band in (every / 2..n_bands).step_by(every) {
+            let coarser: Vec<BasePicture> =
+                base_pictures.iter().map(|picture| picture.every(k_texels, first)).collect();
+            let of_band = |k: usize| {
+                let band = every / 2 + k * every;
                 let rows = band * BAND_PX..((band + 1) * BAND_PX).min(picture.height_px);
                 let own = &picture.rgba[rows.start * picture.width_px..rows.end * picture.width_px];
-                let other = warped_rows(scene, &coarser, rows, scene.options.oversampling / k as f64, false);
-                all = all.merge(Difference::between(own, &other.rgba));
-            }
+                let other = warped_rows(scene, &coarser, rows, scene.options.oversampling / k_texels as f64, false);
+                Difference::between(own, &other.rgba)
+            };
+            let bands = parallel::map((n_bands - every / 2).div_ceil(every), of_band);
+            all = bands.into_iter().fold(all, Difference::merge);
         }
         all.mean()
     })

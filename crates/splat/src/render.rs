@@ -1,6 +1,7 @@
 //! The whole way from volume to picture: the one place that knows the order of the stages.
 
 use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use wavesplat_compute::parallel;
@@ -11,6 +12,7 @@ use crate::base_picture::BasePicture;
 use crate::base_plane::base_planes;
 use crate::family::IndexRays;
 use crate::labels::Labels;
+use crate::parts::Parts;
 use crate::scene::{Scene, brightest, with_scene};
 use crate::slices::Slices;
 use crate::tile::Piece;
@@ -51,6 +53,15 @@ pub struct Report {
     pub simd: &'static str,
 }
 
+impl Report {
+    /// With the work of a finer picture of the same; base planes and sheets are those of that.
+    #[must_use]
+    pub(crate) fn and(self, finer: Self) -> Self {
+        let n_texels = self.n_texels + finer.n_texels;
+        Self { n_texels, n_skipped_sheets: self.n_skipped_sheets + finer.n_skipped_sheets, ..finer }
+    }
+}
+
 /// Draws a volume.
 ///
 /// `slices` are those of the options' kernel; keep them for the next picture.
@@ -75,7 +86,7 @@ pub fn render_labelled(
 ) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
         with_scene(Level::best(), (slices, labels), tf, camera, options, |scene| {
-            let (base_pictures, report) = draw(scene, monitor)?;
+            let (base_pictures, report) = draw(scene, None, monitor)?;
             let picture = warped(scene, &base_pictures, options.with_depth);
             Ok((finished(camera, options, picture), report))
         })
@@ -103,15 +114,22 @@ pub fn render_base_planes_at(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<BasePicture>, Report)> {
     parallel::with_threads(options.n_threads, || {
-        with_scene(level, (slices, None), tf, camera, options, |scene| draw(scene, monitor))
+        with_scene(level, (slices, None), tf, camera, options, |scene| draw(scene, None, monitor))
     })
 }
 
-/// Draws the base planes of the whole picture.
-pub(crate) fn draw(scene: &Scene, monitor: &dyn Monitor) -> Result<(Vec<BasePicture>, Report)> {
+/// Draws the base planes of the whole picture, or of parts of it.
+pub(crate) fn draw(
+    scene: &Scene,
+    parts: Option<&Arc<Parts>>,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<BasePicture>, Report)> {
     let options = scene.options;
     let size = [options.width_px, options.height_px];
-    let planes = base_planes(scene.camera, &rays(scene), size, options.oversampling, scene.region.bounds)?;
+    let mut planes = base_planes(scene.camera, &rays(scene), size, options.oversampling, scene.region.bounds)?;
+    for plane in &mut planes {
+        plane.parts = parts.cloned();
+    }
     let mut report = Report {
         n_nonfinite_samples: scene.grid.statistics().n_nonfinite,
         n_base_planes: planes.len(),

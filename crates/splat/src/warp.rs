@@ -12,6 +12,7 @@ use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
 use crate::family::{Family, IndexRays};
+use crate::parts::{PART_PX, Parts};
 use crate::resample::{FAR, Quads, Resampler};
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
@@ -22,7 +23,7 @@ pub struct Warped {
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture. `reads_per_axis`: reads per pixel along x and along y. `peak`: largest unassociated colour.
+/// Draws the picture, or the parts of it that the base planes are for. `reads_per_axis`: reads per pixel along x and along y. `peak`: largest unassociated colour.
 pub fn warp(
     level: Level,
     pictures: &[BasePicture],
@@ -36,7 +37,8 @@ pub fn warp(
     let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
     let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
-    let reads = Reads { resamplers: &resamplers, rays, offsets: &offsets, share, peak };
+    let parts = pictures.first().and_then(|picture| picture.plane.parts.as_deref());
+    let reads = Reads { resamplers: &resamplers, rays, offsets: &offsets, share, peak, parts };
     parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
         reads.draw_band(level, band * BAND, pixels, width_px);
     });
@@ -44,6 +46,9 @@ pub fn warp(
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
             for (x, parameter) in row.iter_mut().enumerate() {
+                if parts.is_some_and(|parts| !parts.is_wanted(x, y)) {
+                    continue;
+                }
                 *parameter = ray_parameter(&resamplers, rays, x as f64 + 0.5, y as f64 + 0.5);
             }
         });
@@ -66,6 +71,8 @@ struct Reads<'a> {
     share: f32,
     /// Largest unassociated colour.
     peak: f32,
+    /// What is drawn; `None`: all.
+    parts: Option<&'a Parts>,
 }
 
 impl<'a> Reads<'a> {
@@ -76,17 +83,24 @@ impl<'a> Reads<'a> {
             [only] if only.picture.plane.eye_w().is_none() => Some((only, Affine::new(&only.picture.plane, self.rays))),
             _ => None,
         };
-        for x in (0..width_px).step_by(BAND) {
-            let rectangle = Rectangle { columns: x..(x + BAND).min(width_px), first_row, pixels, width_px };
-            if let Some((only, affine)) = &parallel {
-                self.draw_one(level, rectangle, only, affine);
-            } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
-                if let Some(resampler) = self.resampler(family) {
-                    let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
-                    self.draw_one(level, rectangle, resampler, &slopes);
+        let side = if self.parts.is_some() { PART_PX } else { BAND };
+        for (k, pixels) in pixels.chunks_mut(side * width_px).enumerate() {
+            let first_row = first_row + k * side;
+            for x in (0..width_px).step_by(side) {
+                if self.parts.is_some_and(|parts| !parts.is_wanted(x, first_row)) {
+                    continue;
                 }
-            } else {
-                level.dispatch(Draw { reads: self, source: Mixed { reads: self }, rectangle });
+                let rectangle = Rectangle { columns: x..(x + side).min(width_px), first_row, pixels, width_px };
+                if let Some((only, affine)) = &parallel {
+                    self.draw_one(level, rectangle, only, affine);
+                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
+                    if let Some(resampler) = self.resampler(family) {
+                        let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
+                        self.draw_one(level, rectangle, resampler, &slopes);
+                    }
+                } else {
+                    level.dispatch(Draw { reads: self, source: Mixed { reads: self }, rectangle });
+                }
             }
         }
     }

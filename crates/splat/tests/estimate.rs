@@ -5,13 +5,16 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
-use wavesplat_splat::estimate::render_to_psnr;
+use wavesplat_splat::estimate::{Pass, render_to_psnr};
 use wavesplat_splat::slices::Slices;
 use wavesplat_splat::{Monitor, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 22.0 };
 const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
+
+/// Pixels of a part of a picture along each side.
+const PART_PX: usize = 16;
 
 fn options(composite: Composite) -> RenderOptions {
     RenderOptions { width_px: 160, height_px: 130, composite, ..RenderOptions::default() }
@@ -40,6 +43,7 @@ fn the_picture_has_the_error_that_is_told() {
     let phantom = Phantom::ripples(32);
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
+    let mut n_passes_seen = 0;
     for (tf, composite, projection, wanted) in [
         (soft(), Composite::Over, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
         (soft(), Composite::Over, PERSPECTIVE, [34.0, 40.0, 48.0]),
@@ -48,10 +52,15 @@ fn the_picture_has_the_error_that_is_told() {
         (soft(), Composite::Mean, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
         (soft(), Composite::FirstHit { iso_value: 128.0 }, ORTHOGRAPHIC, [26.0, 30.0, 34.0]),
     ] {
-        let options = options(composite);
+        let options = RenderOptions { with_depth: composite == Composite::Over, ..options(composite) };
         let camera = camera(&phantom, projection);
         let finest = RenderOptions { sheets_per_slice: 12.0, oversampling: 6.0, ..options.clone() };
         let finest = render(&slices, &tf, &camera, &finest, &()).unwrap().0;
+        let draw_whole = |pass: &Pass, options: &RenderOptions| {
+            let Pass { sheets_per_slice, oversampling, .. } = *pass;
+            let options = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
+            render(&slices, &tf, &camera, &options, &()).unwrap().0
+        };
         let (mut reached, mut efforts) = (Vec::new(), Vec::new());
         for wanted_db in wanted {
             let (picture, _, chosen) = render_to_psnr(&slices, None, &tf, &camera, &options, wanted_db, &()).unwrap();
@@ -59,16 +68,48 @@ fn the_picture_has_the_error_that_is_told() {
             assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
             assert!((-2.0..8.0).contains(&(got_db - chosen.psnr_db)), "{composite:?}: {got_db}, {chosen:?}");
             reached.push(got_db);
-            efforts.push(chosen.sheets_per_slice * chosen.oversampling.powi(2));
-            // It is what the settings draw.
-            let (sheets_per_slice, oversampling) = (chosen.sheets_per_slice, chosen.oversampling);
-            let with_them = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
-            let same = render(&slices, &tf, &camera, &with_them, &()).unwrap().0;
-            assert!(same.rgba == picture.rgba, "{composite:?}, {wanted_db}: {chosen:?}");
+            let effort = |pass: &Pass| pass.share * pass.sheets_per_slice * pass.oversampling.powi(2);
+            efforts.push(chosen.passes.iter().map(effort).sum::<f64>());
+            // Each part is what the settings of a pass draw, and of each pass there is about as much as it says.
+            let whole: Vec<Picture> = chosen.passes.iter().map(|pass| draw_whole(pass, &options)).collect();
+            let seen = parts(&options).filter(|part| part.clone().any(|pixel| picture.rgba[pixel][3] > 0.0));
+            let mut n_of_pass = vec![0.0; whole.len()];
+            for part in seen {
+                let is_of = |whole: &Picture| part.clone().all(|pixel| same_pixel(whole, &picture, pixel));
+                let pass = whole.iter().rposition(is_of);
+                n_of_pass[pass.unwrap_or_else(|| panic!("{composite:?}, {wanted_db}: {chosen:?}"))] += 1.0;
+            }
+            let n_seen: f64 = n_of_pass.iter().sum();
+            assert!(chosen.passes[0].share == 1.0);
+            if let [_, pass] = chosen.passes[..] {
+                n_passes_seen += 1;
+                assert!((n_of_pass[1] / n_seen - pass.share).abs() < 0.15, "{n_of_pass:?}, {chosen:?}");
+            }
         }
         assert!(reached.is_sorted() && reached[0] < reached[2], "{composite:?}: {reached:?}");
         assert!(efforts[0] < efforts[2], "{composite:?}: {efforts:?}");
     }
+    assert!(n_passes_seen > 3);
+}
+
+/// Whether two pictures have the same colour, depth and value at a pixel.
+fn same_pixel(a: &Picture, b: &Picture, pixel: usize) -> bool {
+    let same = |a: &Option<Vec<f32>>, b: &Option<Vec<f32>>| match (a, b) {
+        (Some(a), Some(b)) => a[pixel].to_bits() == b[pixel].to_bits(),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    a.rgba[pixel] == b.rgba[pixel] && same(&a.depth, &b.depth) && same(&a.value, &b.value)
+}
+
+/// The pixels of each part of a picture.
+fn parts(options: &RenderOptions) -> impl Iterator<Item = impl Iterator<Item = usize> + Clone> {
+    let (width, height) = (options.width_px, options.height_px);
+    (0..height).step_by(PART_PX).flat_map(move |top| {
+        (0..width).step_by(PART_PX).map(move |left| {
+            let columns = left..(left + PART_PX).min(width);
+            (top..(top + PART_PX).min(height)).flat_map(move |y| columns.clone().map(move |x| y * width + x))
+        })
+    })
 }
 
 #[test]
@@ -80,7 +121,7 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
     let draw = |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, 80.0, &()).unwrap().2;
     assert!(draw(&hard()).psnr_db < 80.0);
     let invisible = draw(&opacity_ramp(&[(0.0, 0.0), (255.0, 0.0)], None));
-    assert!(invisible.psnr_db > 80.0 && invisible.sheets_per_slice < 1.0 && invisible.oversampling < 1.0);
+    assert!(invisible.psnr_db > 80.0 && invisible.finest().iter().all(|finest| *finest < 1.0));
     for psnr_db in [5.0, 100.0, f64::NAN] {
         let refused = render_to_psnr(&slices, None, &soft(), &camera, &options, psnr_db, &());
         assert!(matches!(refused, Err(Error::OutOfRange { .. })));

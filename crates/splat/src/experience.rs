@@ -1,0 +1,165 @@
+//! What is known of errors and costs of settings.
+//!
+//! Errors fall evenly with the logarithm of the effort, along the rays with the sheets and across them with the texels.
+//! By how much, and what pictures cost, is experience with soft and hard functions on a casting, a CT, an MRI and
+//! ripples.
+
+use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
+
+use crate::base_plane::MAX_TEXELS;
+use crate::probe::{Errors, OF_MEAN, along_of_mean};
+use crate::render::reads_per_axis;
+use crate::scene::{is_steep, pixel_in_samples};
+use crate::slices::Slices;
+
+/// How finely a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Sheets per slice distance.
+    pub sheets_per_slice: f64,
+    /// Texels per pixel along each axis.
+    pub oversampling: f64,
+}
+
+/// The least oversampling with which a pixel is the mean of several reads; and the factor by which twice of that makes
+/// the error across the rays fall, since there are more of them.
+const ONE_READ: f64 = 1.5;
+const MORE_READS: f64 = 0.2;
+
+/// Settings that are chosen from.
+const SHEETS: [f64; 10] = [0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+const OVERSAMPLINGS: [f64; 10] = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0, 4.0];
+
+/// Pictures of hard steps differ more from each other; a first one is to be better than it must be by this much (0.5 dB).
+const SPARE_OF_STEPS: f64 = 0.89;
+
+/// A first picture promises nearly the least error that there is where that is not enough.
+const NEARLY: f64 = 1.1;
+
+/// How much of the errors of two pictures the difference between them shows.
+const OF_BOTH: f64 = 0.85;
+
+/// Fewer pixels are a small picture.
+const SMALL_PX: usize = 128 * 128;
+
+/// What is known of errors and costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Experience {
+    /// Errors with some settings.
+    errors: Errors,
+    at: Settings,
+    /// The factor by which twice the sheets make the error along the rays fall.
+    along_decay: f64,
+    is_smooth: bool,
+    composite: Composite,
+    /// Distance of pixels.
+    pixel_in_samples: f64,
+    /// More would make base planes too large.
+    most_oversampling: f64,
+}
+
+impl Experience {
+    /// Of pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
+    pub fn usual(slices: &Slices, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Self {
+        let composite = options.composite;
+        let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep(slices.grid(), tf);
+        let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
+        let [along_decay, across_decay] = if is_smooth { [0.12, 0.25] } else { [0.2, 0.33] };
+        let errors = Errors { along: mean_square_of(along_db), across: mean_square_of(across_db), across_decay };
+        // The closer pixels are to each other, the less is left out between them.
+        let pixel_in_samples = pixel_in_samples(slices.grid(), camera, options);
+        let oversampling = 0.7 * (pixel_in_samples / 0.62).powf(0.25);
+        let at = Settings { sheets_per_slice: 2.0, oversampling };
+        // Base planes that lie aslant to the picture have more texels than it has pixels.
+        let most_oversampling = (MAX_TEXELS / (3.0 * options.width_px as f64 * options.height_px as f64)).sqrt();
+        Self { errors, at, along_decay, is_smooth, composite, pixel_in_samples, most_oversampling }
+    }
+
+    /// The settings of a first picture: of those that promise an error, the cheapest.
+    pub fn first(&self, error: f64, options: &RenderOptions) -> Settings {
+        let least = self.least_of_first(options);
+        let error = error * if self.is_smooth { 1.0 } else { SPARE_OF_STEPS };
+        let best = self.from(least).map(|settings| self.error(&settings)).fold(f64::INFINITY, f64::min);
+        let enough = self.from(least).filter(|settings| self.error(settings) <= error.max(NEARLY * best));
+        enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).expect("there are settings")
+    }
+
+    /// The least of all settings.
+    pub fn least() -> Settings {
+        Settings { sheets_per_slice: SHEETS[0], oversampling: OVERSAMPLINGS[0] }
+    }
+
+    /// The least that a first picture is drawn with. Small pictures cost little, and few texels tell little of their
+    /// error; nor do few sheets where colours along a ray do not change smoothly.
+    fn least_of_first(&self, options: &RenderOptions) -> Settings {
+        let is_small = options.width_px * options.height_px < SMALL_PX;
+        Settings {
+            sheets_per_slice: if self.is_smooth { SHEETS[0] } else { 1.0 },
+            oversampling: if is_small { 1.0 } else { OVERSAMPLINGS[0] },
+        }
+    }
+
+    /// With the errors of a picture that was drawn.
+    pub fn after(&self, errors: Errors, at: Settings) -> Self {
+        let [along_decay, most_decay] = if self.is_smooth { [0.13, 0.2] } else { [0.16, 0.32] };
+        // What was measured is what coarser texels do, far from what they converge to.
+        let most_decay = if self.composite.is_projection() { 1.0 } else { most_decay };
+        let across_decay = errors.across_decay.min(most_decay);
+        Self { errors: Errors { across_decay, ..errors }, at, along_decay, ..*self }
+    }
+
+    /// The mean square error with some settings.
+    pub fn error(&self, new: &Settings) -> f64 {
+        let [along, across] = self.errors_with(new);
+        along + across
+    }
+
+    /// The mean square change from some settings to finer ones, but for what both have in common: both have their own
+    /// errors.
+    pub fn change(&self, from: &Settings, to: &Settings) -> f64 {
+        let [from_errors, to_errors] = [from, to].map(|settings| self.errors_with(settings));
+        let along = if to.sheets_per_slice == from.sheets_per_slice { 0.0 } else { from_errors[0] + to_errors[0] };
+        let across = if to.oversampling == from.oversampling { 0.0 } else { from_errors[1] + to_errors[1] };
+        OF_BOTH * (along + across)
+    }
+
+    /// The mean square errors with some settings, along and across the rays: fall evenly with the logarithm of the
+    /// effort.
+    fn errors_with(&self, new: &Settings) -> [f64; 2] {
+        let along = |settings: &Settings| {
+            let with_one_read = self.along_decay.powf(settings.sheets_per_slice.log2());
+            with_one_read * along_of_mean(reads_per_axis(self.composite, settings.oversampling), self.is_smooth)
+        };
+        let across = |settings: &Settings| {
+            let oversampling = settings.oversampling;
+            let with_one_read = |oversampling: f64| self.errors.across_decay.powf(oversampling.log2());
+            let is_mean = reads_per_axis(self.composite, oversampling) > 1;
+            let more_reads = || OF_MEAN * MORE_READS.powf((oversampling / ONE_READ).log2());
+            if is_mean { with_one_read(ONE_READ) * more_reads() } else { with_one_read(oversampling) }
+        };
+        [self.errors.along * along(new) / along(&self.at), self.errors.across * across(new) / across(&self.at)]
+    }
+
+    /// How long a picture takes, in no unit. Much of a sheet's work is for samples, not for texels; of a hard surface
+    /// much is done whatever the number of sheets.
+    pub fn cost(&self, settings: &Settings) -> f64 {
+        let texels_per_sample = settings.oversampling / self.pixel_in_samples;
+        let (per_picture, per_sample) = if self.is_smooth { (0.0, 1.1) } else { (1.5, 2.2) };
+        (per_picture + settings.sheets_per_slice) * (per_sample + texels_per_sample.powi(2))
+    }
+
+    /// All settings that are at least as fine as some.
+    pub fn from(&self, least: Settings) -> impl Iterator<Item = Settings> {
+        let most_oversampling = self.most_oversampling.max(least.oversampling).max(OVERSAMPLINGS[0]);
+        SHEETS.into_iter().filter(move |n| *n >= least.sheets_per_slice).flat_map(move |sheets_per_slice| {
+            let oversamplings = OVERSAMPLINGS.into_iter();
+            let oversamplings = oversamplings.filter(move |n| (least.oversampling..=most_oversampling).contains(n));
+            oversamplings.map(move |oversampling| Settings { sheets_per_slice, oversampling })
+        })
+    }
+}
+
+/// Of a PSNR, peak 1.
+pub fn mean_square_of(psnr_db: f64) -> f64 {
+    10.0_f64.powf(-0.1 * psnr_db)
+}

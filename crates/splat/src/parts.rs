@@ -112,7 +112,7 @@ pub fn replace(picture: &mut Picture, other: &Picture, parts: &Parts) -> Vec<f64
 }
 
 /// The mean square difference of two colours over black.
-fn difference(a: &[f32; 4], b: &[f32; 4]) -> f32 {
+pub fn difference(a: &[f32; 4], b: &[f32; 4]) -> f32 {
     (0..3).map(|c| (a[c].clamp(0.0, 1.0) - b[c].clamp(0.0, 1.0)).powi(2)).sum::<f32>() / 3.0
 }
 

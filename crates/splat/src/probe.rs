@@ -14,6 +14,7 @@ use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Picture, Result};
 
 use crate::base_picture::BasePicture;
+use crate::parts::difference;
 use crate::render::{Monitor, Progress, color_projection, reads_per_axis, warped_rows};
 use crate::scene::Scene;
 use crate::sheet::{BLOCK_V, Block, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V};
@@ -119,8 +120,7 @@ impl Difference {
     fn between(a: &[[f32; 4]], b: &[[f32; 4]]) -> Self {
         let mut all = Self::default();
         for (a, b) in a.iter().zip(b) {
-            let square = |c: usize| f64::from(a[c].clamp(0.0, 1.0) - b[c].clamp(0.0, 1.0)).powi(2);
-            all.sum_of_squares += (0..3).map(square).sum::<f64>() / 3.0;
+            all.sum_of_squares += f64::from(difference(a, b));
             all.n_seen += usize::from(a[3] > 0.0 || b[3] > 0.0);
         }
         all

@@ -1,7 +1,7 @@
 //! Which parts of a picture are drawn once more, and how finely.
 //!
-//! Where the error of a picture is follows the contrast of its parts: the squares of the Laplacian of the colours. Half
-//! of the parts that show something have nine tenths of it.
+//! The error of a picture is where its contrast is: parts have about as much of the one as of the other, if contrast is
+//! the squares of the Laplacian of the colours.
 
 use wavesplat_core::Picture;
 

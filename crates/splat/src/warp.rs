@@ -23,7 +23,8 @@ pub struct Warped {
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture, or the parts of it that the base planes are for. `reads_per_axis`: reads per pixel along x and along y. `peak`: largest unassociated colour.
+/// Draws the picture, or the parts of it that the base planes are for. `reads_per_axis`: reads per pixel along x and
+/// along y. `peak`: largest unassociated colour.
 pub fn warp(
     level: Level,
     pictures: &[BasePicture],
@@ -60,6 +61,7 @@ pub fn warp(
 /// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
 /// plane, and what one has read is near when the next one wants it.
 const BAND: usize = 32;
+const _: () = assert!(BAND.is_multiple_of(PART_PX), "a part lies in one band");
 
 /// What is read.
 struct Reads<'a> {

@@ -30,7 +30,8 @@ pub struct Refinement {
     settings: Vec<Settings>,
     /// Those that show something.
     parts: Vec<Part>,
-    n_parts: usize,
+    /// Of all, those that show nothing yet.
+    is_unseen: Vec<bool>,
 }
 
 /// A part that shows something has this share of the mean error at least.
@@ -48,7 +49,6 @@ impl Refinement {
     /// Of a picture that was drawn with some settings.
     pub fn new(experience: Experience, first: Settings, picture: &Picture) -> Self {
         let contrasts = contrasts(picture);
-        let n_parts = contrasts.len();
         let seen = contrasts.iter().enumerate().filter(|(_, contrast)| **contrast > 0.0);
         let mut parts: Vec<Part> = seen.map(|(idx, error)| Part { pass: 0, error: *error, idx }).collect();
         let sum: f64 = parts.iter().map(|part| part.error).sum();
@@ -57,7 +57,8 @@ impl Refinement {
         for part in &mut parts {
             part.error = (part.error + floor) * scale;
         }
-        Self { experience, settings: vec![first], parts, n_parts }
+        let is_unseen = contrasts.iter().map(|contrast| *contrast == 0.0).collect();
+        Self { experience, settings: vec![first], parts, is_unseen }
     }
 
     /// The mean square error of the picture.
@@ -67,7 +68,8 @@ impl Refinement {
 
     /// The share of what is seen that is drawn once more.
     pub fn share(&self, next: &Next) -> f64 {
-        next.is_wanted.iter().filter(|is_wanted| **is_wanted).count() as f64 / self.parts.len().max(1) as f64
+        let n_drawn = self.parts.iter().filter(|part| next.is_wanted[part.idx]).count();
+        n_drawn as f64 / self.parts.len().max(1) as f64
     }
 
     /// The factors by which other settings make errors smaller, for each pass.
@@ -109,7 +111,8 @@ impl Refinement {
             }
         }
         let (_, settings, n) = cheapest?;
-        let mut is_wanted = vec![false; self.n_parts];
+        // Where nothing was seen, something fine may lie between the texels; where there is nothing, it costs nothing.
+        let mut is_wanted = self.is_unseen.clone();
         let factors = self.factors(&settings);
         for part in self.parts[..n].iter().filter(|part| factors[part.pass] < 1.0) {
             is_wanted[part.idx] = true;
@@ -132,6 +135,7 @@ impl Refinement {
         // Those that are left are like those with the least contrast of them.
         let of_others = truer(&drawn[drawn.len() / 2..]);
         self.settings.push(next.settings);
+        self.is_unseen.fill(false);
         for part in &mut self.parts {
             if next.is_wanted[part.idx] {
                 part.error *= of_drawn * factors[part.pass];
@@ -155,18 +159,18 @@ mod tests {
 
     const FIRST: Settings = Settings { sheets_per_slice: 1.0, oversampling: 0.5 };
 
-    /// Of four parts in a row, with the contrast of stripes of these heights; the last shows nothing.
+    /// Of five parts in a row, with the contrast of stripes of these heights; the last shows nothing.
     fn refinement(heights: [f32; 3]) -> Refinement {
         let color = |x: usize| heights.get(x / 16).map_or(0.0, |height| 0.5 + height * (x % 2) as f32);
-        let rgba = (0..64 * 16).map(|k| [color(k % 64), 0.0, 0.0, if k % 64 < 48 { 1.0 } else { 0.0 }]).collect();
-        let picture = Picture { width_px: 64, height_px: 16, rgba, depth: None, value: None };
+        let rgba = (0..80 * 16).map(|k| [color(k % 80), 0.0, 0.0, if k % 80 < 48 { 1.0 } else { 0.0 }]).collect();
+        let picture = Picture { width_px: 80, height_px: 16, rgba, depth: None, value: None };
         let phantom = Phantom::ripples(8);
         let volume = phantom.volume();
         let slices = Slices::new(&volume, Kernel::Linear);
         let hard = opacity_ramp(&[(127.0, 0.0), (128.0, 1.0)], None);
         let projection = Projection::Orthographic { parallel_scale: 6.0 };
         let camera = camera_towards(phantom.centre(), DVec3::X, 20.0, projection);
-        let options = RenderOptions { width_px: 64, height_px: 16, ..RenderOptions::default() };
+        let options = RenderOptions { width_px: 80, height_px: 16, ..RenderOptions::default() };
         let errors = Errors { along: 5e-4, across: 5e-4, across_decay: 0.4 };
         let usual = Experience::usual(&slices, &hard, &camera, &options);
         Refinement::new(usual.after(errors, FIRST), FIRST, &picture)
@@ -177,7 +181,7 @@ mod tests {
         let mut all = refinement([0.02, 0.4, 0.1]);
         assert!((all.error() - 1e-3).abs() < 1e-12, "the error is that of the first picture");
         let next = all.cheapest(5e-4, 1.0).unwrap();
-        assert_eq!(next.is_wanted, [false, true, false, false]);
+        assert_eq!(next.is_wanted, [false, true, false, false, true], "and what shows nothing yet");
         let next = all.cheapest(2e-6, 1.0).unwrap();
         assert!(next.is_wanted[1] && next.is_wanted[2]);
         assert!(next.settings.sheets_per_slice > 2.0 && next.settings.oversampling > 1.0);
@@ -189,6 +193,7 @@ mod tests {
         let left_after = |times: f64| {
             let mut all = refinement([0.1, 0.4, 0.1]);
             let next = all.cheapest(5e-4, 1.0).unwrap();
+            assert_eq!(next.is_wanted, [false, true, false, false, true]);
             let change = times * all.experience.change(&FIRST, &next.settings) * all.parts[0].error / all.error();
             let changes: Vec<f64> = next.is_wanted.iter().map(|drawn| if *drawn { change } else { 0.0 }).collect();
             all.drawn(&next, &changes);
@@ -204,7 +209,7 @@ mod tests {
         let mut all = refinement([0.3, 0.4, 0.1]);
         let next = all.cheapest(mean_square_of(80.0), 0.8).unwrap();
         let before = all.error();
-        let changes: Vec<f64> = vec![before / 3.0; 4];
+        let changes: Vec<f64> = vec![before / 3.0; 5];
         all.drawn(&next, &changes);
         assert!(all.error() < 0.1 * before);
         // Until there is less to gain than what is spared, and no longer.
@@ -213,7 +218,7 @@ mod tests {
             let before = all.error();
             let change = |pass: &Settings| all.experience.change(pass, &next.settings);
             let expected = all.settings.iter().map(change).fold(0.0, f64::max);
-            let changes = vec![expected * before / all.experience.error(&FIRST) / 3.0; 4];
+            let changes = vec![expected * before / all.experience.error(&FIRST) / 3.0; 5];
             all.drawn(&next, &changes);
             assert!(all.error() < 0.9 * before, "{} {before}", all.error());
             n_passes += 1;

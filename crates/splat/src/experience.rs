@@ -79,8 +79,8 @@ impl Experience {
     pub fn first(&self, error: f64, options: &RenderOptions) -> Settings {
         let least = self.least_of_first(options);
         let error = error * if self.is_smooth { 1.0 } else { SPARE_OF_STEPS };
-        let best = self.from(least).map(|settings| self.error(&settings)).fold(f64::INFINITY, f64::min);
-        let enough = self.from(least).filter(|settings| self.error(settings) <= error.max(NEARLY * best));
+        let best = self.settings_from(least).map(|settings| self.error(&settings)).fold(f64::INFINITY, f64::min);
+        let enough = self.settings_from(least).filter(|settings| self.error(settings) <= error.max(NEARLY * best));
         enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).expect("there are settings")
     }
 
@@ -149,7 +149,7 @@ impl Experience {
     }
 
     /// All settings that are at least as fine as some.
-    pub fn from(&self, least: Settings) -> impl Iterator<Item = Settings> {
+    pub fn settings_from(&self, least: Settings) -> impl Iterator<Item = Settings> {
         let most_oversampling = self.most_oversampling.max(least.oversampling).max(OVERSAMPLINGS[0]);
         SHEETS.into_iter().filter(move |n| *n >= least.sheets_per_slice).flat_map(move |sheets_per_slice| {
             let oversamplings = OVERSAMPLINGS.into_iter();

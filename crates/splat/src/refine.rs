@@ -9,7 +9,7 @@ use crate::experience::{Experience, Settings};
 use crate::parts::contrasts;
 
 /// Parts that are drawn once more.
-pub struct Next {
+pub struct NextPass {
     pub settings: Settings,
     /// Of all parts of the picture, row by row.
     pub is_wanted: Vec<bool>,
@@ -39,7 +39,7 @@ const FLAT: f64 = 0.03;
 
 /// The work of some parts: what is done for a picture whatever is drawn of it, and the factor by which texels
 /// are more than those of the parts, since the filter reads those around them, too.
-const WHATEVER: f64 = 0.2;
+const FIXED_SHARE: f64 = 0.2;
 const AROUND: f64 = 1.2;
 
 /// By how much what was measured is believed rather than what was expected.
@@ -67,7 +67,7 @@ impl Refinement {
     }
 
     /// The share of what is seen that is drawn once more.
-    pub fn share(&self, next: &Next) -> f64 {
+    pub fn share(&self, next: &NextPass) -> f64 {
         let n_drawn = self.parts.iter().filter(|part| next.is_wanted[part.idx]).count();
         n_drawn as f64 / self.parts.len().max(1) as f64
     }
@@ -84,11 +84,14 @@ impl Refinement {
 
     /// What is cheapest of what promises an error of the picture, if it can be with something to spare. Where nothing
     /// does, what promises nearly the least; `None` where that is hardly less than now.
-    pub fn cheapest(&mut self, error: f64, spare: f64) -> Option<Next> {
+    pub fn cheapest(&mut self, error: f64, spare: f64) -> Option<NextPass> {
         self.parts.sort_by(|a, b| b.error.total_cmp(&a.error).then(a.idx.cmp(&b.idx)));
         let now = self.error();
-        let all: Vec<(Settings, Vec<f64>)> =
-            self.experience.from(self.settings[0]).map(|settings| (settings, self.factors(&settings))).collect();
+        let all: Vec<(Settings, Vec<f64>)> = self
+            .experience
+            .settings_from(self.settings[0])
+            .map(|settings| (settings, self.factors(&settings)))
+            .collect();
         let all_with = |factors: &[f64]| self.parts.iter().map(|part| part.error * factors[part.pass]).sum::<f64>();
         let best = all.iter().map(|(_, factors)| all_with(factors)).fold(f64::INFINITY, f64::min);
         let error = if best <= error { (error * spare).max(0.5 * (best + error)) } else { best / spare };
@@ -105,7 +108,7 @@ impl Refinement {
             let Some(last) = enough else { continue };
             let n = last + 1;
             let share = (AROUND * n as f64 / self.parts.len() as f64).min(1.0);
-            let cost = self.experience.cost(settings) * (WHATEVER + (1.0 - WHATEVER) * share);
+            let cost = self.experience.cost(settings) * (FIXED_SHARE + (1.0 - FIXED_SHARE) * share);
             if cheapest.is_none_or(|(least, ..)| cost < least) {
                 cheapest = Some((cost, *settings, n));
             }
@@ -117,11 +120,11 @@ impl Refinement {
         for part in self.parts[..n].iter().filter(|part| factors[part.pass] < 1.0) {
             is_wanted[part.idx] = true;
         }
-        Some(Next { settings, is_wanted })
+        Some(NextPass { settings, is_wanted })
     }
 
     /// Parts were drawn once more. `changes`: how much of the picture changed in each part, mean square.
-    pub fn drawn(&mut self, next: &Next, changes: &[f64]) {
+    pub fn drawn(&mut self, next: &NextPass, changes: &[f64]) {
         let factors = self.factors(&next.settings);
         let drawn: Vec<&Part> = self.parts.iter().filter(|part| next.is_wanted[part.idx]).collect();
         let change = |pass: &Settings| self.experience.change(pass, &next.settings) / self.experience.error(pass);

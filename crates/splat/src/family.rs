@@ -34,6 +34,19 @@ impl IndexRays {
         Self { origin: [self.origin(x_px, y_px), ox, oy], direction: [self.direction(x_px, y_px), dx, dy] }
     }
 
+    /// Every `n`th ray along x and along y, from the first on.
+    #[must_use]
+    pub fn every(self, n: usize) -> Self {
+        let per_pixel = n as f64;
+        // The middle of the first pixel stays where it is.
+        let corner = 0.5 - 0.5 * per_pixel;
+        let Self { origin: [_, ox, oy], direction: [_, dx, dy] } = self;
+        Self {
+            origin: [self.origin(corner, corner), ox * per_pixel, oy * per_pixel],
+            direction: [self.direction(corner, corner), dx * per_pixel, dy * per_pixel],
+        }
+    }
+
     /// How far apart the rays of neighbouring pixels are, in samples, where that of a pixel position is nearest to a point.
     pub fn distance_at(&self, point: DVec3, [x_px, y_px]: [f64; 2]) -> f64 {
         let (origin, direction) = (self.origin(x_px, y_px), self.direction(x_px, y_px));

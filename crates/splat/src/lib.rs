@@ -17,6 +17,7 @@ pub mod bricks;
 pub mod by_gradient;
 pub mod classify;
 pub mod composite;
+mod enlarge;
 pub mod estimate;
 mod experience;
 pub mod extras;

@@ -175,7 +175,7 @@ pub(crate) fn warped_rows(
     let size = [options.width_px, rows.len()];
     let is_projection = options.composite.is_projection();
     let reads = reads_per_axis(options.composite, oversampling);
-    let peak = if is_projection { f32::INFINITY } else { options.shading.as_ref().map_or(1.0, brightest) };
+    let peak = if is_projection { f32::MAX } else { options.shading.as_ref().map_or(1.0, brightest) };
     let rays = rays(scene).part([0, rows.start]);
     let warped = warp(scene.level, base_pictures, &rays, size, reads, peak, with_depth);
     let [width_px, height_px] = size;

@@ -112,8 +112,7 @@ impl<'a> Resampler<'a> {
             s.store(w2, &mut weights[axis][2].0);
             s.store(w3, &mut weights[axis][3].0);
         }
-        let is_opacity = s.lt(s.splat(0.5), s.load(&IS_OPACITY));
-        let peak = s.select(is_opacity, s.splat(1.0), s.splat(peak));
+        let peak = peaks(s, peak);
         let mut quads = [s.splat(0.0); LANES / QUAD];
         for quad in 0..LANES / QUAD {
             quads[quad] = read_quad(s, &rows, quad, &places, &weights, peak);
@@ -191,15 +190,28 @@ fn read_quad<S: Simd>(
     let (w2, w3) = (s.take(&weights_u[2].0, pixel), s.take(&weights_u[3].0, pixel));
     let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
     let ([_, a, b, _], [_, c, d, _]) = (s.transpose_quads(least), s.transpose_quads(most));
-    let color = s.min(s.max(sum, s.min(a, b)), s.max(c, d));
+    held(s, sum, [s.min(a, b), s.max(c, d)], peak)
+}
+
+/// Four pixels held between what lies around them, no colour brighter than its opacity lets it be. `peak`: of [`peaks`].
+#[inline(always)]
+pub fn held<S: Simd>(s: S, quad: S::F, [least, most]: [S::F; 2], peak: S::F) -> S::F {
+    let color = s.min(s.max(quad, least), most);
     let mut numbers = Lanes([0.0; LANES]);
     s.store(color, &mut numbers.0);
     s.min(color, s.mul(peak, s.take(&numbers.0, &OPACITY)))
 }
 
+/// The largest share of its opacity that each number of four pixels may have. `peak`: that of a colour.
+#[inline(always)]
+pub fn peaks<S: Simd>(s: S, peak: f32) -> S::F {
+    let is_opacity = s.lt(s.splat(0.5), s.load(&IS_OPACITY));
+    s.select(is_opacity, s.splat(1.0), s.splat(peak))
+}
+
 /// Weights of the four texels around positions `t` of the way from the second to the third.
 #[inline(always)]
-fn catmull_rom<S: Simd>(s: S, t: S::F) -> [S::F; 4] {
+pub fn catmull_rom<S: Simd>(s: S, t: S::F) -> [S::F; 4] {
     let (one, half) = (s.splat(1.0), s.splat(0.5));
     let w0 = s.mul(s.sub(s.mul(s.sub(one, s.mul(half, t)), t), half), t);
     let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(1.5), t), s.splat(2.5)), t), t), one);

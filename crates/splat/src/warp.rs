@@ -11,6 +11,7 @@ use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 
 use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
+use crate::enlarge::{self, pixels_per_read, reads_around};
 use crate::family::{Family, IndexRays};
 use crate::parts::{PART_PX, Parts};
 use crate::resample::{FAR, Quads, Resampler};
@@ -34,15 +35,14 @@ pub fn warp(
     peak: f32,
     with_depth: bool,
 ) -> Warped {
-    let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
-    let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
-    let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
     let parts = pictures.first().and_then(|picture| picture.plane.parts.as_deref());
-    let reads = Reads { resamplers: &resamplers, rays, offsets: &offsets, share, peak, parts };
-    parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
-        reads.draw_band(level, band * BAND, pixels, width_px);
-    });
+    let size_px = [width_px, height_px];
+    let apart = match parts {
+        None if reads_per_axis == 1 => pixels_per_read(texels_per_pixel(pictures, rays, size_px)),
+        _ => 1,
+    };
+    let rgba = colors(level, &resamplers, rays, size_px, [reads_per_axis, apart], peak, parts);
     let parameters = with_depth.then(|| {
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
@@ -58,6 +58,46 @@ pub fn warp(
     Warped { rgba, ray_parameter: parameters }
 }
 
+/// The pixels' colours. `reads`: per pixel along each axis, and pixels per read; one of them is 1.
+pub(crate) fn colors(
+    level: Level,
+    resamplers: &[Resampler],
+    rays: &IndexRays,
+    [width_px, height_px]: [usize; 2],
+    [reads_per_axis, pixels_per_read]: [usize; 2],
+    peak: f32,
+    parts: Option<&Parts>,
+) -> Vec<[f32; 4]> {
+    let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
+    let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
+    let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
+    let rays = &rays.every(pixels_per_read);
+    let reads = Reads { resamplers, rays, pixels_per_read, offsets: &offsets, share, peak, parts };
+    parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
+        reads.draw_band(level, band * BAND, pixels, width_px);
+    });
+    rgba
+}
+
+/// How far apart neighbouring pixels of the picture are in their base planes at most, by some of them.
+pub(crate) fn texels_per_pixel(pictures: &[BasePicture], rays: &IndexRays, size_px: [usize; 2]) -> f64 {
+    const N: usize = 8;
+    let mut most = 0.0_f64;
+    for k in 0..(N + 1) * (N + 1) {
+        let [x, y] = [k % (N + 1), k / (N + 1)];
+        let [x, y] = [(x, 0), (y, 1)].map(|(i, axis)| (i * size_px[axis]) as f64 / N as f64);
+        let family = Family::of(rays.direction(x, y));
+        if let Some(BasePicture { plane, .. }) = pictures.iter().find(|picture| picture.plane.family == family) {
+            let here = plane.texel_from_pixel(rays, x, y);
+            for next in [[x + 1.0, y], [x, y + 1.0]] {
+                let step = plane.texel_from_pixel(rays, next[0], next[1]) - here;
+                most = most.max(step.abs().max_element());
+            }
+        }
+    }
+    most
+}
+
 /// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
 /// plane, and what one has read is near when the next one wants it.
 const BAND: usize = 32;
@@ -66,7 +106,9 @@ const _: () = assert!(BAND.is_multiple_of(PART_PX), "a part lies in one band");
 /// What is read.
 struct Reads<'a> {
     resamplers: &'a [Resampler<'a>],
+    /// Those that are read: of every pixel, or of some.
     rays: &'a IndexRays,
+    pixels_per_read: usize,
     /// Where a pixel is read, along x and along y.
     offsets: &'a [f64],
     /// Weight of a read.
@@ -85,17 +127,23 @@ impl<'a> Reads<'a> {
             [only] if only.picture.plane.eye_w().is_none() => Some((only, Affine::new(&only.picture.plane, self.rays))),
             _ => None,
         };
-        let side = if self.parts.is_some() { PART_PX } else { BAND };
-        for (k, pixels) in pixels.chunks_mut(side * width_px).enumerate() {
-            let first_row = first_row + k * side;
-            for x in (0..width_px).step_by(side) {
+        let pixels_per_read = self.pixels_per_read;
+        let [n_columns, n_rows] = match self.parts {
+            Some(_) => [PART_PX; 2],
+            None if pixels_per_read == 1 => [BAND; 2],
+            None => [enlarge::n_columns(pixels_per_read), BAND],
+        };
+        for (k, pixels) in pixels.chunks_mut(n_rows * width_px).enumerate() {
+            let first_row = first_row + k * n_rows;
+            for x in (0..width_px).step_by(n_columns) {
                 if self.parts.is_some_and(|parts| !parts.is_wanted(x, first_row)) {
                     continue;
                 }
-                let rectangle = Rectangle { columns: x..(x + side).min(width_px), first_row, pixels, width_px };
+                let columns = x..(x + n_columns).min(width_px);
+                let rectangle = Rectangle { columns, first_row, pixels, width_px };
                 if let Some((only, affine)) = &parallel {
                     self.draw_one(level, rectangle, only, affine);
-                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
+                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners(self.pixels_per_read)) {
                     if let Some(resampler) = self.resampler(family) {
                         let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
                         self.draw_one(level, rectangle, resampler, &slopes);
@@ -109,7 +157,7 @@ impl<'a> Reads<'a> {
 
     /// Draws pixels that one base plane serves, where anything of it can be seen.
     fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) {
-        let [first, others @ ..] = rectangle.corners().map(|[x, y]| map.texel(x, y));
+        let [first, others @ ..] = rectangle.corners(self.pixels_per_read).map(|[x, y]| map.texel(x, y));
         let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
         let drawn = resampler.drawn_between(lo, hi);
         if !drawn.is_empty() {
@@ -143,20 +191,27 @@ impl<'a> Reads<'a> {
 }
 
 /// Some columns of some rows of pixels.
-struct Rectangle<'a> {
-    columns: Range<usize>,
-    first_row: usize,
+pub struct Rectangle<'a> {
+    /// Which columns.
+    pub columns: Range<usize>,
+    /// The row of the picture that is the first here.
+    pub first_row: usize,
     /// The rows.
-    pixels: &'a mut [[f32; 4]],
-    width_px: usize,
+    pub pixels: &'a mut [[f32; 4]],
+    /// Pixels from a row to the next.
+    pub width_px: usize,
 }
 
 impl Rectangle<'_> {
-    /// The pixel positions around it.
-    fn corners(&self) -> [[f64; 2]; 4] {
-        let last_row = self.first_row + self.pixels.len() / self.width_px;
-        let [x, last_x, y, last_y] =
-            [self.columns.start, self.columns.end, self.first_row, last_row].map(|edge| edge as f64);
+    /// The positions around what is read for it.
+    fn corners(&self, pixels_per_read: usize) -> [[f64; 2]; 4] {
+        let n_rows = self.pixels.len() / self.width_px;
+        let around = |first: usize, n: usize| match pixels_per_read {
+            1 => [first, first + n].map(|edge| edge as f64),
+            _ => reads_around(pixels_per_read, first, n),
+        };
+        let [x, last_x] = around(self.columns.start, self.columns.len());
+        let [y, last_y] = around(self.first_row, n_rows);
         [[x, y], [last_x, y], [x, last_y], [last_x, last_y]]
     }
 }
@@ -173,7 +228,21 @@ impl<R: Source> Kernel for Draw<'_, R> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Self { reads, source, rectangle: Rectangle { columns, first_row, pixels, width_px } } = self;
+        let Self { reads, source, rectangle } = self;
+        let pixels_per_read = reads.pixels_per_read;
+        if pixels_per_read > 1 {
+            let first = [rectangle.columns.start, rectangle.first_row];
+            let [x, y] = first.map(|first| reads_around(pixels_per_read, first, 1)[0]);
+            return enlarge::draw(
+                s,
+                pixels_per_read,
+                rectangle,
+                reads.peak,
+                #[inline(always)]
+                |row, n| source.read(s, [x, y + row as f64], n),
+            );
+        }
+        let Rectangle { columns, first_row, pixels, width_px } = rectangle;
         for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
             for x in columns.clone().step_by(LANES) {
                 let n = LANES.min(columns.end - x);

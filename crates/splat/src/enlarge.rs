@@ -1,0 +1,257 @@
+//! Pixels that lie close together in a base plane: only some of them are read, the others put between these.
+//!
+//! Of a coarse level of details a texel covers many pixels, and its cubic is smooth: reads half a texel apart, with the
+//! same cubic between them, show what reads at every pixel show, but for a few hundredths of the contrast of single
+//! texels (the test below).
+
+use wavesplat_compute::simd::{LANES, Lanes, Simd};
+
+use crate::resample::{QUAD, Quads, catmull_rom, held, peaks};
+use crate::warp::Rectangle;
+
+/// Reads are no further apart than so many texels.
+const READS_APART: f64 = 0.5;
+
+/// Most pixels from a read to the next.
+const MOST: usize = 4;
+
+/// Reads that the cubic takes before the first pixel and after the last.
+const BESIDE: usize = 3;
+
+/// Reads of a row that pixels follow, a multiple of what fills a vector.
+const SPANS: usize = (LANES - BESIDE) / QUAD * QUAD;
+
+/// Pixels from a read to the next where neighbours lie so many texels apart at most; 1: every pixel is read.
+pub fn pixels_per_read(texels_per_pixel: f64) -> usize {
+    let n = READS_APART / texels_per_pixel;
+    // Not where that is no number.
+    if n >= 2.0 { n.min(MOST as f64) as usize } else { 1 }
+}
+
+/// Columns of pixels that one row of reads serves.
+pub fn n_columns(pixels_per_read: usize) -> usize {
+    SPANS * pixels_per_read
+}
+
+/// Where the reads of a run of `n` pixels begin and end, in pixels of as many reads; the first pixel is the `first`th.
+pub fn reads_around(pixels_per_read: usize, first: usize, n: usize) -> [f64; 2] {
+    let begin = first as f64 / pixels_per_read as f64 - 0.5;
+    [begin, begin + (n_reads(pixels_per_read, n) - 1) as f64]
+}
+
+/// Reads for a run of `n` pixels.
+fn n_reads(pixels_per_read: usize, n: usize) -> usize {
+    (n - 1) / pixels_per_read + 1 + BESIDE
+}
+
+/// Sixteen reads of a row.
+type Row = [Lanes; LANES / QUAD];
+
+/// Rows of pixels that are put between reads together: what one step writes is at hand when the next one wants it.
+const ROWS: usize = 8;
+
+/// Draws pixels, at most [`n_columns`] of a row. `read` reads so many of a row by its number, the first one read before
+/// the first pixel; row 0 is one read above the first row of pixels. `None`: nothing can be seen there.
+#[inline(always)]
+pub fn draw<S: Simd>(
+    s: S,
+    pixels_per_read: usize,
+    rectangle: Rectangle<'_>,
+    peak: f32,
+    read: impl Fn(usize, usize) -> Option<Quads<S>>,
+) {
+    match pixels_per_read {
+        2 => draw_by::<2, S>(s, rectangle, peak, read),
+        3 => draw_by::<3, S>(s, rectangle, peak, read),
+        _ => draw_by::<MOST, S>(s, rectangle, peak, read),
+    }
+}
+
+#[inline(always)]
+fn draw_by<const N: usize, S: Simd>(
+    s: S,
+    rectangle: Rectangle<'_>,
+    peak: f32,
+    read: impl Fn(usize, usize) -> Option<Quads<S>>,
+) {
+    let Rectangle { columns, pixels, width_px, .. } = rectangle;
+    let n_reads = n_reads(N, columns.len());
+    let peak = peaks(s, peak);
+    // Of the pixels after a read; the first of them is the read itself.
+    let mut weights = [[s.splat(0.0); 4]; N];
+    for k in 1..N {
+        weights[k] = catmull_rom(s, s.splat(k as f32 / N as f32));
+    }
+    // The four rows of reads around a pixel, each in its place by number.
+    let mut reads: [Row; 4] = [[Lanes::splat(0.0); LANES / QUAD]; 4];
+    let mut is_seen = [false; 4];
+    let mut n_read = 0;
+    // Beyond the sixteen reads of a row there are zeros.
+    let mut between_rows = [[0.0; QUAD * (LANES + QUAD)]; ROWS];
+    let mut some = [[[0.0; 4]; N]; SPANS];
+    for (group, pixels) in pixels.chunks_mut(ROWS * width_px).enumerate() {
+        let mut is_drawn = [false; ROWS];
+        for k in 0..pixels.len() / width_px {
+            let y = group * ROWS + k;
+            let first = y / N;
+            while n_read < first + 4 {
+                let quads = read(n_read, n_reads);
+                is_seen[n_read % 4] = quads.is_some();
+                let quads = quads.unwrap_or([s.splat(0.0); LANES / QUAD]);
+                for q in 0..quads.len() {
+                    s.store(quads[q], &mut reads[n_read % 4][q].0);
+                }
+                n_read += 1;
+            }
+            is_drawn[k] = is_seen != [false; 4];
+            let [above, upper, lower, below] = [0, 1, 2, 3].map(|i| &reads[(first + i) % 4]);
+            let (row, _) = between_rows[k].as_chunks_mut();
+            for q in 0..LANES / QUAD {
+                let quad = if y.is_multiple_of(N) {
+                    s.load(&upper[q].0)
+                } else {
+                    between(s, [&above[q].0, &upper[q].0, &lower[q].0, &below[q].0], &weights[y % N], peak)
+                };
+                s.store(quad, &mut row[q]);
+            }
+        }
+        for (k, pixels) in pixels.chunks_exact_mut(width_px).enumerate() {
+            // The picture is only written to where something is seen.
+            if !is_drawn[k] {
+                continue;
+            }
+            let row = &mut pixels[columns.clone()];
+            let whole = row.as_chunks_mut().0.first_chunk_mut();
+            let is_whole = whole.is_some();
+            let drawn: &mut [[[f32; 4]; N]; SPANS] = whole.unwrap_or(&mut some);
+            for first in (0..SPANS).step_by(QUAD) {
+                let from = |read: usize| between_rows[k][4 * (first + read)..].first_chunk().unwrap_or(&[0.0; LANES]);
+                let around = [from(0), from(1), from(2), from(3)];
+                let mut quads = [*around[1]; N];
+                for i in 1..N {
+                    s.store(between(s, around, &weights[i], peak), &mut quads[i]);
+                }
+                for i in 0..N {
+                    for (read, pixel) in quads[i].as_chunks().0.iter().enumerate() {
+                        drawn[first + read][i] = *pixel;
+                    }
+                }
+            }
+            if !is_whole {
+                row.copy_from_slice(&some.as_flattened()[..row.len()]);
+            }
+        }
+    }
+}
+
+/// Four pixels between four reads of each.
+#[inline(always)]
+fn between<S: Simd>(s: S, around: [&[f32; LANES]; 4], weights: &[S::F; 4], peak: S::F) -> S::F {
+    let [a, b, c, d] = [s.load(around[0]), s.load(around[1]), s.load(around[2]), s.load(around[3])];
+    let sum = s.add(s.add_mul(s.mul(weights[0], a), weights[1], b), s.add_mul(s.mul(weights[2], c), weights[3], d));
+    held(s, sum, [s.min(b, c), s.max(b, c)], peak)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec2, DVec3};
+    use wavesplat_compute::simd::Level;
+    use wavesplat_core::{Camera, Projection};
+
+    use super::*;
+    use crate::base_picture::BasePicture;
+    use crate::base_plane::base_planes;
+    use crate::family::IndexRays;
+    use crate::resample::Resampler;
+    use crate::warp::{colors, texels_per_pixel};
+
+    const PEAK: f32 = 0.9;
+
+    /// Spots a few texels wide on nothing, which base planes of several families show alike.
+    fn draw_spots(picture: &mut BasePicture, texel: f64) {
+        let plane = picture.plane.clone();
+        let [n_u, n_v] = plane.size;
+        let opacity = |i: usize, j: usize| {
+            let base = plane.origin + plane.step * DVec2::new(i as f64, j as f64);
+            let mut place = [0.0; 3];
+            for (axis, x) in plane.family.axes.into_iter().zip([base.x, base.y, 1.0]) {
+                place[axis] = if plane.family.ascending { x } else { -x };
+            }
+            let place = DVec3::from_array(place);
+            let place = if plane.eye_w().is_some() { place.normalize() } else { place } / texel;
+            let wave = |x: f64, y: f64, z: f64| (place.dot(DVec3::new(x, y, z))).sin();
+            (wave(0.9, 0.2, 0.4) * wave(0.1, 0.8, -0.5) + 0.5 * wave(-0.3, 0.4, 0.9)).clamp(0.0, 1.0) as f32
+        };
+        for j in 0..n_v {
+            for i in (0..n_u).step_by(LANES) {
+                let chunk = std::array::from_fn(|k| {
+                    let alpha = opacity(i + k, j);
+                    [0.2 * alpha, 0.5 * alpha, PEAK * alpha, alpha]
+                });
+                picture.put(i, j, &chunk, None);
+            }
+        }
+    }
+
+    /// What is put between reads is nearly what reads show, and the same with all vectors.
+    fn check(projection: Projection, position: DVec3, pixels_per_read: usize, size_px: [usize; 2]) {
+        let camera = Camera::new(position, DVec3::splat(20.0), DVec3::new(0.2, 1.0, 0.1), projection).unwrap();
+        let rays = IndexRays::new(&camera, DAffine3::IDENTITY, size_px[0], size_px[1]);
+        let oversampling = READS_APART / (pixels_per_read as f64 + 0.5);
+        let shown = [DVec3::splat(-100.0), DVec3::splat(140.0)];
+        let planes = base_planes(&camera, &rays, size_px, oversampling, shown).unwrap();
+        let mut pictures: Vec<_> = planes.into_iter().map(|plane| BasePicture::new(plane, false)).collect();
+        let texel = pictures[0].plane.step.max_element();
+        for picture in &mut pictures {
+            draw_spots(picture, texel);
+        }
+        if matches!(projection, Projection::Orthographic { .. }) {
+            assert_eq!(super::pixels_per_read(texels_per_pixel(&pictures, &rays, size_px)), pixels_per_read);
+        }
+        let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
+        let draw = |level, apart| colors(level, &resamplers, &rays, size_px, [1, apart], PEAK, None);
+        let all = draw(Level::best(), 1);
+        let some = draw(Level::best(), pixels_per_read);
+        let (mut sum, mut most, mut n_seen) = (0.0, 0.0_f32, 0);
+        for (all, some) in all.iter().zip(&some) {
+            for c in 0..4 {
+                assert!((0.0..=1.0).contains(&some[c]) && some[c] <= some[3], "{some:?}");
+                let error = (all[c] - some[c]).abs();
+                sum += f64::from(error * error);
+                most = most.max(error);
+            }
+            n_seen += usize::from(all[3] > 0.0);
+        }
+        let rms = (sum / (4 * n_seen) as f64).sqrt();
+        assert!(n_seen > all.len() / 4, "{n_seen} of {}", all.len());
+        assert!(rms > 0.0 && rms < 0.006 && most < 0.08, "{projection:?} {pixels_per_read}: rms {rms}, most {most}");
+        for level in Level::all() {
+            assert!(draw(level, pixels_per_read) == some, "{level:?}");
+        }
+    }
+
+    #[test]
+    fn pixels_between_reads_are_nearly_as_if_read() {
+        // Of odd sizes: the last columns and rows are fewer than others.
+        for pixels_per_read in 2..=MOST {
+            let orthographic = Projection::Orthographic { parallel_scale: 30.0 };
+            check(orthographic, DVec3::new(50.0, 30.0, 82.0), pixels_per_read, [301, 203]);
+            let perspective = Projection::Perspective { view_angle_rad: 0.6 };
+            check(perspective, DVec3::new(90.0, 12.0, 10.0), pixels_per_read, [203, 150]);
+            // Towards a corner of the cube of directions: three families.
+            check(perspective, DVec3::new(90.0, 91.0, 92.0), pixels_per_read, [203, 150]);
+            // A picture of one pixel.
+            assert_eq!(n_reads(pixels_per_read, 1), 4);
+        }
+    }
+
+    #[test]
+    fn pixels_are_read_one_by_one_where_texels_are_small() {
+        for (texels_per_pixel, n) in [(1.0, 1), (0.3, 1), (0.25, 2), (0.17, 2), (0.16, 3), (0.1, MOST), (1e-9, MOST)] {
+            assert_eq!(pixels_per_read(texels_per_pixel), n);
+        }
+        assert_eq!(pixels_per_read(f64::NAN), 1);
+        // No base plane: nothing is read.
+        assert_eq!(pixels_per_read(0.0), MOST);
+    }
+}

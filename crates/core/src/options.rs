@@ -317,13 +317,18 @@ const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
 /// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
-/// of which a pixel holds `samples_per_pixel`.
+/// of which a pixel holds `samples_per_pixel`; from the second level on a little further: the more a level has lost,
+/// the less texels miss of what is left.
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
     let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
-    let at_least = samples_per_pixel.clamp(LEAST_OVERSAMPLING, oversampling);
+    let per_sample = (2.0 / coarseness).min(1.0).powf(FEWER_TEXELS);
+    let at_least = (samples_per_pixel * per_sample).clamp(LEAST_OVERSAMPLING, oversampling);
     Ok((sheets_per_slice, (oversampling / coarseness).max(at_least)))
 }
+
+/// Power of the coarseness by which texels of a level beyond the first grow beyond its samples: by 9 % a level.
+const FEWER_TEXELS: f64 = 1.0 / 8.0;
 
 /// Texels per pixel at least.
 const LEAST_OVERSAMPLING: f64 = 0.1;
@@ -339,7 +344,8 @@ mod tests {
             assert_eq!(Kernel::from_name(name), Ok(kernel));
         }
         let oversampling = |coarseness, per_pixel| quality_settings("normal", false, coarseness, per_pixel).unwrap().1;
-        assert_eq!([oversampling(1.0, 9.0), oversampling(4.0, 0.1), oversampling(4.0, 0.5)], [1.0, 0.25, 0.5]);
+        assert_eq!([oversampling(1.0, 9.0), oversampling(2.0, 0.7), oversampling(4.0, 0.1)], [1.0, 0.7, 0.25]);
+        assert!((oversampling(32.0, 0.5) - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
         let sheets = |name, is_steep, coarseness| quality_settings(name, is_steep, coarseness, 0.5).unwrap().0;
         assert_eq!(
             [sheets("normal", true, 1.0), sheets("normal", true, 2.0), sheets("normal", false, 2.0)],

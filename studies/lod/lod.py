@@ -10,10 +10,12 @@ picture (mean over pixels and channels, shaded, over black) from the picture of 
 the views, and in brackets the view that is worst.
 Goals: at most half of plain's change; below 8 % at one level; below 4 % at two on CT with a soft function.
 
-Time is of the processor for a frame with everything kept that may be kept (least of 9), at last that of a frame without
-any details, which is what the pixels cost: it does not fall with the level. `--large` adds 512^3 and 1024^3 samples,
-the engine repeated. A sheet of pictures per volume and function goes to `--out`: above plain, below
-ours.
+Time is of the processor for a frame with everything kept that may be kept (least of 16), at last that of a frame
+without any details, which is what the pixels cost: it does not fall with the level. `--large` adds 512^3 and 1024^3
+samples, the engine repeated. Goal on the largest: 4 times less per level, so 4, 16 and 64 times less than with all
+levels. The next to last column has how many times less it is.
+
+A sheet of pictures per volume and function goes to `--out`: above plain, below ours.
 
 `--record` writes the table to RESULTS.md beside this file. Volumes are from BENCH_DATA or, where it lacks them,
 bundled.
@@ -90,9 +92,19 @@ class Row:
     plain: Array
     ours: Array
     frame_ms: Sequence[float]
+    has_goals: bool = True
+
+    @property
+    def times_less(self) -> list[float]:
+        """Frame with all levels over one with one, two, three left out."""
+        whole, *fewer = self.frame_ms
+        return [whole / ms for ms in fewer[:MOST_DROPPED]]
 
     def misses(self) -> list[str]:
         """Goals that do not hold."""
+        if not self.plain.any():
+            goals = [4 ** (n + 1) for n in range(MOST_DROPPED)]
+            return [f"{goal} times" for goal, times in zip(goals, self.times_less, strict=True) if times < goal]
         plain, ours = np.abs(self.plain.mean(axis=1)), np.abs(self.ours.mean(axis=1))
         missed = [f"half of plain at {n + 1}" for n in range(MOST_DROPPED) if ours[n] > plain[n] / 2]
         if ours[0] >= 8:
@@ -127,10 +139,10 @@ def draw(
 
 
 def least_ms(work: Callable[[], object]) -> float:
-    """Processor time, the least of 9 after one that is not counted."""
+    """Processor time, the least of 4 after one that is not counted."""
     work()
     times = []
-    for _ in range(9):
+    for _ in range(4):
         start = time.process_time()
         work()
         times.append(1e3 * (time.process_time() - start))
@@ -138,11 +150,15 @@ def least_ms(work: Callable[[], object]) -> float:
 
 
 def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) -> list[float]:
-    """Milliseconds of a frame with no level left out, one, and so on; at last all."""
+    """Milliseconds of a frame with no level left out, one, and so on; at last all.
+
+    The least of some rounds, so that a slow spell of the machine does not meet all frames of a level.
+    """
     camera = ws.Camera.orbit(wavelets, *VIEWS[0])
     frame = partial(ws.render, wavelets, tf, camera, size=(size, size))
     n_dropped = [*range(MOST_DROPPED + 1), wavelets.n_levels]
-    return [least_ms(partial(frame, drop_levels=n)) for n in n_dropped]
+    rounds = [[least_ms(partial(frame, drop_levels=n)) for n in n_dropped] for _ in range(4)]
+    return [min(times) for times in zip(*rounds, strict=True)]
 
 
 def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[Row]:
@@ -175,7 +191,7 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
 
 
 def large(n: int) -> list[Row]:
-    """n^3 samples: the engine, repeated; only its time."""
+    """n^3 samples: the engine, repeated; only its time, which has a goal where `n` is largest."""
     subject = SUBJECTS["engine"]
     engine = subject.volume()
     if engine is None:
@@ -188,7 +204,7 @@ def large(n: int) -> list[Row]:
 
     def row(curve: str) -> Row:
         times = frame_times(wavelets, transfer_function(subject, curve, 1.0), LARGE_SIZE)
-        return Row(f"engine, {n}^3, {LARGE_SIZE} px", curve, nothing, nothing, times)
+        return Row(f"engine, {n}^3, {LARGE_SIZE} px", curve, nothing, nothing, times, has_goals=n == max(LARGE))
 
     return [row(curve) for curve in ("soft", "hard")]
 
@@ -200,14 +216,13 @@ def table(rows: Sequence[Row]) -> list[list[str]]:
         worst = [line[np.argmax(np.abs(line))] for line in values]
         return " / ".join(f"{mean:+.1f} ({far:+.0f})" for mean, far in zip(values.mean(axis=1), worst, strict=True))
 
-    lines = [["volume", "function", "plain, %", "ours, %", "frame, CPU ms", "goals missed"]]
+    lines = [["volume", "function", "plain, %", "ours, %", "frame, CPU ms", "times less", "goals missed"]]
     for row in rows:
-        frames = " / ".join(f"{ms:.0f}" for ms in row.frame_ms)
-        if not row.plain.any():
-            lines.append([row.subject, row.curve, "", "", frames, ""])
-            continue
-        missed = ", ".join(row.misses()) or "none"
-        lines.append([row.subject, row.curve, changes(row.plain), changes(row.ours), frames, missed])
+        frames = " / ".join(f"{ms:.0f}" if ms >= 100 else f"{ms:.3g}" for ms in row.frame_ms)
+        times = " / ".join(f"{times:.1f}" for times in row.times_less)
+        shown = [changes(row.plain), changes(row.ours)] if row.plain.any() else ["", ""]
+        missed = ", ".join(row.misses()) or "none" if row.has_goals else ""
+        lines.append([row.subject, row.curve, *shown, frames, times, missed])
     return lines
 
 

@@ -89,11 +89,13 @@ pub fn render_to_psnr(
         // Where nothing is seen, nothing would be seen with the least of settings, either.
         let first = if errors.is_some() { first } else { Experience::least() };
         let errors = errors.unwrap_or_default();
-        let mut estimate = Estimate { passes: vec![Pass::new(first, 1.0)], psnr_db: psnr_of(errors.sum()) };
-        if errors.sum() <= wanted {
+        let experience = usual.after(errors, first);
+        let error = experience.error(&first);
+        let mut estimate = Estimate { passes: vec![Pass::new(first, 1.0)], psnr_db: psnr_of(error) };
+        if error <= wanted {
             return ended(picture, report, estimate);
         }
-        let mut refinement = Refinement::new(usual.after(errors, first), first, &picture);
+        let mut refinement = Refinement::new(experience, first, &picture);
         while refinement.error() > wanted && estimate.passes.len() < MOST_PASSES {
             let Some(next) = refinement.cheapest(wanted, SPARE) else { break };
             let from = 1.0 - 0.5_f32.powi(estimate.passes.len() as i32);

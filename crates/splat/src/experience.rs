@@ -7,7 +7,7 @@
 use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
 
 use crate::base_plane::MAX_TEXELS;
-use crate::probe::{Errors, OF_MEAN, along_of_mean};
+use crate::probe::{Errors, left_by_mean};
 use crate::render::reads_per_axis;
 use crate::scene::{is_steep, pixel_in_samples};
 use crate::slices::Slices;
@@ -21,23 +21,24 @@ pub struct Settings {
     pub oversampling: f64,
 }
 
-/// The least oversampling with which a pixel is the mean of several reads; and the factor by which twice of that makes
-/// the error across the rays fall, since there are more of them.
-const ONE_READ: f64 = 1.5;
-const MORE_READS: f64 = 0.2;
-
 /// Settings that are chosen from.
 const SHEETS: [f64; 10] = [0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
-const OVERSAMPLINGS: [f64; 10] = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0, 4.0];
+const OVERSAMPLINGS: [f64; 12] = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0, 4.0];
 
-/// Pictures of hard steps differ more from each other; a first one is to be better than it must be by this much (0.5 dB).
-const SPARE_OF_STEPS: f64 = 0.89;
+/// Pictures differ from each other; a first one is to be better than it must be by this much (0.5 and 0.9 dB), so that it
+/// need not be drawn again: where colours along a ray change smoothly, and where they do not.
+const SPARE: [f64; 2] = [0.9, 0.81];
 
 /// A first picture promises nearly the least error that there is where that is not enough.
 const NEARLY: f64 = 1.1;
 
 /// How much of the errors of two pictures the difference between them shows.
 const OF_BOTH: f64 = 0.85;
+
+/// Where colours along a ray do not change smoothly, what is too much because of few sheets is often too little because
+/// of few texels: by this share of the smaller error, with one read per pixel and with several, a picture is better than
+/// by both.
+const OF_SMALLER: [f64; 2] = [0.4, 0.3];
 
 /// Fewer pixels are a small picture.
 const SMALL_PX: usize = 128 * 128;
@@ -64,7 +65,7 @@ impl Experience {
         let composite = options.composite;
         let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep(slices.grid(), tf);
         let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
-        let [along_decay, across_decay] = if is_smooth { [0.12, 0.25] } else { [0.2, 0.33] };
+        let [along_decay, across_decay] = if is_smooth { [0.12, 0.25] } else { [0.16, 0.33] };
         let errors = Errors { along: mean_square_of(along_db), across: mean_square_of(across_db), across_decay };
         // The closer pixels are to each other, the less is left out between them.
         let pixel_in_samples = pixel_in_samples(slices.grid(), camera, options);
@@ -78,9 +79,12 @@ impl Experience {
     /// The settings of a first picture: of those that promise an error, the cheapest.
     pub fn first(&self, error: f64, options: &RenderOptions) -> Settings {
         let least = self.least_of_first(options);
-        let error = error * if self.is_smooth { 1.0 } else { SPARE_OF_STEPS };
-        let best = self.settings_from(least).map(|settings| self.error(&settings)).fold(f64::INFINITY, f64::min);
-        let enough = self.settings_from(least).filter(|settings| self.error(settings) <= error.max(NEARLY * best));
+        let error = SPARE[usize::from(!self.is_smooth)] * error;
+        // How good sheets between slices are where colours do not change smoothly depends on how they lie to the samples.
+        let is_told = |settings: &Settings| self.is_smooth || settings.sheets_per_slice.fract() == 0.0;
+        let all = || self.settings_from(least).filter(is_told);
+        let best = all().map(|settings| self.error(&settings)).fold(f64::INFINITY, f64::min);
+        let enough = all().filter(|settings| self.error(settings) <= error.max(NEARLY * best));
         enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).expect("there are settings")
     }
 
@@ -101,7 +105,7 @@ impl Experience {
 
     /// With the errors of a picture that was drawn.
     pub fn after(&self, errors: Errors, at: Settings) -> Self {
-        let [along_decay, most_decay] = if self.is_smooth { [0.13, 0.2] } else { [0.16, 0.32] };
+        let [along_decay, most_decay] = if self.is_smooth { [0.13, 0.2] } else { [0.17, 0.32] };
         // What was measured is what coarser texels do, far from what they converge to.
         let most_decay = if self.composite.is_projection() { 1.0 } else { most_decay };
         let across_decay = errors.across_decay.min(most_decay);
@@ -111,7 +115,9 @@ impl Experience {
     /// The mean square error with some settings.
     pub fn error(&self, new: &Settings) -> f64 {
         let [along, across] = self.errors_with(new);
-        along + across
+        let is_mean = reads_per_axis(self.composite, new.oversampling) > 1;
+        let is_hard = self.composite == Composite::Over && !self.is_smooth;
+        along + across - if is_hard { OF_SMALLER[usize::from(is_mean)] * along.min(across) } else { 0.0 }
     }
 
     /// The mean square change from some settings to finer ones, but for what both have in common: both have their own
@@ -126,17 +132,10 @@ impl Experience {
     /// The mean square errors with some settings, along and across the rays: fall evenly with the logarithm of the
     /// effort.
     fn errors_with(&self, new: &Settings) -> [f64; 2] {
-        let along = |settings: &Settings| {
-            let with_one_read = self.along_decay.powf(settings.sheets_per_slice.log2());
-            with_one_read * along_of_mean(reads_per_axis(self.composite, settings.oversampling), self.is_smooth)
-        };
-        let across = |settings: &Settings| {
-            let oversampling = settings.oversampling;
-            let with_one_read = |oversampling: f64| self.errors.across_decay.powf(oversampling.log2());
-            let is_mean = reads_per_axis(self.composite, oversampling) > 1;
-            let more_reads = || OF_MEAN * MORE_READS.powf((oversampling / ONE_READ).log2());
-            if is_mean { with_one_read(ONE_READ) * more_reads() } else { with_one_read(oversampling) }
-        };
+        let left = |settings: &Settings| left_by_mean(self.composite, settings.oversampling, self.is_smooth);
+        let along = |settings: &Settings| self.along_decay.powf(settings.sheets_per_slice.log2()) * left(settings)[0];
+        let across =
+            |settings: &Settings| self.errors.across_decay.powf(settings.oversampling.log2()) * left(settings)[1];
         [self.errors.along * along(new) / along(&self.at), self.errors.across * across(new) / across(&self.at)]
     }
 

@@ -11,7 +11,7 @@
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::LANES;
-use wavesplat_core::{Picture, Result};
+use wavesplat_core::{Composite, Picture, Result};
 
 use crate::base_picture::BasePicture;
 use crate::parts::difference;
@@ -31,13 +31,6 @@ pub struct Errors {
     pub across_decay: f64,
 }
 
-impl Errors {
-    /// The error of the picture.
-    pub fn sum(self) -> f64 {
-        self.along + self.across
-    }
-}
-
 /// Of so many pieces that show something one is drawn once more; and of few so many.
 const EVERY_PIECE: usize = 32;
 const LEAST_PIECES: usize = 16;
@@ -53,8 +46,8 @@ const N_BLOCKS: usize = 2;
 const OF_HALF: [f64; 2] = [0.15, 0.1];
 const MANY_SHEETS: f64 = 3.0;
 
-/// The error of a picture by what twice the sheets change: not all of it, since these have errors of their own.
-const OF_TWICE: f64 = 0.75;
+/// The error of a picture by what twice the sheets change: these have errors of their own, and share some with it.
+const OF_TWICE: f64 = 1.0;
 
 /// Fewer slabs cannot be halved.
 const LEAST_SLABS_TO_HALVE: usize = 16;
@@ -65,22 +58,29 @@ const LEAST_BANDS: usize = 8;
 const EVERY_BAND: usize = 4;
 
 /// The factor by which half the distance of texels makes the error fall: not less than this, and not more with one read
-/// per pixel, with several, and of projections, which end abruptly where the volume does.
+/// per pixel and with several, where colours along a ray change smoothly, where they do not, and of projections, which
+/// end abruptly where the volume does.
 const LEAST_DECAY: f64 = 0.63;
-const MOST_DECAY: [f64; 3] = [0.25, 0.16, 0.5];
+const MOST_DECAY: [[f64; 2]; 3] = [[0.2, 0.16], [0.3, 0.2], [0.5, 0.5]];
 
-/// Noise of the sheets changes what is measured across the rays, too: by this share of the error along them,
-/// of what is measured by that much at most.
+/// Noise of the sheets changes what is measured across the rays, too: by this share of the error along them, of what is
+/// measured by that much at most, where colours along a ray change smoothly and where they do not.
 const COMMON: f64 = 0.3;
-const MOST_COMMON: f64 = 0.25;
+const MOST_COMMON: [f64; 2] = [0.4, 0.25];
 
-/// The share of the error across rays that is left where a pixel is the mean of several reads.
-pub const OF_MEAN: f64 = 0.55;
+/// What is left of errors along and across the rays where a pixel is the mean of two reads along each axis, with hardly
+/// more than one texel per pixel; and the factors by which that falls with twice the texels along each, since there are
+/// more of them. Across the rays: where colours along a ray change smoothly, and where they do not.
+const ALONG_OF_MEAN: [f64; 2] = [0.8, 0.85];
+const ACROSS_OF_MEAN: [[f64; 2]; 2] = [[0.55, 0.5], [0.72, 0.66]];
 
-/// The share of the error along the rays that is left where a pixel is the mean of so many reads along each axis: most
-/// of it, since it is much the same for all of them; all where colours along a ray change smoothly.
-pub fn along_of_mean(reads: usize, is_smooth: bool) -> f64 {
-    if is_smooth || reads == 1 { 1.0 } else { 0.85 }
+/// The shares of the errors along and across the rays that are left where a pixel is the mean of several reads.
+pub fn left_by_mean(composite: Composite, oversampling: f64, is_smooth: bool) -> [f64; 2] {
+    if reads_per_axis(composite, oversampling) == 1 {
+        return [1.0; 2];
+    }
+    [ALONG_OF_MEAN, ACROSS_OF_MEAN[usize::from(!is_smooth)]]
+        .map(|[first, per_octave]| first * per_octave.powf(oversampling.log2()))
 }
 
 /// Measures the errors of a picture and the base planes that it is made of; `None` where nothing is seen.
@@ -97,16 +97,18 @@ pub fn errors(
     let share_seen = n_seen as f64 / picture.rgba.len() as f64;
     let along = share_seen * along(scene, base_pictures, monitor)?;
     let [fewer, fewest] = across(scene, base_pictures, picture).map(|error| share_seen * error);
-    let oversampling = scene.options.oversampling;
-    let [reads, fewer_reads] = [1.0, 0.5].map(|share| reads_per_axis(scene.options.composite, share * oversampling));
-    let is_projection = scene.options.composite.is_projection();
-    let most_decay = MOST_DECAY[if is_projection { 2 } else { usize::from(fewer_reads > 1) }];
+    let (composite, oversampling) = (scene.options.composite, scene.options.oversampling);
+    let is_smooth = scene.is_smooth();
+    let [is_mean, is_fewer_mean] = [1.0, 0.5].map(|share| reads_per_axis(composite, share * oversampling) > 1);
+    let [along_left, across_left] = left_by_mean(composite, oversampling, is_smooth);
+    let kind = if composite.is_projection() { 2 } else { usize::from(!is_smooth) };
+    let most_decay = MOST_DECAY[kind][usize::from(is_fewer_mean)];
     let decay = if fewest > 0.0 { (fewer / fewest).clamp(most_decay, LEAST_DECAY) } else { LEAST_DECAY };
-    let of_mean = if reads > 1 && fewer_reads == 1 { OF_MEAN } else { 1.0 };
-    let across = fewer * decay * of_mean;
+    let across = fewer * decay * if is_fewer_mean { 1.0 } else { across_left };
     // Noise of the sheets is in both; the mean of several reads has less of it.
-    let across = if reads > 1 { across } else { across - (COMMON * along).min(MOST_COMMON * across) };
-    Ok(Some(Errors { along: along * along_of_mean(reads, scene.is_smooth()), across, across_decay: decay }))
+    let most_common = MOST_COMMON[usize::from(!is_smooth)];
+    let across = across - if is_mean { 0.0 } else { (COMMON * along).min(most_common * across) };
+    Ok(Some(Errors { along: along * along_left, across, across_decay: decay }))
 }
 
 /// Squares of differences of what is seen.

@@ -216,7 +216,8 @@ pub struct RenderOptions {
     pub shading: Option<Shading>,
     /// Sheets per slice distance, `> 0`.
     pub sheets_per_slice: f64,
-    /// Texels of the base plane per pixel, along each axis; in perspective on the whole.
+    /// Texels of the base plane per pixel, along each axis; a pixel is the mean of as many reads along each, rounded up.
+    /// In perspective on the whole.
     pub oversampling: f64,
     /// Pre-integrate slabs where the transfer function is steep, and stop rays that are opaque; off: plain sheets, as the
     /// method has it.

@@ -105,8 +105,8 @@ def render(
     sheets_per_slice : float, optional
         Sheets per slice distance.
     oversampling : float, optional
-        Texels per pixel, along each side; a pixel is the mean of as many reads along each, rounded up. In perspective on
-        the whole: where rays lie closest together, pixels get 0.7 of that at least.
+        Texels per pixel, along each side; a pixel is the mean of as many reads along each, rounded up. In perspective
+        on the whole: where rays lie closest together, pixels get 0.7 of that at least.
     psnr : float, optional
         Instead of `quality`: choose both for this PSNR against the converged picture with 16 rays a pixel, in dB, 20 to
         80; 40 is good, 50 can hardly be told from it. A picture is drawn with what mostly does and tells its error;

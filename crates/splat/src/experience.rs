@@ -81,8 +81,8 @@ impl Experience {
         let least = self.least_of_first(options);
         let error = SPARE[usize::from(!self.is_smooth)] * error;
         // How good sheets between slices are where colours do not change smoothly depends on how they lie to the samples.
-        let is_told = |settings: &Settings| self.is_smooth || settings.sheets_per_slice.fract() == 0.0;
-        let all = || self.settings_from(least).filter(is_told);
+        let lies_evenly = |settings: &Settings| self.is_smooth || settings.sheets_per_slice.fract() == 0.0;
+        let all = || self.settings_from(least).filter(lies_evenly);
         let best = all().map(|settings| self.error(&settings)).fold(f64::INFINITY, f64::min);
         let enough = all().filter(|settings| self.error(settings) <= error.max(NEARLY * best));
         enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).expect("there are settings")

@@ -300,7 +300,7 @@ mod tests {
             f64::from(squares.sum::<f32>())
         };
         let [as_many, few_more, many_more] = [1.0, 1.1, 2.0].map(error);
-        // Texels that are closer by 1.1 alone would leave 0.85 of it.
+        // More than texels that are closer by 1.1 would do alone.
         assert!(few_more < 0.7 * as_many, "{few_more} {as_many}");
         assert!(many_more < 0.5 * few_more, "{many_more} {few_more}");
     }

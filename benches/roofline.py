@@ -21,7 +21,9 @@ import tempfile
 import time
 import timeit
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import growth
 import numpy as np
@@ -44,14 +46,24 @@ STAGES = {
 CPU_SECONDS = 4.0
 
 
-def draw(label: str) -> dict[str, float]:
+def case_of(label: str) -> scenes.Case:
+    """The first of that name."""
+    return next(case for case in scenes.cases() if case.label == label)
+
+
+def settings(label: str, is_cheapest: bool) -> dict[str, Any]:
+    """Those of a frame: quality normal, or the first of its case."""
+    return case_of(label).settings[0] if is_cheapest else {"quality": "normal"}
+
+
+def draw(label: str, is_cheapest: bool) -> dict[str, float]:
     """Frames of a case for some seconds of CPU, in a process that `perf` watches."""
-    case = dataclasses.replace(next(case for case in scenes.cases() if case.label == label), threads=1)
-    scenes.render(case, quality="normal")
+    case, how = dataclasses.replace(case_of(label), threads=1), settings(label, is_cheapest)
+    scenes.render(case, **how)
     n_texels = n_frames = 0
     start, cpu_0 = time.monotonic(), time.process_time()
     while time.process_time() - cpu_0 < CPU_SECONDS:
-        n_texels += scenes.render(case, 0.3 * (n_frames % 20), quality="normal").report["n_texels"]
+        n_texels += scenes.render(case, 0.3 * (n_frames % 20), **how).report["n_texels"]
         n_frames += 1
     cpu_ms = 1e3 * (time.process_time() - cpu_0) / n_frames
     return {"start": start, "end": time.monotonic(), "cpu_ms": cpu_ms, "n_texels": n_texels / n_frames}
@@ -66,9 +78,9 @@ def limits() -> dict[str, float]:
     return {"bytes_per_ns": 2 * source.nbytes / best[0] / 1e9, "flop_per_ns": 2 * len(square) ** 3 / best[1] / 1e9}
 
 
-def alone(task: str, *perf: str) -> dict[str, float]:
+def alone(task: str, *perf: str, options: Sequence[str] = ()) -> dict[str, float]:
     """What a process of its own, with one thread for NumPy too, says of a task: "limits" or a case's label."""
-    command = [*perf, sys.executable, __file__, "--task", task]
+    command = [*perf, sys.executable, __file__, "--task", task, *options]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     return json.loads(subprocess.check_output(command, text=True, env=environment))
 
@@ -107,11 +119,12 @@ def stages(inside: Counter[int]) -> Counter[str]:
     return counts
 
 
-def table(label: str, limit: dict[str, float]) -> str:
+def table(label: str, is_cheapest: bool, limit: dict[str, float]) -> str:
     """A case's stages."""
+    options = ["--cheapest"] if is_cheapest else []
     with tempfile.TemporaryDirectory() as folder:
         profile = Path(folder) / "perf.data"
-        frames = alone(label, *f"perf record -q -e cpu-clock -F 2000 -k mono -o {profile}".split())
+        frames = alone(label, *f"perf record -q -e cpu-clock -F 2000 -k mono -o {profile}".split(), options=options)
         inside, n_outside = places(profile, frames["start"], frames["end"])
     counts = stages(inside)
     counts["memory pages, Python"] = n_outside
@@ -122,7 +135,8 @@ def table(label: str, limit: dict[str, float]) -> str:
         numbers = [f"{count / counts.total():.1%}", f"{ns:.3f}", f"{1e3 / ns:.0f}"]
         lines.append([name, *numbers, f"{ns * limit['flop_per_ns']:.0f}", f"{ns * limit['bytes_per_ns']:.1f}"])
     headings = ["stage", "share", "ns per texel", "M texels/s per core", "flop it could do", "bytes it could move"]
-    head = f"{label}, quality normal: {frames['n_texels'] / 1e6:.2f} M texels and {frames['cpu_ms']:.1f} ms a frame."
+    how = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in settings(label, is_cheapest).items())
+    head = f"{label}, {how}: {frames['n_texels'] / 1e6:.2f} M texels and {frames['cpu_ms']:.1f} ms a frame."
     return f"{head}\n\n{growth.as_markdown(headings, lines)}"
 
 
@@ -130,11 +144,14 @@ def main() -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description="Time by stage against the limits of a core.")
     parser.add_argument("cases", nargs="*", metavar="LABEL", help='as "ct soft"; else "engine soft" and "engine hard"')
+    parser.add_argument(
+        "--cheapest", action="store_true", help="with the first settings of the case, not quality normal"
+    )
     parser.add_argument("--record", action="store_true", help="keep the tables in benches/records")
     parser.add_argument("--task", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.task:
-        print(json.dumps(limits() if options.task == "limits" else draw(options.task)))
+        print(json.dumps(limits() if options.task == "limits" else draw(options.task, options.cheapest)))
         return 0
     missing = [tool for tool in ("perf", "addr2line", "readelf") if shutil.which(tool) is None]
     if missing:
@@ -143,7 +160,7 @@ def main() -> int:
     limit = alone("limits")
     text = f"One core: {limit['bytes_per_ns']:.1f} GB/s of copying, {limit['flop_per_ns']:.0f} Gflop/s of f32."
     for label in options.cases or [f"{scenes.growth_volume()} {curve}" for curve in ("soft", "hard")]:
-        text += f"\n\n{table(label, limit)}"
+        text += f"\n\n{table(label, options.cheapest, limit)}"
     print(text)
     if options.record:
         records.keep(f'make roofline ROOFLINE="{shlex.join(sys.argv[1:])}"', text)

@@ -6,6 +6,7 @@
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
+use crate::reads::Reads;
 use crate::resample::{QUAD, Quads, catmull_rom, held, peaks};
 use crate::warp::Rectangle;
 
@@ -21,11 +22,11 @@ const BESIDE: usize = 3;
 /// Reads of a row that pixels follow, a multiple of what fills a vector.
 const SPANS: usize = (LANES - BESIDE) / QUAD * QUAD;
 
-/// Pixels from a read to the next where neighbours lie so many texels apart at most; 1: every pixel is read.
-pub fn pixels_per_read(texels_per_pixel: f64) -> usize {
+/// Which pixels are read where neighbours lie so many texels apart at most.
+pub fn few_reads(texels_per_pixel: f64) -> Reads {
     let n = READS_APART / texels_per_pixel;
     // Not where that is no number.
-    if n >= 2.0 { n.min(MOST as f64) as usize } else { 1 }
+    if n >= 2.0 { Reads::OneOf(n.min(MOST as f64) as usize) } else { Reads::Grid(1) }
 }
 
 /// Columns of pixels that one row of reads serves.
@@ -206,12 +207,12 @@ mod tests {
             draw_spots(picture, texel);
         }
         if matches!(projection, Projection::Orthographic { .. }) {
-            assert_eq!(super::pixels_per_read(texels_per_pixel(&pictures, &rays, size_px)), pixels_per_read);
+            assert_eq!(few_reads(texels_per_pixel(&pictures, &rays, size_px)), Reads::OneOf(pixels_per_read));
         }
         let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
-        let draw = |level, apart| colors(level, &resamplers, &rays, size_px, [1, apart], PEAK, None);
-        let all = draw(Level::best(), 1);
-        let some = draw(Level::best(), pixels_per_read);
+        let draw = |level, reads| colors(level, &resamplers, &rays, size_px, reads, PEAK, None);
+        let all = draw(Level::best(), Reads::Grid(1));
+        let some = draw(Level::best(), Reads::OneOf(pixels_per_read));
         let (mut sum, mut most, mut n_seen) = (0.0, 0.0_f32, 0);
         for (all, some) in all.iter().zip(&some) {
             for c in 0..4 {
@@ -226,7 +227,7 @@ mod tests {
         assert!(n_seen > all.len() / 4, "{n_seen} of {}", all.len());
         assert!(rms > 0.0 && rms < 0.006 && most < 0.08, "{projection:?} {pixels_per_read}: rms {rms}, most {most}");
         for level in Level::all() {
-            assert!(draw(level, pixels_per_read) == some, "{level:?}");
+            assert!(draw(level, Reads::OneOf(pixels_per_read)) == some, "{level:?}");
         }
     }
 
@@ -248,10 +249,10 @@ mod tests {
     #[test]
     fn pixels_are_read_one_by_one_where_texels_are_small() {
         for (texels_per_pixel, n) in [(1.0, 1), (0.3, 1), (0.25, 2), (0.17, 2), (0.16, 3), (0.1, MOST), (1e-9, MOST)] {
-            assert_eq!(pixels_per_read(texels_per_pixel), n);
+            assert_eq!(few_reads(texels_per_pixel), if n == 1 { Reads::Grid(1) } else { Reads::OneOf(n) });
         }
-        assert_eq!(pixels_per_read(f64::NAN), 1);
+        assert_eq!(few_reads(f64::NAN), Reads::Grid(1));
         // No base plane: nothing is read.
-        assert_eq!(pixels_per_read(0.0), MOST);
+        assert_eq!(few_reads(0.0), Reads::OneOf(MOST));
     }
 }

@@ -8,7 +8,7 @@ use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
 
 use crate::base_plane::MAX_TEXELS;
 use crate::probe::{Errors, left_by_mean};
-use crate::render::reads_per_axis;
+use crate::reads::Reads;
 use crate::scene::{is_steep, pixel_in_samples};
 use crate::slices::Slices;
 
@@ -115,7 +115,7 @@ impl Experience {
     /// The mean square error with some settings.
     pub fn error(&self, new: &Settings) -> f64 {
         let [along, across] = self.errors_with(new);
-        let is_mean = reads_per_axis(self.composite, new.oversampling) > 1;
+        let is_mean = Reads::of_texels(self.composite, new.oversampling).is_mean();
         let is_hard = self.composite == Composite::Over && !self.is_smooth;
         along + across - if is_hard { OF_SMALLER[usize::from(is_mean)] * along.min(across) } else { 0.0 }
     }

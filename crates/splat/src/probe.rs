@@ -15,7 +15,8 @@ use wavesplat_core::{Composite, Picture, Result};
 
 use crate::base_picture::BasePicture;
 use crate::parts::difference;
-use crate::render::{Monitor, Progress, color_projection, reads_per_axis, warped_rows};
+use crate::reads::Reads;
+use crate::render::{Monitor, Progress, color_projection, warped_rows};
 use crate::scene::Scene;
 use crate::sheet::{BLOCK_V, Block, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V};
 use crate::tile::Piece;
@@ -76,7 +77,7 @@ const ACROSS_OF_MEAN: [[f64; 2]; 2] = [[0.55, 0.5], [0.72, 0.66]];
 
 /// The shares of the errors along and across the rays that are left where a pixel is the mean of several reads.
 pub fn left_by_mean(composite: Composite, oversampling: f64, is_smooth: bool) -> [f64; 2] {
-    if reads_per_axis(composite, oversampling) == 1 {
+    if !Reads::of_texels(composite, oversampling).is_mean() {
         return [1.0; 2];
     }
     [ALONG_OF_MEAN, ACROSS_OF_MEAN[usize::from(!is_smooth)]]
@@ -99,7 +100,7 @@ pub fn errors(
     let [fewer, fewest] = across(scene, base_pictures, picture).map(|error| share_seen * error);
     let (composite, oversampling) = (scene.options.composite, scene.options.oversampling);
     let is_smooth = scene.is_smooth();
-    let [is_mean, is_fewer_mean] = [1.0, 0.5].map(|share| reads_per_axis(composite, share * oversampling) > 1);
+    let [is_mean, is_fewer_mean] = [1.0, 0.5].map(|share| Reads::of_texels(composite, share * oversampling).is_mean());
     let [along_left, across_left] = left_by_mean(composite, oversampling, is_smooth);
     let kind = if composite.is_projection() { 2 } else { usize::from(!is_smooth) };
     let most_decay = MOST_DECAY[kind][usize::from(is_fewer_mean)];

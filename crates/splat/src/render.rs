@@ -13,6 +13,7 @@ use crate::base_plane::base_planes;
 use crate::family::IndexRays;
 use crate::labels::Labels;
 use crate::parts::Parts;
+use crate::reads::Reads;
 use crate::scene::{Scene, brightest, with_scene};
 use crate::slices::Slices;
 use crate::tile::Piece;
@@ -174,7 +175,7 @@ pub(crate) fn warped_rows(
     let options = scene.options;
     let size = [options.width_px, rows.len()];
     let is_projection = options.composite.is_projection();
-    let reads = reads_per_axis(options.composite, oversampling);
+    let reads = Reads::of_texels(options.composite, oversampling);
     let peak = if is_projection { f32::MAX } else { options.shading.as_ref().map_or(1.0, brightest) };
     let rays = rays(scene).part([0, rows.start]);
     let warped = warp(scene.level, base_pictures, &rays, size, reads, peak, with_depth);
@@ -184,13 +185,6 @@ pub(crate) fn warped_rows(
         picture.value = Some(color_projection(&mut picture.rgba, scene.grid, scene.tf, options.composite));
     }
     picture
-}
-
-/// Reads per pixel along each axis: as many as there are texels, and one more where these are not whole.
-pub(crate) fn reads_per_axis(composite: Composite, oversampling: f64) -> usize {
-    /// Texels per pixel that are as good as none.
-    const NONE: f64 = 0.05;
-    if composite.is_projection() { 1 } else { (oversampling - NONE).ceil().max(1.0) as usize }
 }
 
 /// The whole picture with depth as a length and the background behind it.
@@ -271,14 +265,6 @@ mod tests {
     use glam::DVec3;
     use wavesplat_core::{Kernel, Projection};
     use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
-
-    #[test]
-    fn a_pixel_is_read_as_often_as_it_has_texels() {
-        for (oversampling, reads) in [(0.5, 1), (1.0, 1), (1.04, 1), (1.1, 2), (2.0, 2), (2.5, 3), (4.0, 4)] {
-            assert_eq!(reads_per_axis(Composite::Over, oversampling), reads);
-            assert_eq!(reads_per_axis(Composite::Maximum, oversampling), 1, "projections end abruptly");
-        }
-    }
 
     #[test]
     fn edges_are_smoother_with_few_texels_more_than_pixels() {

@@ -34,6 +34,15 @@ const PIXEL: [Lanes<u32>; LANES / QUAD] = [
     Lanes([12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15]),
 ];
 
+/// What is between texels.
+#[derive(Clone, Copy, Debug)]
+pub enum Filter {
+    /// By the cubic. `peak`: no colour is brighter.
+    Cubic { peak: f32 },
+    /// Linear: for what is blurred anyway.
+    Linear,
+}
+
 /// Reads a finished base plane.
 pub struct Resampler<'a> {
     /// What is read.
@@ -61,17 +70,18 @@ impl<'a> Resampler<'a> {
         Self { picture, n_drawn, n_cells: [n_u, cells.len() / n_u] }
     }
 
-    /// What is at sixteen texel positions, no colour brighter than `peak`: four of them a vector; `None` where nothing
-    /// can be seen. `base`: whole texels, which the positions count from. `lanes`: those that are looked at for that,
-    /// whose positions go one way, while others are far away; `None` where it is known that something is there.
+    /// What is at sixteen texel positions, four of them a vector; `None` where nothing can be seen. `base`: whole texels, which the positions count from. `lanes`: those that are wanted, whose positions
+    /// go one way, while others are far away; what others have is not to be used. `look`: whether it is not known that
+    /// something is there.
     #[inline(always)]
     pub fn read<S: Simd>(
         &self,
         s: S,
         base: [i32; 2],
         positions: [S::F; 2],
-        lanes: Option<Range<usize>>,
-        peak: f32,
+        lanes: Range<usize>,
+        look: bool,
+        filter: Filter,
     ) -> Option<Quads<S>> {
         let mut first_read = [Lanes([0; LANES]); 2];
         let mut shares = [s.splat(0.0); 2];
@@ -91,7 +101,7 @@ impl<'a> Resampler<'a> {
             }
         }
         let [Lanes(i), Lanes(j)] = &first_read;
-        if let Some(lanes) = lanes {
+        if look {
             let (first, last) = (lanes.start, lanes.end - 1);
             let ends = [[i[first], i[last]], [j[first], j[last]]].map(|[a, b]| [a.min(b), a.max(b)]);
             if self.cells(ends).is_empty() {
@@ -106,16 +116,22 @@ impl<'a> Resampler<'a> {
         }
         let mut weights = [[Lanes([0.0; LANES]); 4]; 2];
         for axis in 0..2 {
-            let [w0, w1, w2, w3] = catmull_rom(s, shares[axis]);
+            let [w0, w1, w2, w3] = match filter {
+                Filter::Cubic { .. } => catmull_rom(s, shares[axis]),
+                Filter::Linear => [s.splat(0.0), s.sub(s.splat(1.0), shares[axis]), shares[axis], s.splat(0.0)],
+            };
             s.store(w0, &mut weights[axis][0].0);
             s.store(w1, &mut weights[axis][1].0);
             s.store(w2, &mut weights[axis][2].0);
             s.store(w3, &mut weights[axis][3].0);
         }
-        let peak = peaks(s, peak);
         let mut quads = [s.splat(0.0); LANES / QUAD];
+        if lanes.end <= QUAD {
+            quads[0] = read_quad(s, &rows, 0, &places, &weights, filter);
+            return Some(quads);
+        }
         for quad in 0..LANES / QUAD {
-            quads[quad] = read_quad(s, &rows, quad, &places, &weights, peak);
+            quads[quad] = read_quad(s, &rows, quad, &places, &weights, filter);
         }
         Some(quads)
     }
@@ -162,8 +178,7 @@ impl Drawn {
     }
 }
 
-/// What is at the positions of four of sixteen pixels. `places`: of what is read first. `peak`: largest share of the
-/// opacity that a number may have.
+/// What is at the positions of four of sixteen pixels. `places`: of what is read first.
 #[inline(always)]
 fn read_quad<S: Simd>(
     s: S,
@@ -171,26 +186,31 @@ fn read_quad<S: Simd>(
     quad: usize,
     places: &Lanes<u32>,
     [weights_u, weights_v]: &[[Lanes; 4]; 2],
-    peak: S::F,
+    filter: Filter,
 ) -> S::F {
     let (mut columns, mut least, mut most) = ([s.splat(0.0); 4], [s.splat(0.0); 4], [s.splat(0.0); 4]);
     for k in 0..QUAD {
         let at = quad * QUAD + k;
         // Four texels of a row are sixteen numbers: first down the columns, then across.
         let [first, second, third, fourth] = s.load_rows(rows, 4 * places.0[at] as usize);
-        let (w0, w1) = (s.splat(weights_v[0].0[at]), s.splat(weights_v[1].0[at]));
-        let (w2, w3) = (s.splat(weights_v[2].0[at]), s.splat(weights_v[3].0[at]));
+        let (w1, w2) = (s.splat(weights_v[1].0[at]), s.splat(weights_v[2].0[at]));
+        if let Filter::Linear = filter {
+            columns[k] = s.add_mul(s.mul(w1, second), w2, third);
+            continue;
+        }
+        let (w0, w3) = (s.splat(weights_v[0].0[at]), s.splat(weights_v[3].0[at]));
         columns[k] = s.add(s.add_mul(s.mul(w0, first), w1, second), s.add_mul(s.mul(w2, third), w3, fourth));
         least[k] = s.min(second, third);
         most[k] = s.max(second, third);
     }
     let [a, b, c, d] = s.transpose_quads(columns);
     let pixel = &PIXEL[quad];
-    let (w0, w1) = (s.take(&weights_u[0].0, pixel), s.take(&weights_u[1].0, pixel));
-    let (w2, w3) = (s.take(&weights_u[2].0, pixel), s.take(&weights_u[3].0, pixel));
+    let (w1, w2) = (s.take(&weights_u[1].0, pixel), s.take(&weights_u[2].0, pixel));
+    let Filter::Cubic { peak } = filter else { return s.add_mul(s.mul(w1, b), w2, c) };
+    let (w0, w3) = (s.take(&weights_u[0].0, pixel), s.take(&weights_u[3].0, pixel));
     let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
     let ([_, a, b, _], [_, c, d, _]) = (s.transpose_quads(least), s.transpose_quads(most));
-    held(s, sum, [s.min(a, b), s.max(c, d)], peak)
+    held(s, sum, [s.min(a, b), s.max(c, d)], peaks(s, peak))
 }
 
 /// Four pixels held between what lies around them, no colour brighter than its opacity lets it be. `peak`: of [`peaks`].
@@ -282,7 +302,8 @@ mod tests {
         fn run<S: Simd>(self, s: S) -> Self::Output {
             let Self(picture, base, [u, v], peak) = self;
             let mut pixels = [[0.0; 4]; LANES];
-            let quads = Resampler::new(picture).read(s, base, [s.load(&u), s.load(&v)], Some(0..LANES), peak);
+            let quads =
+                Resampler::new(picture).read(s, base, [s.load(&u), s.load(&v)], 0..LANES, true, Filter::Cubic { peak });
             if let Some(quads) = quads {
                 for (pixels, quad) in pixels.as_flattened_mut().as_chunks_mut().0.iter_mut().zip(quads) {
                     s.store(quad, pixels);

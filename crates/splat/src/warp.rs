@@ -1,7 +1,7 @@
 //! The one final resampling: base planes -> picture.
 //!
 //! Each pixel is served by the family of its own ray. Where the base plane is denser than the pixels, a pixel is the mean
-//! of several reads: a box filter, as many rays per pixel would give.
+//! of several reads, as many rays per pixel would give ([`Reads`]).
 
 use std::ops::Range;
 
@@ -11,10 +11,12 @@ use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
 
 use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
-use crate::enlarge::{self, pixels_per_read, reads_around};
+use crate::enlarge::{self, few_reads, reads_around};
 use crate::family::{Family, IndexRays};
 use crate::parts::{PART_PX, Parts};
-use crate::resample::{FAR, Quads, Resampler};
+use crate::quincunx;
+use crate::reads::Reads;
+use crate::resample::{FAR, Filter, Quads, Resampler};
 
 /// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
 pub struct Warped {
@@ -24,25 +26,24 @@ pub struct Warped {
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture, or the parts of it that the base planes are for. `reads_per_axis`: reads per pixel along x and
-/// along y. `peak`: largest unassociated colour.
+/// Draws the picture, or the parts of it that the base planes are for. `peak`: largest unassociated colour.
 pub fn warp(
     level: Level,
     pictures: &[BasePicture],
     rays: &IndexRays,
     [width_px, height_px]: [usize; 2],
-    reads_per_axis: usize,
+    reads: Reads,
     peak: f32,
     with_depth: bool,
 ) -> Warped {
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
     let parts = pictures.first().and_then(|picture| picture.plane.parts.as_deref());
     let size_px = [width_px, height_px];
-    let apart = match parts {
-        None if reads_per_axis == 1 => pixels_per_read(texels_per_pixel(pictures, rays, size_px)),
-        _ => 1,
+    let reads = match (reads, parts) {
+        (Reads::Grid(1), None) => few_reads(texels_per_pixel(pictures, rays, size_px)),
+        _ => reads,
     };
-    let rgba = colors(level, &resamplers, rays, size_px, [reads_per_axis, apart], peak, parts);
+    let rgba = colors(level, &resamplers, rays, size_px, reads, peak, parts);
     let parameters = with_depth.then(|| {
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
@@ -58,23 +59,21 @@ pub fn warp(
     Warped { rgba, ray_parameter: parameters }
 }
 
-/// The pixels' colours. `reads`: per pixel along each axis, and pixels per read; one of them is 1.
+/// The pixels' colours.
 pub(crate) fn colors(
     level: Level,
     resamplers: &[Resampler],
     rays: &IndexRays,
     [width_px, height_px]: [usize; 2],
-    [reads_per_axis, pixels_per_read]: [usize; 2],
+    reads: Reads,
     peak: f32,
     parts: Option<&Parts>,
 ) -> Vec<[f32; 4]> {
     let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
-    let offsets: Vec<f64> = (0..reads_per_axis).map(|s| (s as f64 + 0.5) / reads_per_axis as f64).collect();
-    let share = 1.0 / (reads_per_axis * reads_per_axis) as f32;
-    let rays = &rays.every(pixels_per_read);
-    let reads = Reads { resamplers, rays, pixels_per_read, offsets: &offsets, share, peak, parts };
+    let rays = &rays.every(reads.pixels_per_read());
+    let warping = Warping { resamplers, rays, reads, peak, parts };
     parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
-        reads.draw_band(level, band * BAND, pixels, width_px);
+        warping.draw_band(level, band * BAND, pixels, width_px);
     });
     rgba
 }
@@ -104,22 +103,18 @@ const BAND: usize = 32;
 const _: () = assert!(BAND.is_multiple_of(PART_PX), "a part lies in one band");
 
 /// What is read.
-struct Reads<'a> {
+struct Warping<'a> {
     resamplers: &'a [Resampler<'a>],
     /// Those that are read: of every pixel, or of some.
     rays: &'a IndexRays,
-    pixels_per_read: usize,
-    /// Where a pixel is read, along x and along y.
-    offsets: &'a [f64],
-    /// Weight of a read.
-    share: f32,
+    reads: Reads,
     /// Largest unassociated colour.
     peak: f32,
     /// What is drawn; `None`: all.
     parts: Option<&'a Parts>,
 }
 
-impl<'a> Reads<'a> {
+impl<'a> Warping<'a> {
     /// Draws some rows of pixels.
     fn draw_band(&self, level: Level, first_row: usize, pixels: &mut [[f32; 4]], width_px: usize) {
         // Parallel rays: positions are affine in the pixel.
@@ -127,11 +122,11 @@ impl<'a> Reads<'a> {
             [only] if only.picture.plane.eye_w().is_none() => Some((only, Affine::new(&only.picture.plane, self.rays))),
             _ => None,
         };
-        let pixels_per_read = self.pixels_per_read;
-        let [n_columns, n_rows] = match self.parts {
-            Some(_) => [PART_PX; 2],
-            None if pixels_per_read == 1 => [BAND; 2],
-            None => [enlarge::n_columns(pixels_per_read), BAND],
+        let [n_columns, n_rows] = match (self.parts, self.reads) {
+            (Some(_), _) => [PART_PX; 2],
+            (None, Reads::Grid(_)) => [BAND; 2],
+            (None, Reads::Quincunx) => [quincunx::N_COLUMNS, BAND],
+            (None, Reads::OneOf(n)) => [enlarge::n_columns(n), BAND],
         };
         for (k, pixels) in pixels.chunks_mut(n_rows * width_px).enumerate() {
             let first_row = first_row + k * n_rows;
@@ -143,13 +138,13 @@ impl<'a> Reads<'a> {
                 let rectangle = Rectangle { columns, first_row, pixels, width_px };
                 if let Some((only, affine)) = &parallel {
                     self.draw_one(level, rectangle, only, affine);
-                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners(self.pixels_per_read)) {
+                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners(self.reads)) {
                     if let Some(resampler) = self.resampler(family) {
                         let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
                         self.draw_one(level, rectangle, resampler, &slopes);
                     }
                 } else {
-                    level.dispatch(Draw { reads: self, source: Mixed { reads: self }, rectangle });
+                    level.dispatch(Draw { warping: self, source: Mixed { warping: self }, rectangle });
                 }
             }
         }
@@ -157,36 +152,18 @@ impl<'a> Reads<'a> {
 
     /// Draws pixels that one base plane serves, where anything of it can be seen.
     fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) {
-        let [first, others @ ..] = rectangle.corners(self.pixels_per_read).map(|[x, y]| map.texel(x, y));
+        let [first, others @ ..] = rectangle.corners(self.reads).map(|[x, y]| map.texel(x, y));
         let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
         let drawn = resampler.drawn_between(lo, hi);
         if !drawn.is_empty() {
-            let source = OnePlane { resampler, map, look: !drawn.is_full(), peak: self.peak };
-            level.dispatch(Draw { reads: self, source, rectangle });
+            let source = OnePlane { resampler, map, look: !drawn.is_full() };
+            level.dispatch(Draw { warping: self, source, rectangle });
         }
     }
 
     /// What serves a family, where it has anything.
     fn resampler(&self, family: Family) -> Option<&'a Resampler<'a>> {
         self.resamplers.iter().find(|r| r.picture.plane.family == family)
-    }
-
-    /// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `n`: how many of them there
-    /// are.
-    #[inline(always)]
-    fn pixels<S: Simd>(&self, s: S, source: &impl Source, [x, y]: [usize; 2], n: usize) -> Option<Quads<S>> {
-        let share = s.splat(self.share);
-        let mut sum = None;
-        for dy in self.offsets {
-            for dx in self.offsets {
-                let read = source.read(s, [x as f64 + dx, y as f64 + dy], n);
-                if self.offsets.len() == 1 {
-                    return read;
-                }
-                sum = add(s, sum, share, read);
-            }
-        }
-        sum
     }
 }
 
@@ -204,11 +181,11 @@ pub struct Rectangle<'a> {
 
 impl Rectangle<'_> {
     /// The positions around what is read for it.
-    fn corners(&self, pixels_per_read: usize) -> [[f64; 2]; 4] {
+    fn corners(&self, reads: Reads) -> [[f64; 2]; 4] {
         let n_rows = self.pixels.len() / self.width_px;
-        let around = |first: usize, n: usize| match pixels_per_read {
-            1 => [first, first + n].map(|edge| edge as f64),
-            _ => reads_around(pixels_per_read, first, n),
+        let around = |first: usize, n: usize| match reads {
+            Reads::OneOf(pixels_per_read) => reads_around(pixels_per_read, first, n),
+            _ => [first, first + n].map(|edge| edge as f64),
         };
         let [x, last_x] = around(self.columns.start, self.columns.len());
         let [y, last_y] = around(self.first_row, n_rows);
@@ -218,7 +195,7 @@ impl Rectangle<'_> {
 
 /// Draws a rectangle.
 struct Draw<'a, R> {
-    reads: &'a Reads<'a>,
+    warping: &'a Warping<'a>,
     source: R,
     rectangle: Rectangle<'a>,
 }
@@ -228,36 +205,85 @@ impl<R: Source> Kernel for Draw<'_, R> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Self { reads, source, rectangle } = self;
-        let pixels_per_read = reads.pixels_per_read;
-        if pixels_per_read > 1 {
-            let first = [rectangle.columns.start, rectangle.first_row];
-            let [x, y] = first.map(|first| reads_around(pixels_per_read, first, 1)[0]);
-            return enlarge::draw(
+        let Self { warping, source, rectangle } = self;
+        let cubic = Filter::Cubic { peak: warping.peak };
+        match warping.reads {
+            Reads::OneOf(n) => {
+                let first = [rectangle.columns.start, rectangle.first_row];
+                let [x, y] = first.map(|first| reads_around(n, first, 1)[0]);
+                enlarge::draw(
+                    s,
+                    n,
+                    rectangle,
+                    warping.peak,
+                    #[inline(always)]
+                    |row, n| source.read(s, [x, y + row as f64], n, cubic),
+                );
+            }
+            Reads::Quincunx => quincunx::draw(
                 s,
-                pixels_per_read,
                 rectangle,
-                reads.peak,
                 #[inline(always)]
-                |row, n| source.read(s, [x, y + row as f64], n),
-            );
+                |at, n| source.read(s, at, n, cubic),
+                #[inline(always)]
+                |at, n| source.read(s, at, n, Filter::Linear),
+            ),
+            Reads::Grid(n) => draw_means(
+                s,
+                n,
+                rectangle,
+                #[inline(always)]
+                |at, n| source.read(s, at, n, cubic),
+            ),
         }
-        let Rectangle { columns, first_row, pixels, width_px } = rectangle;
-        for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
-            for x in columns.clone().step_by(LANES) {
-                let n = LANES.min(columns.end - x);
-                // The picture is only written to, and only where something is seen.
-                if let Some(seen) = reads.pixels(s, &source, [x, first_row + k], n) {
-                    put(s, &seen, &mut row[x..x + n]);
-                }
+    }
+}
+
+/// Draws pixels as means of `per_axis` reads along x and as many along y.
+#[inline(always)]
+fn draw_means<S: Simd>(
+    s: S,
+    per_axis: usize,
+    rectangle: Rectangle<'_>,
+    read: impl Fn([f64; 2], usize) -> Option<Quads<S>>,
+) {
+    let Rectangle { columns, first_row, pixels, width_px } = rectangle;
+    for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
+        for x in columns.clone().step_by(LANES) {
+            let n = LANES.min(columns.end - x);
+            // The picture is only written to, and only where something is seen.
+            if let Some(seen) = mean(s, per_axis, &read, [x, first_row + k], n) {
+                put(s, &seen, &mut row[x..x + n]);
             }
         }
     }
 }
 
+/// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `n`: how many of them there are.
+#[inline(always)]
+fn mean<S: Simd>(
+    s: S,
+    per_axis: usize,
+    read: &impl Fn([f64; 2], usize) -> Option<Quads<S>>,
+    [x, y]: [usize; 2],
+    n: usize,
+) -> Option<Quads<S>> {
+    let share = s.splat(1.0 / (per_axis * per_axis) as f32);
+    let within = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / per_axis as f64;
+    let mut sum = None;
+    for k in 0..per_axis * per_axis {
+        let read = read([within(x, k % per_axis), within(y, k / per_axis)], n);
+        if per_axis == 1 {
+            return read;
+        }
+        sum = add(s, sum, share, read);
+    }
+    sum
+}
+
 /// Writes as many of sixteen pixels as there is room for.
 #[inline(always)]
-fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
+pub fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
     let mut some = [[0.0; 4]; LANES];
     let all = pixels.first_chunk_mut().unwrap_or(&mut some);
     for (k, quad) in all.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {
@@ -285,7 +311,7 @@ fn add<S: Simd>(s: S, sum: Option<Quads<S>>, share: S::F, read: Option<Quads<S>>
 trait Source {
     /// Sixteen pixels of a row, the first of them at a picture position; `None` where nothing can be seen. `n`: how many
     /// of them there are.
-    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize) -> Option<Quads<S>>;
+    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, filter: Filter) -> Option<Quads<S>>;
 }
 
 /// One base plane serves all pixels.
@@ -294,35 +320,34 @@ struct OnePlane<'a, M> {
     map: &'a M,
     /// Whether something may not be there.
     look: bool,
-    peak: f32,
 }
 
 impl<M: Map> Source for OnePlane<'_, M> {
     #[inline(always)]
-    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize) -> Option<Quads<S>> {
+    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, filter: Filter) -> Option<Quads<S>> {
         let (base, positions) = self.map.positions(s, at);
-        self.resampler.read(s, base, positions, self.look.then_some(0..n), self.peak)
+        self.resampler.read(s, base, positions, 0..n, self.look, filter)
     }
 }
 
 /// Every pixel is served by the base plane of its own ray.
 struct Mixed<'a> {
-    reads: &'a Reads<'a>,
+    warping: &'a Warping<'a>,
 }
 
 impl Source for Mixed<'_> {
     #[inline(always)]
-    fn read<S: Simd>(&self, s: S, [x, y]: [f64; 2], n: usize) -> Option<Quads<S>> {
-        let reads = self.reads;
+    fn read<S: Simd>(&self, s: S, [x, y]: [f64; 2], n: usize, filter: Filter) -> Option<Quads<S>> {
+        let warping = self.warping;
         let mut sum = None;
         // Runs of pixels of one base plane.
         let mut first = 0;
         while first < n {
-            let (family, n_of_it) = reads.rays.families_along_x([x + first as f64, y], n - first);
+            let (family, n_of_it) = warping.rays.families_along_x([x + first as f64, y], n - first);
             let lanes = first..first + n_of_it;
             first = lanes.end;
-            let Some(resampler) = reads.resampler(family) else { continue };
-            let texels = resampler.picture.plane.texels_from_pixels(reads.rays, [x, y]);
+            let Some(resampler) = warping.resampler(family) else { continue };
+            let texels = resampler.picture.plane.texels_from_pixels(warping.rays, [x, y]);
             let base = base_of(DVec2::new(texels[0][lanes.start], texels[1][lanes.start]));
             // Those of other base planes see nothing of this one.
             let mut positions = [[FAR; LANES]; 2];
@@ -332,7 +357,7 @@ impl Source for Mixed<'_> {
                 }
             }
             let positions = [s.load(&positions[0]), s.load(&positions[1])];
-            sum = add(s, sum, s.splat(1.0), resampler.read(s, base, positions, Some(lanes), reads.peak));
+            sum = add(s, sum, s.splat(1.0), resampler.read(s, base, positions, lanes, true, filter));
         }
         sum
     }

@@ -65,6 +65,7 @@ use crate::family::{Family, IndexRays};
 use crate::interval::Region;
 use crate::kernel::radius;
 use crate::prefilter;
+use crate::reads::Reads;
 use crate::render::{Monitor, Progress};
 use crate::scene::brightest;
 use crate::shade::{Shader, on_gradient};
@@ -152,7 +153,7 @@ pub fn render(
             Buffer::Axis => {
                 let rays = IndexRays::new(camera, slices.grid().index_from_world(), size[0], size[1]);
                 let pictures = scene.draw_base_planes(monitor, &mut report)?;
-                let reads = options.oversampling.round().max(1.0) as usize;
+                let reads = Reads::Grid(options.oversampling.round().max(1.0) as usize);
                 warp(scene.level, &pictures, &rays, size, reads, scene.peak, false).rgba
             }
             Buffer::View => view::draw(&scene, monitor, &mut report)?,

@@ -2,5 +2,6 @@
 //!
 //! Both are chosen at run time, and neither changes a bit of the result.
 
+pub mod made;
 pub mod parallel;
 pub mod simd;

@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use glam::DVec2;
-use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
+use wavesplat_compute::{made, parallel};
 
 use crate::base_picture::BasePicture;
 use crate::base_plane::BasePlane;
@@ -69,13 +69,11 @@ pub(crate) fn colors(
     peak: f32,
     parts: Option<&Parts>,
 ) -> Vec<[f32; 4]> {
-    let mut rgba = vec![[0.0_f32; 4]; width_px * height_px];
     let rays = &rays.every(reads.pixels_per_read());
     let warping = Warping { resamplers, rays, reads, peak, parts };
-    parallel::for_each_chunk(&mut rgba, BAND * width_px, |band, pixels| {
+    made::in_chunks(width_px * height_px, BAND * width_px, [0.0; 4], |band, pixels| {
         warping.draw_band(level, band * BAND, pixels, width_px);
-    });
-    rgba
+    })
 }
 
 /// How far apart neighbouring pixels of the picture are in their base planes at most, by some of them.

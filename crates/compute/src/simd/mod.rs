@@ -3,7 +3,7 @@
 //! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2, SSE2, NEON, and
 //! plain arrays for other processors. Every level gives the same bits: lanes never mix, nothing is fused, no operation
 //! is an approximation of the processor's own, and the order of operations is the source's. The level is chosen once
-//! per picture and passed as a value. This is the only module with `unsafe`.
+//! per picture and passed as a value.
 //!
 //! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::take`], the
 //! permutation that spreads samples over texels, and [`Math::look_up`], which reads one table entry per lane as two

@@ -70,9 +70,9 @@ impl<'a> Resampler<'a> {
         Self { picture, n_drawn, n_cells: [n_u, cells.len() / n_u] }
     }
 
-    /// What is at sixteen texel positions, four of them a vector; `None` where nothing can be seen. `base`: whole texels, which the positions count from. `lanes`: those that are wanted, whose positions
-    /// go one way, while others are far away; what others have is not to be used. `look`: whether it is not known that
-    /// something is there.
+    /// What is at sixteen texel positions, four of them a vector; `None` where nothing can be seen. `base`: whole texels,
+    /// which the positions count from. `lanes`: those that are wanted, whose positions go one way; of others only those
+    /// that are far away are sure to be empty. `look`: whether it is not known that something is there.
     #[inline(always)]
     pub fn read<S: Simd>(
         &self,

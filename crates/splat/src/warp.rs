@@ -281,7 +281,7 @@ fn mean<S: Simd>(
 
 /// Writes as many of sixteen pixels as there is room for.
 #[inline(always)]
-pub fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
+pub(crate) fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
     let mut some = [[0.0; 4]; LANES];
     let all = pixels.first_chunk_mut().unwrap_or(&mut some);
     for (k, quad) in all.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {

@@ -1,7 +1,8 @@
-//! How kernels are run: on vectors ([`simd`]) and on threads ([`parallel`]).
+//! How kernels are run: on vectors ([`simd`]) and on threads ([`parallel`]), some into arrays that they fill themselves
+//! ([`filled`]).
 //!
-//! Both are chosen at run time, and neither changes a bit of the result.
+//! Vectors and threads are chosen at run time, and neither changes a bit of the result.
 
-pub mod made;
+pub mod filled;
 pub mod parallel;
 pub mod simd;

@@ -3,8 +3,8 @@
 //! After quincunx antialiasing (NVIDIA, *HRAA: High-Resolution Antialiasing through Multisampling*, 2001), which has one
 //! half and an eighth each: with three fifths smooth pictures are less blurred, and hard edges alias hardly more. A
 //! corner serves four pixels, so a pixel takes two reads, of which that of the corner is linear between texels, being
-//! blurred anyway. As long as texels are not much closer than pixels, this leaves as little error as the mean of 2 x 2
-//! reads (`render.rs` has a test of hard edges).
+//! blurred anyway. As long as texels are not much closer than pixels, this leaves hardly more error than the mean of
+//! 2 x 2 reads (`render.rs` has a test of hard edges).
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 

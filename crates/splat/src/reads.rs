@@ -16,7 +16,7 @@ pub enum Reads {
 /// Texels per pixel along each axis that a pixel's middle does for, but for what is as good as none.
 const MOST_OF_MIDDLE: f64 = 1.05;
 
-/// Those that its corners do for. Up to here they leave as little error as four reads, in less time.
+/// Those that its corners do for. Up to here they leave hardly more error than four reads, in less time.
 const MOST_OF_QUINCUNX: f64 = 1.3;
 
 impl Reads {

@@ -274,20 +274,27 @@ mod tests {
         let hard = opacity_ramp(&[(127.0, 0.0), (128.0, 1.0)], None);
         let projection = Projection::Orthographic { parallel_scale: 17.0 };
         let camera = camera_towards(phantom.centre(), DVec3::new(0.7, 0.6, 0.5), 60.0, projection);
+        let plain = RenderOptions { width_px: 150, height_px: 140, ..RenderOptions::default() };
         let draw = |oversampling: f64| {
-            let plain = RenderOptions { width_px: 150, height_px: 140, ..RenderOptions::default() };
-            let options = RenderOptions { sheets_per_slice: 8.0, oversampling, ..plain };
+            let options = RenderOptions { sheets_per_slice: 8.0, oversampling, ..plain.clone() };
             render(&slices, &hard, &camera, &options, &()).unwrap().0.rgba
         };
         let many = draw(6.0);
-        let error = |oversampling: f64| {
-            let difference = draw(oversampling);
-            let squares = difference.as_flattened().iter().zip(many.as_flattened()).map(|(a, b)| (a - b).powi(2));
+        let error = |rgba: &[[f32; 4]]| {
+            let squares = rgba.as_flattened().iter().zip(many.as_flattened()).map(|(a, b)| (a - b).powi(2));
             f64::from(squares.sum::<f32>())
         };
-        let [as_many, few_more, many_more] = [1.0, 1.1, 2.0].map(error);
+        let [as_many, few_more, many_more] = [1.0, 1.1, 2.0].map(|oversampling| error(&draw(oversampling)));
         // More than texels that are closer by 1.1 would do alone.
         assert!(few_more < 0.7 * as_many, "{few_more} {as_many}");
         assert!(many_more < 0.5 * few_more, "{many_more} {few_more}");
+
+        // Two reads for each pixel leave hardly more than four do.
+        let options = RenderOptions { sheets_per_slice: 8.0, oversampling: 1.1, ..plain };
+        let (pictures, _) = render_base_planes(&slices, &hard, &camera, &options, &()).unwrap();
+        let rays = IndexRays::new(&camera, slices.grid().index_from_world(), 150, 140);
+        let read = |reads| error(&warp(Level::best(), &pictures, &rays, [150, 140], reads, 1.0, false).rgba);
+        let [corners_too, four] = [Reads::Quincunx, Reads::Grid(2)].map(read);
+        assert!(corners_too < 1.05 * four, "{corners_too} {four}");
     }
 }

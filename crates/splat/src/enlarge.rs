@@ -7,13 +7,13 @@
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
 use crate::reads::Reads;
-use crate::resample::{QUAD, Quads, held, peaks};
+use crate::resample::{QUAD, Quads, cubic, held, peaks};
 use crate::warp::Rectangle;
 
 /// Reads are no further apart than so many texels.
 const READS_APART: f64 = 0.65;
 
-/// Slope of the cubic one read away from its middle (Keys 1981, who calls it a); that of Catmull and Rom has -0.5.
+/// Slope of the cubic between reads; that of the reads has -0.5.
 const SLOPE: f32 = -0.7;
 
 /// Most pixels from a read to the next.
@@ -84,8 +84,7 @@ fn draw_by<const N: usize, S: Simd>(
     // Of the pixels after a read; the first of them is the read itself.
     let mut weights = [[s.splat(0.0); 4]; N];
     for k in 1..N {
-        let [w0, w1, w2, w3] = cubic(k as f32 / N as f32);
-        weights[k] = [s.splat(w0), s.splat(w1), s.splat(w2), s.splat(w3)];
+        weights[k] = cubic(s, SLOPE, s.splat(k as f32 / N as f32));
     }
     // The four rows of reads around a pixel, each in its place by number.
     let mut reads: [Row; 4] = [[Lanes::splat(0.0); LANES / QUAD]; 4];
@@ -147,13 +146,6 @@ fn draw_by<const N: usize, S: Simd>(
             }
         }
     }
-}
-
-/// Weights of the four reads around a position `t` of the way from the second to the third.
-fn cubic(t: f32) -> [f32; 4] {
-    let near = |x: f32| ((SLOPE + 2.0) * x - (SLOPE + 3.0)) * x * x + 1.0;
-    let far = |x: f32| SLOPE * (((x - 5.0) * x + 8.0) * x - 4.0);
-    [far(1.0 + t), near(t), near(1.0 - t), far(2.0 - t)]
 }
 
 /// Four pixels between four reads of each.

@@ -34,6 +34,9 @@ const PIXEL: [Lanes<u32>; LANES / QUAD] = [
     Lanes([12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15]),
 ];
 
+/// Slope of the cubic of Catmull and Rom.
+const CATMULL_ROM: f32 = -0.5;
+
 /// What is between texels.
 #[derive(Clone, Copy, Debug)]
 pub enum Filter {
@@ -117,7 +120,7 @@ impl<'a> Resampler<'a> {
         let mut weights = [[Lanes([0.0; LANES]); 4]; 2];
         for axis in 0..2 {
             let [w0, w1, w2, w3] = match filter {
-                Filter::Cubic { .. } => catmull_rom(s, shares[axis]),
+                Filter::Cubic { .. } => cubic(s, CATMULL_ROM, shares[axis]),
                 Filter::Linear => [s.splat(0.0), s.sub(s.splat(1.0), shares[axis]), shares[axis], s.splat(0.0)],
             };
             s.store(w0, &mut weights[axis][0].0);
@@ -229,13 +232,14 @@ pub fn peaks<S: Simd>(s: S, peak: f32) -> S::F {
     s.select(is_opacity, s.splat(1.0), s.splat(peak))
 }
 
-/// Weights of the four texels around positions `t` of the way from the second to the third.
+/// Weights of the four values around positions `t` of the way from the second to the third, by a cubic with some slope one
+/// value away from its middle (Keys 1981, who calls it a).
 #[inline(always)]
-pub fn catmull_rom<S: Simd>(s: S, t: S::F) -> [S::F; 4] {
-    let (one, half) = (s.splat(1.0), s.splat(0.5));
-    let w0 = s.mul(s.sub(s.mul(s.sub(one, s.mul(half, t)), t), half), t);
-    let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(1.5), t), s.splat(2.5)), t), t), one);
-    let w3 = s.mul(s.mul(s.sub(s.mul(half, t), half), t), t);
+pub fn cubic<S: Simd>(s: S, slope: f32, t: S::F) -> [S::F; 4] {
+    let (one, a) = (s.splat(1.0), s.splat(slope));
+    let w0 = s.mul(s.add(s.mul(s.add(s.mul(a, t), s.splat(-2.0 * slope)), t), a), t);
+    let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(slope + 2.0), t), s.splat(slope + 3.0)), t), t), one);
+    let w3 = s.mul(s.mul(s.sub(a, s.mul(a, t)), t), t);
     [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
 }
 

@@ -71,7 +71,7 @@ pub(crate) fn colors(
 ) -> Vec<[f32; 4]> {
     let rays = &rays.every(reads.pixels_per_read());
     let warping = Warping { resamplers, rays, reads, peak, parts };
-    filled::in_chunks(width_px * height_px, BAND * width_px, [0.0; 4], |band, pixels| {
+    filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
         warping.draw_band(level, band * BAND, pixels, width_px);
     })
 }

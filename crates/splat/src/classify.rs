@@ -72,10 +72,14 @@ impl Classifier {
         let value_at = |end: f64, node: usize| if end == nodes[node] { values[node] } else { end / scale + offset };
         let (first_value, last_value) = (value_at(lo, 0), value_at(hi, nodes.len() - 1));
         let mut rgba = tf.rgba_in_turn();
+        // Curves are mostly level, and a logarithm takes longer than all the rest.
+        let (mut opacity_before, mut depth) = (0.0, 0.0);
         let entry = |i: usize| {
             let share = i as f64 / n as f64;
             let [r, g, b, opacity] = rgba(first_value * (1.0 - share) + last_value * share);
-            let depth = (-(-opacity).ln_1p()).min(OPAQUE);
+            if opacity != opacity_before {
+                (opacity_before, depth) = (opacity, (-(-opacity).ln_1p()).min(OPAQUE));
+            }
             [r as f32, g as f32, b as f32, depth as f32]
         };
         // One entry more than cells, and one more so that the last cell has an upper end at its very end.
@@ -103,14 +107,16 @@ impl Classifier {
     /// How much associated colour and opacity of a slab change in all from the least density to the greatest.
     /// `slab_thickness`: in `opacity_unit`s.
     pub fn variation(&self, slab_thickness: f64) -> f32 {
-        let mut before = None;
-        let mut variation = 0.0_f32;
-        for &[r, g, b, depth] in &self.table {
+        let slab = |&[r, g, b, depth]: &Entry| {
             let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
-            let slab = [r * opacity, g * opacity, b * opacity, opacity];
-            let [own, other] = [slab, before.unwrap_or(slab)];
-            variation += (0..4).map(|c| (other[c] - own[c]).abs()).fold(0.0, f32::max);
-            before = Some(slab);
+            [r * opacity, g * opacity, b * opacity, opacity]
+        };
+        let mut before = slab(&self.table[0]);
+        let mut variation = 0.0_f32;
+        for pair in self.table.windows(2).filter(|pair| pair[0] != pair[1]) {
+            let own = slab(&pair[1]);
+            variation += (0..4).map(|c| (before[c] - own[c]).abs()).fold(0.0, f32::max);
+            before = own;
         }
         variation
     }

@@ -10,8 +10,8 @@
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
+use wavesplat_compute::{extent, parallel};
 use wavesplat_core::Kernel;
 
 use crate::blocks::{BLOCK, Blocks, Part};
@@ -210,8 +210,7 @@ impl Bricks {
             reach.bounds(&FloatRows { densities: &part.densities, level }, lo, part.size, bricks)
         });
         let range = range.unwrap_or_else(|| {
-            let all = of_block.iter().flatten();
-            all.fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], b| [lo.min(b[0]), hi.max(b[1])])
+            of_block.iter().flatten().copied().fold([f32::INFINITY, f32::NEG_INFINITY], extent::union)
         });
         let mut bounds = vec![[0; 2]; n.iter().product()];
         let level = level_in(range);

@@ -10,6 +10,7 @@
 
 use std::sync::Arc;
 
+use wavesplat_compute::extent;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_samples};
 
@@ -83,8 +84,7 @@ impl Prepared {
         if let Some(z) = prefilter::pole(kernel) {
             prefilter::prefilter_volume(&mut densities, size, z);
             // Spline coefficients leave the range of the samples.
-            let extent = [f32::INFINITY, f32::NEG_INFINITY];
-            range = densities.iter().fold(extent, |[lo, hi], d| [lo.min(*d), hi.max(*d)]);
+            range = extent::of(&densities);
         }
         let rows = FloatRows { densities: &densities, level: Level::best() };
         let bricks = Bricks::new(&rows, size, kernel, range, bounds_bytes);

@@ -14,8 +14,8 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
-use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
+use wavesplat_compute::{extent, parallel};
 use wavesplat_core as core;
 
 use crate::step::Step;
@@ -100,15 +100,13 @@ impl Decoder {
                     let ranges = [x..(x + SIDE).min(nx), y..(y + SIDE).min(ny), zs.clone()];
                     self.with_box(&ranges, |part| {
                         let rows = (0..part.n[2]).flat_map(|k| (0..part.n[1]).map(move |j| part.row(j, k)));
-                        for s in rows.flatten() {
-                            range = [range[0].min(*s), range[1].max(*s)];
-                        }
+                        range = rows.map(extent::of).fold(range, extent::union);
                     });
                 }
             }
             range
         });
-        ranges.into_iter().fold([f32::INFINITY, f32::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+        ranges.into_iter().fold([f32::INFINITY, f32::NEG_INFINITY], extent::union)
     }
 
     /// Calls `use_it` with the samples of a box.

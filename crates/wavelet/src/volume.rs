@@ -10,7 +10,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use wavesplat_compute::parallel;
+use wavesplat_compute::{extent, parallel};
 
 use crate::family::Family;
 use crate::norm::{Norm, for_each_row, for_each_row_of_slice};
@@ -468,9 +468,7 @@ fn threshold_of_fraction(plan: &Plan, norm: Norm, coefficients: &[f32], fraction
 
 /// The largest amplitude, to a thousandth, that may be dropped for a PSNR.
 fn threshold_of_psnr(plan: &Plan, norm: Norm, coefficients: &[f32], samples: &[f32], psnr_db: f64) -> f64 {
-    let extent =
-        |values: &[f32]| values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
-    let (lo, hi) = extent(samples);
+    let [lo, hi] = extent::of(samples);
     let wanted = f64::from(hi - lo).powi(2) * 10.0_f64.powf(-psnr_db / 10.0);
     let mut kept = coefficients.to_vec();
     let mut reaches = |threshold: f64| {

@@ -49,6 +49,30 @@ def test_what_is_saved_comes_back(tmp_path, family, oblique):
     )
 
 
+def test_the_range_is_kept_and_files_without_it_are_read(tmp_path, coefficients):
+    """It is what decoding gives; a range that is none is damage."""
+    path = tmp_path / "head.wavelets"
+    coefficients.save(path)
+    with np.load(path) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    samples = coefficients.to_volume().samples
+    assert arrays["value_range"].tolist() == [samples.min(), samples.max()]
+
+    def load(**changed):
+        with path.open("wb") as file:
+            np.savez_compressed(
+                file, **{name: array for name, array in (arrays | changed).items() if array is not None}
+            )
+        return ws.WaveletVolume.load(path)
+
+    assert load(value_range=None).value_range == coefficients.value_range == (samples.min(), samples.max())
+    # What is written is believed, so nothing is decoded for it.
+    assert load(value_range=np.array([-7.0, 5000.0], np.float32)).value_range == (-7, 5000)
+    for damaged in ([3.0, 1.0], [0.0, np.inf], [np.nan, 1.0], [1.0]):
+        with pytest.raises(ws.errors.FileError):
+            load(value_range=np.array(damaged, np.float32))
+
+
 def test_a_wavelet_volume_without_coefficients_is_kept(tmp_path):
     ws.WaveletVolume.from_volume(ws.examples.ripples(8), keep=0).save(tmp_path / "empty.wavelets")
     assert ws.WaveletVolume.load(tmp_path / "empty.wavelets").kept_fraction == 0

@@ -66,6 +66,8 @@ class WaveletVolume:
     def samples(self, weights: Sequence[float]) -> NDArray[np.float32]: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
+    @property
+    def value_range(self) -> tuple[float, float]: ...
     def parts(self) -> tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.float32]]: ...
     @staticmethod
     def from_parts(
@@ -76,6 +78,7 @@ class WaveletVolume:
         has_block: NDArray[np.uint8],
         masks: NDArray[np.uint64],
         values: NDArray[np.float32],
+        value_range: tuple[float, float] | None = None,
     ) -> WaveletVolume: ...
     def decoded(
         self, level: int, weights: Sequence[float], world_from_index: NDArray[np.float64], name: str, cache_bytes: int

@@ -276,6 +276,10 @@ class WaveletVolume(Grid):
             "masks": masks,
             "values": values,
         }
+        # Found by decoding everything: once here, not before the first picture of each program.
+        value_range = np.array(self._core.value_range, np.float32)
+        if np.isfinite(value_range).all():
+            arrays["value_range"] = value_range
 
         def write(part: Path) -> None:
             with part.open("wb") as file:
@@ -314,6 +318,8 @@ class WaveletVolume(Grid):
         packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
+        # Files of before have none.
+        lo_hi = arrays.get("value_range")
         core = _native.WaveletVolume.from_parts(
             (n_z, n_y, n_x),
             family,
@@ -322,6 +328,7 @@ class WaveletVolume(Grid):
             np.unpackbits(packed, count=n_blocks),
             arrays["masks"],
             arrays["values"],
+            None if lo_hi is None else tuple(lo_hi.tolist()),
         )
         try:
             # A volume of any samples, for the sake of its checks.

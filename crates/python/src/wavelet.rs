@@ -51,8 +51,9 @@ impl PyWaveletVolume {
 
     /// From what `parts` gave; wrong numbers are refused.
     #[staticmethod]
-    #[pyo3(signature = (shape, family, levels, threshold, has_block, masks, values))]
+    #[pyo3(signature = (shape, family, levels, threshold, has_block, masks, values, value_range=None))]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+    #[expect(clippy::too_many_arguments, reason = "what a file holds")]
     fn from_parts(
         shape: (usize, usize, usize),
         family: &str,
@@ -61,6 +62,7 @@ impl PyWaveletVolume {
         has_block: PyReadonlyArray1<'_, u8>,
         masks: PyReadonlyArray1<'_, u64>,
         values: PyReadonlyArray1<'_, f32>,
+        value_range: Option<(f32, f32)>,
     ) -> PyResult<Self> {
         let parts = Parts {
             family: family_of(family)?,
@@ -70,6 +72,7 @@ impl PyWaveletVolume {
             has_block: has_block.as_slice()?.to_vec(),
             masks: masks.as_slice()?.to_vec(),
             values: values.as_slice()?.to_vec(),
+            range: value_range.map(|(lo, hi)| [lo, hi]),
         };
         let volume = WaveletVolume::from_parts(parts).map_err(PyValueError::new_err)?;
         Ok(Self(Arc::new(volume)))
@@ -111,6 +114,12 @@ impl PyWaveletVolume {
     fn parts<'py>(&self, py: Python<'py>) -> Arrays<'py> {
         let Parts { has_block, masks, values, .. } = self.0.to_parts();
         (has_block.into_pyarray(py), masks.into_pyarray(py), values.into_pyarray(py))
+    }
+
+    /// Smallest and largest sample; at first everything is decoded for it.
+    #[getter]
+    fn value_range(&self, py: Python<'_>) -> (f32, f32) {
+        py.detach(|| Decoder::new(self.0.clone(), 0, &[]).range()).into()
     }
 
     /// The samples [z, y, x], with a weight for each level's details, the finest first, and for the last low box.

@@ -72,6 +72,8 @@ pub struct Parts {
     pub masks: Vec<u64>,
     /// The coefficients, in the order of the bits.
     pub values: Vec<f32>,
+    /// Smallest and largest sample that they stand for, where that is known: else everything is decoded to find it.
+    pub range: Option<[f32; 2]>,
 }
 
 /// Retained coefficients of a subband.
@@ -180,12 +182,13 @@ impl WaveletVolume {
             has_block: all().flat_map(|band| &band.blocks).map(|place| u8::from(*place != EMPTY)).collect(),
             masks: all().flat_map(|band| &band.kept).flat_map(|block| block.masks).collect(),
             values: all().flat_map(|band| &band.values).copied().collect(),
+            range: self.range.get().copied(),
         }
     }
 
     /// From plain arrays; says what does not fit together.
     pub fn from_parts(parts: Parts) -> Result<Self, &'static str> {
-        let Parts { family, size, n_levels, threshold, has_block, masks, values } = parts;
+        let Parts { family, size, n_levels, threshold, has_block, masks, values, range } = parts;
         let n_samples = size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m));
         let Some(n_samples) = n_samples.filter(|n| *n > 0) else { return Err("the size is not that of a volume") };
         // Before anything of that size is made: what is said of the size may be wrong.
@@ -197,6 +200,9 @@ impl WaveletVolume {
         }
         if !values.iter().all(|value| value.is_finite()) {
             return Err("a coefficient is not a finite number");
+        }
+        if range.is_some_and(|[lo, hi]| !(lo.is_finite() && lo <= hi && hi.is_finite())) {
+            return Err("the smallest and the largest sample are no range");
         }
         let plan = Plan::new(family, size, Some(n_levels));
         let mut has_block = has_block.into_iter();
@@ -230,7 +236,7 @@ impl WaveletVolume {
         if has_block.next().is_some() || masks.next().is_some() || !rest.is_empty() || !values.is_empty() {
             return Err("something is left over");
         }
-        Ok(Self { plan, threshold, bands, range: OnceLock::new() })
+        Ok(Self { plan, threshold, bands, range: range.map_or_else(OnceLock::new, OnceLock::from) })
     }
 
     /// All coefficients in the layout of the plan, zeros where nothing is kept. `weights`: a factor for each level's

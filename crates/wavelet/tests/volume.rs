@@ -1,6 +1,8 @@
 //! What a volume of retained coefficients promises: it keeps what is asked for, and little else.
 
-use wavesplat_wavelet::{Family, Keep, Norm, Parts, Plan, WaveletVolume, analyse, to_amplitudes};
+use std::sync::Arc;
+
+use wavesplat_wavelet::{Decoder, Family, Keep, Norm, Parts, Plan, WaveletVolume, analyse, to_amplitudes};
 
 /// The signal of Marschner and Lobb on −1..1, scaled to 0..255.
 fn ripples(n: usize) -> Vec<f32> {
@@ -135,6 +137,12 @@ fn parts_make_the_same_volume() {
             assert_eq!(again.to_parts(), parts, "{name} {size:?}");
             assert_eq!(again.coefficients(&[]), volume.coefficients(&[]), "{name} {size:?}");
             assert_eq!(again.n_kept_by_level(), volume.n_kept_by_level(), "{name} {size:?}");
+            // The range, once it is known.
+            let found = Decoder::new(Arc::new(again.clone()), 0, &[]).range();
+            let known = WaveletVolume::from_parts(Parts { range: Some([-1.0, 7.5]), ..parts }).unwrap();
+            assert_eq!(known.to_parts().range, Some([-1.0, 7.5]));
+            assert_eq!(Decoder::new(Arc::new(known), 0, &[]).range(), [-1.0, 7.5]);
+            assert!(found != [-1.0, 7.5] && found[0] <= found[1], "{found:?}");
         }
     }
 }
@@ -158,6 +166,9 @@ fn parts_that_do_not_fit_together_are_refused() {
     check(|p| p.n_levels += 1, "more levels");
     check(|p| p.n_levels = usize::MAX, "more levels");
     check(|p| p.values[3] = f32::NAN, "not a finite number");
+    check(|p| p.range = Some([2.0, 1.0]), "no range");
+    check(|p| p.range = Some([f32::NAN, 1.0]), "no range");
+    check(|p| p.range = Some([0.0, f32::INFINITY]), "no range");
     check(|p| p.has_block.truncate(3), "too few blocks");
     check(|p| p.has_block.push(0), "left over");
     check(|p| p.masks.truncate(8), "too few words");

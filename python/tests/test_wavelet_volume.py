@@ -110,6 +110,10 @@ def test_copies_hold_the_same(how):
     assert other.cache_bytes == wavelets.cache_bytes == 1_000_000
     assert np.array_equal(other.world_from_index, wavelets.world_from_index)
     assert np.array_equal(other.to_volume().samples, wavelets.to_volume().samples)
+    # What took decoding everything is not found again.
+    assert how(wavelets)._core.known_value_range is None
+    found = wavelets._core.value_range
+    assert how(wavelets)._core.known_value_range == found
 
 
 @pytest.mark.parametrize(

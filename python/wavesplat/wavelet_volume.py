@@ -365,7 +365,8 @@ class WaveletVolume(Grid):
         return decoded
 
     def __reduce__(self) -> tuple[Any, ...]:
-        how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
+        core = self._core
+        how = self._shape, self._family, self.n_levels, self.threshold, *core.parts(), core.known_value_range
         return _rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
 
     def __repr__(self) -> str:

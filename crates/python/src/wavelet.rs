@@ -122,6 +122,12 @@ impl PyWaveletVolume {
         py.detach(|| Decoder::new(self.0.clone(), 0, &[]).range()).into()
     }
 
+    /// Smallest and largest sample, if they were found before.
+    #[getter]
+    fn known_value_range(&self) -> Option<(f32, f32)> {
+        self.0.known_range().map(Into::into)
+    }
+
     /// The samples [z, y, x], with a weight for each level's details, the finest first, and for the last low box.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
     fn samples<'py>(&self, py: Python<'py>, weights: Vec<f32>) -> PyResult<Bound<'py, PyArray3<f32>>> {

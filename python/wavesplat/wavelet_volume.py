@@ -258,6 +258,9 @@ class WaveletVolume(Grid):
     def save(self, path: str | PathLike[str]) -> None:
         """Write the coefficients to a file, `.wavelets`: a NumPy archive of what `load` needs.
 
+        The range of the samples that they stand for goes with them; where nothing was drawn yet, everything is
+        decoded once to find it.
+
         Raises
         ------
         FileError

@@ -253,7 +253,7 @@ def test_parts_at_random_are_drawn_or_refused(damage):
         shape, family = tuple(rng.integers(2, 30, 3).tolist()), FAMILIES[n % len(FAMILIES)]
         volume = ws.Volume(rng.normal(0, 10, shape).astype(np.float32))
         wavelets = ws.WaveletVolume.from_volume(volume, family, keep=rng.uniform(0, 0.5))
-        parts = dict(zip(("has_block", "masks", "values"), wavelets._core.parts(), strict=True))
+        parts = dict(zip(("has_block", "masks", "values", "value_range"), wavelets._core.parts(), strict=True))
         parts |= {"shape": shape, "family": family, "levels": wavelets.n_levels, "threshold": 1.0}
         damage(parts, rng)
         try:

@@ -68,9 +68,9 @@ class WaveletVolume:
     def shape(self) -> tuple[int, int, int]: ...
     @property
     def value_range(self) -> tuple[float, float]: ...
-    @property
-    def known_value_range(self) -> tuple[float, float] | None: ...
-    def parts(self) -> tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.float32]]: ...
+    def parts(
+        self,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.uint64], NDArray[np.float32], tuple[float, float] | None]: ...
     @staticmethod
     def from_parts(
         shape: tuple[int, int, int],
@@ -80,7 +80,7 @@ class WaveletVolume:
         has_block: NDArray[np.uint8],
         masks: NDArray[np.uint64],
         values: NDArray[np.float32],
-        value_range: tuple[float, float] | None = None,
+        value_range: tuple[float, float] | None,
     ) -> WaveletVolume: ...
     def decoded(
         self, level: int, weights: Sequence[float], world_from_index: NDArray[np.float64], name: str, cache_bytes: int

@@ -267,7 +267,7 @@ class WaveletVolume(Grid):
             If the name has another suffix or the file cannot be written.
         """
         check_output(path, "wavelet coefficients")
-        has_block, masks, values = self._core.parts()
+        has_block, masks, values, _ = self._core.parts()
         arrays: dict[str, Any] = {
             "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
             "shape": np.array(self._shape),
@@ -368,8 +368,7 @@ class WaveletVolume(Grid):
         return decoded
 
     def __reduce__(self) -> tuple[Any, ...]:
-        core = self._core
-        how = self._shape, self._family, self.n_levels, self.threshold, *core.parts(), core.known_value_range
+        how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
         return _rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
 
     def __repr__(self) -> str:

@@ -19,8 +19,8 @@ use crate::volume::{PyVolume, affine};
 #[pyclass(name = "WaveletVolume", frozen, module = "wavesplat._native")]
 pub struct PyWaveletVolume(Arc<WaveletVolume>);
 
-/// Arrays that hold the coefficients.
-type Arrays<'py> = (Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<f32>>);
+/// Arrays that hold the coefficients, and the range of the samples where it is known.
+type Arrays<'py> = (Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<f32>>, Option<(f32, f32)>);
 
 #[pymethods]
 impl PyWaveletVolume {
@@ -51,7 +51,7 @@ impl PyWaveletVolume {
 
     /// From what `parts` gave; wrong numbers are refused.
     #[staticmethod]
-    #[pyo3(signature = (shape, family, levels, threshold, has_block, masks, values, value_range=None))]
+    #[pyo3(signature = (shape, family, levels, threshold, has_block, masks, values, value_range))]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     #[expect(clippy::too_many_arguments, reason = "what a file holds")]
     fn from_parts(
@@ -110,22 +110,17 @@ impl PyWaveletVolume {
         self.0.n_bytes()
     }
 
-    /// Which blocks there are, the bits of their coefficients, and the coefficients.
+    /// Which blocks there are, the bits of their coefficients, the coefficients, and smallest and largest sample where they
+    /// were found before.
     fn parts<'py>(&self, py: Python<'py>) -> Arrays<'py> {
-        let Parts { has_block, masks, values, .. } = self.0.to_parts();
-        (has_block.into_pyarray(py), masks.into_pyarray(py), values.into_pyarray(py))
+        let Parts { has_block, masks, values, range, .. } = self.0.to_parts();
+        (has_block.into_pyarray(py), masks.into_pyarray(py), values.into_pyarray(py), range.map(Into::into))
     }
 
     /// Smallest and largest sample; at first everything is decoded for it.
     #[getter]
     fn value_range(&self, py: Python<'_>) -> (f32, f32) {
         py.detach(|| Decoder::new(self.0.clone(), 0, &[]).range()).into()
-    }
-
-    /// Smallest and largest sample, if they were found before.
-    #[getter]
-    fn known_value_range(&self) -> Option<(f32, f32)> {
-        self.0.known_range().map(Into::into)
     }
 
     /// The samples [z, y, x], with a weight for each level's details, the finest first, and for the last low box.

@@ -146,11 +146,6 @@ impl WaveletVolume {
         *self.range.get_or_init(find)
     }
 
-    /// Smallest and largest sample, if they were found before.
-    pub fn known_range(&self) -> Option<[f32; 2]> {
-        self.range.get().copied()
-    }
-
     /// Coefficients that are there.
     pub fn n_kept(&self) -> usize {
         self.bands.iter().map(|band| band.values.len()).sum()
@@ -187,7 +182,7 @@ impl WaveletVolume {
             has_block: all().flat_map(|band| &band.blocks).map(|place| u8::from(*place != EMPTY)).collect(),
             masks: all().flat_map(|band| &band.kept).flat_map(|block| block.masks).collect(),
             values: all().flat_map(|band| &band.values).copied().collect(),
-            range: self.known_range(),
+            range: self.range.get().copied(),
         }
     }
 

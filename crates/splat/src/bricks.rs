@@ -1,11 +1,11 @@
-//! Which parts of the volume can be seen: least and largest density of every brick of 4 x 4 x 4 cells (8 x 8 x 8 where
-//! memory is short).
+//! Which parts of the volume can be seen: least and largest density of every brick of 4 x 4 x 4 cells (2 x 2 x 2 of
+//! small volumes, 8 x 8 x 8 where memory is short).
 //!
-//! The bounds are built once per volume and kernel, at memory speed, and take 1/16 of a byte per sample. For a
-//! transfer function they become one bit per brick, and "is anything visible below this part of this sheet" is a
-//! question of a few words. Bounds hold for all positions inside a brick: they cover the samples that the kernel
-//! reaches from there, widened where the kernel overshoots. They are kept in 4096 levels of the volume's range, rounded
-//! outwards.
+//! The bounds are built once per volume and kernel, at memory speed, and take 1/16 of a byte per sample, of small
+//! volumes half a byte. For a transfer function they become one bit per brick, and "is anything visible below this part
+//! of this sheet" is a question of a few words. Bounds hold for all positions inside a brick: they cover the samples
+//! that the kernel reaches from there, widened where the kernel overshoots. They are kept in 4096 levels of the volume's
+//! range, rounded outwards.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,9 +17,13 @@ use wavesplat_core::Kernel;
 use crate::blocks::{BLOCK, Blocks, Part};
 use crate::kernel::{n_taps, overshoot, reach};
 
-/// Cells of a brick along each axis: as a rule, and where the bounds would take too much memory.
+/// Cells of a brick along each axis: of small volumes, as a rule, and where the bounds would take too much memory.
+const SMALL_SIDE: usize = 2;
 const SIDE: usize = 4;
 const LARGE_SIDE: usize = 8;
+
+/// Bounds of the smallest bricks: those of 129 samples along each axis.
+const MOST_BYTES_OF_SMALL: usize = 1 << 20;
 
 /// Bounds of a volume whose samples are there: those of 800 samples along each axis.
 pub const MOST_BYTES: usize = 32 << 20;
@@ -92,8 +96,16 @@ fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sy
 
 /// Cells of a brick along each axis, so that bounds take no more than so many bytes, if that can be.
 fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
-    let n_small: usize = n_bricks(SIDE, size).iter().product();
-    if n_small * size_of::<[u16; 2]>() <= budget_bytes { SIDE } else { LARGE_SIDE }
+    let fits = |side: usize, most_bytes: usize| {
+        n_bricks(side, size).iter().product::<usize>() * size_of::<[u16; 2]>() <= most_bytes
+    };
+    if fits(SMALL_SIDE, budget_bytes.min(MOST_BYTES_OF_SMALL)) {
+        SMALL_SIDE
+    } else if fits(SIDE, budget_bytes) {
+        SIDE
+    } else {
+        LARGE_SIDE
+    }
 }
 
 /// Bricks along each axis.
@@ -368,7 +380,7 @@ mod tests {
                         density += weight * slices.at(index);
                     }
                 }
-                let brick: [usize; 3] = std::array::from_fn(|a| (position[a] as usize).min(size[a] - 2) / SIDE);
+                let brick: [usize; 3] = std::array::from_fn(|a| (position[a] as usize).min(size[a] - 2) / bricks.side);
                 let bounds = bricks.bounds[brick[0] + bricks.n[0] * (brick[1] + bricks.n[1] * brick[2])];
                 let [lo, hi] = bounds.map(|level| f64::from(bricks.density(usize::from(level))));
                 // Spline coefficients of the ends are folded into the brick's own samples; f32 rounds.
@@ -397,11 +409,13 @@ mod tests {
     }
 
     #[test]
-    fn bricks_are_large_where_small_ones_take_too_much() {
+    fn bricks_are_as_small_as_their_bounds_may_take() {
+        assert_eq!([129, 130].map(|n| side_within(MOST_BYTES, [n; 3])), [SMALL_SIDE, SIDE]);
         assert_eq!(side_within(MOST_BYTES, [800; 3]), SIDE);
         assert_eq!(side_within(MOST_BYTES, [1024; 3]), LARGE_SIDE);
-        // 2 x 3 x 1 bricks of four bytes.
-        assert_eq!([24, 23].map(|budget| side_within(budget, [9, 10, 5])), [SIDE, LARGE_SIDE]);
+        // 4 x 5 x 2 and 2 x 3 x 1 bricks of four bytes.
+        let sides = [160, 159, 24, 23].map(|budget| side_within(budget, [9, 10, 5]));
+        assert_eq!(sides, [SMALL_SIDE, SIDE, SIDE, LARGE_SIDE]);
     }
 
     #[test]
@@ -414,7 +428,7 @@ mod tests {
             let occupied = slices.bricks().occupied(axes, |[_, hi]| hi > 0.5);
             let at = |shift: f64| {
                 let around = |x: f64| [x + shift - 1.5, x + shift + 1.5];
-                let layer = (place[2] / SIDE as f64) as usize;
+                let layer = occupied.layer(place[2] as usize);
                 let (u, v) = (occupied.touched(0, around(place[0])), occupied.touched(1, around(place[1])));
                 matches!((u, v), (Some(u), Some(v)) if occupied.any(u, v, [layer; 2]))
             };

@@ -246,8 +246,8 @@ impl PyDecodedVolume {
         (x, y, z)
     }
 
-    /// The transfer function that makes of a coarser level what it makes of the finest, and whether the one that was given
-    /// is steep; kept until another is asked for.
+    /// The transfer function that makes of a coarser level what it makes of the finest, and whether it or the one that was
+    /// given is steep; kept until another is asked for.
     pub fn filtered(&self, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<(TransferFunction, bool)> {
         let mut kept = self.filtered.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = &*kept
@@ -263,6 +263,8 @@ impl PyDecodedVolume {
         } else {
             tf.clone()
         };
+        // One that is smooth may need so much extinction that its level is steep.
+        let is_steep = is_steep || wavesplat_splat::is_steep(&self.grid, &filtered);
         *kept = Some(Filtered { of: tf.clone(), shading: shading.cloned(), tf: filtered.clone(), is_steep });
         Ok((filtered, is_steep))
     }

@@ -222,6 +222,20 @@ def test_levels_keep_what_is_thin(scans, family, name):
     assert abs(level - whole) < 0.5 * abs(blurred - whole)
 
 
+def test_a_level_that_is_steep_gets_the_sheets_of_one():
+    """A smooth function on thin walls: what stands for them on coarser levels has to be denser."""
+    x, y, z = np.meshgrid(*[np.arange(64)] * 3)
+    walls = np.where((x + y + z) % 16 == 3, 200, 0).astype(np.uint8)
+    wavelets = ws.WaveletVolume.from_volume(ws.Volume(walls), "cdf53")
+    smooth = ws.TransferFunction([(60, 0), (200, 0.5)], [(0, 1, 1, 1)], 1.0)
+    draw = {"transfer_function": smooth, "size": (64, 64)}
+    assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
+    pictures = [ws.render(wavelets, drop_levels=k, **draw) for k in range(3)]
+    assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]
+    whole, *levels = [picture.rgba[..., :3].mean() for picture in pictures]
+    assert levels == pytest.approx([whole, whole], rel=0.08)
+
+
 @pytest.mark.parametrize("family", LIFTED)
 def test_a_level_has_an_eighth_of_the_work(scans, family):
     """At most a quarter, as edges of tiles and blocks count in full."""

@@ -63,7 +63,7 @@ impl Drawable<'_> {
     pub fn is_steep(&self, py: Python<'_>, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<bool> {
         match self {
             Self::Samples(_) => self.with_grid(py, |grid| Ok(is_steep(grid, tf))),
-            // What its levels are made as bright for.
+            // As its levels are made as bright for, or are themselves.
             Self::Decoded(volume) => Ok(volume.filtered(tf, shading)?.1),
         }
     }

@@ -178,8 +178,8 @@ impl Reach {
 }
 
 impl Bricks {
-    /// Reads every row about 1.6 times, of small volumes 2.3 times. `range` bounds the densities. Bricks are large where
-    /// small ones took more than `budget_bytes`.
+    /// Reads every row about 1.6 times, of small volumes 2.3 times. `range` bounds the densities. Bricks are larger
+    /// where their bounds took more than `budget_bytes`.
     pub fn new(rows: &impl Rows, size: [usize; 3], kernel: Kernel, range: [f32; 2], budget_bytes: usize) -> Self {
         let side = side_within(budget_bytes, size);
         let reach = Reach::new(side, size, kernel);

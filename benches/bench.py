@@ -59,6 +59,10 @@ def measure(draw: Callable[[float], Any]) -> dict[str, float]:
 
 def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
     """Our renderer."""
+    if "like_turned_deg" in settings:
+        settings = dict(settings)
+        before = scenes.render(case, settings.pop("like_turned_deg"), **settings)
+        settings["like"] = before
     result = measure(lambda turn: scenes.render(case, turn, **settings))
     result["samples_mib"] = scenes.load(case.volume, case.grid).samples.nbytes / 2**20
     if case.compared and case.composite == "over":

@@ -5,6 +5,8 @@ The full table at 512 x 512 is printed by `make quality`.
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -89,12 +91,46 @@ def test_a_wanted_psnr_is_reached(scene, view_angle):
     assert effort[0] < effort[1] < effort[2]
 
 
+def test_frames_like_the_first_are_drawn_once(scene):
+    volume, soft, _, _ = scene
+    first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20), size=(96, 80), psnr=38)
+    assert json.loads(json.dumps(first.report["measured"])) == first.report["measured"]
+    for wanted_db in (38, 44):
+        view = ws.Camera.orbit(volume, 40, 10)
+        frame = ws.render(volume, soft, view, size=(96, 80), psnr=wanted_db, like=first)
+        (drawn,) = frame.report["passes"]
+        assert drawn["share"] == 1
+        assert frame.report["expected_psnr_db"] >= wanted_db
+        fixed = {name: drawn[name] for name in ("sheets_per_slice", "oversampling")}
+        np.testing.assert_array_equal(frame.rgba, ws.render(volume, soft, view, size=(96, 80), **fixed).rgba)
+        want = ws.reference.raycast(volume, soft, view, size=(96, 80), step=0.05, rays_per_pixel=16).rgba
+        assert psnr_db(frame.rgba, want) > wanted_db - 2
+        # What was measured goes from frame to frame.
+        again = ws.render(volume, soft, view, size=(96, 80), psnr=wanted_db, like=frame)
+        np.testing.assert_array_equal(again.rgba, frame.rgba)
+
+
+def test_like_wants_a_picture_that_was_measured():
+    volume = ws.examples.ripples(8)
+    measured = ws.render(volume, size=(16, 16), psnr=40)
+    fixed = ws.render(volume, size=(16, 16))
+    for options, message in (
+        ({"like": measured}, "pass psnr too"),
+        ({"psnr": 40, "like": fixed}, "no picture that was drawn with psnr"),
+        ({"psnr": 40, "like": measured.report}, "no picture that was drawn with psnr"),
+        ({"psnr": 40, "like": measured, "composite": "maximum"}, 'tells nothing of "maximum"'),
+    ):
+        with pytest.raises(ws.errors.ArgumentError, match=message):
+            ws.render(volume, size=(16, 16), **options)
+
+
 def test_a_psnr_costs_nothing_where_nothing_is_seen_and_what_is_out_of_reach_is_said():
     volume = ws.Volume(np.zeros((8, 8, 8), np.float32))
     clear = ws.TransferFunction([(0, 0.0), (1, 0.0)], [(0, 1, 1, 1), (1, 1, 1, 1)])
     report = ws.render(volume, clear, size=(40, 30), psnr=60).report
     assert report["sheets_per_slice"] == 0.7
     assert report["oversampling"] == 0.5
+    assert report["measured"] is None
     volume = ws.examples.ripples(16)
     hard = ws.TransferFunction([(127, 0.0), (128, 1.0)], [(0, 1, 1, 1)])
     report = ws.render(volume, hard, size=(64, 64), psnr=80).report

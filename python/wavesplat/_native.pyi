@@ -1,6 +1,6 @@
 """What the compiled module offers; the public package wraps it and holds the docs that users read."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypedDict, final, type_check_only
 
 import numpy as np
@@ -190,6 +190,7 @@ def render(
     sheets_per_slice: float,
     oversampling: float,
     psnr: float | None,
+    like: Mapping[str, float | bool] | None,
     crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],

@@ -49,6 +49,7 @@ def render(
     sheets_per_slice: float | None = None,
     oversampling: float | None = None,
     psnr: float | None = None,
+    like: Picture | None = None,
     drop_levels: int = 0,
     band_weights: Sequence[float] | None = None,
     crop: Crop | None = None,
@@ -115,6 +116,12 @@ def render(
         `sheets_per_slice` and `oversampling` there are the finest. `expected_psnr_db` is an estimate: mostly less
         than what is reached, at 50 and more some dB off either way, and less than what was asked for where nothing
         reaches that.
+    like : Picture, optional
+        With `psnr`: a picture of the same volume and transfer function that was drawn with `psnr`, be it of another
+        value. What it told of its error is believed, so that this one is drawn once, with the cheapest settings that
+        this promises enough of, and measures nothing: for the frames of a turn, say. Leave it out for a frame now
+        and then where the view changes much. Where it showed nothing, or only one of the two transfer functions is
+        steep, this picture is measured all the same. What was believed is `measured` in the report.
     drop_levels : int
         Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its
         own resolution, with fewer sheets and texels (B-spline families: at the full one), and classified by
@@ -201,6 +208,7 @@ def render(
         drawn = volume._core
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
+    measured = measured_by(like, psnr, composite)
     if labels is not None and (composite != "over" or drop_levels != 0):
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
     absorbs = projection.absorption(composite, attenuation, volume)
@@ -259,6 +267,7 @@ def render(
         sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
         oversampling=default_oversampling if oversampling is None else float(oversampling),
         psnr=None if psnr is None else float(psnr),
+        like=measured,
         **region(crop, clip_planes),
         background=colors.parse(background),
         threads=checked_count(threads, "threads"),
@@ -267,7 +276,27 @@ def render(
         variant=None if variant is None else variant._core,
         progress=progress,
     )
-    return Picture(result["rgba"], result["depth"], result["value"], result["report"] | numbers)
+    report = result["report"] | numbers
+    if report.get("measured") is not None:
+        report["measured"]["composite"] = composite
+    return Picture(result["rgba"], result["depth"], result["value"], report)
+
+
+def measured_by(like: Picture | None, psnr: float | None, composite: str) -> dict[str, Any] | None:
+    """What a picture told of its error, if it is of the kind that is wanted."""
+    if like is None:
+        return None
+    if psnr is None:
+        raise ArgumentError("like is for a wanted PSNR; pass psnr too, or leave out like")
+    if not isinstance(like, Picture) or "measured" not in like.report:
+        raise ArgumentError("like is no picture that was drawn with psnr; draw the first with psnr alone, then pass it")
+    measured: dict[str, Any] | None = like.report["measured"]
+    if measured is not None and measured["composite"] != composite:
+        raise ArgumentError(
+            f'like was drawn with composite="{measured["composite"]}", which tells nothing of "{composite}"; '
+            "leave out like"
+        )
+    return measured
 
 
 def chosen_transfer_function(

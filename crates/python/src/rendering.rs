@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Picture, RenderOptions};
-use wavesplat_splat::estimate::{Estimate, render_to_psnr};
+use wavesplat_splat::estimate::{Errors, Estimate, Framing, Measured, Settings, Wanted, render_to_psnr};
 use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::{Monitor, reference, with_threads};
@@ -124,11 +124,58 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
     rgba.into_flattened().into_pyarray(py).reshape([height_px, width_px, 4])
 }
 
+/// What a picture told of its error, as a dictionary.
+#[derive(Clone, Copy, FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct PyMeasured {
+    along: f64,
+    across: f64,
+    across_decay: f64,
+    sheets_per_slice: f64,
+    oversampling: f64,
+    pixel_in_samples: f64,
+    slice_in_samples: f64,
+    covered: f64,
+    is_smooth: bool,
+}
+
+impl From<PyMeasured> for Measured {
+    fn from(told: PyMeasured) -> Self {
+        Self {
+            errors: Errors { along: told.along, across: told.across, across_decay: told.across_decay },
+            at: Settings { sheets_per_slice: told.sheets_per_slice, oversampling: told.oversampling },
+            framing: Framing {
+                pixel_in_samples: told.pixel_in_samples,
+                slice_in_samples: told.slice_in_samples,
+                covered: told.covered,
+            },
+            is_smooth: told.is_smooth,
+        }
+    }
+}
+
+impl From<Measured> for PyMeasured {
+    fn from(measured: Measured) -> Self {
+        let Measured { errors, at, framing, is_smooth } = measured;
+        Self {
+            along: errors.along,
+            across: errors.across,
+            across_decay: errors.across_decay,
+            sheets_per_slice: at.sheets_per_slice,
+            oversampling: at.oversampling,
+            pixel_in_samples: framing.pixel_in_samples,
+            slice_in_samples: framing.slice_in_samples,
+            covered: framing.covered,
+            is_smooth,
+        }
+    }
+}
+
 /// See `_native.pyi`.
 #[pyfunction]
 #[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value,
-    local_threshold, depth_shading, attenuation, shading, sheets_per_slice, oversampling, psnr, crop_index, crop_world,
-    clip_planes, background, threads, depth, refined, variant, progress))]
+    local_threshold, depth_shading, attenuation, shading, sheets_per_slice, oversampling, psnr, like, crop_index,
+    crop_world, clip_planes, background, threads, depth, refined, variant, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn render<'py>(
@@ -149,6 +196,7 @@ pub fn render<'py>(
     sheets_per_slice: f64,
     oversampling: f64,
     psnr: Option<f64>,
+    like: Option<PyMeasured>,
     crop_index: Corners,
     crop_world: Corners,
     clip_planes: Vec<(Triple, Triple)>,
@@ -194,7 +242,8 @@ pub fn render<'py>(
                 let drawn = wavesplat_splat::render_labelled(&slices, labels, tf, camera, &options, &monitor);
                 return drawn.map(|(picture, report)| (picture, report, None));
             };
-            let drawn = render_to_psnr(&slices, labels, tf, camera, &options, psnr_db, &monitor);
+            let wanted = Wanted { psnr_db, like: like.map(Measured::from) };
+            let drawn = render_to_psnr(&slices, labels, tf, camera, &options, &wanted, &monitor);
             drawn.map(|(picture, report, settings)| (picture, report, Some(settings)))
         })
     })?;
@@ -221,6 +270,7 @@ pub fn render<'py>(
             Ok(dict)
         });
         numbers.set_item("passes", passes.collect::<PyResult<Vec<_>>>()?)?;
+        numbers.set_item("measured", chosen.measured.map(PyMeasured::from))?;
     }
     numbers.set_item("n_texels", report.n_texels)?;
     numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;

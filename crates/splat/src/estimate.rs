@@ -4,6 +4,9 @@
 //! that have most of it, those of much contrast, are drawn once more: as many, and as finely, as experience promises
 //! enough for the least work. What changes in them tells how large the error was, and so what is left.
 //!
+//! What a picture has told is handed on ([`Measured`]): the next one of the same is drawn once, with the cheapest settings
+//! that this promises enough of, and measures nothing.
+//!
 //! PSNR is that of the colours over black against the converged picture with many rays a pixel, peak 1.
 
 use std::ops::ControlFlow;
@@ -13,7 +16,7 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, TransferFunction};
 
-use crate::experience::{Experience, Settings, mean_square_of};
+use crate::experience::{Experience, mean_square_of};
 use crate::labels::Labels;
 use crate::parts::{Parts, replace};
 use crate::probe;
@@ -22,6 +25,19 @@ use crate::render::{Monitor, Report, draw, finished, warped};
 use crate::scene::{Scene, with_scene};
 use crate::slices::Slices;
 
+pub use crate::experience::{Measured, Settings};
+pub use crate::probe::Errors;
+pub use crate::scene::Framing;
+
+/// What is wanted of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Between 20 and 80 dB.
+    pub psnr_db: f64,
+    /// What a picture of the same volume and transfer function told of its error, if that is to do.
+    pub like: Option<Measured>,
+}
+
 /// How a picture was drawn and what it reaches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
@@ -29,6 +45,8 @@ pub struct Estimate {
     pub passes: Vec<Pass>,
     /// Expected PSNR, dB: less than what was asked for where the finest settings do not reach it.
     pub psnr_db: f64,
+    /// What the picture told of its error, or the one like which it was drawn; `None` where nothing is seen.
+    pub measured: Option<Measured>,
 }
 
 /// What was drawn at once.
@@ -49,17 +67,17 @@ const MOST_PASSES: usize = 4;
 /// not be drawn again.
 const SPARE: f64 = 0.79;
 
-/// Draws a volume with the cheapest settings known to reach a PSNR, between 20 and 80 dB. The options' own settings are
-/// not used.
+/// Draws a volume with the cheapest settings known to reach a PSNR. The options' own settings are not used.
 pub fn render_to_psnr(
     slices: &Slices,
     labels: Option<&Labels>,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
-    psnr_db: f64,
+    wanted: &Wanted,
     monitor: &dyn Monitor,
 ) -> Result<(Picture, Report, Estimate)> {
+    let Wanted { psnr_db, like } = *wanted;
     if !(20.0..=80.0).contains(&psnr_db) {
         let mend = "pass 40 for a good picture, 50 for one that cannot be told from the converged one";
         return Err(Error::out_of_range("psnr", psnr_db, "between 20 and 80 dB", mend));
@@ -75,6 +93,19 @@ pub fn render_to_psnr(
     };
     parallel::with_threads(options.n_threads, || {
         let usual = Experience::usual(slices, tf, camera, options);
+        if let Some(like) = like.filter(|like| usual.is_like(like)) {
+            let experience = usual.like(&like);
+            let settings = experience.cheapest(wanted);
+            let draw_once = |scene: &Scene| {
+                let (base_pictures, report) = draw(scene, None, monitor)?;
+                Ok((warped(scene, &base_pictures, options.with_depth), report))
+            };
+            let (picture, report) =
+                with_scene(Level::best(), (slices, labels), tf, camera, &options_with(&settings), draw_once)?;
+            let psnr_db = psnr_of(experience.error(&settings));
+            let estimate = Estimate { passes: vec![Pass::new(settings, 1.0)], psnr_db, measured: Some(like) };
+            return ended(picture, report, estimate);
+        }
         let first = usual.first(wanted, options);
         let drawing = Share { of: monitor, from: 0.0, to: 0.4 };
         let probing = Share { of: monitor, from: 0.4, to: 0.5 };
@@ -86,12 +117,15 @@ pub fn render_to_psnr(
         };
         let (mut picture, mut report, errors) =
             with_scene(Level::best(), (slices, labels), tf, camera, &options_with(&first), draw_first)?;
-        // Where nothing is seen, nothing would be seen with the least of settings, either.
-        let first = if errors.is_some() { first } else { Experience::least() };
-        let errors = errors.unwrap_or_default();
+        let Some(errors) = errors else {
+            // With the least of settings nothing would be seen, either.
+            let passes = vec![Pass::new(Experience::least(), 1.0)];
+            return ended(picture, report, Estimate { passes, psnr_db: psnr_of(0.0), measured: None });
+        };
         let experience = usual.after(errors, first);
         let error = experience.error(&first);
-        let mut estimate = Estimate { passes: vec![Pass::new(first, 1.0)], psnr_db: psnr_of(error) };
+        let measured = Some(experience.measured(1.0));
+        let mut estimate = Estimate { passes: vec![Pass::new(first, 1.0)], psnr_db: psnr_of(error), measured };
         if error <= wanted {
             return ended(picture, report, estimate);
         }
@@ -113,6 +147,7 @@ pub fn render_to_psnr(
             refinement.drawn(&next, &changes);
             estimate.psnr_db = psnr_of(refinement.error());
         }
+        estimate.measured = Some(experience.measured(refinement.truer()));
         ended(picture, report, estimate)
     })
 }

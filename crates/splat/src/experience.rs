@@ -9,7 +9,7 @@ use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
 use crate::base_plane::MAX_TEXELS;
 use crate::probe::{Errors, left_by_mean};
 use crate::reads::Reads;
-use crate::scene::{is_steep, pixel_in_samples};
+use crate::scene::{Framing, is_steep};
 use crate::slices::Slices;
 
 /// How finely a picture is drawn.
@@ -29,8 +29,17 @@ const OVERSAMPLINGS: [f64; 12] = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 
 /// need not be drawn again: where colours along a ray change smoothly, and where they do not.
 const SPARE: [f64; 2] = [0.9, 0.81];
 
+/// The same for pictures like one that was measured (0.5 and 1.5 dB): of another view.
+const SPARE_LIKE: [f64; 2] = [0.9, 0.7];
+
 /// A first picture promises nearly the least error that there is where that is not enough.
 const NEARLY: f64 = 1.1;
+
+/// Power of the distance of pixels by which the texels grow that leave as much error.
+const OF_DISTANCE: f64 = 0.25;
+
+/// Errors of another picture are believed if its pixels are farther apart or closer by this factor at most.
+const MOST_FARTHER: f64 = 1.5;
 
 /// How much of the errors of two pictures the difference between them shows.
 const OF_BOTH: f64 = 0.85;
@@ -43,6 +52,19 @@ const OF_SMALLER: [f64; 2] = [0.4, 0.3];
 /// Fewer pixels are a small picture.
 const SMALL_PX: usize = 128 * 128;
 
+/// What a picture told of its error, for those of the same that are drawn next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Mean square errors with some settings.
+    pub errors: Errors,
+    /// These settings.
+    pub at: Settings,
+    /// How it framed the volume.
+    pub framing: Framing,
+    /// Whether colours along a ray changed smoothly.
+    pub is_smooth: bool,
+}
+
 /// What is known of errors and costs.
 #[derive(Clone, Copy, Debug)]
 pub struct Experience {
@@ -53,8 +75,7 @@ pub struct Experience {
     along_decay: f64,
     is_smooth: bool,
     composite: Composite,
-    /// Distance of pixels.
-    pixel_in_samples: f64,
+    framing: Framing,
     /// More would make base planes too large.
     most_oversampling: f64,
 }
@@ -68,18 +89,26 @@ impl Experience {
         let [along_decay, across_decay] = if is_smooth { [0.12, 0.25] } else { [0.16, 0.33] };
         let errors = Errors { along: mean_square_of(along_db), across: mean_square_of(across_db), across_decay };
         // The closer pixels are to each other, the less is left out between them.
-        let pixel_in_samples = pixel_in_samples(slices.grid(), camera, options);
-        let oversampling = 0.7 * (pixel_in_samples / 0.62).powf(0.25);
+        let framing = Framing::new(slices.grid(), camera, options);
+        let oversampling = 0.7 * (framing.pixel_in_samples / 0.62).powf(OF_DISTANCE);
         let at = Settings { sheets_per_slice: 2.0, oversampling };
         // Base planes that lie aslant to the picture have more texels than it has pixels.
         let most_oversampling = (MAX_TEXELS / (3.0 * options.width_px as f64 * options.height_px as f64)).sqrt();
-        Self { errors, at, along_decay, is_smooth, composite, pixel_in_samples, most_oversampling }
+        Self { errors, at, along_decay, is_smooth, composite, framing, most_oversampling }
     }
 
     /// The settings of a first picture: of those that promise an error, the cheapest.
     pub fn first(&self, error: f64, options: &RenderOptions) -> Settings {
-        let least = self.least_of_first(options);
-        let error = SPARE[usize::from(!self.is_smooth)] * error;
+        self.cheapest_from(self.least_of_first(options), SPARE[usize::from(!self.is_smooth)] * error)
+    }
+
+    /// The settings of a picture like one that was measured.
+    pub fn cheapest(&self, error: f64) -> Settings {
+        self.cheapest_from(Self::least(), SPARE_LIKE[usize::from(!self.is_smooth)] * error)
+    }
+
+    /// The cheapest settings that promise an error, or else nearly the least.
+    fn cheapest_from(&self, least: Settings, error: f64) -> Settings {
         // How good sheets between slices are where colours do not change smoothly depends on how they lie to the samples.
         let lies_evenly = |settings: &Settings| self.is_smooth || settings.sheets_per_slice.fract() == 0.0;
         let all = || self.settings_from(least).filter(lies_evenly);
@@ -112,6 +141,32 @@ impl Experience {
         Self { errors: Errors { across_decay, ..errors }, at, along_decay, ..*self }
     }
 
+    /// What was measured, for the next pictures. `truer`: the factor by which later changes tell that it is more.
+    pub fn measured(&self, truer: f64) -> Measured {
+        let Errors { along, across, across_decay } = self.errors;
+        let errors = Errors { along: truer * along, across: truer * across, across_decay };
+        Measured { errors, at: self.at, framing: self.framing, is_smooth: self.is_smooth }
+    }
+
+    /// Whether what was measured of another picture tells enough of this one.
+    pub fn is_like(&self, other: &Measured) -> bool {
+        let farther = self.framing.pixel_in_samples / other.framing.pixel_in_samples;
+        self.is_smooth == other.is_smooth && (1.0 / MOST_FARTHER..=MOST_FARTHER).contains(&farther)
+    }
+
+    /// With the errors of another picture of the same, be it from nearer or farther or from another side.
+    pub fn like(&self, other: &Measured) -> Self {
+        let (own, others) = (&self.framing, &other.framing);
+        // Sheets and texels that leave as much error in what is seen, and how much more is seen.
+        let at = Settings {
+            sheets_per_slice: other.at.sheets_per_slice * (own.slice_in_samples / others.slice_in_samples),
+            oversampling: other.at.oversampling * (own.pixel_in_samples / others.pixel_in_samples).powf(OF_DISTANCE),
+        };
+        let more = own.covered / others.covered;
+        let Errors { along, across, across_decay } = other.errors;
+        self.after(Errors { along: more * along, across: more * across, across_decay }, at)
+    }
+
     /// The mean square error with some settings.
     pub fn error(&self, new: &Settings) -> f64 {
         let [along, across] = self.errors_with(new);
@@ -142,7 +197,7 @@ impl Experience {
     /// How long a picture takes, in no unit. Much of a sheet's work is for samples, not for texels; of a hard surface
     /// much is done whatever the number of sheets.
     pub fn cost(&self, settings: &Settings) -> f64 {
-        let texels_per_sample = settings.oversampling / self.pixel_in_samples;
+        let texels_per_sample = settings.oversampling / self.framing.pixel_in_samples;
         let (per_picture, per_sample) = if self.is_smooth { (0.0, 1.1) } else { (1.5, 2.2) };
         (per_picture + settings.sheets_per_slice) * (per_sample + texels_per_sample.powi(2))
     }

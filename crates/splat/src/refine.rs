@@ -20,6 +20,8 @@ pub struct NextPass {
 struct Part {
     pass: usize,
     error: f64,
+    /// The error of the first picture, by what was measured of it, and by what changed since.
+    first_error: [f64; 2],
     idx: usize,
 }
 
@@ -50,12 +52,13 @@ impl Refinement {
     pub fn new(experience: Experience, first: Settings, picture: &Picture) -> Self {
         let contrasts = contrasts(picture);
         let seen = contrasts.iter().enumerate().filter(|(_, contrast)| **contrast > 0.0);
-        let mut parts: Vec<Part> = seen.map(|(idx, error)| Part { pass: 0, error: *error, idx }).collect();
+        let mut parts: Vec<Part> = seen.map(|(idx, error)| Part { pass: 0, error: *error, first_error: [0.0; 2], idx }).collect();
         let sum: f64 = parts.iter().map(|part| part.error).sum();
         let floor = FLAT * sum / parts.len().max(1) as f64;
         let scale = experience.error(&first) / (sum + floor * parts.len() as f64);
         for part in &mut parts {
             part.error = (part.error + floor) * scale;
+            part.first_error = [part.error; 2];
         }
         let is_unseen = contrasts.iter().map(|contrast| *contrast == 0.0).collect();
         Self { experience, settings: vec![first], parts, is_unseen }
@@ -64,6 +67,12 @@ impl Refinement {
     /// The mean square error of the picture.
     pub fn error(&self) -> f64 {
         self.parts.iter().map(|part| part.error).sum()
+    }
+
+    /// The factor by which errors are larger than was measured of the first picture, by what changed since.
+    pub fn truer(&self) -> f64 {
+        let [measured, truer] = [0, 1].map(|k| self.parts.iter().map(|part| part.first_error[k]).sum::<f64>());
+        truer / measured
     }
 
     /// The share of what is seen that is drawn once more.
@@ -140,11 +149,13 @@ impl Refinement {
         self.settings.push(next.settings);
         self.is_unseen.fill(false);
         for part in &mut self.parts {
-            if next.is_wanted[part.idx] {
-                part.error *= of_drawn * factors[part.pass];
+            let is_drawn = next.is_wanted[part.idx];
+            let truer = if is_drawn { of_drawn } else { of_others };
+            part.error *= truer;
+            part.first_error[1] *= truer;
+            if is_drawn {
+                part.error *= factors[part.pass];
                 part.pass = self.settings.len() - 1;
-            } else {
-                part.error *= of_others;
             }
         }
     }
@@ -202,11 +213,14 @@ mod tests {
             let change = times * all.experience.change(&FIRST, &next.settings) * all.parts[0].error / all.error();
             let changes: Vec<f64> = next.is_wanted.iter().map(|drawn| if *drawn { change } else { 0.0 }).collect();
             all.drawn(&next, &changes);
-            all.error()
+            [all.error(), all.truer()]
         };
         let [less, expected, more] = [0.5, 1.0, 2.0].map(left_after);
-        assert!(expected <= 5e-4, "as promised");
-        assert!(less < 0.7 * expected && more > 1.5 * expected, "{less} {expected} {more}");
+        assert!(expected[0] <= 5e-4, "as promised");
+        for (k, expected) in expected.into_iter().enumerate() {
+            assert!(less[k] < 0.7 * expected && more[k] > 1.5 * expected, "{less:?} {expected} {more:?}");
+        }
+        assert!((expected[1] - 1.0).abs() < 1e-9, "{expected:?}");
     }
 
     #[test]

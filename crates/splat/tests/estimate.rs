@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
-use wavesplat_splat::estimate::{Pass, render_to_psnr};
+use wavesplat_splat::estimate::{Measured, Pass, Wanted, render_to_psnr};
 use wavesplat_splat::slices::Slices;
 use wavesplat_splat::{Monitor, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
@@ -32,6 +32,11 @@ fn hard() -> TransferFunction {
     opacity_ramp(&[(127.0, 0.0), (128.0, 1.0)], None)
 }
 
+/// Without a picture before.
+fn wanted(psnr_db: f64) -> Wanted {
+    Wanted { psnr_db, like: None }
+}
+
 fn psnr_db(a: &Picture, b: &Picture) -> f64 {
     let square = |(a, b): (&[f32; 4], &[f32; 4])| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>();
     let sum: f64 = a.rgba.iter().zip(&b.rgba).map(square).sum();
@@ -44,7 +49,7 @@ fn the_picture_has_the_error_that_is_told() {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
     let mut n_passes_seen = 0;
-    for (tf, composite, projection, wanted) in [
+    for (tf, composite, projection, all_wanted) in [
         (soft(), Composite::Over, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
         (soft(), Composite::Over, PERSPECTIVE, [34.0, 40.0, 48.0]),
         (hard(), Composite::Over, ORTHOGRAPHIC, [26.0, 30.0, 34.0]),
@@ -62,8 +67,8 @@ fn the_picture_has_the_error_that_is_told() {
             render(&slices, &tf, &camera, &options, &()).unwrap().0
         };
         let (mut reached, mut efforts) = (Vec::new(), Vec::new());
-        for wanted_db in wanted {
-            let (picture, _, chosen) = render_to_psnr(&slices, None, &tf, &camera, &options, wanted_db, &()).unwrap();
+        for wanted_db in all_wanted {
+            let (picture, _, chosen) = render_to_psnr(&slices, None, &tf, &camera, &options, &wanted(wanted_db), &()).unwrap();
             let got_db = psnr_db(&picture, &finest);
             assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
             assert!((-2.0..8.0).contains(&(got_db - chosen.psnr_db)), "{composite:?}: {got_db}, {chosen:?}");
@@ -118,13 +123,57 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
     let (options, camera) = (options(Composite::Over), camera(&phantom, ORTHOGRAPHIC));
-    let draw = |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, 80.0, &()).unwrap().2;
+    let draw = |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, &wanted(80.0), &()).unwrap().2;
     assert!(draw(&hard()).psnr_db < 80.0);
     let invisible = draw(&opacity_ramp(&[(0.0, 0.0), (255.0, 0.0)], None));
     assert!(invisible.psnr_db > 80.0 && invisible.finest().iter().all(|finest| *finest < 1.0));
     for psnr_db in [5.0, 100.0, f64::NAN] {
-        let refused = render_to_psnr(&slices, None, &soft(), &camera, &options, psnr_db, &());
+        let refused = render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(psnr_db), &());
         assert!(matches!(refused, Err(Error::OutOfRange { .. })));
+    }
+}
+
+#[test]
+fn pictures_like_one_that_was_measured_are_drawn_once_and_reach_as_much() {
+    let phantom = Phantom::ripples(32);
+    let volume = phantom.volume();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    let options = options(Composite::Over);
+    for (tf, all_wanted) in [(soft(), [38.0, 44.0]), (hard(), [28.0, 33.0])] {
+        let draw = |camera: &Camera, psnr_db: f64, like: Option<Measured>| {
+            let wanted = Wanted { psnr_db, like };
+            let (picture, _, told) = render_to_psnr(&slices, None, &tf, camera, &options, &wanted, &()).unwrap();
+            (picture, told)
+        };
+        let first = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], None).1;
+        assert!(first.measured.is_some());
+        for towards in [DVec3::new(0.8, 0.5, 0.4), DVec3::new(0.3, 0.9, 0.3), DVec3::new(0.1, 0.2, 0.9)] {
+            let camera = camera_towards(phantom.centre(), towards, 90.0, ORTHOGRAPHIC);
+            let fixed = |sheets_per_slice, oversampling| {
+                let options = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
+                render(&slices, &tf, &camera, &options, &()).unwrap().0
+            };
+            let finest = fixed(12.0, 6.0);
+            for wanted_db in all_wanted {
+                let (picture, told) = draw(&camera, wanted_db, first.measured);
+                let [Pass { sheets_per_slice, oversampling, share: 1.0 }] = told.passes[..] else {
+                    panic!("drawn more than once: {told:?}")
+                };
+                assert!(picture.rgba == fixed(sheets_per_slice, oversampling).rgba);
+                assert_eq!(told.measured, first.measured, "what is handed on is what was measured");
+                let reached = psnr_db(&picture, &finest);
+                assert!(told.psnr_db >= wanted_db && reached >= wanted_db - 2.0, "{wanted_db}: {reached}, {told:?}");
+                assert!(reached < told.psnr_db + 8.0, "{reached}, {told:?}");
+            }
+        }
+        // From so near that other errors count, or with a function of another kind, it is measured.
+        let near = Projection::Orthographic { parallel_scale: 9.0 };
+        let near = camera_towards(phantom.centre(), DVec3::new(0.8, 0.5, 0.4), 90.0, near);
+        let anew = draw(&near, all_wanted[0], first.measured).1.measured.unwrap();
+        assert!(anew.framing.pixel_in_samples < first.measured.unwrap().framing.pixel_in_samples);
+        let other_kind = first.measured.map(|measured| Measured { is_smooth: !measured.is_smooth, ..measured });
+        let anew = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], other_kind).1;
+        assert_eq!(anew, first);
     }
 }
 
@@ -136,7 +185,7 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
         let slices = Slices::new(&volume, Kernel::Linear);
         let camera = camera_towards(phantom.centre(), DVec3::X, 90.0, ORTHOGRAPHIC);
         let options = options(Composite::Over);
-        let (picture, _, chosen) = render_to_psnr(&slices, None, &soft(), &camera, &options, 40.0, &()).unwrap();
+        let (picture, _, chosen) = render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(40.0), &()).unwrap();
         let finest = RenderOptions { sheets_per_slice: 12.0, oversampling: 6.0, ..options };
         let finest = render(&slices, &soft(), &camera, &finest, &()).unwrap().0;
         assert!(psnr_db(&picture, &finest) > 38.0, "{size:?}: {chosen:?}");
@@ -155,7 +204,7 @@ fn what_a_picture_hardly_shows_is_drawn_too() {
             let camera = camera_towards(phantom.centre() + aside, towards, 60.0, projection);
             for [width_px, height_px] in [[40, 30], [1, 1], [300, 2]] {
                 let options = RenderOptions { width_px, height_px, ..options(Composite::Over) };
-                let drawn = render_to_psnr(&slices, None, &soft(), &camera, &options, 40.0, &());
+                let drawn = render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(40.0), &());
                 let (picture, _, chosen) = drawn.unwrap();
                 assert!(picture.rgba.as_flattened().iter().all(|number| number.is_finite()), "{chosen:?}");
                 assert!(chosen.psnr_db.is_finite(), "{chosen:?}");
@@ -187,7 +236,7 @@ fn progress_grows_to_one_and_stops_where_it_is_told_to() {
     for (until, is_drawn) in [(2.0, true), (0.1, false), (0.45, false), (0.6, false), (1.0, false)] {
         let listener = Listener { told: Mutex::new(Vec::new()), until };
         // Out of reach of the first picture.
-        let drawn = render_to_psnr(&slices, None, &hard(), &camera, &options, 60.0, &listener);
+        let drawn = render_to_psnr(&slices, None, &hard(), &camera, &options, &wanted(60.0), &listener);
         let told = listener.told.into_inner().unwrap();
         assert!(told.is_sorted() && told.len() > 3, "{told:?}");
         if is_drawn {

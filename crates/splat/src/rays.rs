@@ -106,17 +106,21 @@ impl Rays {
     #[inline(always)]
     fn set(&mut self, chunk: Chunk, plane: &BasePlane, [lo, hi]: [[f64; LANES]; 2], n: usize, span: &mut [f64; 2]) {
         let (mut near, mut far) = (Lanes::splat(0.0), Lanes::splat(0.0));
-        let mut common = [f64::NEG_INFINITY, f64::INFINITY];
-        let mut missed = 0;
+        let (from, to) = if plane.family.ascending { (lo, hi) } else { (hi.map(|w| -w), lo.map(|w| -w)) };
+        // Neither loop hands anything from texel to texel, so that both become vectors.
+        let (mut first, mut last) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let mut missed_bits = [0_u16; LANES];
         for i in 0..LANES {
             let drawn = lo[i] < hi[i] && i < n;
-            missed |= u16::from(!drawn) << i;
-            let (from, to) = if plane.family.ascending { (lo[i], hi[i]) } else { (-hi[i], -lo[i]) };
-            near.0[i] = if drawn { from as f32 } else { 0.0 };
-            far.0[i] = if drawn { to as f32 } else { 0.0 };
-            *span = if drawn { [span[0].min(lo[i]), span[1].max(hi[i])] } else { *span };
-            common = if drawn { [common[0].max(from), common[1].min(to)] } else { [f64::INFINITY, f64::NEG_INFINITY] };
+            missed_bits[i] = u16::from(!drawn) << i;
+            near.0[i] = if drawn { from[i] as f32 } else { 0.0 };
+            far.0[i] = if drawn { to[i] as f32 } else { 0.0 };
+            first[i] = if drawn { lo[i] } else { f64::INFINITY };
+            last[i] = if drawn { hi[i] } else { f64::NEG_INFINITY };
         }
+        let missed = halved(missed_bits, |a, b| a | b);
+        *span = [span[0].min(halved(first, f64::min)), span[1].max(halved(last, f64::max))];
+        let common = [halved(from, f64::max), halved(to, f64::min)];
         self.intervals[chunk.index()] = [near, far];
         self.common[chunk.index()] = if missed == 0 { common.map(|s| s as f32) } else { [0.0; 2] };
         self.missed[chunk.index()] = missed;
@@ -186,6 +190,19 @@ impl Rays {
     pub fn directions(&self, chunk: Chunk) -> &Directions {
         &self.directions[if self.directions.len() == 1 { 0 } else { chunk.index() }]
     }
+}
+
+/// All lanes in one: half of them with the other half, and so on.
+#[inline(always)]
+fn halved<T: Copy>(mut lanes: [T; LANES], both: impl Fn(T, T) -> T) -> T {
+    let mut n = LANES / 2;
+    while n > 0 {
+        for i in 0..n {
+            lanes[i] = both(lanes[i], lanes[i + n]);
+        }
+        n /= 2;
+    }
+    lanes[0]
 }
 
 impl RayGeometry<'_> {

@@ -120,8 +120,9 @@ def render(
         With `psnr`: a picture of the same volume and transfer function that was drawn with `psnr`, be it of another
         value. What it told of its error is believed, so that this one is drawn once, with the cheapest settings that
         this promises enough of, and measures nothing: for the frames of a turn, say. Leave it out for a frame now
-        and then where the view changes much. Where it showed nothing, or only one of the two transfer functions is
-        steep, this picture is measured all the same. What was believed is `measured` in the report.
+        and then where the view changes much. Where it showed nothing, where only one of the two transfer functions is
+        steep, or where pixels are more than 1.5 times as far apart or as close as they were, in samples, this picture
+        is measured all the same. `measured` in the report has the numbers.
     drop_levels : int
         Of a WaveletVolume: leave out the details of this many levels, the finest first. What is left is drawn at its
         own resolution, with fewer sheets and texels (B-spline families: at the full one), and classified by

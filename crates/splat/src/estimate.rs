@@ -93,8 +93,7 @@ pub fn render_to_psnr(
     };
     parallel::with_threads(options.n_threads, || {
         let usual = Experience::usual(slices, tf, camera, options);
-        if let Some(like) = like.filter(|like| usual.is_like(like)) {
-            let experience = usual.like(&like);
+        if let Some((like, experience)) = like.and_then(|like| Some((like, usual.like(&like)?))) {
             let settings = experience.cheapest(wanted);
             let draw_once = |scene: &Scene| {
                 let (base_pictures, report) = draw(scene, None, monitor)?;

@@ -148,23 +148,24 @@ impl Experience {
         Measured { errors, at: self.at, framing: self.framing, is_smooth: self.is_smooth }
     }
 
-    /// Whether what was measured of another picture tells enough of this one.
-    pub fn is_like(&self, other: &Measured) -> bool {
-        let farther = self.framing.pixel_in_samples / other.framing.pixel_in_samples;
-        self.is_smooth == other.is_smooth && (1.0 / MOST_FARTHER..=MOST_FARTHER).contains(&farther)
-    }
-
-    /// With the errors of another picture of the same, be it from nearer or farther or from another side.
-    pub fn like(&self, other: &Measured) -> Self {
+    /// With the errors of another picture of the same, be it from a little nearer or farther or from another side; `None`
+    /// where they tell too little of this one.
+    pub fn like(&self, other: &Measured) -> Option<Self> {
         let (own, others) = (&self.framing, &other.framing);
+        let farther = own.pixel_in_samples / others.pixel_in_samples;
+        if self.is_smooth != other.is_smooth || !(1.0 / MOST_FARTHER..=MOST_FARTHER).contains(&farther) {
+            return None;
+        }
         // Sheets and texels that leave as much error in what is seen, and how much more is seen.
         let at = Settings {
             sheets_per_slice: other.at.sheets_per_slice * (own.slice_in_samples / others.slice_in_samples),
-            oversampling: other.at.oversampling * (own.pixel_in_samples / others.pixel_in_samples).powf(OF_DISTANCE),
+            oversampling: other.at.oversampling * farther.powf(OF_DISTANCE),
         };
         let more = own.covered / others.covered;
         let Errors { along, across, across_decay } = other.errors;
-        self.after(Errors { along: more * along, across: more * across, across_decay }, at)
+        let experience = self.after(Errors { along: more * along, across: more * across, across_decay }, at);
+        // Numbers that come from elsewhere may be any.
+        experience.error(&at).is_finite().then_some(experience)
     }
 
     /// The mean square error with some settings.

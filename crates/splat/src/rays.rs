@@ -107,7 +107,7 @@ impl Rays {
     fn set(&mut self, chunk: Chunk, plane: &BasePlane, [lo, hi]: [[f64; LANES]; 2], n: usize, span: &mut [f64; 2]) {
         let (mut near, mut far) = (Lanes::splat(0.0), Lanes::splat(0.0));
         let (from, to) = if plane.family.ascending { (lo, hi) } else { (hi.map(|w| -w), lo.map(|w| -w)) };
-        // Neither loop hands anything from texel to texel, so that both become vectors.
+        // Nothing is handed from texel to texel, so that the loop becomes vectors.
         let (mut first, mut last) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
         let mut missed_bits = [0_u16; LANES];
         for i in 0..LANES {

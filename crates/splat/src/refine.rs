@@ -52,7 +52,8 @@ impl Refinement {
     pub fn new(experience: Experience, first: Settings, picture: &Picture) -> Self {
         let contrasts = contrasts(picture);
         let seen = contrasts.iter().enumerate().filter(|(_, contrast)| **contrast > 0.0);
-        let mut parts: Vec<Part> = seen.map(|(idx, error)| Part { pass: 0, error: *error, first_error: [0.0; 2], idx }).collect();
+        let mut parts: Vec<Part> =
+            seen.map(|(idx, error)| Part { pass: 0, error: *error, first_error: [0.0; 2], idx }).collect();
         let sum: f64 = parts.iter().map(|part| part.error).sum();
         let floor = FLAT * sum / parts.len().max(1) as f64;
         let scale = experience.error(&first) / (sum + floor * parts.len() as f64);
@@ -72,7 +73,8 @@ impl Refinement {
     /// The factor by which errors are larger than was measured of the first picture, by what changed since.
     pub fn truer(&self) -> f64 {
         let [measured, truer] = [0, 1].map(|k| self.parts.iter().map(|part| part.first_error[k]).sum::<f64>());
-        truer / measured
+        // A picture of one colour has no parts that could change.
+        if measured > 0.0 { truer / measured } else { 1.0 }
     }
 
     /// The share of what is seen that is drawn once more.
@@ -221,6 +223,11 @@ mod tests {
             assert!(less[k] < 0.7 * expected && more[k] > 1.5 * expected, "{less:?} {expected} {more:?}");
         }
         assert!((expected[1] - 1.0).abs() < 1e-9, "{expected:?}");
+    }
+
+    #[test]
+    fn without_parts_nothing_is_truer_than_what_was_measured() {
+        assert_eq!(Refinement { parts: Vec::new(), ..refinement([0.1; 3]) }.truer(), 1.0);
     }
 
     #[test]

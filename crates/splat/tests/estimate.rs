@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
-use wavesplat_splat::estimate::{Measured, Pass, Wanted, render_to_psnr};
+use wavesplat_splat::estimate::{Errors, Measured, Pass, Wanted, render_to_psnr};
 use wavesplat_splat::slices::Slices;
 use wavesplat_splat::{Monitor, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
@@ -68,7 +68,8 @@ fn the_picture_has_the_error_that_is_told() {
         };
         let (mut reached, mut efforts) = (Vec::new(), Vec::new());
         for wanted_db in all_wanted {
-            let (picture, _, chosen) = render_to_psnr(&slices, None, &tf, &camera, &options, &wanted(wanted_db), &()).unwrap();
+            let (picture, _, chosen) =
+                render_to_psnr(&slices, None, &tf, &camera, &options, &wanted(wanted_db), &()).unwrap();
             let got_db = psnr_db(&picture, &finest);
             assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
             assert!((-2.0..8.0).contains(&(got_db - chosen.psnr_db)), "{composite:?}: {got_db}, {chosen:?}");
@@ -123,7 +124,8 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
     let (options, camera) = (options(Composite::Over), camera(&phantom, ORTHOGRAPHIC));
-    let draw = |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, &wanted(80.0), &()).unwrap().2;
+    let draw =
+        |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, &wanted(80.0), &()).unwrap().2;
     assert!(draw(&hard()).psnr_db < 80.0);
     let invisible = draw(&opacity_ramp(&[(0.0, 0.0), (255.0, 0.0)], None));
     assert!(invisible.psnr_db > 80.0 && invisible.finest().iter().all(|finest| *finest < 1.0));
@@ -174,6 +176,11 @@ fn pictures_like_one_that_was_measured_are_drawn_once_and_reach_as_much() {
         let other_kind = first.measured.map(|measured| Measured { is_smooth: !measured.is_smooth, ..measured });
         let anew = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], other_kind).1;
         assert_eq!(anew, first);
+        for damaged in [f64::NAN, f64::INFINITY] {
+            let errors = Errors { along: damaged, ..first.measured.unwrap().errors };
+            let damaged = first.measured.map(|measured| Measured { errors, ..measured });
+            assert_eq!(draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], damaged).1, first);
+        }
     }
 }
 
@@ -185,7 +192,8 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
         let slices = Slices::new(&volume, Kernel::Linear);
         let camera = camera_towards(phantom.centre(), DVec3::X, 90.0, ORTHOGRAPHIC);
         let options = options(Composite::Over);
-        let (picture, _, chosen) = render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(40.0), &()).unwrap();
+        let (picture, _, chosen) =
+            render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(40.0), &()).unwrap();
         let finest = RenderOptions { sheets_per_slice: 12.0, oversampling: 6.0, ..options };
         let finest = render(&slices, &soft(), &camera, &finest, &()).unwrap().0;
         assert!(psnr_db(&picture, &finest) > 38.0, "{size:?}: {chosen:?}");

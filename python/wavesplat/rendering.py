@@ -278,12 +278,13 @@ def render(
         progress=progress,
     )
     report = result["report"] | numbers
-    if report.get("measured") is not None:
-        report["measured"]["composite"] = composite
+    told = report.get("measured")
+    if isinstance(told, dict):
+        told["composite"] = composite
     return Picture(result["rgba"], result["depth"], result["value"], report)
 
 
-def measured_by(like: Picture | None, psnr: float | None, composite: str) -> dict[str, Any] | None:
+def measured_by(like: object, psnr: float | None, composite: str) -> dict[str, Any] | None:
     """What a picture told of its error, if it is of the kind that is wanted."""
     if like is None:
         return None

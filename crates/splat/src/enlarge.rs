@@ -4,7 +4,9 @@
 //! with a cubic between them that is a little sharper, are as near to what the texels are samples of as reads at every
 //! pixel (the test below).
 
-use wavesplat_compute::simd::{LANES, Lanes, Simd};
+use std::ops::Range;
+
+use wavesplat_compute::simd::{LANES, Simd};
 
 use crate::reads::Reads;
 use crate::resample::{QUAD, Quads, cubic, held, peaks};
@@ -16,14 +18,24 @@ const READS_APART: f64 = 0.65;
 /// Slope of the cubic between reads; that of the reads has -0.5.
 const SLOPE: f32 = -0.7;
 
+/// The same where what is half way between reads and pixels is their mean: less sharp.
+const SLOPE_OF_MEANS: f32 = -0.9;
+
 /// Most pixels from a read to the next.
 const MOST: usize = 4;
 
 /// Reads that the cubic takes before the first pixel and after the last.
 const BESIDE: usize = 3;
 
-/// Reads of a row that pixels follow, a multiple of what fills a vector.
-const SPANS: usize = (LANES - BESIDE) / QUAD * QUAD;
+/// Reads of a row that pixels follow, at most: whole vectors, and with what is beside them hardly less than sixteen at a
+/// time.
+const SPANS: usize = 3 * LANES - QUAD;
+
+/// Vectors of a row of reads.
+const N_QUADS: usize = (SPANS + BESIDE).div_ceil(QUAD);
+
+/// Sixteen reads are read at a time: so many times a row.
+const N_RUNS: usize = (SPANS + BESIDE).div_ceil(LANES);
 
 /// Which pixels are read where neighbours lie so many texels apart at most.
 pub fn few_reads(texels_per_pixel: f64) -> Reads {
@@ -48,21 +60,19 @@ fn n_reads(pixels_per_read: usize, n: usize) -> usize {
     (n - 1) / pixels_per_read + 1 + BESIDE
 }
 
-/// Sixteen reads of a row.
-type Row = [Lanes; LANES / QUAD];
+/// Reads of a row, four a vector.
+type Row = [[f32; LANES]; N_QUADS];
 
-/// Rows of pixels that are put between reads together: what one step writes is at hand when the next one wants it.
-const ROWS: usize = 8;
-
-/// Draws pixels, at most [`n_columns`] of a row. `read` reads so many of a row by its number, the first one read before
-/// the first pixel; row 0 is one read above the first row of pixels. `None`: nothing can be seen there.
+/// Draws pixels, at most [`n_columns`] of a row. `read` reads some of a row by its number, of which the first and how many,
+/// at most sixteen, are asked for; the first one of all is read before the first pixel, row 0 one read above the first row
+/// of pixels. `None`: nothing can be seen there.
 #[inline(always)]
 pub fn draw<S: Simd>(
     s: S,
     pixels_per_read: usize,
     rectangle: Rectangle<'_>,
     peak: f32,
-    read: impl Fn(usize, usize) -> Option<Quads<S>>,
+    read: impl Fn(usize, Range<usize>) -> Option<Quads<S>>,
 ) {
     match pixels_per_read {
         2 => draw_by::<2, S>(s, rectangle, peak, read),
@@ -76,84 +86,124 @@ fn draw_by<const N: usize, S: Simd>(
     s: S,
     rectangle: Rectangle<'_>,
     peak: f32,
-    read: impl Fn(usize, usize) -> Option<Quads<S>>,
+    read: impl Fn(usize, Range<usize>) -> Option<Quads<S>>,
 ) {
     let Rectangle { columns, pixels, width_px, .. } = rectangle;
     let n_reads = n_reads(N, columns.len());
-    let peak = peaks(s, peak);
-    // Of the pixels after a read; the first of them is the read itself.
-    let mut weights = [[s.splat(0.0); 4]; N];
-    for k in 1..N {
-        weights[k] = cubic(s, SLOPE, s.splat(k as f32 / N as f32));
-    }
-    // The four rows of reads around a pixel, each in its place by number.
-    let mut reads: [Row; 4] = [[Lanes::splat(0.0); LANES / QUAD]; 4];
-    let mut is_seen = [false; 4];
+    let between = Between::<S>::new::<N>(s, peak);
+    // The four rows of reads around a row of pixels, each in its place by number, and where something is seen in them.
+    let mut reads: [Row; 4] = [[[0.0; LANES]; N_QUADS]; 4];
+    let mut is_seen = [[false; N_RUNS]; 4];
     let mut n_read = 0;
-    // Beyond the sixteen reads of a row there are zeros.
-    let mut between_rows = [[0.0; QUAD * (LANES + QUAD)]; ROWS];
-    let mut some = [[[0.0; 4]; N]; SPANS];
-    for (group, pixels) in pixels.chunks_mut(ROWS * width_px).enumerate() {
-        let mut is_drawn = [false; ROWS];
-        for k in 0..pixels.len() / width_px {
-            let y = group * ROWS + k;
-            let first = y / N;
-            while n_read < first + 4 {
-                let quads = read(n_read, n_reads);
-                is_seen[n_read % 4] = quads.is_some();
+    // The rows of pixels that follow a row of reads, at the columns of reads.
+    let mut rows: [Row; N] = [[[0.0; LANES]; N_QUADS]; N];
+    for (first, pixels) in pixels.chunks_mut(N * width_px).enumerate() {
+        while n_read < first + 4 {
+            for run in 0..n_reads.div_ceil(LANES) {
+                let quads = read(n_read, run * LANES..n_reads.min((run + 1) * LANES));
+                is_seen[n_read % 4][run] = quads.is_some();
                 let quads = quads.unwrap_or([s.splat(0.0); LANES / QUAD]);
-                for q in 0..quads.len() {
-                    s.store(quads[q], &mut reads[n_read % 4][q].0);
+                for (to, from) in reads[n_read % 4][run * LANES / QUAD..].iter_mut().zip(quads) {
+                    s.store(from, to);
                 }
-                n_read += 1;
             }
-            is_drawn[k] = is_seen != [false; 4];
-            let [above, upper, lower, below] = [0, 1, 2, 3].map(|i| &reads[(first + i) % 4]);
-            let (row, _) = between_rows[k].as_chunks_mut();
-            for q in 0..LANES / QUAD {
-                let quad = if y.is_multiple_of(N) {
-                    s.load(&upper[q].0)
-                } else {
-                    between(s, [&above[q].0, &upper[q].0, &lower[q].0, &below[q].0], &weights[y % N], peak)
-                };
-                s.store(quad, &mut row[q]);
+            n_read += 1;
+        }
+        let around = [0, 1, 2, 3].map(|i| &reads[(first + i) % 4]);
+        for q in 0..n_reads.div_ceil(QUAD) {
+            let quads: [S::F; N] = between.of(s, around.map(|row| &row[q]));
+            for i in 0..N {
+                s.store(quads[i], &mut rows[i][q]);
             }
         }
-        for (k, pixels) in pixels.chunks_exact_mut(width_px).enumerate() {
-            // The picture is only written to where something is seen.
-            if !is_drawn[k] {
-                continue;
-            }
-            let row = &mut pixels[columns.clone()];
-            let whole = row.as_chunks_mut().0.first_chunk_mut();
-            let is_whole = whole.is_some();
-            let drawn: &mut [[[f32; 4]; N]; SPANS] = whole.unwrap_or(&mut some);
-            for first in (0..SPANS).step_by(QUAD) {
-                let from = |read: usize| between_rows[k][4 * (first + read)..].first_chunk().unwrap_or(&[0.0; LANES]);
-                let around = [from(0), from(1), from(2), from(3)];
-                let mut quads = [*around[1]; N];
-                for i in 1..N {
-                    s.store(between(s, around, &weights[i], peak), &mut quads[i]);
+        // The picture is only written to where something is seen.
+        let is_drawn: [bool; N_RUNS] =
+            std::array::from_fn(|run| is_seen.iter().any(|seen| seen[run..].iter().take(2).any(|seen| *seen)));
+        for (row, pixels) in rows.iter().zip(pixels.chunks_exact_mut(width_px)) {
+            let reads = row.as_flattened();
+            let pixels = &mut pixels[columns.clone()];
+            for (k, pixels) in pixels.chunks_mut(N * QUAD).enumerate() {
+                if !is_drawn[k * QUAD / LANES] {
+                    continue;
                 }
-                for i in 0..N {
-                    for (read, pixel) in quads[i].as_chunks().0.iter().enumerate() {
-                        drawn[first + read][i] = *pixel;
-                    }
-                }
-            }
-            if !is_whole {
-                row.copy_from_slice(&some.as_flattened()[..row.len()]);
+                let from = |read: usize| reads[4 * (k * QUAD + read)..].first_chunk().unwrap_or(&[0.0; LANES]);
+                put(s, between.of::<N>(s, [from(0), from(1), from(2), from(3)]), pixels);
             }
         }
     }
 }
 
-/// Four pixels between four reads of each.
+/// Writes as many pixels of four reads as there is room for. `quads[i]`: the `i`th pixel of each.
 #[inline(always)]
-fn between<S: Simd>(s: S, around: [&[f32; LANES]; 4], weights: &[S::F; 4], peak: S::F) -> S::F {
-    let [a, b, c, d] = [s.load(around[0]), s.load(around[1]), s.load(around[2]), s.load(around[3])];
-    let sum = s.add(s.add_mul(s.mul(weights[0], a), weights[1], b), s.add_mul(s.mul(weights[2], c), weights[3], d));
-    held(s, sum, [s.min(b, c), s.max(b, c)], peak)
+fn put<const N: usize, S: Simd>(s: S, quads: [S::F; N], pixels: &mut [[f32; 4]]) {
+    let mut some = [[[0.0; 4]; N]; QUAD];
+    let whole = pixels.as_chunks_mut().0.first_chunk_mut();
+    let is_whole = whole.is_some();
+    let drawn: &mut [[[f32; 4]; N]; QUAD] = whole.unwrap_or(&mut some);
+    if N == QUAD {
+        let rows = s.transpose_quads(std::array::from_fn(|i| quads[i]));
+        for (row, to) in rows.into_iter().zip(drawn.as_flattened_mut().as_flattened_mut().as_chunks_mut().0) {
+            s.store(row, to);
+        }
+    } else {
+        let mut numbers = [[0.0; LANES]; N];
+        for i in 0..N {
+            s.store(quads[i], &mut numbers[i]);
+            for (pixel, read) in numbers[i].as_chunks().0.iter().zip(drawn.iter_mut()) {
+                read[i] = *pixel;
+            }
+        }
+    }
+    if !is_whole {
+        pixels.copy_from_slice(&some.as_flattened()[..pixels.len()]);
+    }
+}
+
+/// What is put between reads.
+struct Between<S: Simd> {
+    /// Of the reads around the middle between two: those that are further away, and the two.
+    middle: [S::F; 2],
+    /// A third of the way.
+    third: [S::F; 4],
+    /// Of [`peaks`].
+    peak: S::F,
+}
+
+impl<S: Simd> Between<S> {
+    #[inline(always)]
+    fn new<const N: usize>(s: S, peak: f32) -> Self {
+        let slope = if N == 4 { SLOPE_OF_MEANS } else { SLOPE };
+        let [far, near, ..] = cubic(s, slope, s.splat(0.5));
+        Self { middle: [far, near], third: cubic(s, SLOPE, s.splat(1.0 / 3.0)), peak: peaks(s, peak) }
+    }
+
+    /// The pixels that follow the second of four reads, at every `N`th part of the way to the third, of four reads each. By
+    /// the cubic; quarters are in the middle of what that gives.
+    #[inline(always)]
+    fn of<const N: usize>(&self, s: S, around: [&[f32; LANES]; 4]) -> [S::F; N] {
+        let [a, b, c, d] = around.map(|reads| s.load(reads));
+        let ends = [s.min(b, c), s.max(b, c)];
+        let third = |[w0, w1, w2, w3]: [S::F; 4]| {
+            let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
+            held(s, sum, ends, self.peak)
+        };
+        let mut quads = [b; N];
+        if N == 3 {
+            let [w0, w1, w2, w3] = self.third;
+            quads[1] = third([w0, w1, w2, w3]);
+            quads[2] = third([w3, w2, w1, w0]);
+            return quads;
+        }
+        let [far, near] = self.middle;
+        let middle = held(s, s.add_mul(s.mul(far, s.add(a, d)), near, s.add(b, c)), ends, self.peak);
+        quads[N / 2] = middle;
+        if N == 4 {
+            let half = s.splat(0.5);
+            quads[1] = s.mul(half, s.add(b, middle));
+            quads[3] = s.mul(half, s.add(middle, c));
+        }
+        quads
+    }
 }
 
 #[cfg(test)]

@@ -215,7 +215,7 @@ impl<R: Source> Kernel for Draw<'_, R> {
                     rectangle,
                     warping.peak,
                     #[inline(always)]
-                    |row, n| source.read(s, [x, y + row as f64], n, cubic),
+                    |row, reads| source.read(s, [x + reads.start as f64, y + row as f64], reads.len(), cubic),
                 );
             }
             Reads::Quincunx => quincunx::draw(

@@ -330,6 +330,42 @@ impl Occupied {
         touches.then(|| [self.layer(lo.max(0.0) as usize).min(n - 1), self.layer(hi as usize).min(n - 1)])
     }
 
+    /// Runs of bricks along u; `None`: outside the volume, where there is none.
+    #[inline(always)]
+    pub fn runs<const N: usize>(&self, u: [Option<[usize; 2]>; N]) -> Runs<N> {
+        let first = u.iter().flatten().map(|[from, _]| from / 64).min().unwrap_or(0);
+        let mut runs = Runs { first, masks: [[0; 2]; N], long: None };
+        for (mask, run) in runs.masks.iter_mut().zip(u) {
+            let Some([from, to]) = run.map(|run| run.map(|brick| brick - 64 * first)) else { continue };
+            if to >= 128 {
+                runs.long = Some(u);
+                return runs;
+            }
+            let bits = u128::MAX >> (127 - (to - from)) << from;
+            *mask = [bits as u64, (bits >> 64) as u64];
+        }
+        runs
+    }
+
+    /// Whether any of the bricks of each run is occupied in the rows `v[0]..=v[1]` of the layers `w[0]..=w[1]`.
+    #[inline(always)]
+    pub fn any_of<const N: usize>(&self, runs: &Runs<N>, v: [usize; 2], w: [usize; 2]) -> [bool; N] {
+        if let Some(u) = runs.long {
+            return u.map(|u| u.is_some_and(|u| self.any(u, v, w)));
+        }
+        // What runs have in common is looked at once.
+        let (mut near, mut far) = (0, 0);
+        let second = (runs.first + 1).min(self.n_words - 1);
+        for layer in w[0]..=w[1].min(self.n[2] - 1) {
+            for row in v[0]..=v[1] {
+                let words = &self.bits[(layer * self.n[1] + row) * self.n_words..][..self.n_words];
+                near |= words[runs.first];
+                far |= words[second];
+            }
+        }
+        runs.masks.map(|mask| near & mask[0] | far & mask[1] != 0)
+    }
+
     /// Whether any of the bricks `u[0]..=u[1]`, `v[0]..=v[1]` is occupied in the layers `w[0]..=w[1]`.
     #[inline(always)]
     pub fn any(&self, u: [usize; 2], v: [usize; 2], w: [usize; 2]) -> bool {
@@ -348,6 +384,16 @@ impl Occupied {
         }
         false
     }
+}
+
+/// Runs of bricks along u.
+pub struct Runs<const N: usize> {
+    /// The first word that any of them lies in.
+    first: usize,
+    /// Which bricks of that word and the next belong to each.
+    masks: [[u64; 2]; N],
+    /// The runs, where they are in more words than two.
+    long: Option<[Option<[usize; 2]>; N]>,
 }
 
 #[cfg(test)]
@@ -435,5 +481,32 @@ mod tests {
             assert!(at(0.0) && !at(-7.0) && !at(100.0), "{axes:?}");
             assert!(!occupied.any([0, 0], [0, 0], [0, 0]));
         }
+    }
+
+    #[test]
+    fn runs_are_looked_at_together_as_one_by_one() {
+        let n = [300, 7, 3];
+        let n_words = 300_usize.div_ceil(64);
+        let mut occupied = Occupied { log_side: 1, n, n_words, bits: vec![0; n_words * n[1] * n[2]] };
+        // One brick in fifty.
+        for k in (0..n[0] * n[1] * n[2]).filter(|k| k * 7919 % 50 == 0) {
+            occupied.bits[k / n[0] * n_words + k % n[0] / 64] |= 1 << (k % n[0] % 64);
+        }
+        let (mut n_some, mut n_none, mut n_long) = (0, 0, 0);
+        for first in 0..290 {
+            for length in [1, 7, 30, 90] {
+                let run = |k: usize| [(first + k * length).min(n[0] - 1), (first + k * length + length).min(n[0] - 1)];
+                let u = [Some(run(0)), None, Some(run(1)), Some(run(2))];
+                let runs = occupied.runs(u);
+                n_long += usize::from(runs.long.is_some());
+                for (v, w) in [([0, 0], [0, 0]), ([2, 5], [1, 2]), ([6, 6], [2, 3])] {
+                    let together = occupied.any_of(&runs, v, w);
+                    assert_eq!(together, u.map(|u| u.is_some_and(|u| occupied.any(u, v, w))), "{first} {length}");
+                    n_some += together.iter().filter(|is_any| **is_any).count();
+                    n_none += together.iter().filter(|is_any| !**is_any).count();
+                }
+            }
+        }
+        assert!(n_some > 100 && n_none > 2000 && n_long > 100, "{n_some} {n_none} {n_long}");
     }
 }

@@ -508,7 +508,7 @@ fn block_rows(blocks: BlockMask) -> impl Iterator<Item = usize> + Clone {
 }
 
 /// The first block row of every strip.
-const fn rows_mask() -> BlockMask {
+pub const fn rows_mask() -> BlockMask {
     let mut mask = 0;
     let mut strip = 0;
     while strip < N_STRIPS {

@@ -15,7 +15,9 @@ use crate::fields::{FieldPanels, FieldSheets};
 use crate::footprint::bits;
 use crate::panel::Panel;
 use crate::rays::{RayGeometry, Rays};
-use crate::sheet::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, Sheet, SheetGeometry, TILE_U, TILE_V};
+use crate::sheet::{
+    BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, Sheet, SheetGeometry, TILE_U, TILE_V, rows_mask,
+};
 
 /// Where the sheets of a family lie: `n + 1` sheets from the first slice to the last, evenly spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,19 +266,19 @@ impl TileJob<'_> {
                     let i = i0 + strip * LANES;
                     occupied.touched(0, along_u([i, i + LANES - 1]))
                 });
-                let v: [_; N_BLOCKS_V] = std::array::from_fn(|block| {
+                let runs = occupied.runs(u);
+                blocks = 0;
+                for block in 0..N_BLOCKS_V {
+                    if alive & (rows_mask() << block) == 0 {
+                        continue;
+                    }
                     let j = j0 + block * BLOCK_V;
-                    occupied.touched(1, along_v([j, j + BLOCK_V - 1]))
-                });
-                for block in bits(alive) {
-                    let is_active = match (u[block / N_BLOCKS_V], v[block % N_BLOCKS_V]) {
-                        (Some(u), Some(v)) => occupied.any(u, v, reached),
-                        _ => false,
-                    };
-                    if !is_active {
-                        blocks &= !(1 << block);
+                    let Some(v) = occupied.touched(1, along_v([j, j + BLOCK_V - 1])) else { continue };
+                    for (strip, is_active) in occupied.any_of(&runs, v, reached).into_iter().enumerate() {
+                        blocks |= BlockMask::from(is_active) << (strip * N_BLOCKS_V + block);
                     }
                 }
+                blocks &= alive;
             }
             if blocks != 0 {
                 slabs.push(ActiveSlab { sheets, blocks });

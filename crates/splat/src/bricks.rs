@@ -42,11 +42,15 @@ pub struct Bricks {
     latest: Mutex<Vec<Latest>>,
 }
 
+/// Ranges of density that pass a test: how many steps from level to level below each level do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passing(Vec<u16>);
+
 /// Bricks that passed a test.
 #[derive(Debug)]
 struct Latest {
     axes: [usize; 3],
-    passing: Vec<u16>,
+    passing: Passing,
     occupied: Arc<Occupied>,
 }
 
@@ -251,10 +255,9 @@ impl Bricks {
         self.range[0] + level as f32 / (N_LEVELS - 1) as f32 * (self.range[1] - self.range[0])
     }
 
-    /// The bricks whose range of densities passes a test, laid out for sheets along `axes` (u, v, w). The test must
-    /// hold for a range when it holds for a part of it.
-    pub fn occupied(&self, axes: [usize; 3], test: impl Fn([f32; 2]) -> bool) -> Arc<Occupied> {
-        // `passing[l]`: how many steps from level to level below l pass. The outer levels stand for all beyond them.
+    /// Which ranges of density pass a test, which must hold for a range when it holds for a part of it.
+    pub fn passing(&self, test: impl Fn([f32; 2]) -> bool) -> Passing {
+        // The outer levels stand for all beyond them.
         let mut passing = vec![0_u16; N_LEVELS + 1];
         for level in 0..N_LEVELS {
             let from = if level == 0 { f32::NEG_INFINITY } else { self.density(level - 1) };
@@ -262,12 +265,17 @@ impl Bricks {
             // A level more on either side: the bounds were rounded.
             passing[level + 1] = passing[level] + u16::from(test([from, to]));
         }
+        Passing(passing)
+    }
+
+    /// The bricks whose range of densities passes, laid out for sheets along `axes` (u, v, w).
+    pub fn occupied(&self, axes: [usize; 3], passing: &Passing) -> Arc<Occupied> {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = latest.iter().find(|known| (known.axes, &known.passing) == (axes, &passing)) {
+        if let Some(known) = latest.iter().find(|known| (known.axes, &known.passing) == (axes, passing)) {
             return known.occupied.clone();
         }
-        let occupied = Arc::new(self.passed(axes, &passing));
-        latest.insert(0, Latest { axes, passing, occupied: occupied.clone() });
+        let occupied = Arc::new(self.passed(axes, &passing.0));
+        latest.insert(0, Latest { axes, passing: passing.clone(), occupied: occupied.clone() });
         latest.truncate(N_LATEST);
         occupied
     }
@@ -441,7 +449,7 @@ mod tests {
         let slices = Slices::new(&phantom.volume(), Kernel::Linear);
         let bricks = slices.bricks();
         let all_axes = [[0, 1, 2], [0, 2, 1], [1, 2, 0]];
-        let above = |axes: [usize; 3], least: f32| bricks.occupied(axes, |[_, hi]| hi > least);
+        let above = |axes: [usize; 3], least: f32| bricks.occupied(axes, &bricks.passing(|[_, hi]| hi > least));
         let first = all_axes.map(|axes| above(axes, 5.0));
         for (axes, first) in all_axes.into_iter().zip(&first) {
             assert!(Arc::ptr_eq(&above(axes, 5.0), first), "{axes:?}");
@@ -471,7 +479,8 @@ mod tests {
         });
         let slices = Slices::new(&phantom.volume(), Kernel::Linear);
         for (axes, place) in [([0, 1, 2], [270.0, 13.0, 5.0]), ([1, 2, 0], [13.0, 5.0, 270.0])] {
-            let occupied = slices.bricks().occupied(axes, |[_, hi]| hi > 0.5);
+            let bricks = slices.bricks();
+            let occupied = bricks.occupied(axes, &bricks.passing(|[_, hi]| hi > 0.5));
             let at = |shift: f64| {
                 let around = |x: f64| [x + shift - 1.5, x + shift + 1.5];
                 let layer = occupied.layer(place[2] as usize);

@@ -48,6 +48,7 @@ mod refine;
 mod render;
 mod resample;
 mod scene;
+mod seen;
 pub mod shade;
 pub mod sheet;
 pub mod slices;

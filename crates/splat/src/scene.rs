@@ -26,6 +26,7 @@ use crate::noise::keeps_bounds;
 use crate::project::Project;
 use crate::rays::RayGeometry;
 use crate::render::Progress;
+use crate::seen::Seen;
 use crate::shade::{Shader, light_direction};
 use crate::sheet::{Chunk, N_STRIPS, SheetGeometry, TILE_U, TILE_V};
 use crate::slices::Slices;
@@ -106,7 +107,7 @@ pub(crate) struct Scene<'a> {
     pub tf: &'a TransferFunction,
     /// What is drawn of the volume.
     pub region: Region,
-    classifier: Classifier,
+    classifier: Arc<Seen>,
     opacity_unit: f64,
     /// Of a typical slab, in `opacity_unit`s.
     slab_thickness: f64,
@@ -134,7 +135,7 @@ impl<'a> Scene<'a> {
         let grid = slices.grid();
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
-        let classifier = Classifier::new(tf, grid.density_from_sample(), slices.range(), slab_thickness);
+        let classifier = Seen::new(slices, tf, slab_thickness);
         let (labels, fields, light) = (None, Vec::new(), None);
         Self {
             level,
@@ -272,13 +273,13 @@ impl<'a> Scene<'a> {
                 let has_integral = !extras.by_gradient.as_ref().is_some_and(ByGradient::decides_color);
                 let is_steep = !plain && has_integral && self.is_steep();
                 let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
-                let mut occupied = Some(bricks.occupied(axes, |[lo, hi]| self.classifier.any_opacity(lo, hi)));
+                let mut occupied = Some(bricks.occupied(axes, self.classifier.passing(bricks)));
                 if let Some(field) = extras.matter_field() {
                     let matter = label_fields[field - self.fields.len()].slices.bricks();
-                    let covered = matter.occupied(axes, |[_, hi]| hi > 0.0);
+                    let covered = matter.occupied(axes, &matter.passing(|[_, hi]| hi > 0.0));
                     occupied = occupied.and_then(|occupied| occupied.or(&covered)).map(Arc::new);
                 }
-                let (classifier, shader) = (&self.classifier, shader.as_ref());
+                let (classifier, shader): (&Classifier, _) = (&self.classifier, shader.as_ref());
                 let job = job(self.opacity_unit, occupied);
                 if extras.any() {
                     let over = || Over::<true>::new(classifier, shader, &extras, is_steep, opaque, with_depth);
@@ -291,7 +292,7 @@ impl<'a> Scene<'a> {
             Composite::FirstHit { iso_value } => {
                 let iso = density(iso_value);
                 // A surface needs densities on both sides.
-                let occupied = bricks.occupied(axes, |[lo, hi]| lo < iso && hi >= iso);
+                let occupied = bricks.occupied(axes, &bricks.passing(|[lo, hi]| lo < iso && hi >= iso));
                 let first_hit = || FirstHit::new(iso, &self.classifier, shader.as_ref());
                 draw_tiles(&job(self.opacity_unit, Some(occupied)), pieces, progress, with_depth, first_hit)
             }

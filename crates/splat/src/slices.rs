@@ -19,6 +19,7 @@ use crate::bricks::{self, Bricks, FloatRows, Rows, widen};
 use crate::holes::fill_holes;
 use crate::kernel::{MAX_TAPS, fold, n_taps};
 use crate::prefilter;
+use crate::seen;
 use crate::window::{Region, SliceTap, Turn, Window};
 
 /// Densities of a volume, ready for one kernel.
@@ -43,6 +44,8 @@ pub struct Prepared {
     mask: Option<Vec<bool>>,
     range: [f32; 2],
     bricks: Bricks,
+    /// What was asked for last, by transfer functions.
+    latest_seen: seen::Latest,
     /// What is decoded of a volume without samples; `None` where there are densities.
     blocks: Option<Arc<Blocks>>,
     is_decoded: bool,
@@ -63,7 +66,7 @@ impl Prepared {
         if pole.is_none() && n_nonfinite == 0 {
             let samples = *volume.samples();
             let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range, bricks::MOST_BYTES);
-            return Self { kernel, size, densities: None, mask: None, range, bricks, blocks: None, is_decoded: false };
+            return Self::of_parts(kernel, size, range, bricks);
         }
         let mut densities = densities(volume.samples(), map);
         let mask = (n_nonfinite > 0).then(|| densities.iter().map(|d| !d.is_finite()).collect());
@@ -88,7 +91,13 @@ impl Prepared {
         }
         let rows = FloatRows { densities: &densities, level: Level::best() };
         let bricks = Bricks::new(&rows, size, kernel, range, bounds_bytes);
-        Self { kernel, size, densities: Some(densities), mask: None, range, bricks, blocks: None, is_decoded: false }
+        Self { densities: Some(densities), ..Self::of_parts(kernel, size, range, bricks) }
+    }
+
+    /// Of samples that are used as they are.
+    fn of_parts(kernel: Kernel, size: [usize; 3], range: [f32; 2], bricks: Bricks) -> Self {
+        let latest_seen = seen::Latest::default();
+        Self { kernel, size, densities: None, mask: None, range, bricks, latest_seen, blocks: None, is_decoded: false }
     }
 
     /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
@@ -104,7 +113,7 @@ impl Prepared {
         let range = prefilter::pole(kernel).is_none().then_some(range);
         let bricks = Bricks::of_blocks(Level::best(), &blocks, kernel, range, bounds_bytes);
         let range = bricks.range();
-        Self { kernel, size, densities: None, mask: None, range, bricks, blocks: Some(blocks), is_decoded: true }
+        Self { blocks: Some(blocks), is_decoded: true, ..Self::of_parts(kernel, size, range, bricks) }
     }
 
     /// Slices of a volume that is decoded as it is drawn, from [`Prepared::of_decoder`] with the same grid; `None` where
@@ -153,6 +162,11 @@ impl<'a> Slices<'a> {
     /// Bounds of the densities, brick by brick.
     pub fn bricks(&self) -> &Bricks {
         &self.prepared.bricks
+    }
+
+    /// What transfer functions showed last.
+    pub(crate) fn latest_seen(&self) -> &seen::Latest {
+        &self.prepared.latest_seen
     }
 
     /// Whether there are samples that are drawn as empty.

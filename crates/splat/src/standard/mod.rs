@@ -60,7 +60,6 @@ use crate::base_picture::BasePicture;
 use crate::base_plane::{BasePlane, base_planes};
 use crate::bricks::Occupied;
 use crate::by_gradient::ByGradient;
-use crate::classify::Classifier;
 use crate::family::{Family, IndexRays};
 use crate::interval::Region;
 use crate::kernel::radius;
@@ -68,6 +67,7 @@ use crate::prefilter;
 use crate::reads::Reads;
 use crate::render::{Monitor, Progress};
 use crate::scene::brightest;
+use crate::seen::Seen;
 use crate::shade::{Shader, on_gradient};
 use crate::slices::Slices;
 use crate::warp::warp;
@@ -249,7 +249,7 @@ struct Scene<'a> {
     camera: &'a Camera,
     options: &'a RenderOptions,
     standard: StandardOptions,
-    classifier: Classifier,
+    classifier: Arc<Seen>,
     region: Region,
     opacity_unit: f64,
     /// Largest colour that shading can make.
@@ -285,7 +285,7 @@ impl<'a> Scene<'a> {
         let grid = slices.grid();
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let thickness = grid.mean_spacing() / opacity_unit;
-        let classifier = Classifier::new(tf, grid.density_from_sample(), slices.range(), thickness);
+        let classifier = Seen::new(slices, tf, thickness);
         let region = Region::new(grid, options)?;
         let peak = options.shading.as_ref().map_or(1.0, brightest);
         Ok(Self { level, grid, slices, tf, camera, options, standard, classifier, region, opacity_unit, peak })
@@ -325,10 +325,11 @@ impl<'a> FamilyScene<'a> {
     fn new(scene: &'a Scene<'a>, family: Family) -> Self {
         let matrix = scene.grid.world_from_index().matrix3;
         let shader = scene.options.shading.as_ref();
+        let bricks = scene.slices.bricks();
         Self {
             scene,
             family,
-            occupied: scene.slices.bricks().occupied(family.axes, |[lo, hi]| scene.classifier.any_opacity(lo, hi)),
+            occupied: bricks.occupied(family.axes, scene.classifier.passing(bricks)),
             shader: shader.map(|s| Shader::new(s, scene.camera, matrix, &family, scene.slices.range())),
             by_gradient: ByGradient::new(scene.tf, matrix, &family, scene.grid.density_from_sample()),
             sight: Sight::new(scene, &family),

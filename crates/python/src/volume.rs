@@ -1,6 +1,6 @@
 //! Samples shared with the Python side's arrays.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DAffine3, DMat3, DVec3};
 use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -62,7 +62,7 @@ impl Drawable<'_> {
     /// Whether a transfer function gets the quality settings of a steep one.
     pub fn is_steep(&self, py: Python<'_>, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<bool> {
         match self {
-            Self::Samples(_) => self.with_grid(py, |grid| Ok(is_steep(grid, tf))),
+            Self::Samples(volume) => volume.is_steep(py, tf),
             // As its levels are made as bright for, or are themselves.
             Self::Decoded(volume) => Ok(volume.filtered(tf, shading)?.1),
         }
@@ -108,6 +108,8 @@ pub struct PyVolume {
     statistics: Statistics,
     /// Bounds of bricks, spline coefficients or filled densities, per kernel.
     prepared: Mutex<Vec<(Kernel, Arc<Prepared>)>>,
+    /// The function that was drawn last, and whether it is steep.
+    latest: Mutex<Option<(TransferFunction, bool)>>,
 }
 
 #[pymethods]
@@ -123,7 +125,8 @@ impl PyVolume {
         let array = Array::new(samples)?;
         let world_from_index = affine(&world_from_index)?;
         let unknown = Statistics { min: 0.0, max: 0.0, n_nonfinite: 0 };
-        let mut volume = Self { name, array, world_from_index, statistics: unknown, prepared: Mutex::default() };
+        let (prepared, latest) = (Mutex::default(), Mutex::default());
+        let mut volume = Self { name, array, world_from_index, statistics: unknown, prepared, latest };
         volume.statistics = volume.with_samples(py, |samples, _| py.detach(|| Statistics::of(&samples)))?;
         volume.with_volume(py, |_| Ok(()))?;
         Ok(volume)
@@ -172,9 +175,21 @@ impl PyVolume {
         })?
     }
 
+    /// Whether a transfer function is steep; kept until another is asked for.
+    fn is_steep(&self, py: Python<'_>, tf: &TransferFunction) -> PyResult<bool> {
+        let known = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, is_steep)) = known.as_ref().filter(|(of, _)| of == tf) {
+            return Ok(*is_steep);
+        }
+        drop(known);
+        let is_steep = self.with_volume(py, |volume| Ok(is_steep(volume.grid(), tf)))?;
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Some((tf.clone(), is_steep));
+        Ok(is_steep)
+    }
+
     /// Slices for a kernel; what they need is prepared with the first picture and kept.
     pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Slices<'a> {
-        let mut prepared = self.prepared.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         let known = prepared.iter().find(|(k, _)| *k == kernel).map(|(_, known)| known.clone());
         let known = known.unwrap_or_else(|| {
             let new = Arc::new(Prepared::new(volume, kernel));

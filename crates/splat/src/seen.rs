@@ -18,6 +18,8 @@ pub struct Seen {
     classifier: Classifier,
     /// Ranges that have an opacity, where that was asked for.
     passing: OnceLock<Passing>,
+    /// How much changes in slabs of as many thicknesses as were asked for, with these: one, and of a level one of the finest.
+    variations: Mutex<Vec<(f64, f32)>>,
 }
 
 impl Seen {
@@ -33,10 +35,21 @@ impl Seen {
             return latest[0].1.clone();
         }
         let classifier = Classifier::new(tf, density_from_sample, slices.range(), slab_thickness);
-        let seen = Arc::new(Self { classifier, passing: OnceLock::new() });
+        let seen = Arc::new(Self { classifier, passing: OnceLock::new(), variations: Mutex::default() });
         latest.insert(0, (Of { tf: tf.clone(), density_from_sample, slab_thickness }, seen.clone()));
         latest.truncate(N_LATEST);
         seen
+    }
+
+    /// As [`Classifier::variation`].
+    pub fn variation(&self, slab_thickness: f64) -> f32 {
+        let mut variations = self.variations.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, variation)) = variations.iter().find(|(of, _)| *of == slab_thickness) {
+            return *variation;
+        }
+        let variation = self.classifier.variation(slab_thickness);
+        variations.push((slab_thickness, variation));
+        variation
     }
 
     /// Which ranges of density have an opacity somewhere.
@@ -93,6 +106,10 @@ mod tests {
         assert!(!Arc::ptr_eq(&first, &again));
         let passing = again.passing(slices.bricks());
         assert_eq!(*passing, slices.bricks().passing(|[lo, hi]| again.any_opacity(lo, hi)));
+        for thickness in [1.0, 0.25, 1.0] {
+            assert_eq!(again.variation(thickness), again.classifier.variation(thickness));
+        }
+        assert_eq!(again.variations.lock().unwrap().len(), 2);
         assert_eq!(again.visible_range(), first.visible_range());
     }
 }

@@ -6,7 +6,7 @@
 use std::mem::MaybeUninit;
 use std::ptr;
 
-use crate::parallel;
+use crate::{pages, parallel};
 
 /// An array of `n` zeros, or what a type has for them, in chunks of `chunk_len` of which `work` has seen the index and the
 /// contents. That it is always the same value lets zeros be written as fast as there is a way to.
@@ -17,6 +17,7 @@ pub fn in_chunks<T: Copy + Default + Send>(
 ) -> Vec<T> {
     let mut all = Vec::with_capacity(n);
     let places = &mut all.spare_capacity_mut()[..n];
+    pages::prefer_large(places);
     parallel::for_each_chunk(places, chunk_len, |k, chunk| {
         chunk.fill(MaybeUninit::new(T::default()));
         // SAFETY: all of it has just been written, and `MaybeUninit` has the layout of what it holds.

@@ -1,6 +1,7 @@
 //! A finished base plane: texels are put into it tile by tile.
 
 use glam::DVec2;
+use wavesplat_compute::pages;
 use wavesplat_compute::simd::LANES;
 
 use crate::base_plane::BasePlane;
@@ -28,9 +29,11 @@ impl BasePicture {
     pub fn new(plane: BasePlane, with_depth: bool) -> Self {
         let [n_u, n_v] = plane.size;
         let cells = n_cells(&plane);
+        let mut texels = vec![[0.0; 4]; (n_u + 2 * MARGIN) * (n_v + 2 * MARGIN)];
+        pages::prefer_large(&mut texels);
         Self {
             plane,
-            texels: vec![[0.0; 4]; (n_u + 2 * MARGIN) * (n_v + 2 * MARGIN)],
+            texels,
             w_half: vec![f32::NAN; if with_depth { n_u * n_v } else { 0 }],
             drawn: vec![false; cells[0] * cells[1]],
         }

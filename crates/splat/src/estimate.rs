@@ -21,7 +21,7 @@ use crate::labels::Labels;
 use crate::parts::{Parts, replace};
 use crate::probe;
 use crate::refine::Refinement;
-use crate::render::{Monitor, Report, draw, finished, warped};
+use crate::render::{Monitor, Report, draw, drawn, finished, warped};
 use crate::scene::{Scene, with_scene};
 use crate::slices::Slices;
 
@@ -87,6 +87,9 @@ pub fn render_to_psnr(
         let Settings { sheets_per_slice, oversampling } = *settings;
         RenderOptions { sheets_per_slice, oversampling, ..options.clone() }
     };
+    let with_scene_of = |settings: &Settings, draw: &dyn Fn(&Scene) -> Result<(Picture, Report)>| {
+        with_scene(Level::best(), (slices, labels), tf, camera, &options_with(settings), draw)
+    };
     let ended = |picture: Picture, report: Report, estimate: Estimate| match monitor.progress(1.0) {
         ControlFlow::Continue(()) => Ok((finished(camera, options, picture), report, estimate)),
         ControlFlow::Break(()) => Err(Error::Cancelled),
@@ -95,12 +98,7 @@ pub fn render_to_psnr(
         let usual = Experience::usual(slices, tf, camera, options);
         if let Some((like, experience)) = like.and_then(|like| Some((like, usual.like(&like)?))) {
             let settings = experience.cheapest(wanted);
-            let draw_once = |scene: &Scene| {
-                let (base_pictures, report) = draw(scene, None, monitor)?;
-                Ok((warped(scene, &base_pictures, options.with_depth), report))
-            };
-            let (picture, report) =
-                with_scene(Level::best(), (slices, labels), tf, camera, &options_with(&settings), draw_once)?;
+            let (picture, report) = with_scene_of(&settings, &|scene| drawn(scene, None, monitor))?;
             let psnr_db = psnr_of(experience.error(&settings));
             let estimate = Estimate { passes: vec![Pass::new(settings, 1.0)], psnr_db, measured: Some(like) };
             return ended(picture, report, estimate);
@@ -134,12 +132,7 @@ pub fn render_to_psnr(
             let from = 1.0 - 0.5_f32.powi(estimate.passes.len() as i32);
             let drawing = Share { of: monitor, from, to: 0.5 * (1.0 + from) };
             let parts = Arc::new(Parts::new([options.width_px, options.height_px], next.is_wanted.clone()));
-            let draw_parts = |scene: &Scene| {
-                let (base_pictures, report) = draw(scene, Some(&parts), &drawing)?;
-                Ok((warped(scene, &base_pictures, options.with_depth), report))
-            };
-            let (finer, work) =
-                with_scene(Level::best(), (slices, labels), tf, camera, &options_with(&next.settings), draw_parts)?;
+            let (finer, work) = with_scene_of(&next.settings, &|scene| drawn(scene, Some(&parts), &drawing))?;
             let changes = replace(&mut picture, &finer, &parts);
             report = report.and(work);
             estimate.passes.push(Pass::new(next.settings, refinement.share(&next)));

@@ -87,8 +87,7 @@ pub fn render_labelled(
 ) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
         with_scene(Level::best(), (slices, labels), tf, camera, options, |scene| {
-            let (base_pictures, report) = draw(scene, None, monitor)?;
-            let picture = warped(scene, &base_pictures, options.with_depth);
+            let (picture, report) = drawn(scene, None, monitor)?;
             Ok((finished(camera, options, picture), report))
         })
     })
@@ -150,6 +149,12 @@ pub(crate) fn draw(
         pictures.push(picture);
     }
     Ok((pictures, report))
+}
+
+/// The picture, or parts of it, before it is [`finished`].
+pub(crate) fn drawn(scene: &Scene, parts: Option<&Arc<Parts>>, monitor: &dyn Monitor) -> Result<(Picture, Report)> {
+    let (base_pictures, report) = draw(scene, parts, monitor)?;
+    Ok((warped(scene, &base_pictures, scene.options.with_depth), report))
 }
 
 /// The rays of the whole picture.

@@ -149,8 +149,14 @@ fn pictures_like_one_that_was_measured_are_drawn_once_and_reach_as_much() {
         };
         let first = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], None).1;
         assert!(first.measured.is_some());
-        for towards in [DVec3::new(0.8, 0.5, 0.4), DVec3::new(0.3, 0.9, 0.3), DVec3::new(0.1, 0.2, 0.9)] {
-            let camera = camera_towards(phantom.centre(), towards, 90.0, ORTHOGRAPHIC);
+        for (towards, projection) in [
+            (DVec3::new(0.8, 0.5, 0.4), ORTHOGRAPHIC),
+            (DVec3::new(0.3, 0.9, 0.3), ORTHOGRAPHIC),
+            (DVec3::new(0.1, 0.2, 0.9), ORTHOGRAPHIC),
+            (DVec3::new(0.8, 0.5, 0.4), PERSPECTIVE),
+            (DVec3::new(0.2, 0.3, 0.9), PERSPECTIVE),
+        ] {
+            let camera = camera_towards(phantom.centre(), towards, 90.0, projection);
             let fixed = |sheets_per_slice, oversampling| {
                 let options = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
                 render(&slices, &tf, &camera, &options, &()).unwrap().0

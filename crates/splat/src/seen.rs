@@ -78,8 +78,8 @@ struct Of {
     slab_thickness: f64,
 }
 
-/// As many are kept: a picture's, and those of its drafts or of two that are compared.
-const N_LATEST: usize = 4;
+/// As many are kept: those of a picture that is drawn in some passes, and of another beside it.
+const N_LATEST: usize = 8;
 
 #[cfg(test)]
 mod tests {
@@ -101,7 +101,7 @@ mod tests {
             // Asked for again and again, it stays.
             assert!(Arc::ptr_eq(&first, &Seen::new(&slices, &step(3.0), 1.0)));
         }
-        (5..9).for_each(|at| drop(Seen::new(&slices, &step(f64::from(at)), 1.0)));
+        (5..13).for_each(|at| drop(Seen::new(&slices, &step(f64::from(at)), 1.0)));
         let again = Seen::new(&slices, &step(3.0), 1.0);
         assert!(!Arc::ptr_eq(&first, &again));
         let passing = again.passing(slices.bricks());

@@ -1,8 +1,8 @@
 //! Pixels that lie close together in a base plane: only some of them are read, the others put between these.
 //!
 //! Of a coarse level of details a texel covers many pixels, and its cubic is smooth: reads two thirds of a texel apart,
-//! with a cubic between them that is a little sharper, are as near to what the texels are samples of as reads at every
-//! pixel (the test below).
+//! with a cubic between them that is sharper, are as near to what the texels are samples of as reads at every pixel (the
+//! test below). Of four pixels only the middle one is on the cubic; those beside it are means, which cost little.
 
 use std::ops::Range;
 

@@ -52,7 +52,7 @@ impl Seen {
         variation
     }
 
-    /// Which ranges of density have an opacity somewhere.
+    /// Which ranges of density have an opacity somewhere, by the bricks of the same slices.
     pub fn passing(&self, bricks: &Bricks) -> &Passing {
         self.passing.get_or_init(|| bricks.passing(|[lo, hi]| self.classifier.any_opacity(lo, hi)))
     }

@@ -141,7 +141,7 @@ fn put<const N: usize, S: Simd>(s: S, quads: [S::F; N], pixels: &mut [[f32; 4]])
     let is_whole = whole.is_some();
     let drawn: &mut [[[f32; 4]; N]; QUAD] = whole.unwrap_or(&mut some);
     if N == QUAD {
-        let rows = s.transpose_quads(std::array::from_fn(|i| quads[i]));
+        let rows = s.transpose_quads([quads[0], quads[1 % N], quads[2 % N], quads[3 % N]]);
         for (row, to) in rows.into_iter().zip(drawn.as_flattened_mut().as_flattened_mut().as_chunks_mut().0) {
             s.store(row, to);
         }
@@ -181,17 +181,15 @@ impl<S: Simd> Between<S> {
     /// the cubic; quarters are in the middle of what that gives.
     #[inline(always)]
     fn of<const N: usize>(&self, s: S, around: [&[f32; LANES]; 4]) -> [S::F; N] {
-        let [a, b, c, d] = around.map(|reads| s.load(reads));
+        let [a, b, c, d] = [s.load(around[0]), s.load(around[1]), s.load(around[2]), s.load(around[3])];
         let ends = [s.min(b, c), s.max(b, c)];
-        let third = |[w0, w1, w2, w3]: [S::F; 4]| {
-            let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
-            held(s, sum, ends, self.peak)
-        };
         let mut quads = [b; N];
         if N == 3 {
             let [w0, w1, w2, w3] = self.third;
-            quads[1] = third([w0, w1, w2, w3]);
-            quads[2] = third([w3, w2, w1, w0]);
+            let near_b = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
+            let near_c = s.add(s.add_mul(s.mul(w3, a), w2, b), s.add_mul(s.mul(w1, c), w0, d));
+            quads[1] = held(s, near_b, ends, self.peak);
+            quads[2] = held(s, near_c, ends, self.peak);
             return quads;
         }
         let [far, near] = self.middle;

@@ -5,7 +5,7 @@
 //! memory is, and take 512 times fewer stops (Linux: `transparent_hugepage`, man 2 madvise).
 #![allow(unsafe_code, reason = "a hint to the system")]
 
-/// Arrays from so many bytes on are large; those of Python's arrays are so from there on, too.
+/// Arrays from so many bytes on are large: smaller ones have hardly a page of their own.
 #[cfg(target_os = "linux")]
 const LARGE_BYTES: usize = 4 << 20;
 

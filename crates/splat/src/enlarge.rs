@@ -140,6 +140,7 @@ fn put<const N: usize, S: Simd>(s: S, quads: [S::F; N], pixels: &mut [[f32; 4]])
     let whole = pixels.as_chunks_mut().0.first_chunk_mut();
     let is_whole = whole.is_some();
     let drawn: &mut [[[f32; 4]; N]; QUAD] = whole.unwrap_or(&mut some);
+    // The pixels of one read are as many numbers as a vector holds.
     if N == QUAD {
         let rows = s.transpose_quads([quads[0], quads[1 % N], quads[2 % N], quads[3 % N]]);
         for (row, to) in rows.into_iter().zip(drawn.as_flattened_mut().as_flattened_mut().as_chunks_mut().0) {
@@ -172,7 +173,7 @@ struct Between<S: Simd> {
 impl<S: Simd> Between<S> {
     #[inline(always)]
     fn new<const N: usize>(s: S, peak: f32) -> Self {
-        let slope = if N == 4 { SLOPE_OF_MEANS } else { SLOPE };
+        let slope = if N == MOST { SLOPE_OF_MEANS } else { SLOPE };
         let [far, near, ..] = cubic(s, slope, s.splat(0.5));
         Self { middle: [far, near], third: cubic(s, SLOPE, s.splat(1.0 / 3.0)), peak: peaks(s, peak) }
     }
@@ -195,7 +196,7 @@ impl<S: Simd> Between<S> {
         let [far, near] = self.middle;
         let middle = held(s, s.add_mul(s.mul(far, s.add(a, d)), near, s.add(b, c)), ends, self.peak);
         quads[N / 2] = middle;
-        if N == 4 {
+        if N == MOST {
             let half = s.splat(0.5);
             quads[1] = s.mul(half, s.add(b, middle));
             quads[3] = s.mul(half, s.add(middle, c));

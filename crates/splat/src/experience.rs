@@ -9,7 +9,7 @@ use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
 use crate::base_plane::MAX_TEXELS;
 use crate::probe::{Errors, left_by_mean};
 use crate::reads::Reads;
-use crate::scene::{Framing, is_steep_in};
+use crate::scene::{Framing, is_steep};
 use crate::slices::Slices;
 
 /// How finely a picture is drawn.
@@ -84,7 +84,7 @@ impl Experience {
     /// Of pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
     pub fn usual(slices: &Slices, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Self {
         let composite = options.composite;
-        let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep_in(slices, tf);
+        let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep(slices.grid(), tf);
         let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
         let [along_decay, across_decay] = if is_smooth { [0.12, 0.25] } else { [0.16, 0.33] };
         let errors = Errors { along: mean_square_of(along_db), across: mean_square_of(across_db), across_decay };

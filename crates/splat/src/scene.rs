@@ -66,12 +66,6 @@ pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
     classifier.variation(thickness) >= STEEP
 }
 
-/// The same of a volume that is ready to be drawn, which keeps what is found.
-pub(crate) fn is_steep_in(slices: &Slices, tf: &TransferFunction) -> bool {
-    let thickness = slab_of_the_finest(slices.grid(), tf);
-    Seen::new(slices, tf, thickness).variation(thickness) >= STEEP
-}
-
 /// Thickness of a slab of two sheets a slice, of a coarser level one of the finest, in `opacity_unit`s.
 fn slab_of_the_finest(grid: &Grid, tf: &TransferFunction) -> f64 {
     0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit())

@@ -1,8 +1,9 @@
 //! Pixels that lie close together in a base plane: only some of them are read, the others put between these.
 //!
-//! Of a coarse level of details a texel covers many pixels, and its cubic is smooth: reads two thirds of a texel apart,
+//! Of a coarse level of details a texel covers many pixels, and its cubic is smooth: reads five eighths of a texel apart,
 //! with a cubic between them that is sharper, are as near to what the texels are samples of as reads at every pixel (the
-//! test below). Of four pixels only the middle one is on the cubic; those beside it are means, which cost little.
+//! test below). Only half way between two reads pixels are on the cubic; between these they are on straight lines, which
+//! cost little.
 
 use std::ops::Range;
 
@@ -13,16 +14,16 @@ use crate::resample::{QUAD, Quads, cubic, held, peaks};
 use crate::warp::Rectangle;
 
 /// Reads are no further apart than so many texels.
-const READS_APART: f64 = 0.65;
+const READS_APART: f64 = 0.63;
 
 /// Slope of the cubic between reads; that of the reads has -0.5.
 const SLOPE: f32 = -0.7;
 
-/// The same where what is half way between reads and pixels is their mean: less sharp.
-const SLOPE_OF_MEANS: f32 = -0.9;
+/// The same where there are pixels on the lines: these are less sharp.
+const SLOPE_OF_LINES: f32 = -0.95;
 
-/// Most pixels from a read to the next.
-const MOST: usize = 4;
+/// Pixels from a read to the next.
+const STEPS: [usize; 5] = [2, 3, 4, 6, 8];
 
 /// Reads that the cubic takes before the first pixel and after the last.
 const BESIDE: usize = 3;
@@ -39,9 +40,9 @@ const N_RUNS: usize = (SPANS + BESIDE).div_ceil(LANES);
 
 /// Which pixels are read where neighbours lie so many texels apart at most.
 pub fn few_reads(texels_per_pixel: f64) -> Reads {
-    let n = READS_APART / texels_per_pixel;
-    // Not where that is no number.
-    if n >= 2.0 { Reads::OneOf(n.min(MOST as f64) as usize) } else { Reads::Grid(1) }
+    let most = READS_APART / texels_per_pixel;
+    // None where that is no number.
+    STEPS.into_iter().rfind(|step| *step as f64 <= most).map_or(Reads::Grid(1), Reads::OneOf)
 }
 
 /// Columns of pixels that one row of reads serves.
@@ -77,7 +78,9 @@ pub fn draw<S: Simd>(
     match pixels_per_read {
         2 => draw_by::<2, S>(s, rectangle, peak, read),
         3 => draw_by::<3, S>(s, rectangle, peak, read),
-        _ => draw_by::<MOST, S>(s, rectangle, peak, read),
+        4 => draw_by::<4, S>(s, rectangle, peak, read),
+        6 => draw_by::<6, S>(s, rectangle, peak, read),
+        _ => draw_by::<8, S>(s, rectangle, peak, read),
     }
 }
 
@@ -127,31 +130,41 @@ fn draw_by<const N: usize, S: Simd>(
                     continue;
                 }
                 let from = |read: usize| reads[4 * (k * QUAD + read)..].first_chunk().unwrap_or(&[0.0; LANES]);
-                put(s, between.of::<N>(s, [from(0), from(1), from(2), from(3)]), pixels);
+                put(s, between.of::<N>(s, [from(0), from(1), from(2), from(3)]), from(2), pixels);
             }
         }
     }
 }
 
-/// Writes as many pixels of four reads as there is room for. `quads[i]`: the `i`th pixel of each.
+/// Writes as many pixels of four reads as there is room for. `quads[i]`: the `i`th pixel of each; `next`: the first of
+/// those that follow each.
 #[inline(always)]
-fn put<const N: usize, S: Simd>(s: S, quads: [S::F; N], pixels: &mut [[f32; 4]]) {
+fn put<const N: usize, S: Simd>(s: S, quads: [S::F; N], next: &[f32; LANES], pixels: &mut [[f32; 4]]) {
     let mut some = [[[0.0; 4]; N]; QUAD];
     let whole = pixels.as_chunks_mut().0.first_chunk_mut();
     let is_whole = whole.is_some();
     let drawn: &mut [[[f32; 4]; N]; QUAD] = whole.unwrap_or(&mut some);
-    // The pixels of one read are as many numbers as a vector holds.
-    if N == QUAD {
-        let rows = s.transpose_quads([quads[0], quads[1 % N], quads[2 % N], quads[3 % N]]);
-        for (row, to) in rows.into_iter().zip(drawn.as_flattened_mut().as_flattened_mut().as_chunks_mut().0) {
-            s.store(row, to);
+    if N == 2 {
+        let halves = s.interleave_quads(quads[0], quads[1]);
+        for (half, to) in halves.into_iter().zip(drawn.as_flattened_mut().as_flattened_mut().as_chunks_mut().0) {
+            s.store(half, to);
+        }
+    } else if N == 3 {
+        let rows = s.transpose_quads([quads[0], quads[1], quads[2], s.load(next)]);
+        // Vectors overlap; of the last one what follows is left out.
+        for (read, row) in rows.into_iter().enumerate() {
+            store(s, row, &mut drawn.as_flattened_mut()[N * read..]);
         }
     } else {
-        let mut numbers = [[0.0; LANES]; N];
-        for i in 0..N {
-            s.store(quads[i], &mut numbers[i]);
-            for (pixel, read) in numbers[i].as_chunks().0.iter().zip(drawn.iter_mut()) {
-                read[i] = *pixel;
+        // A vector from the first pixel on, another one up to the last.
+        let firsts = s.transpose_quads([quads[0], quads[1], quads[2], quads[3 % N]]);
+        for (row, to) in firsts.into_iter().zip(&mut *drawn) {
+            store(s, row, to);
+        }
+        if N > QUAD {
+            let lasts = s.transpose_quads([quads[N - 4], quads[N - 3], quads[N - 2], quads[N - 1]]);
+            for (row, to) in lasts.into_iter().zip(&mut *drawn) {
+                store(s, row, &mut to[N - QUAD..]);
             }
         }
     }
@@ -160,12 +173,22 @@ fn put<const N: usize, S: Simd>(s: S, quads: [S::F; N], pixels: &mut [[f32; 4]])
     }
 }
 
+/// Writes as many of four pixels as there is room for.
+#[inline(always)]
+fn store<S: Simd>(s: S, quads: S::F, pixels: &mut [[f32; 4]]) {
+    if let Some(to) = pixels.as_flattened_mut().first_chunk_mut() {
+        s.store(quads, to);
+    } else {
+        let mut numbers = [0.0; LANES];
+        s.store(quads, &mut numbers);
+        pixels.copy_from_slice(&numbers.as_chunks().0[..pixels.len()]);
+    }
+}
+
 /// What is put between reads.
 struct Between<S: Simd> {
-    /// Of the reads around the middle between two: those that are further away, and the two.
+    /// Weights of the reads around the middle between two: of those that are further away, and of the two.
     middle: [S::F; 2],
-    /// A third of the way.
-    third: [S::F; 4],
     /// Of [`peaks`].
     peak: S::F,
 }
@@ -173,33 +196,29 @@ struct Between<S: Simd> {
 impl<S: Simd> Between<S> {
     #[inline(always)]
     fn new<const N: usize>(s: S, peak: f32) -> Self {
-        let slope = if N == MOST { SLOPE_OF_MEANS } else { SLOPE };
-        let [far, near, ..] = cubic(s, slope, s.splat(0.5));
-        Self { middle: [far, near], third: cubic(s, SLOPE, s.splat(1.0 / 3.0)), peak: peaks(s, peak) }
+        let [far, near, ..] = cubic(s, if N == 2 { SLOPE } else { SLOPE_OF_LINES }, s.splat(0.5));
+        Self { middle: [far, near], peak: peaks(s, peak) }
     }
 
-    /// The pixels that follow the second of four reads, at every `N`th part of the way to the third, of four reads each. By
-    /// the cubic; quarters are in the middle of what that gives.
+    /// The pixels that follow the second of four reads, at every `N`th part of the way to the third, of four reads each:
+    /// by the cubic half way, on lines to there and from there on.
     #[inline(always)]
     fn of<const N: usize>(&self, s: S, around: [&[f32; LANES]; 4]) -> [S::F; N] {
         let [a, b, c, d] = [s.load(around[0]), s.load(around[1]), s.load(around[2]), s.load(around[3])];
-        let ends = [s.min(b, c), s.max(b, c)];
-        let mut quads = [b; N];
-        if N == 3 {
-            let [w0, w1, w2, w3] = self.third;
-            let near_b = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
-            let near_c = s.add(s.add_mul(s.mul(w3, a), w2, b), s.add_mul(s.mul(w1, c), w0, d));
-            quads[1] = held(s, near_b, ends, self.peak);
-            quads[2] = held(s, near_c, ends, self.peak);
-            return quads;
-        }
         let [far, near] = self.middle;
-        let middle = held(s, s.add_mul(s.mul(far, s.add(a, d)), near, s.add(b, c)), ends, self.peak);
-        quads[N / 2] = middle;
-        if N == MOST {
-            let half = s.splat(0.5);
-            quads[1] = s.mul(half, s.add(b, middle));
-            quads[3] = s.mul(half, s.add(middle, c));
+        let middle = s.add_mul(s.mul(far, s.add(a, d)), near, s.add(b, c));
+        let middle = held(s, middle, [s.min(b, c), s.max(b, c)], self.peak);
+        let (to_middle, from_middle) = (s.sub(middle, b), s.sub(c, middle));
+        let mut quads = [b; N];
+        for i in 1..N {
+            let halves = s.splat((2 * i) as f32 / N as f32 - if 2 * i < N { 0.0 } else { 1.0 });
+            quads[i] = if 2 * i < N {
+                s.add_mul(b, halves, to_middle)
+            } else if 2 * i == N {
+                middle
+            } else {
+                s.add_mul(middle, halves, from_middle)
+            };
         }
         quads
     }
@@ -308,7 +327,7 @@ mod tests {
     #[test]
     fn pixels_between_reads_are_nearly_as_if_read() {
         // Of odd sizes: the last columns and rows are fewer than others.
-        for pixels_per_read in 2..=MOST {
+        for pixels_per_read in STEPS {
             let orthographic = Projection::Orthographic { parallel_scale: 30.0 };
             check(orthographic, DVec3::new(50.0, 30.0, 82.0), pixels_per_read, [301, 203]);
             let perspective = Projection::Perspective { view_angle_rad: 0.6 };
@@ -322,12 +341,13 @@ mod tests {
 
     #[test]
     fn pixels_are_read_one_by_one_where_texels_are_small() {
-        for (texels_per_pixel, n) in [(1.0, 1), (0.33, 1), (0.32, 2), (0.22, 2), (0.21, 3), (0.16, MOST), (1e-9, MOST)]
+        for (texels_per_pixel, n) in
+            [(1.0, 1), (0.32, 1), (0.31, 2), (0.22, 2), (0.21, 3), (0.15, 4), (0.11, 4), (0.1, 6), (0.07, 8), (1e-9, 8)]
         {
             assert_eq!(few_reads(texels_per_pixel), if n == 1 { Reads::Grid(1) } else { Reads::OneOf(n) });
         }
         assert_eq!(few_reads(f64::NAN), Reads::Grid(1));
         // No base plane: nothing is read.
-        assert_eq!(few_reads(0.0), Reads::OneOf(MOST));
+        assert_eq!(few_reads(0.0), Reads::OneOf(8));
     }
 }

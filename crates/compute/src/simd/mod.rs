@@ -156,6 +156,8 @@ pub trait Simd: Math {
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F;
     /// Quads, which are four neighbouring lanes, as entries of four rows: rows become columns.
     fn transpose_quads(self, rows: [Self::F; 4]) -> [Self::F; 4];
+    /// Quads by turns: the first of a, the first of b, the second of a, and so on.
+    fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
     /// Rows become columns.
     fn transpose(self, rows: &mut [Lanes; LANES]);
 }
@@ -397,6 +399,7 @@ mod tests {
             ];
             numbers.extend(s.look_up(self.table, a));
             numbers.extend(s.transpose_quads([a, b, s.add(a, b), s.mul(a, b)]));
+            numbers.extend(s.interleave_quads(a, b));
             let mut rows: [Lanes; LANES] = std::array::from_fn(|r| Lanes(std::array::from_fn(|c| (16 * r + c) as f32)));
             s.transpose(&mut rows);
             assert!((0..LANES).all(|r| (0..LANES).all(|c| rows[c].0[r] == (16 * r + c) as f32)));
@@ -486,12 +489,16 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_quads_become_columns() {
+    fn rows_of_quads_become_columns_and_go_by_turns() {
         let rows: [[f32; LANES]; 4] = std::array::from_fn(|r| std::array::from_fn(|i| (16 * r + i) as f32));
         for (q, column) in Plain.transpose_quads(rows).iter().enumerate() {
             for (r, quad) in column.chunks(4).enumerate() {
                 assert_eq!(quad, &rows[r][4 * q..][..4]);
             }
+        }
+        let [a, b, ..] = rows;
+        for (k, quad) in Plain.interleave_quads(a, b).as_flattened().chunks(4).enumerate() {
+            assert_eq!(quad, &rows[k % 2][4 * (k / 2)..][..4]);
         }
     }
 

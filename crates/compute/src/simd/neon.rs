@@ -168,6 +168,10 @@ impl Simd for Neon {
         [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]], [a[2], b[2], c[2], d[2]], [a[3], b[3], c[3], d[3]]]
     }
     #[inline(always)]
+    fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        [[a[0], b[0], a[1], b[1]], [a[2], b[2], a[3], b[3]]]
+    }
+    #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         let from = *rows;
         for r in (0..LANES).step_by(4) {

@@ -169,6 +169,15 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    fn interleave_quads(self, a: Array, b: Array) -> [Array; 2] {
+        let mut by_turns = [a, b];
+        for (k, quad) in by_turns.as_flattened_mut().chunks_exact_mut(4).enumerate() {
+            quad.copy_from_slice(&[a, b][k % 2][4 * (k / 2)..][..4]);
+        }
+        by_turns
+    }
+    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         for r in 0..LANES {
             for c in 0..r {

@@ -201,6 +201,10 @@ impl Simd for Sse2 {
         [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]], [a[2], b[2], c[2], d[2]], [a[3], b[3], c[3], d[3]]]
     }
     #[inline(always)]
+    fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        [[a[0], b[0], a[1], b[1]], [a[2], b[2], a[3], b[3]]]
+    }
+    #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         super::Plain.transpose(rows);
     }
@@ -273,6 +277,10 @@ impl Simd for Avx2 {
             ]
         });
         [low[0], low[1], high[0], high[1]]
+    }
+    #[inline(always)]
+    fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        map!(2, i => [_mm256_permute2f128_ps::<0x20>(a[i], b[i]), _mm256_permute2f128_ps::<0x31>(a[i], b[i])])
     }
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
@@ -470,6 +478,16 @@ impl Simd for Avx512 {
                 _mm512_shuffle_f32x4::<0x88>(ab_high, cd_high),
                 _mm512_shuffle_f32x4::<0xdd>(ab_high, cd_high),
             ]
+        }
+    }
+    #[inline(always)]
+    fn interleave_quads(self, a: __m512, b: __m512) -> [__m512; 2] {
+        // SAFETY: see `splat`. Numbers are taken by pairs: those of a are 0 to 7, of b 8 to 15.
+        unsafe {
+            let (a, b) = (_mm512_castps_pd(a), _mm512_castps_pd(b));
+            let low = _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), b);
+            let high = _mm512_permutex2var_pd(a, _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), b);
+            [_mm512_castpd_ps(low), _mm512_castpd_ps(high)]
         }
     }
     #[inline(always)]

@@ -1,62 +1,131 @@
 //! Independent pieces of work, on all threads or on one: the only file that names rayon.
+//!
+//! The caller's thread works too, and pieces are handed out one by one in their order. Rayon's own loops run on its
+//! threads only: the caller sleeps and has to be woken, and between two loops all threads look for work for a while, which
+//! is a tenth of a short frame.
+
+#[cfg(feature = "threads")]
+use std::cell::RefCell;
+#[cfg(feature = "threads")]
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Calls `work` for every index of `0..n` and returns the results in order.
 pub fn map<T: Send>(n: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        (0..n).into_par_iter().with_max_len(1).map(work).collect()
-    }
-    #[cfg(not(feature = "threads"))]
-    {
-        (0..n).map(work).collect()
-    }
+    let mut results: Vec<Option<T>> = Vec::new();
+    results.resize_with(n, || None);
+    share(results.iter_mut().enumerate(), |(i, result)| *result = Some(work(i)));
+    results.into_iter().map(|result| result.expect("all pieces are done")).collect()
 }
 
 /// Calls `work` for every index of `0..n`.
 pub fn for_each(n: usize, work: impl Fn(usize) + Sync + Send) {
-    #[cfg(feature = "threads")]
-    {
-        use rayon::prelude::*;
-        (0..n).into_par_iter().with_max_len(1).for_each(work);
-    }
-    #[cfg(not(feature = "threads"))]
-    {
-        (0..n).for_each(work);
-    }
+    share(0..n, work);
 }
 
 /// Calls `work` with the index and the contents of each chunk of `chunk_len` elements.
 pub fn for_each_chunk<T: Send>(data: &mut [T], chunk_len: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
+    share(data.chunks_mut(chunk_len).enumerate(), |(i, chunk)| work(i, chunk));
+}
+
+/// Calls `work` with every piece.
+fn share<P: Send>(pieces: impl ExactSizeIterator<Item = P> + Send, work: impl Fn(P) + Sync) {
     #[cfg(feature = "threads")]
     {
-        use rayon::prelude::*;
-        data.par_chunks_mut(chunk_len).enumerate().for_each(|(i, chunk)| work(i, chunk));
+        let n_helpers = pieces.len().min(n_threads()).saturating_sub(1);
+        if n_helpers == 0 {
+            return pieces.for_each(work);
+        }
+        let pieces = Mutex::new(pieces);
+        let work_off = || {
+            loop {
+                // Not as the condition of the loop: that would keep the lock while a piece is worked on.
+                let piece = pieces.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some(piece) = piece else { return };
+                work(piece);
+            }
+        };
+        in_scope(|scope| {
+            call_helper(scope, 0, n_helpers, &work_off);
+            work_off();
+        });
     }
     #[cfg(not(feature = "threads"))]
-    {
-        data.chunks_mut(chunk_len).enumerate().for_each(|(i, chunk)| work(i, chunk));
+    pieces.for_each(work);
+}
+
+/// Runs `work` here, and waits for the helpers that it calls.
+#[cfg(feature = "threads")]
+fn in_scope<'a>(work: impl FnOnce(&rayon::Scope<'a>)) {
+    match OWN.with_borrow(|own| own.as_ref().and_then(|own| own.helpers.clone())) {
+        Some(helpers) => helpers.in_place_scope(work),
+        None => rayon::in_place_scope(work),
     }
 }
 
-/// Runs `work` with `n_threads` threads (all processors where `None`); with those of the caller if they are as many.
-pub fn with_threads<T: Send>(n_threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
+/// Calls the `k`th of `n` helpers, which first calls two others: waking all of them would keep the caller.
+#[cfg(feature = "threads")]
+fn call_helper<'a>(scope: &rayon::Scope<'a>, k: usize, n: usize, work_off: &'a (impl Fn() + Sync)) {
+    if k < n {
+        scope.spawn(move |scope| {
+            call_helper(scope, 2 * k + 1, n, work_off);
+            call_helper(scope, 2 * k + 2, n, work_off);
+            work_off();
+        });
+    }
+}
+
+/// So many threads: the caller's and helpers.
+#[cfg(feature = "threads")]
+#[derive(Clone)]
+struct Threads {
+    n: usize,
+    /// One less; `None` where that is none.
+    helpers: Option<Arc<rayon::ThreadPool>>,
+}
+
+#[cfg(feature = "threads")]
+thread_local! {
+    /// The caller's, while it has threads of its own and not those of all.
+    static OWN: RefCell<Option<Threads>> = const { RefCell::new(None) };
+}
+
+/// Runs `work` with `n_threads` threads (all processors where `None`), this one among them; with those of the caller if
+/// they are as many.
+pub fn with_threads<T>(n_threads: Option<usize>, work: impl FnOnce() -> T) -> T {
     #[cfg(feature = "threads")]
     if let Some(n) = n_threads
-        && n != rayon::current_num_threads()
-        && let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(n).build()
+        && n != self::n_threads()
+        && let Some(own) = Threads::new(n)
     {
-        return pool.install(work);
+        /// Gives the caller back what it had, after a panic too.
+        struct Before(Option<Threads>);
+        impl Drop for Before {
+            fn drop(&mut self) {
+                OWN.set(self.0.take());
+            }
+        }
+        let _before = Before(OWN.replace(Some(own)));
+        return work();
     }
     let _ = n_threads;
     work()
 }
 
-/// Threads that [`map`] uses here.
+#[cfg(feature = "threads")]
+impl Threads {
+    /// `None` where the system does not give them.
+    fn new(n: usize) -> Option<Self> {
+        let helpers =
+            if n > 1 { Some(Arc::new(rayon::ThreadPoolBuilder::new().num_threads(n - 1).build().ok()?)) } else { None };
+        Some(Self { n, helpers })
+    }
+}
+
+/// Threads that work is shared among here.
 pub fn n_threads() -> usize {
     #[cfg(feature = "threads")]
     {
-        rayon::current_num_threads()
+        OWN.with_borrow(|own| own.as_ref().map(|own| own.n)).unwrap_or_else(rayon::current_num_threads)
     }
     #[cfg(not(feature = "threads"))]
     {
@@ -67,6 +136,35 @@ pub fn n_threads() -> usize {
 #[cfg(all(test, feature = "threads"))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_panic_reaches_the_caller_who_has_its_threads_back() {
+        let n = n_threads();
+        for n_threads in [1, 3] {
+            let panic = std::panic::catch_unwind(|| {
+                with_threads(Some(n_threads), || for_each(50, |i| assert!(i != 30, "thirty")));
+            });
+            assert_eq!(panic.unwrap_err().downcast_ref::<&str>(), Some(&"thirty"));
+        }
+        assert_eq!(n_threads(), n);
+    }
+
+    #[test]
+    fn pieces_are_done_once_by_all_threads() {
+        with_threads(Some(4), || {
+            // As many as there are threads, each of which waits for the others.
+            let barrier = std::sync::Barrier::new(4);
+            for_each(4, |_| {
+                barrier.wait();
+            });
+            let mut numbers = vec![1; 103];
+            for_each_chunk(&mut numbers, 10, |k, chunk| chunk.iter_mut().for_each(|number| *number += k));
+            assert!(numbers.iter().enumerate().all(|(i, number)| *number == 1 + i / 10));
+            // From within, too.
+            assert_eq!(map(7, |i| map(i, |k| k).len()), [0, 1, 2, 3, 4, 5, 6]);
+        });
+        for_each(0, |_| unreachable!());
+    }
 
     #[test]
     fn work_has_the_threads_that_were_asked_for() {

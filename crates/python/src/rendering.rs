@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::RecvTimeoutError;
+use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
@@ -33,68 +33,66 @@ pub(crate) fn clip_planes(planes: Vec<(Triple, Triple)>) -> Vec<ClipPlane> {
     planes.into_iter().map(|(origin, normal)| ClipPlane { origin: vector(origin), normal: vector(normal) }).collect()
 }
 
-/// Tells a Python function about progress, from worker threads, at most every few hundredths of a second; stops when
-/// it says so or when the caller is interrupted.
+/// Tells a Python function about progress, from any thread, at most every few hundredths of a second; stops when it says
+/// so or when the caller is interrupted.
 pub(crate) struct PyMonitor {
     callback: Option<Py<PyAny>>,
     state: Mutex<MonitorState>,
+    /// The thread that draws for Python, and draws along: it alone is told of signals.
+    caller: ThreadId,
     interrupted: AtomicBool,
 }
 
-#[derive(Default)]
 struct MonitorState {
-    last: Option<Instant>,
+    told: Option<Instant>,
+    looked_out: Instant,
     error: Option<PyErr>,
 }
 
-/// Often enough for a smooth bar and a prompt Ctrl-C, seldom enough to cost nothing.
+/// Often enough for a smooth bar, seldom enough to cost nothing.
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
+
+/// Often enough for a prompt Ctrl-C. More seldom than the bar moves: for a look, the caller waits for the interpreter
+/// lock, five milliseconds where other threads run Python.
+const SIGNALS_EVERY: Duration = Duration::from_millis(100);
 
 impl PyMonitor {
     pub(crate) fn new(callback: Option<Py<PyAny>>) -> Self {
-        Self { callback, state: Mutex::default(), interrupted: AtomicBool::new(false) }
+        let state = Mutex::new(MonitorState { told: None, looked_out: Instant::now(), error: None });
+        Self { callback, state, caller: thread::current().id(), interrupted: AtomicBool::new(false) }
     }
 
-    /// Runs `work` without the interpreter lock on another thread, while this one looks out for signals.
+    /// Runs `work` without the interpreter lock; an error that stopped it takes the place of its result.
     pub(crate) fn watch<T: Send>(&self, py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-        let mut interrupt = None;
-        let result = py.detach(|| {
-            std::thread::scope(|scope| {
-                let (done, is_done) = std::sync::mpsc::channel();
-                let worker = scope.spawn(move || {
-                    let result = work();
-                    // The receiver waits until this arrives, so it is there.
-                    let _ = done.send(());
-                    result
-                });
-                while is_done.recv_timeout(PROGRESS_EVERY) == Err(RecvTimeoutError::Timeout) {
-                    #[expect(
-                        clippy::redundant_closure_for_method_calls,
-                        reason = "the method alone is not general enough"
-                    )]
-                    let signals = Python::attach(|py| py.check_signals());
-                    if let Err(error) = signals {
-                        interrupt = Some(error);
-                        self.interrupted.store(true, Ordering::Relaxed);
-                    }
-                }
-                worker.join()
-            })
-        });
+        let result = py.detach(work);
         let error = self.state.lock().ok().and_then(|mut state| state.error.take());
-        if let Some(error) = interrupt.or(error) {
-            return Err(error);
+        error.map_or(Ok(result), Err)
+    }
+
+    /// Looks out for signals, where the caller itself asks.
+    fn look_out(&self) {
+        if thread::current().id() != self.caller {
+            return;
         }
-        result.or_else(|panic| std::panic::resume_unwind(panic))
+        let Ok(mut state) = self.state.try_lock() else { return };
+        if state.looked_out.elapsed() >= SIGNALS_EVERY {
+            #[expect(clippy::redundant_closure_for_method_calls, reason = "the method alone is not general enough")]
+            let signals = Python::attach(|py| py.check_signals());
+            if let Err(error) = signals {
+                state.error = Some(error);
+                self.interrupted.store(true, Ordering::Relaxed);
+            }
+            state.looked_out = Instant::now();
+        }
     }
 
     /// Asks the Python function. False stops, anything else goes on; an exception stops and reaches the caller.
     fn ask(&self, callback: &Py<PyAny>, fraction: f32) -> ControlFlow<()> {
         let Ok(mut state) = self.state.try_lock() else { return ControlFlow::Continue(()) };
-        if fraction < 1.0 && state.last.is_some_and(|last| last.elapsed() < PROGRESS_EVERY) {
+        if fraction < 1.0 && state.told.is_some_and(|told| told.elapsed() < PROGRESS_EVERY) {
             return ControlFlow::Continue(());
         }
-        state.last = Some(Instant::now());
+        state.told = Some(Instant::now());
         let answer = Python::attach(|py| {
             let answer = callback.call1(py, (fraction,))?;
             PyResult::Ok(answer.is_none(py) || answer.extract::<bool>(py).unwrap_or(true))
@@ -112,6 +110,7 @@ impl PyMonitor {
 
 impl Monitor for PyMonitor {
     fn progress(&self, fraction: f32) -> ControlFlow<()> {
+        self.look_out();
         if self.interrupted.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }

@@ -158,6 +158,10 @@ pub trait Simd: Math {
     fn transpose_quads(self, rows: [Self::F; 4]) -> [Self::F; 4];
     /// Quads by turns: the first of a, the first of b, the second of a, and so on.
     fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
+    /// The other way: the first and third quads of both, and the second and fourth.
+    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
+    /// The second and the third quad of both.
+    fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F;
     /// Rows become columns.
     fn transpose(self, rows: &mut [Lanes; LANES]);
 }
@@ -400,6 +404,8 @@ mod tests {
             numbers.extend(s.look_up(self.table, a));
             numbers.extend(s.transpose_quads([a, b, s.add(a, b), s.mul(a, b)]));
             numbers.extend(s.interleave_quads(a, b));
+            numbers.extend(s.part_quads(a, b));
+            numbers.push(s.middle_quads(a, b));
             let mut rows: [Lanes; LANES] = std::array::from_fn(|r| Lanes(std::array::from_fn(|c| (16 * r + c) as f32)));
             s.transpose(&mut rows);
             assert!((0..LANES).all(|r| (0..LANES).all(|c| rows[c].0[r] == (16 * r + c) as f32)));
@@ -500,6 +506,12 @@ mod tests {
         for (k, quad) in Plain.interleave_quads(a, b).as_flattened().chunks(4).enumerate() {
             assert_eq!(quad, &rows[k % 2][4 * (k / 2)..][..4]);
         }
+        let [first, second] = Plain.interleave_quads(a, b);
+        assert_eq!(Plain.part_quads(first, second), [a, b]);
+        assert_eq!(
+            Plain.middle_quads(a, b).as_chunks().0,
+            &[&a[4..12], &b[4..12]].map(|x| <[f32; 8]>::try_from(x).unwrap())
+        );
     }
 
     #[test]

@@ -172,6 +172,14 @@ impl Simd for Neon {
         [[a[0], b[0], a[1], b[1]], [a[2], b[2], a[3], b[3]]]
     }
     #[inline(always)]
+    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        [[a[0], a[2], b[0], b[2]], [a[1], a[3], b[1], b[3]]]
+    }
+    #[inline(always)]
+    fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F {
+        [a[1], a[2], b[1], b[2]]
+    }
+    #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         let from = *rows;
         for r in (0..LANES).step_by(4) {

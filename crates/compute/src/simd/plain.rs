@@ -178,6 +178,24 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    fn part_quads(self, a: Array, b: Array) -> [Array; 2] {
+        let both = [a, b];
+        let mut parts = both;
+        for (k, quad) in both.as_flattened().chunks_exact(4).enumerate() {
+            parts[k % 2][4 * (k / 2)..][..4].copy_from_slice(quad);
+        }
+        parts
+    }
+    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    fn middle_quads(self, a: Array, b: Array) -> Array {
+        let mut middles = a;
+        middles[..LANES / 2].copy_from_slice(&a[LANES / 4..3 * LANES / 4]);
+        middles[LANES / 2..].copy_from_slice(&b[LANES / 4..3 * LANES / 4]);
+        middles
+    }
+    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         for r in 0..LANES {
             for c in 0..r {

@@ -205,6 +205,14 @@ impl Simd for Sse2 {
         [[a[0], b[0], a[1], b[1]], [a[2], b[2], a[3], b[3]]]
     }
     #[inline(always)]
+    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        [[a[0], a[2], b[0], b[2]], [a[1], a[3], b[1], b[3]]]
+    }
+    #[inline(always)]
+    fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F {
+        [a[1], a[2], b[1], b[2]]
+    }
+    #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         super::Plain.transpose(rows);
     }
@@ -281,6 +289,16 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
         map!(2, i => [_mm256_permute2f128_ps::<0x20>(a[i], b[i]), _mm256_permute2f128_ps::<0x31>(a[i], b[i])])
+    }
+    #[inline(always)]
+    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        let firsts = map!(2, i => _mm256_permute2f128_ps::<0x20>([a, b][i][0], [a, b][i][1]));
+        let seconds = map!(2, i => _mm256_permute2f128_ps::<0x31>([a, b][i][0], [a, b][i][1]));
+        [firsts, seconds]
+    }
+    #[inline(always)]
+    fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F {
+        map!(2, i => _mm256_permute2f128_ps::<0x21>([a, b][i][0], [a, b][i][1]))
     }
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
@@ -489,6 +507,16 @@ impl Simd for Avx512 {
             let high = _mm512_permutex2var_pd(a, _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), b);
             [_mm512_castpd_ps(low), _mm512_castpd_ps(high)]
         }
+    }
+    #[inline(always)]
+    fn part_quads(self, a: __m512, b: __m512) -> [__m512; 2] {
+        // SAFETY: see `splat`.
+        unsafe { [_mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b)] }
+    }
+    #[inline(always)]
+    fn middle_quads(self, a: __m512, b: __m512) -> __m512 {
+        // SAFETY: see `splat`.
+        unsafe { _mm512_shuffle_f32x4::<0x99>(a, b) }
     }
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {

@@ -71,8 +71,10 @@ pub(crate) fn colors(
 ) -> Vec<[f32; 4]> {
     let rays = &rays.every(reads.pixels_per_read());
     let warping = Warping { resamplers, rays, reads, peak, parts };
-    filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
-        warping.draw_band(level, band * BAND, pixels, width_px);
+    // Rows of reads above and below a band are read for it, which is much where few are.
+    let n_rows = BAND.max(8 * reads.pixels_per_read());
+    filled::in_chunks(width_px * height_px, n_rows * width_px, |band, pixels| {
+        warping.draw_band(level, band * n_rows, pixels, width_px);
     })
 }
 
@@ -124,7 +126,7 @@ impl<'a> Warping<'a> {
             (Some(_), _) => [PART_PX; 2],
             (None, Reads::Grid(_)) => [BAND; 2],
             (None, Reads::Quincunx) => [quincunx::N_COLUMNS, BAND],
-            (None, Reads::OneOf(n)) => [enlarge::n_columns(n), BAND],
+            (None, Reads::OneOf(n)) => [enlarge::n_columns(n), pixels.len() / width_px],
         };
         for (k, pixels) in pixels.chunks_mut(n_rows * width_px).enumerate() {
             let first_row = first_row + k * n_rows;

@@ -276,7 +276,7 @@ impl RenderOptions {
         }
         if !(self.oversampling >= LEAST_OVERSAMPLING && self.oversampling <= 8.0) {
             let mend = "pass 1 for one texel a pixel, 2 for four";
-            return Err(Error::out_of_range("oversampling", self.oversampling, "between 0.1 and 8", mend));
+            return Err(Error::out_of_range("oversampling", self.oversampling, "between 0.02 and 8", mend));
         }
         if self.n_threads.is_some_and(|n| n == 0 || n > 1024) {
             let value = self.n_threads.unwrap_or(0);
@@ -318,21 +318,26 @@ const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
 /// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
-/// of which a pixel holds `samples_per_pixel`; from the second level on a little further: the more a level has lost,
-/// the less texels miss of what is left.
+/// of which a pixel holds `samples_per_pixel`. From the second level on they grow a little further: the more a level has
+/// lost, the less texels miss of what is left.
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
     let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
-    let per_sample = (2.0 / coarseness).min(1.0).powf(FEWER_TEXELS);
-    let at_least = (samples_per_pixel * per_sample).clamp(LEAST_OVERSAMPLING, oversampling);
-    Ok((sheets_per_slice, (oversampling / coarseness).max(at_least)))
+    let beyond_first = (coarseness / 2.0).log2().max(0.0);
+    let at_least = samples_per_pixel / LARGER_THAN_SAMPLES.powf(beyond_first);
+    let oversampling_of_level = oversampling / (coarseness * LARGER.powf(beyond_first));
+    Ok((sheets_per_slice, oversampling_of_level.max(at_least.clamp(LEAST_OVERSAMPLING, oversampling))))
 }
 
-/// Power of the coarseness by which texels of a level beyond the first grow beyond its samples: by 9 % a level.
-const FEWER_TEXELS: f64 = 1.0 / 8.0;
+/// Times by which texels grow beyond the samples of a level, for each level beyond the first. What that costs is measured
+/// by `studies/lod`.
+const LARGER: f64 = 1.18;
+
+/// The same of texels that are as large as samples.
+const LARGER_THAN_SAMPLES: f64 = 1.09;
 
 /// Texels per pixel at least.
-const LEAST_OVERSAMPLING: f64 = 0.1;
+const LEAST_OVERSAMPLING: f64 = 0.02;
 
 #[cfg(test)]
 mod tests {
@@ -345,8 +350,12 @@ mod tests {
             assert_eq!(Kernel::from_name(name), Ok(kernel));
         }
         let oversampling = |coarseness, per_pixel| quality_settings("normal", false, coarseness, per_pixel).unwrap().1;
-        assert_eq!([oversampling(1.0, 9.0), oversampling(2.0, 0.7), oversampling(4.0, 0.1)], [1.0, 0.7, 0.25]);
-        assert!((oversampling(32.0, 0.5) - 0.5 * 0.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!([oversampling(1.0, 9.0), oversampling(2.0, 0.7), oversampling(2.0, 0.4)], [1.0, 0.7, 0.5]);
+        // Further with each level; texels as large as samples less so.
+        for (at, want) in [((4.0, 0.1), 0.25 / 1.18), ((8.0, 0.05), 0.125 / (1.18 * 1.18)), ((4.0, 0.5), 0.5 / 1.09)] {
+            assert!((oversampling(at.0, at.1) - want).abs() < 1e-12, "{at:?}");
+        }
+        assert_eq!(oversampling(64.0, 1e-9), LEAST_OVERSAMPLING);
         let sheets = |name, is_steep, coarseness| quality_settings(name, is_steep, coarseness, 0.5).unwrap().0;
         assert_eq!(
             [sheets("normal", true, 1.0), sheets("normal", true, 2.0), sheets("normal", false, 2.0)],

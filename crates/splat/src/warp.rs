@@ -71,11 +71,20 @@ pub(crate) fn colors(
 ) -> Vec<[f32; 4]> {
     let rays = &rays.every(reads.pixels_per_read());
     let warping = Warping { resamplers, rays, reads, peak, parts };
-    // Rows of reads above and below a band are read for it, which is much where few are.
-    let n_rows = BAND.max(8 * reads.pixels_per_read());
+    let n_rows = rows_of_band(reads, height_px);
     filled::in_chunks(width_px * height_px, n_rows * width_px, |band, pixels| {
         warping.draw_band(level, band * n_rows, pixels, width_px);
     })
+}
+
+/// Rows of pixels that one thread draws at a time. The fewer rows are read, the more of them are those above and below the
+/// band; but all threads have some bands of a small picture.
+fn rows_of_band(reads: Reads, height_px: usize) -> usize {
+    const LEAST_BANDS: usize = 8;
+    match reads {
+        Reads::OneOf(n) => (BAND / 2 * (n + 1)).min((height_px / LEAST_BANDS).max(BAND)),
+        _ => BAND,
+    }
 }
 
 /// How far apart neighbouring pixels of the picture are in their base planes at most, by some of them.

@@ -14,7 +14,8 @@ pub fn map<T: Send>(n: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T>
     let mut results: Vec<Option<T>> = Vec::new();
     results.resize_with(n, || None);
     share(results.iter_mut().enumerate(), |(i, result)| *result = Some(work(i)));
-    results.into_iter().map(|result| result.expect("all pieces are done")).collect()
+    // All pieces are done.
+    results.into_iter().flatten().collect()
 }
 
 /// Calls `work` for every index of `0..n`.

@@ -5,6 +5,7 @@
 //! test below). Only half way between two reads pixels are on the cubic; between these they are on straight lines, which
 //! cost little.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Simd};
@@ -211,13 +212,10 @@ impl<S: Simd> Between<S> {
         let (to_middle, from_middle) = (s.sub(middle, b), s.sub(c, middle));
         let mut quads = [b; N];
         for i in 1..N {
-            let halves = s.splat((2 * i) as f32 / N as f32 - if 2 * i < N { 0.0 } else { 1.0 });
-            quads[i] = if 2 * i < N {
-                s.add_mul(b, halves, to_middle)
-            } else if 2 * i == N {
-                middle
-            } else {
-                s.add_mul(middle, halves, from_middle)
+            quads[i] = match (2 * i).cmp(&N) {
+                Ordering::Less => s.add_mul(b, s.splat((2 * i) as f32 / N as f32), to_middle),
+                Ordering::Equal => middle,
+                Ordering::Greater => s.add_mul(middle, s.splat((2 * i - N) as f32 / N as f32), from_middle),
             };
         }
         quads

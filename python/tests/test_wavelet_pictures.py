@@ -228,7 +228,8 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
     walls = np.where((x + y + z) % 16 == 3, 200, 0).astype(np.uint8)
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(walls), "cdf53")
     smooth = ws.TransferFunction([(60, 0), (200, 0.5)], [(0, 1, 1, 1)], 1.0)
-    draw = {"transfer_function": smooth, "size": (64, 64)}
+    # A second level has 27 texels across: half as many beat with the walls.
+    draw = {"transfer_function": smooth, "size": (128, 128)}
     assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
     pictures = [ws.render(wavelets, drop_levels=k, **draw) for k in range(3)]
     assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]
@@ -238,9 +239,9 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
 
 @pytest.mark.parametrize("family", LIFTED)
 def test_a_level_has_an_eighth_of_the_work(scans, family):
-    """At most a quarter, as edges of tiles and blocks count in full."""
+    """At most a quarter, as blocks of 16 x 8 texels count in full, and a third level has 23 texels across."""
     wavelets = ws.WaveletVolume.from_volume(scans["ct"], family, keep=0.05)
-    n_texels = [ws.render(wavelets, size=(128, 128), drop_levels=k).report["n_texels"] for k in range(4)]
+    n_texels = [ws.render(wavelets, size=(256, 256), drop_levels=k).report["n_texels"] for k in range(4)]
     assert all(finer >= 4 * coarser for finer, coarser in pairwise(n_texels)), n_texels
 
 

@@ -1,4 +1,4 @@
-"""Work in its own thread: what it returns, and what Ctrl-C does to it."""
+"""Work in its own thread: what it returns, and what Ctrl-C does to it; and to a frame."""
 
 import signal
 import subprocess
@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+import wavesplat as ws
 from wavesplat import progress
 
 
@@ -66,3 +67,19 @@ progress.run(work, "Working", shown=False)
 """
     done = subprocess.run([sys.executable, "-c", script], timeout=60, check=False)
     assert done.returncode == 130
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+@pytest.mark.usefixtures("interruptible")
+@pytest.mark.parametrize("threads", [None, 1, 3])
+def test_ctrl_c_stops_a_frame(threads):
+    """Without a function that is told of progress: the thread that draws looks out for signals itself."""
+    scan = ws.examples.mri_head()
+    interrupt = threading.Timer(0.3, signal.pthread_kill, [threading.main_thread().ident, signal.SIGINT])
+    begin = time.monotonic()
+    interrupt.start()
+    with pytest.raises(KeyboardInterrupt):
+        ws.render(scan, size=(2000, 2000), sheets_per_slice=64, oversampling=8, threads=threads)
+    # The whole frame takes minutes.
+    assert time.monotonic() - begin < 30
+    assert ws.render(scan, size=(8, 8), threads=threads).rgba.any()

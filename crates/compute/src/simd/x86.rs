@@ -196,22 +196,7 @@ impl Simd for Sse2 {
         }
         self.load(&out)
     }
-    #[inline(always)]
-    fn transpose_quads(self, [a, b, c, d]: [Self::F; 4]) -> [Self::F; 4] {
-        [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]], [a[2], b[2], c[2], d[2]], [a[3], b[3], c[3], d[3]]]
-    }
-    #[inline(always)]
-    fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
-        [[a[0], b[0], a[1], b[1]], [a[2], b[2], a[3], b[3]]]
-    }
-    #[inline(always)]
-    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
-        [[a[0], a[2], b[0], b[2]], [a[1], a[3], b[1], b[3]]]
-    }
-    #[inline(always)]
-    fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F {
-        [a[1], a[2], b[1], b[2]]
-    }
+    registers_by_turns!();
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         super::Plain.transpose(rows);

@@ -324,17 +324,17 @@ pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per
     let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
     let beyond_first = (coarseness / 2.0).log2().max(0.0);
-    let at_least = samples_per_pixel / LARGER_THAN_SAMPLES.powf(beyond_first);
-    let oversampling_of_level = oversampling / (coarseness * LARGER.powf(beyond_first));
+    let at_least = samples_per_pixel / TEXEL_GROWTH_AT_SAMPLES.powf(beyond_first);
+    let oversampling_of_level = oversampling / (coarseness * TEXEL_GROWTH.powf(beyond_first));
     Ok((sheets_per_slice, oversampling_of_level.max(at_least.clamp(LEAST_OVERSAMPLING, oversampling))))
 }
 
 /// Times by which texels grow beyond the samples of a level, for each level beyond the first. What that costs is measured
 /// by `studies/lod`.
-const LARGER: f64 = 1.2;
+const TEXEL_GROWTH: f64 = 1.2;
 
 /// The same of texels that are as large as samples.
-const LARGER_THAN_SAMPLES: f64 = 1.09;
+const TEXEL_GROWTH_AT_SAMPLES: f64 = 1.09;
 
 /// Texels per pixel at least.
 const LEAST_OVERSAMPLING: f64 = 0.02;

@@ -148,13 +148,14 @@ def draw(
 
 def draw_level(
     wavelets: ws.WaveletVolume, tf: ws.TransferFunction, view: tuple[int, int], n_dropped: int, whole: Array
-) -> tuple[Array, float]:
-    """A coarser level, and what twice as many texels along both axes take off its error, dB."""
+) -> tuple[Array, float, float]:
+    """A coarser level, its texels per pixel, and what twice as many along both axes take off its error, dB."""
     level = partial(ws.render, wavelets, tf, ws.Camera.orbit(wavelets, *view), size=whole.shape[1::-1])
     picture = level(drop_levels=n_dropped)
-    finer = level(drop_levels=n_dropped, oversampling=2 * picture.report["oversampling"])
+    oversampling = picture.report["oversampling"]
+    finer = level(drop_levels=n_dropped, oversampling=2 * oversampling)
     error, of_finer = (np.mean((rgb(drawn) - whole) ** 2) for drawn in (picture, finer))
-    return rgb(picture), float(10 * np.log10(error / of_finer))
+    return rgb(picture), oversampling, float(10 * np.log10(error / of_finer))
 
 
 def least_ms(work: Callable[[], object]) -> float:
@@ -199,8 +200,8 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
             whole = draw(wavelets, tf, view, size)
             page = [[whole], [whole]]
             for n in range(MOST_DROPPED):
-                plain = draw(low_pass[n], tf, view, size, camera_of=wavelets, oversampling=0.5 ** (n + 1))
-                ours, more_texels_db[n, v] = draw_level(wavelets, tf, view, n + 1, whole)
+                ours, oversampling, more_texels_db[n, v] = draw_level(wavelets, tf, view, n + 1, whole)
+                plain = draw(low_pass[n], tf, view, size, camera_of=wavelets, oversampling=oversampling)
                 pictures = plain, ours
                 changes[:, n, v] = [100 * (picture.mean() / whole.mean() - 1) for picture in pictures]
                 for line, picture in zip(page, pictures, strict=True):
@@ -228,7 +229,7 @@ def large(n: int) -> list[Row]:
         tf = transfer_function(subject, curve, 1.0)
         whole = draw(wavelets, tf, VIEWS[0], LARGE_SIZE)
         levels = range(1, MOST_DROPPED + 1)
-        more_texels_db = np.array([draw_level(wavelets, tf, VIEWS[0], n, whole)[1] for n in levels])
+        more_texels_db = np.array([draw_level(wavelets, tf, VIEWS[0], n, whole)[2] for n in levels])
         times = frame_times(wavelets, tf, LARGE_SIZE)
         return Row(f"engine, {n}^3, {LARGE_SIZE} px", curve, nothing, nothing, more_texels_db, times)
 

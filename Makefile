@@ -22,7 +22,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study study-wavelets study-lod bench roofline instructions gallery clean \
+.PHONY: help demo test check fmt quality study study-wavelets study-lod bench scene-hashes roofline instructions gallery clean \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -55,6 +55,9 @@ study-lod: $(STAMPS)/package ## leave out levels of details and measure the brig
 
 bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
+
+scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCENES="--compare FILE" holds them to others
+	python benches/scene_hashes.py $(SCENES)
 
 roofline: $(STAMPS)/package ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
 	BENCH_DATA=$(BENCH_DATA) python benches/roofline.py $(ROOFLINE)

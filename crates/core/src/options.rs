@@ -318,23 +318,13 @@ const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
 /// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
-/// of which a pixel holds `samples_per_pixel`. From the second level on they grow a little further: the more a level has
-/// lost, the less texels miss of what is left.
+/// of which a pixel holds `samples_per_pixel`.
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
     let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
-    let beyond_first = (coarseness / 2.0).log2().max(0.0);
-    let at_least = samples_per_pixel / TEXEL_GROWTH_AT_SAMPLES.powf(beyond_first);
-    let oversampling_of_level = oversampling / (coarseness * TEXEL_GROWTH.powf(beyond_first));
-    Ok((sheets_per_slice, oversampling_of_level.max(at_least.clamp(LEAST_OVERSAMPLING, oversampling))))
+    let least = samples_per_pixel.clamp(LEAST_OVERSAMPLING, oversampling);
+    Ok((sheets_per_slice, (oversampling / coarseness).max(least)))
 }
-
-/// Times by which texels grow beyond the samples of a level, for each level beyond the first. What that costs is measured
-/// by `studies/lod`.
-const TEXEL_GROWTH: f64 = 1.2;
-
-/// The same of texels that are as large as samples.
-const TEXEL_GROWTH_AT_SAMPLES: f64 = 1.09;
 
 /// Texels per pixel at least.
 const LEAST_OVERSAMPLING: f64 = 0.02;
@@ -351,10 +341,7 @@ mod tests {
         }
         let oversampling = |coarseness, per_pixel| quality_settings("normal", false, coarseness, per_pixel).unwrap().1;
         assert_eq!([oversampling(1.0, 9.0), oversampling(2.0, 0.7), oversampling(2.0, 0.4)], [1.0, 0.7, 0.5]);
-        // Further with each level; texels as large as samples less so.
-        for (at, want) in [((4.0, 0.1), 0.25 / 1.2), ((8.0, 0.05), 0.125 / 1.44), ((4.0, 0.5), 0.5 / 1.09)] {
-            assert!((oversampling(at.0, at.1) - want).abs() < 1e-12, "{at:?}");
-        }
+        assert_eq!([oversampling(4.0, 0.1), oversampling(8.0, 0.05), oversampling(4.0, 0.5)], [0.25, 0.125, 0.5]);
         assert_eq!(oversampling(64.0, 1e-9), LEAST_OVERSAMPLING);
         let sheets = |name, is_steep, coarseness| quality_settings(name, is_steep, coarseness, 0.5).unwrap().0;
         assert_eq!(

@@ -6,7 +6,7 @@ use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use wavesplat_core::{Grid, Kernel, LabelLook, Statistics};
-use wavesplat_splat::labels::{Codes, Labels};
+use wavesplat_splat::optics::labels::{Codes, Labels};
 
 use crate::errors::to_py;
 use crate::volume::affine;

@@ -11,10 +11,10 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Picture, RenderOptions};
-use wavesplat_splat::estimate::{Errors, Estimate, Framing, Measured, Settings, Wanted, render_to_psnr};
-use wavesplat_splat::plane::{Plane, Reduction, Slab, plane_values};
+use wavesplat_splat::quality::target_psnr::{Errors, Estimate, Framing, Measured, Settings, Wanted, render_to_psnr};
 use wavesplat_splat::reference::raycast::RaycastOptions;
-use wavesplat_splat::{Monitor, reference, with_threads};
+use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab, plane_values};
+use wavesplat_splat::{Layer, ProgressCallback, reference, with_threads};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, PyVariant, Triple, vector};
 use crate::errors::to_py;
@@ -108,7 +108,7 @@ impl PyMonitor {
     }
 }
 
-impl Monitor for PyMonitor {
+impl ProgressCallback for PyMonitor {
     fn progress(&self, fraction: f32) -> ControlFlow<()> {
         self.look_out();
         if self.interrupted.load(Ordering::Relaxed) {
@@ -232,17 +232,19 @@ pub fn render<'py>(
     options.validate().map_err(to_py)?;
     let monitor = PyMonitor::new(progress);
     let curves = volume.transfer_function(&transfer_function.0, options.composite, options.shading.as_ref())?;
+    let cache = volume.cache();
     let result = volume.with_slices(py, options.kernel, |slices| {
         monitor.watch(py, || {
             let slices = with_threads(options.n_threads, slices);
             let (tf, camera) = (&curves, &camera.0);
             let labels = labels.map(|labels| &labels.0);
+            let layer = Layer { slices: &slices, transfer_function: tf, labels, cache };
             let Some(psnr_db) = psnr else {
-                let drawn = wavesplat_splat::render_labelled(&slices, labels, tf, camera, &options, &monitor);
+                let drawn = wavesplat_splat::render_layer(&layer, camera, &options, &monitor);
                 return drawn.map(|(picture, report)| (picture, report, None));
             };
             let wanted = Wanted { psnr_db, like: like.map(Measured::from) };
-            let drawn = render_to_psnr(&slices, labels, tf, camera, &options, &wanted, &monitor);
+            let drawn = render_to_psnr(&layer, camera, &options, &wanted, &monitor);
             drawn.map(|(picture, report, settings)| (picture, report, Some(settings)))
         })
     })?;
@@ -383,7 +385,7 @@ pub fn plane<'py>(
     size.validate().map_err(to_py)?;
     let (across, down) = (vector(across), vector(down));
     let plane = Plane { origin: vector(origin), across, down, width_px: width, height_px: height };
-    let slab = Slab { reduction: Reduction::from_name(slab).map_err(to_py)?, n_planes, step: vector(step) };
+    let slab = ThickSlab { reduction: Reduction::from_name(slab).map_err(to_py)?, n_planes, step: vector(step) };
     let monitor = PyMonitor::new(None);
     let values = volume.with_slices(py, kernel, |slices| {
         monitor.watch(py, || {

@@ -8,7 +8,8 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use wavesplat_core::{Composite, Grid, Kernel, Samples, Shading, Statistics, TransferFunction, Volume};
 use wavesplat_splat::is_steep;
-use wavesplat_splat::slices::{Prepared, Slices};
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::source::slices::{Prepared, Slices};
 
 use crate::errors::to_py;
 use crate::rendering::Corners;
@@ -68,6 +69,14 @@ impl Drawable<'_> {
         }
     }
 
+    /// What is kept of transfer functions.
+    pub fn cache(&self) -> &VisibilityCache {
+        match self {
+            Self::Samples(volume) => &volume.cache,
+            Self::Decoded(volume) => &volume.cache,
+        }
+    }
+
     /// Calls `work` with the grid.
     pub fn with_grid<T>(&self, py: Python<'_>, work: impl FnOnce(&Grid) -> PyResult<T>) -> PyResult<T> {
         match self {
@@ -108,6 +117,8 @@ pub struct PyVolume {
     statistics: Statistics,
     /// Bounds of bricks, spline coefficients or filled densities, per kernel.
     prepared: Mutex<Vec<(Kernel, Arc<Prepared>)>>,
+    /// What is kept of transfer functions.
+    pub cache: VisibilityCache,
     /// The function that was drawn last, and whether it is steep.
     latest: Mutex<Option<(TransferFunction, bool)>>,
 }
@@ -125,8 +136,8 @@ impl PyVolume {
         let array = Array::new(samples)?;
         let world_from_index = affine(&world_from_index)?;
         let unknown = Statistics { min: 0.0, max: 0.0, n_nonfinite: 0 };
-        let (prepared, latest) = (Mutex::default(), Mutex::default());
-        let mut volume = Self { name, array, world_from_index, statistics: unknown, prepared, latest };
+        let (prepared, cache, latest) = (Mutex::default(), VisibilityCache::default(), Mutex::default());
+        let mut volume = Self { name, array, world_from_index, statistics: unknown, prepared, cache, latest };
         volume.statistics = volume.with_samples(py, |samples, _| py.detach(|| Statistics::of(&samples)))?;
         volume.with_volume(py, |_| Ok(()))?;
         Ok(volume)

@@ -7,8 +7,9 @@ use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, P
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use wavesplat_core::{Decoder as _, Grid, Kernel, Shading, Statistics, TransferFunction};
-use wavesplat_splat::blocks::{bytes_of_all, samples_every};
-use wavesplat_splat::slices::Prepared;
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::source::block_cache::{bytes_of_all, samples_every};
+use wavesplat_splat::source::slices::Prepared;
 use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume};
 
 use crate::arguments::Triple;
@@ -183,6 +184,7 @@ impl PyWaveletVolume {
             decoder,
             cache_bytes,
             prepared: Mutex::default(),
+            cache: VisibilityCache::default(),
         })
     }
 }
@@ -204,6 +206,8 @@ pub struct PyDecodedVolume {
     cache_bytes: usize,
     /// For the kernel that was used last.
     prepared: Mutex<Option<(Kernel, Arc<Prepared>)>>,
+    /// What is kept of transfer functions.
+    pub cache: VisibilityCache,
 }
 
 /// A transfer function, and the one that a level is drawn with in its place.

@@ -5,7 +5,7 @@
 use glam::DVec3;
 use wavesplat_core::{Kernel, Projection, RenderOptions};
 use wavesplat_splat::render;
-use wavesplat_splat::slices::Slices;
+use wavesplat_splat::source::slices::Slices;
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
 fn main() {

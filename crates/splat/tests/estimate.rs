@@ -5,10 +5,15 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
-use wavesplat_splat::estimate::{Errors, Measured, Pass, Wanted, render_to_psnr};
-use wavesplat_splat::slices::Slices;
-use wavesplat_splat::{Monitor, render};
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::quality::target_psnr::{Errors, Measured, Pass, Wanted, render_to_psnr};
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::{Layer, ProgressCallback, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
+
+fn layer<'a>(slices: &'a Slices, transfer_function: &'a TransferFunction, cache: &'a VisibilityCache) -> Layer<'a> {
+    Layer { slices, transfer_function, labels: None, cache }
+}
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 22.0 };
 const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
@@ -68,8 +73,14 @@ fn the_picture_has_the_error_that_is_told() {
         };
         let (mut reached, mut efforts) = (Vec::new(), Vec::new());
         for wanted_db in all_wanted {
-            let (picture, _, chosen) =
-                render_to_psnr(&slices, None, &tf, &camera, &options, &wanted(wanted_db), &()).unwrap();
+            let (picture, _, chosen) = render_to_psnr(
+                &layer(&slices, &tf, &VisibilityCache::default()),
+                &camera,
+                &options,
+                &wanted(wanted_db),
+                &(),
+            )
+            .unwrap();
             let got_db = psnr_db(&picture, &finest);
             assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
             assert!((-2.0..8.0).contains(&(got_db - chosen.psnr_db)), "{composite:?}: {got_db}, {chosen:?}");
@@ -124,13 +135,22 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
     let (options, camera) = (options(Composite::Over), camera(&phantom, ORTHOGRAPHIC));
-    let draw =
-        |tf: &TransferFunction| render_to_psnr(&slices, None, tf, &camera, &options, &wanted(80.0), &()).unwrap().2;
+    let draw = |tf: &TransferFunction| {
+        render_to_psnr(&layer(&slices, tf, &VisibilityCache::default()), &camera, &options, &wanted(80.0), &())
+            .unwrap()
+            .2
+    };
     assert!(draw(&hard()).psnr_db < 80.0);
     let invisible = draw(&opacity_ramp(&[(0.0, 0.0), (255.0, 0.0)], None));
     assert!(invisible.psnr_db > 80.0 && invisible.finest().iter().all(|finest| *finest < 1.0));
     for psnr_db in [5.0, 100.0, f64::NAN] {
-        let refused = render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(psnr_db), &());
+        let refused = render_to_psnr(
+            &layer(&slices, &soft(), &VisibilityCache::default()),
+            &camera,
+            &options,
+            &wanted(psnr_db),
+            &(),
+        );
         assert!(matches!(refused, Err(Error::OutOfRange { .. })));
     }
 }
@@ -144,7 +164,9 @@ fn pictures_like_one_that_was_measured_are_drawn_once_and_reach_as_much() {
     for (tf, all_wanted) in [(soft(), [38.0, 44.0]), (hard(), [28.0, 33.0])] {
         let draw = |camera: &Camera, psnr_db: f64, like: Option<Measured>| {
             let wanted = Wanted { psnr_db, like };
-            let (picture, _, told) = render_to_psnr(&slices, None, &tf, camera, &options, &wanted, &()).unwrap();
+            let (picture, _, told) =
+                render_to_psnr(&layer(&slices, &tf, &VisibilityCache::default()), camera, &options, &wanted, &())
+                    .unwrap();
             (picture, told)
         };
         let first = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], None).1;
@@ -198,8 +220,14 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
         let slices = Slices::new(&volume, Kernel::Linear);
         let camera = camera_towards(phantom.centre(), DVec3::X, 90.0, ORTHOGRAPHIC);
         let options = options(Composite::Over);
-        let (picture, _, chosen) =
-            render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(40.0), &()).unwrap();
+        let (picture, _, chosen) = render_to_psnr(
+            &layer(&slices, &soft(), &VisibilityCache::default()),
+            &camera,
+            &options,
+            &wanted(40.0),
+            &(),
+        )
+        .unwrap();
         let finest = RenderOptions { sheets_per_slice: 12.0, oversampling: 6.0, ..options };
         let finest = render(&slices, &soft(), &camera, &finest, &()).unwrap().0;
         assert!(psnr_db(&picture, &finest) > 38.0, "{size:?}: {chosen:?}");
@@ -218,7 +246,13 @@ fn what_a_picture_hardly_shows_is_drawn_too() {
             let camera = camera_towards(phantom.centre() + aside, towards, 60.0, projection);
             for [width_px, height_px] in [[40, 30], [1, 1], [300, 2]] {
                 let options = RenderOptions { width_px, height_px, ..options(Composite::Over) };
-                let drawn = render_to_psnr(&slices, None, &soft(), &camera, &options, &wanted(40.0), &());
+                let drawn = render_to_psnr(
+                    &layer(&slices, &soft(), &VisibilityCache::default()),
+                    &camera,
+                    &options,
+                    &wanted(40.0),
+                    &(),
+                );
                 let (picture, _, chosen) = drawn.unwrap();
                 assert!(picture.rgba.as_flattened().iter().all(|number| number.is_finite()), "{chosen:?}");
                 assert!(chosen.psnr_db.is_finite(), "{chosen:?}");
@@ -233,7 +267,7 @@ struct Listener {
     until: f32,
 }
 
-impl Monitor for Listener {
+impl ProgressCallback for Listener {
     fn progress(&self, fraction: f32) -> ControlFlow<()> {
         self.told.lock().unwrap().push(fraction);
         if fraction < self.until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
@@ -250,7 +284,13 @@ fn progress_grows_to_one_and_stops_where_it_is_told_to() {
     for (until, is_drawn) in [(2.0, true), (0.1, false), (0.45, false), (0.6, false), (1.0, false)] {
         let listener = Listener { told: Mutex::new(Vec::new()), until };
         // Out of reach of the first picture.
-        let drawn = render_to_psnr(&slices, None, &hard(), &camera, &options, &wanted(60.0), &listener);
+        let drawn = render_to_psnr(
+            &layer(&slices, &hard(), &VisibilityCache::default()),
+            &camera,
+            &options,
+            &wanted(60.0),
+            &listener,
+        );
         let told = listener.told.into_inner().unwrap();
         assert!(told.is_sorted() && told.len() > 3, "{told:?}");
         if is_drawn {

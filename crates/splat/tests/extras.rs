@@ -8,10 +8,11 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{
     Camera, Joint, Kernel, LabelLook, Light, LightFrame, Picture, Projection, RenderOptions, Shading, TransferFunction,
 };
-use wavesplat_splat::labels::{Codes, Labels};
+use wavesplat_splat::optics::labels::{Codes, Labels};
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast, raycast_labelled};
-use wavesplat_splat::slices::Slices;
-use wavesplat_splat::{render, render_base_planes_at, render_labelled};
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::{Layer, render, render_base_planes_at, render_layer};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
 const SAMPLING: RaycastOptions = RaycastOptions { step: 0.1, rays_per_pixel: 4 };
@@ -100,7 +101,19 @@ fn labels_are_those_of_direct_evaluation() {
                 let labels = Labels::new(codes, looks.clone(), volume.grid(), kernel, 1 << 24).unwrap();
                 let options = fine(shading);
                 let want = raycast_labelled(&volume, Some(&labels), &tf, &camera, &options, SAMPLING, &()).unwrap();
-                let got = render_labelled(&slices, Some(&labels), &tf, &camera, &options, &()).unwrap().0;
+                let got = render_layer(
+                    &Layer {
+                        slices: &slices,
+                        transfer_function: &tf,
+                        labels: Some(&labels),
+                        cache: &VisibilityCache::default(),
+                    },
+                    &camera,
+                    &options,
+                    &(),
+                )
+                .unwrap()
+                .0;
                 let error = mean_error(&got, &want);
                 assert!(error < 1e-3, "{name} {kernel:?}: {error}");
                 let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
@@ -121,7 +134,14 @@ fn labels_with_the_looks_of_nothing_change_nothing() {
     let slices = Slices::new(&volume, Kernel::Linear);
     let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(Shading::default())) };
     let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
-    let got = render_labelled(&slices, Some(&labels), &tf, &camera, &options, &()).unwrap().0;
+    let got = render_layer(
+        &Layer { slices: &slices, transfer_function: &tf, labels: Some(&labels), cache: &VisibilityCache::default() },
+        &camera,
+        &options,
+        &(),
+    )
+    .unwrap()
+    .0;
     assert!(mean_error(&got, &plain) < 1e-7);
 }
 

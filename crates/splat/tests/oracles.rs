@@ -7,9 +7,9 @@ use wavesplat_core::{
     Camera, ClipPlane, Composite, Crop, Error, Kernel, Picture, Projection, RenderOptions, Samples, Shading,
     TransferFunction, Volume,
 };
-use wavesplat_splat::family::IndexRays;
-use wavesplat_splat::slices::Slices;
-use wavesplat_splat::{Monitor, render, render_base_planes};
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::family::IndexRays;
+use wavesplat_splat::{ProgressCallback, render, render_base_planes};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, mean_brightness, opacity_ramp, psnr_db};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 14.0 };
@@ -53,7 +53,7 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
     let volume = phantom.volume();
     let slices = Slices::new(&volume, options.kernel);
     let (pictures, _) = render_base_planes(&slices, &tf, camera, options, &()).unwrap();
-    let region = wavesplat_splat::interval::Region::new(volume.grid(), options).unwrap();
+    let region = wavesplat_splat::view::region::Region::new(volume.grid(), options).unwrap();
     let mut n_hit = 0;
     for picture in &pictures {
         for (t, texel) in picture.texels().iter().enumerate() {
@@ -128,7 +128,7 @@ fn the_eye_may_be_inside_and_the_angle_wide() {
             let picture = draw(&phantom.volume(), &tf, &camera, &options);
             let volume = phantom.volume();
             let rays = IndexRays::new(&camera, volume.grid().index_from_world(), 72, 56);
-            let region = wavesplat_splat::interval::Region::new(volume.grid(), &options).unwrap();
+            let region = wavesplat_splat::view::region::Region::new(volume.grid(), &options).unwrap();
             for (i, pixel) in picture.rgba.iter().enumerate() {
                 let (x, y) = ((i % 72) as f64 + 0.5, (i / 72) as f64 + 0.5);
                 let (origin, direction) = (rays.origin(x, y), rays.direction(x, y));
@@ -196,7 +196,7 @@ fn front_slab_over_back_slab_is_the_whole() {
         let mut n = 0;
         for j in 0..nv {
             for i in 0..nu {
-                let at = |picture: &wavesplat_splat::base_picture::BasePicture| {
+                let at = |picture: &wavesplat_splat::picture::base_picture::BasePicture| {
                     // Cropped parts have their own base plane; find the texel on the same ray.
                     let p = &picture.plane;
                     let offset = (whole[0].plane.origin - p.origin) / p.step;
@@ -429,7 +429,7 @@ fn depth_is_where_half_the_light_is_gone() {
 
 struct StopAfter(f32);
 
-impl Monitor for StopAfter {
+impl ProgressCallback for StopAfter {
     fn progress(&self, fraction: f32) -> ControlFlow<()> {
         if fraction > self.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

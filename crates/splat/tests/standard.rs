@@ -8,11 +8,11 @@ use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, Decoder, Error, GradientNode, Kernel, Light, LightFrame,
     OpacityNode, Picture, Projection, RenderOptions, Samples, Shading, TransferFunction, Volume,
 };
-use wavesplat_splat::kernel::{radius, weight};
+use wavesplat_splat::kernel::weights::{radius, weight};
 use wavesplat_splat::reference::standard as literal;
-use wavesplat_splat::slices::{Prepared, Slices};
+use wavesplat_splat::source::slices::{Prepared, Slices};
 use wavesplat_splat::standard::{Buffer, StandardOptions, render, render_base_planes};
-use wavesplat_splat::{Monitor, reference};
+use wavesplat_splat::{ProgressCallback, reference};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 9.0 };
@@ -543,7 +543,7 @@ fn what_cannot_be_drawn_is_refused() {
 #[test]
 fn a_monitor_stops_the_work() {
     struct Stop;
-    impl Monitor for Stop {
+    impl ProgressCallback for Stop {
         fn progress(&self, fraction: f32) -> ControlFlow<()> {
             assert!(fraction > 0.0 && fraction <= 1.0);
             ControlFlow::Break(())

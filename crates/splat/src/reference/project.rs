@@ -7,10 +7,10 @@ use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Projection, RenderOptions, Result, TransferFunction, Volume};
 
 use super::raycast::Sampler;
-use crate::base_plane::{BasePlane, TexelRay};
-use crate::interval::Region;
-use crate::slices::Slices;
-use crate::tile::SheetSpacing;
+use crate::sheet::spacing::SheetSpacing;
+use crate::source::slices::Slices;
+use crate::view::base_plane::{BasePlane, TexelRay};
+use crate::view::region::Region;
 
 /// A piece of a ray between two sheets: sample values and world positions of its ends.
 struct Piece {

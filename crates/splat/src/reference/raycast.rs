@@ -11,14 +11,15 @@ use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
 use wavesplat_core::{Camera, Error, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
 
-use crate::Monitor;
-use crate::family::IndexRays;
-use crate::interval::Region;
-use crate::kernel;
-use crate::kernel::{MAX_TAPS, fold, n_taps, taps};
-use crate::labels::{Labels, own_depth};
-use crate::shade::{light_direction, vanishing_gradient_squared};
-use crate::slices::Slices;
+use crate::kernel::weights::{MAX_TAPS, fold, n_taps, taps};
+use crate::kernel::weights::{overshoot, radius};
+use crate::optics::labels::{Labels, own_depth};
+use crate::optics::shade::vanishing_gradient_squared;
+use crate::render::progress::ProgressCallback;
+use crate::source::slices::Slices;
+use crate::view::family::IndexRays;
+use crate::view::index_frame::light_direction;
+use crate::view::region::Region;
 
 /// How finely the reference samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +43,7 @@ pub fn raycast(
     camera: &Camera,
     options: &RenderOptions,
     sampling: RaycastOptions,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressCallback,
 ) -> Result<Picture> {
     raycast_labelled(volume, None, tf, camera, options, sampling, monitor)
 }
@@ -55,7 +56,7 @@ pub fn raycast_labelled(
     camera: &Camera,
     options: &RenderOptions,
     sampling: RaycastOptions,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressCallback,
 ) -> Result<Picture> {
     options.validate()?;
     let mend = "pass a step in voxels, 0.05 for a converged picture";
@@ -410,7 +411,7 @@ struct Blocks {
 impl Blocks {
     fn new(sampler: &Sampler, size: [usize; 3]) -> Self {
         let n = size.map(|s| (s - 1).div_ceil(BLOCK).max(1));
-        let reach = kernel::radius(sampler.slices.kernel()).ceil() as i64 - 1;
+        let reach = radius(sampler.slices.kernel()).ceil() as i64 - 1;
         let planes = parallel::map(n[2], |bz| {
             let mut plane = Vec::with_capacity(n[0] * n[1]);
             for by in 0..n[1] {
@@ -439,7 +440,7 @@ impl Blocks {
                 }
             }
         }
-        let over = f64::from(kernel::overshoot(sampler.slices.kernel())) * (hi - lo);
+        let over = f64::from(overshoot(sampler.slices.kernel())) * (hi - lo);
         let (offset, scale) = sampler.density_map;
         let [lo, hi] = [lo - over, hi + over].map(|d| d / scale + offset);
         // A piecewise-linear curve is 0 over an interval if it is 0 at its ends and at the nodes inside.

@@ -24,15 +24,15 @@ use wavesplat_core::{
 };
 
 use super::raycast::Sampler;
-use crate::base_plane::{BasePlane, base_planes};
-use crate::family::IndexRays;
-use crate::footprint::whole_steps;
-use crate::interval::Region;
-use crate::kernel::{fold, n_taps, taps, weight};
-use crate::noise::{LEAST_SUM, displacement, sheet_number};
-use crate::prefilter;
-use crate::slices::Slices;
-use crate::tile::SheetSpacing;
+use crate::kernel::footprint::whole_steps;
+use crate::kernel::noise::{LEAST_SUM, displacement, sheet_number};
+use crate::kernel::prefilter;
+use crate::kernel::weights::{fold, n_taps, taps, weight};
+use crate::sheet::spacing::SheetSpacing;
+use crate::source::slices::Slices;
+use crate::view::base_plane::{BasePlane, base_planes};
+use crate::view::family::IndexRays;
+use crate::view::region::Region;
 
 /// A sheet buffer: one density per texel.
 struct SheetBuffer {
@@ -365,7 +365,7 @@ fn draw_family(
             let mut row = image[y * options.width_px..][..options.width_px].to_vec();
             for (x, pixel) in row.iter_mut().enumerate() {
                 let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
-                if crate::family::Family::of(rays.direction(px, py)) == family {
+                if crate::view::family::Family::of(rays.direction(px, py)) == family {
                     let texel = plane.texel_from_pixel(rays, px, py);
                     let ray = plane.ray(texel.x, texel.y);
                     let [lo, hi] = region.texel_interval(plane, &ray);

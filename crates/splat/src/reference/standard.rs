@@ -17,13 +17,12 @@ use glam::{DVec2, DVec3};
 use wavesplat_core::{Camera, Grid, Kernel, Projection, RenderOptions, Result, Shading, TransferFunction, Volume};
 
 use super::raycast::Sampler;
-use crate::base_plane::BasePlane;
-use crate::interval::Region;
-use crate::kernel::{radius, weight};
-use crate::slices::Slices;
-use crate::standard::{
-    Buffer, NEAREST_SLAB, NEAREST_SLICE, SliceDistance, StandardOptions, planes, validate, widening,
-};
+use crate::kernel::weights::{radius, weight};
+use crate::source::slices::Slices;
+use crate::standard::widening;
+use crate::standard::{Buffer, NEAREST_SLAB, NEAREST_SLICE, SliceDistance, StandardOptions, planes, validate};
+use crate::view::base_plane::BasePlane;
+use crate::view::region::Region;
 
 /// Samples, and what is looked up and shaded at each.
 struct Source<'a> {

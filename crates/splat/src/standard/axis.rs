@@ -1,4 +1,4 @@
-//! Sheet buffers parallel to the slices: one per slice, texels on the rays of a base plane ([`crate::base_plane`]), so
+//! Sheet buffers parallel to the slices: one per slice, texels on the rays of a base plane ([`crate::view::base_plane`]), so
 //! that mapping all of them to the view plane is one warp at the end.
 //!
 //! The footprint `h(u) h(v)` is separable, so the samples of a row are splatted along u together, and the row along v.
@@ -14,10 +14,10 @@ use super::FamilyScene;
 use super::footprint::{AxisFootprint, KernelTable, reach};
 use super::samples::{Densities, visible_layers};
 use super::shaded::Shaded;
-use crate::base_picture::BasePicture;
-use crate::base_plane::BasePlane;
-use crate::render::Progress;
-use crate::sheet::{Chunk, N_STRIPS, TILE_U, TILE_V};
+use crate::picture::base_picture::BasePicture;
+use crate::render::progress::Progress;
+use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_U, TILE_V};
+use crate::view::base_plane::BasePlane;
 
 /// A ray stops when less than this share of light comes through: a tenth of a grey level of 1024.
 pub const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;

@@ -14,7 +14,7 @@
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use wavesplat_core::Kernel;
 
-use crate::kernel::{radius, weight};
+use crate::kernel::weights::{radius, weight};
 
 /// Places between two samples: linear interpolation between them is good to 1e-5.
 const N_PHASES: usize = 256;

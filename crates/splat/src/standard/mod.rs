@@ -56,21 +56,21 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Grid, Picture, Projection, RenderOptions, Result, TransferFunction};
 
-use crate::base_picture::BasePicture;
-use crate::base_plane::{BasePlane, base_planes};
-use crate::bricks::Occupied;
-use crate::by_gradient::ByGradient;
-use crate::family::{Family, IndexRays};
-use crate::interval::Region;
-use crate::kernel::radius;
-use crate::prefilter;
-use crate::reads::Reads;
-use crate::render::{Monitor, Progress};
-use crate::scene::brightest;
-use crate::seen::Seen;
-use crate::shade::{Shader, on_gradient};
-use crate::slices::Slices;
-use crate::warp::warp;
+use crate::kernel::prefilter;
+use crate::kernel::weights::radius;
+use crate::optics::gradient_opacity::GradientOpacity;
+use crate::optics::shade::Shader;
+use crate::optics::visibility_cache::Visibility;
+use crate::picture::base_picture::BasePicture;
+use crate::picture::warp::warp;
+use crate::render::progress::{Progress, ProgressCallback};
+use crate::render::scene::brightest;
+use crate::source::occupancy::OccupancyGrid;
+use crate::source::slices::Slices;
+use crate::view::base_plane::{BasePlane, base_planes};
+use crate::view::family::{Family, IndexRays};
+use crate::view::index_frame::world_gradient_from_index;
+use crate::view::region::Region;
 use shaded::Sight;
 
 pub(crate) use axis::NEAREST as NEAREST_SLICE;
@@ -143,7 +143,7 @@ pub fn render(
     camera: &Camera,
     options: &RenderOptions,
     standard: StandardOptions,
-    monitor: &dyn Monitor,
+    monitor: &dyn ProgressCallback,
 ) -> Result<(Picture, Report)> {
     let scene = Scene::new(Level::best(), slices, tf, camera, options, standard)?;
     parallel::with_threads(options.n_threads, || {
@@ -153,8 +153,8 @@ pub fn render(
             Buffer::Axis => {
                 let rays = IndexRays::new(camera, slices.grid().index_from_world(), size[0], size[1]);
                 let pictures = scene.draw_base_planes(monitor, &mut report)?;
-                let reads = Reads::Grid(options.oversampling.round().max(1.0) as usize);
-                warp(scene.level, &pictures, &rays, size, reads, scene.peak, false).rgba
+                let reads_per_axis = options.oversampling.round().max(1.0) as usize;
+                warp(scene.level, &pictures, &rays, size, reads_per_axis, scene.peak, false).rgba
             }
             Buffer::View => view::draw(&scene, monitor, &mut report)?,
         };
@@ -235,7 +235,7 @@ impl SliceDistance {
     pub fn new(grid: &Grid, forward: DVec3) -> Self {
         let direction = grid.index_from_world().transform_vector3(forward);
         let family = Family::of(direction);
-        let gradient = on_gradient(grid.world_from_index().matrix3, &family);
+        let gradient = world_gradient_from_index(grid.world_from_index().matrix3, &family);
         Self { across: gradient.z_axis.length().recip(), along_view: family.uvw(direction)[2].abs().recip() }
     }
 }
@@ -249,7 +249,7 @@ struct Scene<'a> {
     camera: &'a Camera,
     options: &'a RenderOptions,
     standard: StandardOptions,
-    classifier: Arc<Seen>,
+    classifier: Visibility,
     region: Region,
     opacity_unit: f64,
     /// Largest colour that shading can make.
@@ -260,9 +260,9 @@ struct Scene<'a> {
 struct FamilyScene<'a> {
     scene: &'a Scene<'a>,
     family: Family,
-    occupied: Arc<Occupied>,
+    occupied: Arc<OccupancyGrid>,
     shader: Option<Shader>,
-    by_gradient: Option<ByGradient>,
+    by_gradient: Option<GradientOpacity>,
     sight: Sight,
 }
 
@@ -285,7 +285,7 @@ impl<'a> Scene<'a> {
         let grid = slices.grid();
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let thickness = grid.mean_spacing() / opacity_unit;
-        let classifier = Seen::new(slices, tf, thickness);
+        let classifier = Visibility::new(slices, tf, thickness);
         let region = Region::new(grid, options)?;
         let peak = options.shading.as_ref().map_or(1.0, brightest);
         Ok(Self { level, grid, slices, tf, camera, options, standard, classifier, region, opacity_unit, peak })
@@ -300,7 +300,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    fn draw_base_planes(&self, monitor: &dyn Monitor, report: &mut Report) -> Result<Vec<BasePicture>> {
+    fn draw_base_planes(&self, monitor: &dyn ProgressCallback, report: &mut Report) -> Result<Vec<BasePicture>> {
         let planes = planes(self.camera, self.grid, self.options, &self.region)?;
         let progress = Progress::new(monitor, planes.iter().map(axis::n_tiles).sum());
         let mut pictures = Vec::new();
@@ -329,9 +329,9 @@ impl<'a> FamilyScene<'a> {
         Self {
             scene,
             family,
-            occupied: bricks.occupied(family.axes, scene.classifier.passing(bricks)),
+            occupied: bricks.occupied(family.axes, scene.classifier.visible_ranges(bricks)),
             shader: shader.map(|s| Shader::new(s, scene.camera, matrix, &family, scene.slices.range())),
-            by_gradient: ByGradient::new(scene.tf, matrix, &family, scene.grid.density_from_sample()),
+            by_gradient: GradientOpacity::new(scene.tf, matrix, &family, scene.grid.density_from_sample()),
             sight: Sight::new(scene, &family),
         }
     }

@@ -6,9 +6,9 @@
 use wavesplat_compute::simd::{LANES, Level};
 
 use super::FamilyScene;
-use crate::blocks::Part;
-use crate::slices::Slices;
-use crate::window::Window;
+use crate::source::block_cache::Part;
+use crate::source::slices::Slices;
+use crate::source::window::Window;
 
 /// Samples of one slice that a tile shows.
 #[derive(Clone, Copy, Debug)]

@@ -10,9 +10,9 @@ use wavesplat_core::RenderOptions;
 
 use super::samples::{Densities, Layer};
 use super::{Buffer, FamilyScene, Scene, SliceDistance};
-use crate::classify::one_minus_exp_neg;
-use crate::family::Family;
-use crate::window::Window;
+use crate::optics::classify::one_minus_exp_neg;
+use crate::source::window::Window;
+use crate::view::family::Family;
 
 /// How samples are seen: from which side, and how far rays run through their slab.
 pub struct Sight {

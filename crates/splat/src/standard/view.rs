@@ -22,9 +22,9 @@ use super::resample::resample;
 use super::samples::{Densities, Layer, visible_layers};
 use super::shaded::Shaded;
 use super::{FamilyScene, Report, Scene, SliceDistance};
-use crate::family::{Family, IndexRays};
-use crate::render::{Monitor, Progress};
-use crate::window::Window;
+use crate::render::progress::{Progress, ProgressCallback};
+use crate::source::window::Window;
+use crate::view::family::{Family, IndexRays};
 
 /// Texels of a tile along each side.
 const TILE: usize = 64;
@@ -39,7 +39,7 @@ const ON_A_BORDER: f64 = 1e-6;
 const MAX_TEXELS: f64 = (1 << 28) as f64;
 
 /// Associated RGBA of the picture.
-pub fn draw(scene: &Scene, monitor: &dyn Monitor, report: &mut Report) -> Result<Vec<[f32; 4]>> {
+pub fn draw(scene: &Scene, monitor: &dyn ProgressCallback, report: &mut Report) -> Result<Vec<[f32; 4]>> {
     let options = scene.options;
     let pixels = [options.width_px, options.height_px];
     let size = pixels.map(|n| (n as f64 * options.oversampling).round().max(1.0));

@@ -1,0 +1,645 @@
+//! Footprint tables: which samples reach a texel column (or row), and how much.
+//!
+//! Sheets are axis-aligned and the kernel is separable, so a whole sheet needs one table for u and one for v, rebuilt
+//! per sheet in O(U + V). The *difference footprint* `[h(x + d − l) − h(x − d − l)] / 2d` gives the derivative; with
+//! the linear kernel and d = 1 that is the trilinearly interpolated central difference. Positions beyond the first
+//! and last sample stop there: the outside is empty, not zero density.
+//!
+//! A difference over whole texels, `d = k · step`, is that of two texels of the sheet, as sheet buffers give it
+//! ([`Difference`]).
+
+use std::ops::Range;
+
+use wavesplat_compute::simd::{LANES, Lanes};
+use wavesplat_core::{GradientScheme, Kernel, MAX_GRADIENT_OFFSET};
+
+use crate::kernel::footprint_table::{Taps, Weights};
+use crate::kernel::slice_taps::SliceTaps;
+use crate::kernel::weights::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
+
+/// Taps of a difference footprint, at most.
+pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
+
+/// Weights of a run of positions, in groups of [`LANES`].
+#[derive(Clone, Debug, Default)]
+pub struct Footprint {
+    /// Taps per position.
+    pub n_taps: usize,
+    /// Lowest first sample of each group, counted from the window's first sample.
+    base: Vec<u32>,
+    /// First sample of each position, counted from its group's base.
+    index: Vec<Lanes<u32>>,
+    /// How far each group's `index` reach.
+    spans: Vec<Span>,
+    /// 1 where `index` is not below [`LANES`], of groups that span two vectors.
+    far: Vec<Lanes>,
+    /// `n_taps` of them per group.
+    weights: Vec<Lanes>,
+}
+
+impl Footprint {
+    fn reset(&mut self, n_groups: usize, n_taps: usize) {
+        self.n_taps = n_taps;
+        self.base.resize(n_groups, 0);
+        self.index.resize(n_groups, Lanes::default());
+        self.spans.resize(n_groups, Span::default());
+        self.far.resize(n_groups, Lanes::default());
+        self.weights.resize(n_groups * n_taps, Lanes::default());
+    }
+
+    /// Samples of a group, counted from its base.
+    #[inline(always)]
+    fn set_index(&mut self, g: usize, index: Lanes<u32>) {
+        self.index[g] = index;
+        self.spans[g] = Span::of(&index);
+        if self.spans[g] == Span::Two {
+            for i in 0..LANES {
+                self.far[g].0[i] = if index.0[i] < LANES as u32 { 0.0 } else { 1.0 };
+            }
+        }
+    }
+
+    /// Position `i` is sample `first + i`.
+    pub fn make_one_to_one(&mut self, n_groups: usize, first: usize) {
+        self.reset(n_groups, 1);
+        for g in 0..n_groups {
+            self.base[g] = (first + g * LANES) as u32;
+            self.index[g] = Lanes(std::array::from_fn(|i| i as u32));
+            self.spans[g] = Span::One;
+            self.weights[g] = Lanes::splat(1.0);
+        }
+    }
+
+    /// First sample of a position.
+    pub fn first(&self, i: usize) -> usize {
+        (self.base[i / LANES] + self.index[i / LANES].0[i % LANES]) as usize
+    }
+
+    /// Weight of tap `t` of a position.
+    #[inline(always)]
+    pub fn weight(&self, i: usize, t: usize) -> f32 {
+        self.weights[i / LANES * self.n_taps + t].0[i % LANES]
+    }
+
+    /// The table of a group of positions.
+    #[inline(always)]
+    pub fn group(&self, g: usize) -> Group<'_> {
+        Group {
+            base: self.base[g] as usize,
+            index: &self.index[g],
+            span: self.spans[g],
+            far: &self.far[g],
+            weights: &self.weights[g * self.n_taps..(g + 1) * self.n_taps],
+        }
+    }
+}
+
+/// How many vectors of samples hold the first ones of a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Span {
+    /// All indices are below [`LANES`].
+    One,
+    /// Below twice that.
+    Two,
+    /// Beyond.
+    #[default]
+    Many,
+}
+
+impl Span {
+    fn of(index: &Lanes<u32>) -> Self {
+        // Positions rise or fall.
+        let last = index.0[0].max(index.0[LANES - 1]) as usize;
+        if last < LANES {
+            Self::One
+        } else if last < 2 * LANES {
+            Self::Two
+        } else {
+            Self::Many
+        }
+    }
+}
+
+/// The table of [`LANES`] neighbouring positions.
+#[derive(Clone, Copy)]
+pub struct Group<'a> {
+    /// Lowest first sample.
+    pub base: usize,
+    /// First sample of each lane, counted from `base`.
+    pub index: &'a Lanes<u32>,
+    /// How far `index` reach.
+    pub span: Span,
+    /// 1 where `index` is not below [`LANES`]; of groups that span two vectors.
+    pub far: &'a Lanes,
+    /// Weights, tap by tap.
+    pub weights: &'a [Lanes],
+}
+
+/// The tables of one axis for a run of positions.
+#[derive(Clone, Debug, Default)]
+pub struct AxisFootprints {
+    /// The kernel.
+    pub value: Footprint,
+    /// Its difference; empty where no gradient is wanted.
+    pub difference: Footprint,
+    /// First and last sample that is reached, before folding.
+    pub window: [i64; 2],
+    /// The groups that the tables are made for, as bits.
+    groups: u32,
+    /// Half distance of the difference, whole samples, until its table is made of that of the kernel.
+    pending: Option<usize>,
+}
+
+/// The difference that stands for the derivative along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Its distance, samples, `0.01..=4`: to either side, or to one.
+    pub offset: f64,
+    /// Whether it goes to larger indices only: `[V(x + d) − V(x)] / d`.
+    pub is_forward: bool,
+    /// Whether it is that of two texels, [`whole_steps`] apart.
+    pub is_of_texels: bool,
+}
+
+/// The whole number of steps, at least one, nearest to an offset; as an offset, at most 4 samples.
+pub fn whole_steps(offset: f64, step: f64) -> f64 {
+    let step = step.abs();
+    // Where a sheet passes the eye all its texels are one.
+    let whole = if step > 0.0 { (offset / step).round().max(1.0) * step } else { offset };
+    whole.min(MAX_GRADIENT_OFFSET)
+}
+
+impl Difference {
+    /// Within the sheets: along u and v.
+    pub fn within(scheme: GradientScheme, offset: f64) -> Self {
+        Self { offset, is_forward: scheme.is_forward(), is_of_texels: scheme.is_of_sheets() }
+    }
+
+    /// Across sheets that lie `step` slices apart.
+    pub fn across(scheme: GradientScheme, offset: f64, step: f64) -> Self {
+        let offset = if scheme.is_of_sheets() { whole_steps(offset, step) } else { offset };
+        Self { offset, is_forward: scheme.is_forward(), is_of_texels: false }
+    }
+
+    /// The same where texels lie `step` samples apart.
+    #[must_use]
+    pub fn of_step(self, step: f64) -> Self {
+        if self.is_of_texels { Self { offset: whole_steps(self.offset, step), ..self } } else { self }
+    }
+
+    /// Largest offset for any texels.
+    pub fn max_offset(&self) -> f64 {
+        if self.is_of_texels { MAX_GRADIENT_OFFSET } else { self.offset }
+    }
+
+    /// Its ends, counted from the position.
+    pub fn ends(&self) -> [f64; 2] {
+        [if self.is_forward { 0.0 } else { -self.offset }, self.offset]
+    }
+
+    /// Distance between its ends.
+    fn extent(&self) -> f64 {
+        if self.is_forward { self.offset } else { 2.0 * self.offset }
+    }
+}
+
+/// What a footprint is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct Axis {
+    /// Reconstruction kernel.
+    pub kernel: Kernel,
+    /// Samples along the axis.
+    pub n_samples: usize,
+    /// `None` without gradient.
+    pub difference: Option<Difference>,
+    /// Where weights come from.
+    pub weights: Weights,
+}
+
+impl Axis {
+    /// Taps of the difference footprint.
+    pub fn n_difference_taps(&self, difference: Difference) -> usize {
+        n_taps(self.kernel) + difference.extent().ceil() as usize
+    }
+
+    /// Position of the last sample.
+    pub fn last(&self) -> f64 {
+        (self.n_samples - 1) as f64
+    }
+
+    /// `[V(x + d) − V(x − d)] / 2d`, or the forward difference, as taps.
+    fn difference(
+        &self,
+        x: f64,
+        difference: Difference,
+        taps: impl Fn(f64) -> Taps,
+    ) -> (i64, [f64; MAX_DIFFERENCE_TAPS]) {
+        let (ends, extent) = (difference.ends(), difference.extent());
+        let [(first_lo, lo), (first_hi, hi)] = ends.map(|end| taps((x + end).clamp(0.0, self.last())));
+        let mut weights = [0.0; MAX_DIFFERENCE_TAPS];
+        let shift = (first_hi - first_lo) as usize;
+        for t in 0..MAX_TAPS {
+            weights[t] -= lo[t] / extent;
+            weights[t + shift] += hi[t] / extent;
+        }
+        (first_lo, weights)
+    }
+
+    /// Slices that reach the sheet at `w`, folded, with their weights; those of weight 0 are left out.
+    pub fn slice_taps(&self, w: f64) -> SliceTaps {
+        let (first, weights) = self.taps(w.clamp(0.0, self.last()));
+        self.folded(first, &weights)
+    }
+
+    /// As [`Axis::slice_taps`] for the derivative through the sheet.
+    pub fn slice_difference_taps(&self, w: f64) -> SliceTaps {
+        let Some(difference) = self.difference else { return SliceTaps::default() };
+        let (first, weights) = self.difference(w.clamp(0.0, self.last()), difference, |w| self.taps(w));
+        self.folded(first, &weights)
+    }
+
+    /// Taps across the slices.
+    fn taps(&self, w: f64) -> Taps {
+        self.weights.taps(self.kernel, w)
+    }
+
+    fn folded(&self, first: i64, weights: &[f64]) -> SliceTaps {
+        let mut folded = SliceTaps::default();
+        for (t, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            folded.taps[folded.n] = (fold(self.kernel, first + t as i64, self.n_samples), *w as f32);
+            folded.n += 1;
+        }
+        folded
+    }
+}
+
+impl AxisFootprints {
+    /// Rebuilds the tables for the positions `origin + i · step`, in samples, in those of `n_groups` groups that are
+    /// `wanted`, as bits. After it, differences are ready when [`AxisFootprints::make_difference`] was called. Runs at the
+    /// level of the caller.
+    #[inline(always)]
+    pub fn build(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, wanted: u32) {
+        self.groups = wanted;
+        self.pending = None;
+        let n_value = n_taps(axis.kernel);
+        self.value.reset(n_groups, n_value);
+        let difference = axis.difference.map(|difference| difference.of_step(step));
+        let n_difference = difference.map_or(0, |difference| axis.n_difference_taps(difference));
+        self.difference.reset(if n_difference > 0 { n_groups } else { 0 }, n_difference);
+        let offset = difference.map_or(0.0, |difference| difference.offset);
+        let end = origin + step * (n_groups * LANES - 1) as f64;
+        let (lo, hi) = (origin.min(end), origin.max(end));
+        // A whole offset moves the taps by whole samples, and away from the faces nothing stops there. With the linear
+        // kernel stopping at a face is the same as going on with its sample repeated.
+        let inside = axis.kernel == Kernel::Linear || (lo >= offset && hi + offset <= axis.last());
+        let is_usual = difference.is_none_or(|d| !d.is_forward && !d.is_of_texels) && offset.fract() == 0.0;
+        self.window = match axis.weights {
+            Weights::Exact if inside && is_usual && near_taps(axis.kernel, 0.0).is_some() => {
+                self.build_inside(axis, [origin, step], n_groups, offset as usize)
+            }
+            Weights::Exact => self.build_anywhere(axis, [origin, step], n_groups, difference, |x| taps(axis.kernel, x)),
+            weights => {
+                let taps = |x| weights.taps(axis.kernel, x);
+                self.build_anywhere(axis, [origin, step], n_groups, difference, taps)
+            }
+        };
+    }
+
+    /// Takes over the tables of an axis that has the same weights at the same positions.
+    pub fn copy(&mut self, axis: &Axis, other: &Self) {
+        self.window = other.window;
+        self.groups = other.groups;
+        self.value.clone_from(&other.value);
+        if axis.difference.is_some() {
+            self.difference.clone_from(&other.difference);
+            self.pending = other.pending;
+        } else {
+            self.difference.reset(0, 0);
+            self.pending = None;
+        }
+    }
+
+    /// Samples that the value and the difference of a position reach, counted from the window's first.
+    pub fn reached(&self, i: usize) -> Range<usize> {
+        let first = self.value.first(i);
+        let mut reached = first..first + self.value.n_taps;
+        if let Some(offset) = self.pending {
+            return reached.start - offset..reached.end + offset;
+        }
+        if self.difference.n_taps > 0 {
+            let first = self.difference.first(i);
+            reached = reached.start.min(first)..reached.end.max(first + self.difference.n_taps);
+        }
+        reached
+    }
+
+    /// Makes the table of differences, if that is still to be done. Runs at the level of the caller.
+    #[inline(always)]
+    pub fn make_difference(&mut self) {
+        let Some(offset) = self.pending.take() else { return };
+        let Self { value, difference, .. } = self;
+        let (n, n_difference) = (value.n_taps, difference.n_taps);
+        let share = 1.0 / (2 * offset) as f32;
+        let shift = 2 * offset;
+        for g in bits(self.groups) {
+            difference.base[g] = value.base[g] - offset as u32;
+            difference.index[g] = value.index[g];
+            difference.spans[g] = value.spans[g];
+            difference.far[g] = value.far[g];
+            let weights = &value.weights[g * n..(g + 1) * n];
+            let difference = &mut difference.weights[g * n_difference..(g + 1) * n_difference];
+            for (t, difference) in difference.iter_mut().enumerate() {
+                for i in 0..LANES {
+                    let lo = if t < n { weights[t].0[i] } else { 0.0 };
+                    let hi = if t >= shift { weights[t - shift].0[i] } else { 0.0 };
+                    difference.0[i] = (hi - lo) * share;
+                }
+            }
+        }
+    }
+
+    /// f32 positions, counted from a sample near each group, so that the compiler can use whole vectors. Firsts are
+    /// counted from the window's first sample, which is returned with the last one.
+    #[inline(always)]
+    fn build_inside(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, offset: usize) -> [i64; 2] {
+        let group_span = step * (LANES - 1) as f64;
+        let last = axis.last();
+        let group_base = |g: usize| {
+            let first = origin + step * (g * LANES) as f64;
+            let base = first.min(first + group_span).clamp(0.0, last).floor();
+            (base, (first - base) as f32)
+        };
+        let (reach, offset) = (reach(axis.kernel) as i64, offset as i64);
+        let lowest = group_base(0).0.min(group_base(n_groups - 1).0) as i64 - reach - offset;
+        let mut highest = lowest;
+        for g in bits(self.groups) {
+            let (base, start) = group_base(g);
+            let (begin, end) = (-base as f32, (last - base) as f32);
+            let base = base as i64 - lowest;
+            let mut first = Lanes::<u32>::default();
+            let mut weights = [Lanes::default(); MAX_TAPS];
+            let step = step as f32;
+            macro_rules! fill {
+                ($kernel:expr) => {
+                    for i in 0..LANES {
+                        let x = start + i as f32 * step;
+                        let x = if x > begin { x } else { begin };
+                        let x = if x < end { x } else { end };
+                        if let Some((tap, w)) = near_taps($kernel, x) {
+                            first.0[i] = tap;
+                            for t in 0..MAX_TAPS {
+                                weights[t].0[i] = w[t];
+                            }
+                        }
+                    }
+                };
+            }
+            // One loop per kernel, so that none of them branches inside.
+            match axis.kernel {
+                Kernel::Linear => fill!(Kernel::Linear),
+                Kernel::CatmullRom => fill!(Kernel::CatmullRom),
+                Kernel::Bspline2 => fill!(Kernel::Bspline2),
+                _ => fill!(Kernel::Bspline3),
+            }
+            let last_index = first.0[0].max(first.0[LANES - 1]);
+            let n = self.value.n_taps;
+            self.value.base[g] = (base - reach) as u32;
+            self.value.set_index(g, first);
+            self.value.weights[g * n..(g + 1) * n].copy_from_slice(&weights[..n]);
+            highest = highest.max(lowest + base - reach + i64::from(last_index) + n as i64 - 1 + offset);
+        }
+        self.pending = (self.difference.n_taps > 0).then_some(offset as usize);
+        [lowest, highest]
+    }
+
+    /// Any position, kernel, difference and weights.
+    fn build_anywhere(
+        &mut self,
+        axis: &Axis,
+        [origin, step]: [f64; 2],
+        n_groups: usize,
+        difference: Option<Difference>,
+        taps: impl Fn(f64) -> Taps,
+    ) -> [i64; 2] {
+        let n = n_groups * LANES;
+        let mut window = [i64::MAX, i64::MIN];
+        let mut firsts = Vec::with_capacity(n);
+        for i in 0..n {
+            let (g, lane) = (i / LANES, i % LANES);
+            let position = origin + step * i as f64;
+            let x = position.clamp(0.0, axis.last());
+            let (first, weights) = taps(x);
+            for t in 0..self.value.n_taps {
+                self.value.weights[g * self.value.n_taps + t].0[lane] = weights[t] as f32;
+            }
+            let mut first_difference = first;
+            if let Some(difference) = difference {
+                // A texel beyond the faces has the value there; differences of texels count them as they are.
+                let x = if difference.is_of_texels { position } else { x };
+                let (first, weights) = axis.difference(x, difference, &taps);
+                for t in 0..self.difference.n_taps {
+                    self.difference.weights[g * self.difference.n_taps + t].0[lane] = weights[t] as f32;
+                }
+                first_difference = first;
+            }
+            let end = (first + self.value.n_taps as i64).max(first_difference + self.difference.n_taps as i64);
+            window = [window[0].min(first).min(first_difference), window[1].max(end - 1)];
+            firsts.push([first, first_difference]);
+        }
+        let fill = |which: usize, footprint: &mut Footprint| {
+            for g in 0..n_groups {
+                let group = &firsts[g * LANES..(g + 1) * LANES];
+                let base = group.iter().map(|f| f[which]).fold(i64::MAX, i64::min);
+                footprint.base[g] = (base - window[0]) as u32;
+                footprint.set_index(g, Lanes(std::array::from_fn(|i| (group[i][which] - base) as u32)));
+            }
+        };
+        fill(0, &mut self.value);
+        if difference.is_some() {
+            fill(1, &mut self.difference);
+        }
+        window
+    }
+}
+
+/// The places of a mask's ones, from the lowest on.
+#[inline(always)]
+pub fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> + Clone {
+    let mut mask = mask.into();
+    std::iter::from_fn(move || {
+        let next = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        next
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(kernel: Kernel, offset: f64) -> Axis {
+        let difference = Some(Difference::within(GradientScheme::Footprint, offset));
+        Axis { kernel, n_samples: 12, difference, weights: Weights::Exact }
+    }
+
+    /// All tables.
+    fn build(tables: &mut AxisFootprints, axis: &Axis, places: [f64; 2], n_groups: usize) {
+        tables.build(axis, places, n_groups, (1 << n_groups) - 1);
+        tables.make_difference();
+    }
+
+    /// All weights of a position, by sample.
+    fn dense(axis: &Axis, tables: &AxisFootprints, table: &Footprint, i: usize) -> [f64; 40] {
+        let mut dense = [0.0; 40];
+        for t in 0..table.n_taps {
+            let sample = tables.window[0] + (table.first(i) + t) as i64;
+            assert!(sample <= tables.window[1]);
+            dense[fold(axis.kernel, sample, axis.n_samples)] += f64::from(table.weight(i, t));
+        }
+        dense
+    }
+
+    /// The footprint's mass is 1 and its difference's mass is 0, wherever the texel lies between the samples.
+    #[test]
+    fn mass_is_independent_of_the_sub_pixel_offset() {
+        for (name, kernel) in Kernel::NAMES {
+            for offset in [0.1, 0.5, 0.75, 1.0, 1.7, 4.0] {
+                let mut tables = AxisFootprints::default();
+                build(&mut tables, &axis(kernel, offset), [-1.0, 0.037], 25);
+                for i in 0..400 {
+                    let value: f32 = (0..tables.value.n_taps).map(|t| tables.value.weight(i, t)).sum();
+                    let difference: f32 = (0..tables.difference.n_taps).map(|t| tables.difference.weight(i, t)).sum();
+                    assert!((value - 1.0).abs() < 1e-6, "{name} offset {offset} texel {i}: {value}");
+                    assert!(difference.abs() < 1e-5, "{name} offset {offset} texel {i}: {difference}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn differences_of_a_ramp_are_its_slope() {
+        for (name, kernel) in Kernel::NAMES.into_iter().filter(|(_, k)| *k != Kernel::Gaussian) {
+            let mut tables = AxisFootprints::default();
+            // Away from the faces, where the ramp goes on; B-spline coefficients of a ramp are the ramp.
+            build(&mut tables, &axis(kernel, 1.0), [4.0, 0.1], 2);
+            for i in 0..30 {
+                let sample = |t: usize| (tables.window[0] + (tables.difference.first(i) + t) as i64) as f32;
+                let slope: f32 =
+                    (0..tables.difference.n_taps).map(|t| tables.difference.weight(i, t) * sample(t)).sum();
+                assert!((slope - 1.0).abs() < 1e-5, "{name} texel {i}: {slope}");
+            }
+        }
+    }
+
+    /// A group's tables do not depend on which others are made, nor what is reached on whether differences are.
+    #[test]
+    fn groups_are_made_one_by_one() {
+        for (_, kernel) in Kernel::NAMES {
+            for offset in [1.0, 0.4, 2.0] {
+                for places in [[3.1, 0.11], [9.0, -0.3], [30.0, 0.5]] {
+                    let axis = Axis { n_samples: 40, ..axis(kernel, offset) };
+                    let mut all = AxisFootprints::default();
+                    build(&mut all, &axis, places, 4);
+                    for g in 0..4 {
+                        let mut one = AxisFootprints::default();
+                        one.build(&axis, places, 4, 1 << g);
+                        for i in g * LANES..(g + 1) * LANES {
+                            let [a, b] = [&one, &all].map(|tables| {
+                                let (base, reached) = (tables.window[0], tables.reached(i));
+                                base + reached.start as i64..base + reached.end as i64
+                            });
+                            assert_eq!(a, b, "{kernel:?} {offset} {places:?} texel {i}");
+                        }
+                        one.make_difference();
+                        for i in g * LANES..(g + 1) * LANES {
+                            for [a, b] in [[&one.value, &all.value], [&one.difference, &all.difference]] {
+                                assert_eq!(dense(&axis, &one, a, i), dense(&axis, &all, b, i), "{kernel:?} texel {i}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Both ways of building reach the same samples with the same weights.
+    #[test]
+    fn tables_inside_are_the_tables_anywhere() {
+        for (_, kernel) in Kernel::NAMES {
+            for (origin, step) in [(3.1, 0.11), (2.0, 0.25), (8.9, -0.15), (3.0, 0.5)] {
+                let axis = Axis { n_samples: 40, ..axis(kernel, 1.0) };
+                let (mut fast, mut slow) = (AxisFootprints::default(), AxisFootprints::default());
+                build(&mut fast, &axis, [origin, step], 2);
+                slow.value.reset(2, n_taps(kernel));
+                slow.difference.reset(2, n_taps(kernel) + 2);
+                let exact = |x| taps(kernel, x);
+                slow.window = slow.build_anywhere(&axis, [origin, step], 2, axis.difference, exact);
+                for i in 0..2 * LANES {
+                    for (fast_table, slow_table) in [(&fast.value, &slow.value), (&fast.difference, &slow.difference)] {
+                        let (a, b) = (dense(&axis, &fast, fast_table, i), dense(&axis, &slow, slow_table, i));
+                        assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5), "{kernel:?} {origin} {i}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Differences of texels are just that, also beyond the faces; others are those of the values at their ends.
+    #[test]
+    fn differences_are_of_the_values_at_their_ends() {
+        for (_, kernel) in Kernel::NAMES {
+            for weights in [Weights::Exact, Weights::Table { per_sample: 3 }] {
+                for (_, scheme) in GradientScheme::NAMES {
+                    for (offset, step) in [(0.01, 0.3), (1.0, 0.3), (1.0, -0.4), (0.75, 2.5)] {
+                        let difference = Difference::within(scheme, offset);
+                        let axis = Axis { kernel, n_samples: 40, difference: Some(difference), weights };
+                        let mut tables = AxisFootprints::default();
+                        let origin = if step > 0.0 { -1.7 } else { 13.0 };
+                        build(&mut tables, &axis, [origin, step], 2);
+                        let [from, to] = difference.of_step(step).ends();
+                        for i in 0..2 * LANES {
+                            let got = dense(&axis, &tables, &tables.difference, i);
+                            let x = origin + step * i as f64;
+                            let x = if scheme.is_of_sheets() { x } else { x.clamp(0.0, 39.0) };
+                            let mut want = [0.0; 40];
+                            for (end, sign) in [(to, 1.0), (from, -1.0)] {
+                                let (first, taps) = weights.taps(kernel, (x + end).clamp(0.0, 39.0));
+                                let share = sign / (to - from);
+                                for (sample, weight) in (first..).zip(taps) {
+                                    want[fold(kernel, sample, 40)] += share * weight;
+                                }
+                            }
+                            let differs = got.iter().zip(&want).any(|(got, want)| (got - want).abs() > 2e-5 / offset);
+                            assert!(!differs, "{kernel:?} {weights:?} {scheme:?} {offset} {step} texel {i}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn offsets_become_whole_steps() {
+        for (offset, step, want) in [
+            (0.01, 0.25, 0.25),
+            (0.6, 0.25, 0.5),
+            (1.0, -0.25, 1.0),
+            (1.0, 0.3, 0.9),
+            (1.0, 3.0, 3.0),
+            (1.0, 9.0, MAX_GRADIENT_OFFSET),
+            (0.5, 0.0, 0.5),
+        ] {
+            let got = whole_steps(offset, step);
+            assert!((got - want).abs() < 1e-12, "{offset} in steps of {step}: {got}");
+        }
+        assert_eq!(Difference::across(GradientScheme::SheetForward, 0.2, 0.5).ends(), [0.0, 0.5]);
+        assert_eq!(Difference::across(GradientScheme::Footprint, 0.2, 0.5).ends(), [-0.2, 0.2]);
+    }
+
+    #[test]
+    fn slice_taps_leave_out_slices_without_weight() {
+        assert_eq!(axis(Kernel::Linear, 1.0).slice_taps(3.0)[..], [(3, 1.0)]);
+        assert_eq!(axis(Kernel::Linear, 1.0).slice_difference_taps(3.0)[..], [(2, -0.5), (4, 0.5)]);
+        assert_eq!(axis(Kernel::Linear, 1.0).slice_difference_taps(0.0)[..], [(0, -0.5), (1, 0.5)]);
+    }
+}

@@ -1,0 +1,32 @@
+//! Weights of the slices that reach a sheet: the kernel sliced along w.
+
+use std::ops::Deref;
+
+use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
+
+/// One tap along the sheet axis: folded slice index and weight.
+pub type SliceTap = (usize, f32);
+
+/// Slices with their weights.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SliceTaps {
+    pub(super) taps: [SliceTap; MAX_DIFFERENCE_TAPS],
+    pub(super) n: usize,
+}
+
+impl SliceTaps {
+    /// The same slices with the weights' magnitudes.
+    #[must_use]
+    pub fn magnitudes(mut self) -> Self {
+        self.taps.iter_mut().for_each(|(_, weight)| *weight = weight.abs());
+        self
+    }
+}
+
+impl Deref for SliceTaps {
+    type Target = [SliceTap];
+
+    fn deref(&self) -> &[SliceTap] {
+        &self.taps[..self.n]
+    }
+}

@@ -1,0 +1,328 @@
+//! Density -> colour and optical depth, once per texel, after reconstruction.
+//!
+//! The transfer function's opacity `a` per `opacity_unit` becomes the optical depth `τ = −ln(1 − a)`, tabulated with
+//! the colour; a slab of thickness `s` then has opacity `1 − exp(−τ s)` (Engel et al., *Real-Time Volume Graphics*,
+//! 2006, ch. 1). For a sheet crossed at angle θ the thickness is `dz / cos θ`: the view-angle correction of
+//! high-resolution splatting. The exponential is ours, in plain f32 operations, so that every SIMD width gives the
+//! same bits; it keeps its relative precision for thin slabs, which `1 − (1 − a)^s` loses.
+//!
+//! The space between two sheets is pre-integrated where the function is steep (`preintegrate.rs`).
+
+use crate::optics::preintegrate::segment_table;
+use wavesplat_compute::simd::{Math, ROUND};
+use wavesplat_core::TransferFunction;
+
+pub use wavesplat_compute::simd::Entry;
+
+/// Optical depth that stands for opacity 1: opaque at any thickness above 1e-28 units.
+pub const OPAQUE: f64 = 1e30;
+
+/// Entries of the table, at least and at most; and how many the narrowest segment of the curves gets.
+const MIN_ENTRIES: usize = 2048;
+const MAX_ENTRIES: usize = 1 << 16;
+const ENTRIES_PER_SEGMENT: f64 = 16.0;
+
+/// Optical depth of a typical slab that counts as opaque where densities pass it.
+const OPAQUE_SLAB: f64 = 32.0;
+
+/// A transfer function tabulated over densities.
+#[derive(Clone, Debug)]
+pub struct Classifier {
+    /// Red, green, blue, optical depth per `opacity_unit`.
+    pub(super) table: Vec<Entry>,
+    /// Integral of the optical depth; nearest visible density above and below.
+    pub(super) segments: Vec<Entry>,
+    pub(super) lo: f32,
+    pub(super) hi: f32,
+    pub(super) per_density: f32,
+    /// Densities beyond which nothing is visible.
+    pub(super) visible_range: [f32; 2],
+    /// The colour of all that is visible, where there is only one.
+    pub(super) only_color: Option<[f32; 3]>,
+    /// `visible[i]`: how many of the entries before `i` have an opacity.
+    pub(super) visible: Vec<u32>,
+}
+
+impl Classifier {
+    /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
+    /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Grid::density_from_sample`].
+    /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, which tells what counts as opaque.
+    pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2], slab_thickness: f64) -> Self {
+        let (offset, scale) = density_from_sample;
+        let density = |value: f64| (value - offset) * scale;
+        let mut values: Vec<f64> = tf.opacity_nodes().iter().map(|n| n.value).collect();
+        values.extend(tf.color_nodes().iter().map(|n| n.value));
+        values.sort_by(f64::total_cmp);
+        let nodes: Vec<f64> = values.iter().map(|value| density(*value)).collect();
+        let [min, max] = range.map(f64::from);
+        let widened = 0.25 * (max - min);
+        // Beyond the outer nodes the curves are constant, so the table need not go there.
+        let lo = (min - widened).max(nodes[0]);
+        let hi = (max + widened).min(nodes[nodes.len() - 1]);
+        let (lo, hi) = if lo < hi { (lo, hi) } else { (min, max.max(min + min.abs() * 1e-6 + 1e-6)) };
+        let narrowest = nodes
+            .windows(2)
+            .filter(|pair| pair[1] > lo && pair[0] < hi && pair[1] > pair[0])
+            .fold(hi - lo, |narrowest, pair| narrowest.min(pair[1] - pair[0]));
+        let entries = (ENTRIES_PER_SEGMENT * (hi - lo) / narrowest).ceil();
+        let n = (entries.min(MAX_ENTRIES as f64) as usize).max(MIN_ENTRIES);
+        let step = (hi - lo) / n as f64;
+        // The ends are the outer nodes themselves: a value that rounding puts beside one would make all beyond it visible.
+        let value_at = |end: f64, node: usize| if end == nodes[node] { values[node] } else { end / scale + offset };
+        let (first_value, last_value) = (value_at(lo, 0), value_at(hi, nodes.len() - 1));
+        let mut rgba = tf.rgba_in_turn();
+        // Curves are mostly level, and a logarithm takes longer than all the rest.
+        let (mut opacity_before, mut depth) = (0.0, 0.0);
+        let entry = |i: usize| {
+            let share = i as f64 / n as f64;
+            let [r, g, b, opacity] = rgba(first_value * (1.0 - share) + last_value * share);
+            if opacity != opacity_before {
+                (opacity_before, depth) = (opacity, (-(-opacity).ln_1p()).min(OPAQUE));
+            }
+            [r as f32, g as f32, b as f32, depth as f32]
+        };
+        // One entry more than cells, and one more so that the last cell has an upper end at its very end.
+        let table: Vec<Entry> = (0..=n).chain([n]).map(entry).collect();
+        let mut visible = vec![0];
+        for (i, entry) in table.iter().enumerate() {
+            visible.push(visible[i] + u32::from(entry[3] > 0.0));
+        }
+        let only_color = only_color(&table);
+        let density = |i: usize| (lo + i.min(n) as f64 * step) as f32;
+        let first = table.iter().position(|entry| entry[3] > 0.0);
+        let last = table.iter().rposition(|entry| entry[3] > 0.0);
+        let visible_range = match (first, last) {
+            (Some(first), Some(last)) => [
+                if first == 0 { f32::NEG_INFINITY } else { density(first - 1) },
+                if last >= n { f32::INFINITY } else { density(last + 1) },
+            ],
+            _ => [f32::INFINITY, f32::NEG_INFINITY],
+        };
+        let segments = segment_table(&table, density, step, OPAQUE_SLAB / slab_thickness);
+        let (lo, hi) = (lo as f32, hi as f32);
+        Self { table, segments, lo, hi, per_density: (1.0 / step) as f32, visible_range, only_color, visible }
+    }
+
+    /// How much associated colour and opacity of a slab change in all from the least density to the greatest.
+    /// `slab_thickness`: in `opacity_unit`s.
+    pub fn variation(&self, slab_thickness: f64) -> f32 {
+        let slab = |&[r, g, b, depth]: &Entry| {
+            let opacity = -(-f64::from(depth) * slab_thickness).exp_m1() as f32;
+            [r * opacity, g * opacity, b * opacity, opacity]
+        };
+        let mut before = slab(&self.table[0]);
+        let mut variation = 0.0_f32;
+        for pair in self.table.windows(2).filter(|pair| pair[0] != pair[1]) {
+            let own = slab(&pair[1]);
+            variation += (0..4).map(|c| (before[c] - own[c]).abs()).fold(0.0, f32::max);
+            before = own;
+        }
+        variation
+    }
+
+    /// Densities beyond which nothing is visible.
+    pub fn visible_range(&self) -> [f32; 2] {
+        self.visible_range
+    }
+
+    /// Position in the table, `0..=n`.
+    #[inline(always)]
+    fn position(&self, density: f32) -> f32 {
+        let last = (self.table.len() - 2) as f32;
+        ((density - self.lo) * self.per_density).max(0.0).min(last)
+    }
+
+    /// Whether any density of the range has an opacity.
+    pub fn any_opacity(&self, lo: f32, hi: f32) -> bool {
+        let first = self.position(lo) as usize;
+        let last = self.position(hi).ceil() as usize;
+        self.visible[last + 1] > self.visible[first]
+    }
+
+    /// Colour and optical depth of one density.
+    pub fn look_up_one(&self, density: f32) -> Entry {
+        let position = self.position(density);
+        let cell = position as u32 as usize;
+        let t = position - cell as f32;
+        let (a, b) = (&self.table[cell], &self.table[cell + 1]);
+        [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t, a[3] + (b[3] - a[3]) * t]
+    }
+
+    /// Colour and optical depth of densities.
+    #[inline(always)]
+    pub fn look_up<S: Math>(&self, s: S, density: S::F) -> [S::F; 4] {
+        s.look_up(&self.table, self.position_of(s, density))
+    }
+
+    /// Colour of densities; that of an invisible one is any.
+    #[inline(always)]
+    pub fn color<S: Math>(&self, s: S, density: S::F) -> [S::F; 3] {
+        if let Some(color) = self.only_color {
+            return [s.splat(color[0]), s.splat(color[1]), s.splat(color[2])];
+        }
+        let [r, g, b, _] = self.look_up(s, density);
+        [r, g, b]
+    }
+
+    #[inline(always)]
+    pub(super) fn position_of<S: Math>(&self, s: S, density: S::F) -> S::F {
+        s.mul(s.sub(density, s.splat(self.lo)), s.splat(self.per_density))
+    }
+}
+
+/// The colour that all visible parts of a table have.
+fn only_color(table: &[Entry]) -> Option<[f32; 3]> {
+    let mut only = None;
+    for pair in table.windows(2).filter(|pair| pair[0][3] > 0.0 || pair[1][3] > 0.0) {
+        for &[r, g, b, _] in pair {
+            if *only.get_or_insert([r, g, b]) != [r, g, b] {
+                return None;
+            }
+        }
+    }
+    only
+}
+
+/// `1 − exp(−x)` for `x ≥ 0`, to about 1e-7 relative.
+///
+/// Split `x = n ln 2 + r`, `|r| ≤ ln 2 / 2`; then `exp(−x) − 1 = 2^−n (exp(−r) − 1) + (2^−n − 1)`, the bracket by its
+/// Taylor series.
+#[inline(always)]
+pub fn one_minus_exp_neg<S: Math>(s: S, x: S::F) -> S::F {
+    // ln 2 in two parts, so that n · high is exact.
+    const LN2_HIGH: f32 = 0.693_359_4;
+    const LN2_LOW: f32 = -2.121_944_4e-4;
+    macro_rules! c {
+        ($x:expr) => {
+            s.splat($x)
+        };
+    }
+    let x = s.min(x, c!(80.0));
+    let shifted = s.add(s.mul(x, c!(std::f32::consts::LOG2_E)), c!(ROUND));
+    let n = s.sub(shifted, c!(ROUND));
+    let y = s.sub(s.mul(n, c!(LN2_LOW)), s.sub(x, s.mul(n, c!(LN2_HIGH))));
+    let series = s.add_mul(c!(1.0 / 720.0), y, c!(1.0 / 5040.0));
+    let series = s.add_mul(c!(1.0 / 24.0), y, s.add_mul(c!(1.0 / 120.0), y, series));
+    let series = s.add_mul(c!(0.5), y, s.add_mul(c!(1.0 / 6.0), y, series));
+    let series = s.add_mul(y, s.mul(y, y), series);
+    let power = s.exp2_neg(shifted);
+    s.sub(s.sub(c!(1.0), power), s.mul(power, series))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wavesplat_compute::simd::{LANES, Plain};
+    use wavesplat_core::{ColorNode, OpacityNode};
+
+    fn one_minus_exp_neg(x: f32) -> f32 {
+        super::one_minus_exp_neg(Plain, [x; LANES])[0]
+    }
+
+    fn classifier(nodes: &[(f64, f64)], range: [f32; 2]) -> (TransferFunction, Classifier) {
+        let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
+        let color =
+            vec![ColorNode { value: 0.0, rgb: [1.0, 0.5, 0.0] }, ColorNode { value: 200.0, rgb: [0.0, 0.5, 1.0] }];
+        let tf = TransferFunction::new(opacity, color, None).unwrap();
+        let classifier = Classifier::new(&tf, (0.0, 1.0), range, 1.0);
+        (tf, classifier)
+    }
+
+    #[test]
+    fn exponential_is_precise_for_thin_and_thick_slabs() {
+        for i in 0..20_000 {
+            let x = 1e-6_f32 * 1.001_f32.powi(i).min(1e9);
+            let want = -(-f64::from(x)).exp_m1();
+            let got = f64::from(one_minus_exp_neg(x));
+            assert!((got - want).abs() <= 2.5e-7 * want, "{x}: {got} for {want}");
+        }
+        assert_eq!(one_minus_exp_neg(0.0), 0.0);
+        assert_eq!(one_minus_exp_neg(1e30), 1.0);
+        assert_eq!(one_minus_exp_neg(f32::INFINITY), 1.0);
+    }
+
+    #[test]
+    fn the_table_follows_the_curves() {
+        let (tf, classifier) = classifier(&[(20.0, 0.0), (60.0, 0.3), (61.0, 0.9), (180.0, 0.1)], [0.0, 255.0]);
+        for i in 0..5100 {
+            let density = i as f32 * 0.05;
+            let [r, _, b, depth] = classifier.look_up_one(density);
+            let opacity = 1.0 - f64::from(-depth).exp();
+            assert!((opacity - tf.opacity(f64::from(density))).abs() < 4e-3, "{density}: {opacity}");
+            let [want_r, _, want_b] = tf.color(f64::from(density));
+            assert!((f64::from(r) - want_r).abs() < 1e-3 && (f64::from(b) - want_b).abs() < 1e-3, "{density}");
+        }
+    }
+
+    /// Densities of wide types are scaled; rounding must not put the first entry above the node that it stands for.
+    #[test]
+    fn nothing_below_a_step_is_visible_whatever_the_range() {
+        let opacity = [(37.0, 0.0), (38.0, 1.0)].map(|(value, opacity)| OpacityNode { value, opacity });
+        let color = vec![ColorNode { value: 38.0, rgb: [1.0, 0.9, 0.8] }];
+        let tf = TransferFunction::new(opacity.to_vec(), color, None).unwrap();
+        for i in 0..500 {
+            let (min, max) = (-3.0 - f64::from(i) * 0.0137, 150.0 + f64::from(i) * 0.73);
+            let map = (min, 1.0 / (max - min));
+            let classifier = Classifier::new(&tf, map, [0.0, 1.0], 1.0);
+            let density = |value: f64| ((value - map.0) * map.1) as f32;
+            assert!(!classifier.any_opacity(0.0, density(36.9)), "{min} {max}");
+            assert!(classifier.any_opacity(density(37.2), 1.0));
+        }
+    }
+
+    #[test]
+    fn opacity_1_is_opaque_at_any_thickness() {
+        let (_, classifier) = classifier(&[(99.0, 0.0), (100.0, 1.0)], [0.0, 255.0]);
+        for density in [100.0, 100.5, 255.0, 1e9] {
+            assert_eq!(one_minus_exp_neg(classifier.look_up_one(density)[3] * 1e-6), 1.0, "{density}");
+        }
+        assert_eq!(classifier.look_up_one(99.0)[3], 0.0);
+        assert!(!classifier.any_opacity(-10.0, 98.9) && classifier.any_opacity(98.0, 99.5));
+        assert!(!classifier.any_opacity(-10.0, -5.0) && !classifier.any_opacity(99.0, 99.0));
+    }
+
+    /// A passage is the mean of many look-ups, and begins and ends where they see something.
+    #[test]
+    fn a_passage_is_the_mean_of_its_densities() {
+        for nodes in [
+            &[(20.0, 0.0), (60.0, 0.3), (61.0, 0.9), (180.0, 0.1)][..],
+            &[(99.0, 0.0), (100.0, 0.5), (120.0, 0.5), (121.0, 0.0), (200.0, 0.0), (220.0, 0.7)],
+            &[(100.0, 0.4)],
+        ] {
+            let (_, classifier) = classifier(nodes, [0.0, 255.0]);
+            for (from, to) in
+                [(0.0, 255.0), (255.0, 0.0), (90.0, 110.0), (118.0, 260.0), (-60.0, 130.0), (50.0, 50.001)]
+            {
+                let passage = classifier.preintegrate(Plain, [from; LANES], [to; LANES]);
+                let n = 100_000;
+                let at = |k: usize| from + (to - from) * (k as f32 + 0.5) / n as f32;
+                let depths: Vec<f32> = (0..n).map(|k| classifier.look_up_one(at(k))[3]).collect();
+                let mean = depths.iter().map(|d| f64::from(*d)).sum::<f64>() / n as f64;
+                let depth: f32 = passage.depths.iter().map(|d| d[0]).sum();
+                assert!(
+                    (f64::from(depth) - mean).abs() < 2e-3 * (1.0 + mean),
+                    "{nodes:?} {from} {to}: {depth}, {mean}"
+                );
+                if let (Some(first), Some(last)) =
+                    (depths.iter().position(|d| *d > 0.0), depths.iter().rposition(|d| *d > 0.0))
+                {
+                    // To a table entry.
+                    assert!((passage.first[0] - first as f32 / n as f32).abs() < 0.01, "{nodes:?} {from} {to}");
+                    assert!((passage.last[0] - last as f32 / n as f32).abs() < 0.01, "{nodes:?} {from} {to}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curves_that_miss_the_data_are_constant() {
+        for (node, expected) in [(-500.0, 0.7), (500.0, 0.7)] {
+            let opacity = vec![OpacityNode { value: node, opacity: 0.7 }];
+            let tf = TransferFunction::new(opacity, vec![ColorNode { value: node, rgb: [0.2; 3] }], None).unwrap();
+            let classifier = Classifier::new(&tf, (0.0, 1.0), [7.0, 7.0], 1.0);
+            let depth = classifier.look_up_one(7.0)[3];
+            assert!((1.0 - (-depth).exp() - expected as f32).abs() < 1e-6);
+            assert!(classifier.any_opacity(7.0, 7.0));
+        }
+    }
+}

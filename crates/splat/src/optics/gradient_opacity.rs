@@ -1,0 +1,174 @@
+//! What the gradient decides, beside light: gradient opacity, and transfer functions of two dimensions.
+//!
+//! Gradient opacity is a factor of the optical depth by the magnitude of the gradient, so that boundaries stand out and
+//! what is homogeneous recedes (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
+//! properties and of 3D Slicer). The factor scales the extinction, not the opacity of a slab, so that the picture does
+//! not depend on the number of sheets: opacity `α` per unit becomes `1 − (1 − α)^f`, which for faint functions is `f · α`.
+//!
+//! A function of two dimensions ([`wavesplat_core::Joint`]) is tabulated over densities and magnitudes, evenly along
+//! both, and looked up bilinearly.
+
+use glam::DMat3;
+use wavesplat_compute::simd::{ROUND, Wide};
+use wavesplat_core::{Joint, TransferFunction};
+
+use crate::optics::classify::{Entry, OPAQUE};
+use crate::optics::shade::Metric;
+use crate::view::family::Family;
+
+/// Entries of the table of factors.
+const N_ENTRIES: usize = 4096;
+
+/// Entries along an axis of the table of two dimensions: at least, at most, and in the narrowest segment.
+const MIN_SIDE: usize = 128;
+const MAX_SIDE: usize = 512;
+const ENTRIES_PER_SEGMENT: f64 = 16.0;
+
+/// A squared gradient below which the magnitude counts as 0.
+const LEAST: f32 = 1e-36;
+
+/// Tables over the magnitude of the world gradient of densities.
+pub struct GradientOpacity {
+    metric: Metric,
+    kind: Kind,
+}
+
+enum Kind {
+    /// Factors of the optical depth.
+    Factor { table: Vec<Entry>, per_magnitude: f32 },
+    /// Colour and optical depth by both.
+    Both(Table),
+}
+
+impl GradientOpacity {
+    /// `None` where the gradient decides nothing. `density_from_sample`: as of the grid.
+    pub fn new(
+        tf: &TransferFunction,
+        world_from_index: DMat3,
+        family: &Family,
+        density_from_sample: (f64, f64),
+    ) -> Option<Self> {
+        let (_, density_scale) = density_from_sample;
+        let kind = if let Some(joint) = tf.joint() {
+            Kind::Both(Table::new(joint, density_from_sample))
+        } else {
+            // Constant beyond the last node; a curve of one node at 0 is constant everywhere.
+            let last = tf.gradient_nodes().last()?.magnitude;
+            let step = last.max(f64::MIN_POSITIVE) / (N_ENTRIES - 1) as f64;
+            let entry = |i: usize| [tf.gradient_factor(i as f64 * step) as f32, 0.0, 0.0, 0.0];
+            // One entry more, so that the last cell has an upper end at its very end.
+            let table = (0..N_ENTRIES).chain([N_ENTRIES - 1]).map(entry).collect();
+            let per_magnitude = if last > 0.0 { (1.0 / (step * density_scale)) as f32 } else { 0.0 };
+            Kind::Factor { table, per_magnitude }
+        };
+        Some(Self { metric: Metric::new(world_from_index, family), kind })
+    }
+
+    /// Whether colour and opacity are those of both, so that those of the density alone are only bounds.
+    pub fn decides_color(&self) -> bool {
+        matches!(self.kind, Kind::Both(_))
+    }
+
+    /// Colour and optical depth of densities with their index gradients along u, v, w, from those of the density alone.
+    #[inline(always)]
+    pub fn classify<W: Wide>(&self, w: W, density: W::F, gradient: [W::F; 3], of_density: [W::F; 4]) -> [W::F; 4] {
+        let [r, g, b, depth] = of_density;
+        match &self.kind {
+            Kind::Factor { .. } => [r, g, b, w.mul(depth, self.factor(w, gradient))],
+            Kind::Both(table) => table.look_up(w, density, self.magnitude(w, gradient)),
+        }
+    }
+
+    /// The factor for index gradients along u, v, w.
+    #[inline(always)]
+    pub fn factor<W: Wide>(&self, w: W, gradient: [W::F; 3]) -> W::F {
+        let Kind::Factor { table, per_magnitude } = &self.kind else { return w.splat(1.0) };
+        let [factor, _, _, _] = w.look_up(table, w.mul(self.magnitude(w, gradient), w.splat(*per_magnitude)));
+        factor
+    }
+
+    #[inline(always)]
+    fn magnitude<W: Wide>(&self, w: W, gradient: [W::F; 3]) -> W::F {
+        let squared = w.max(self.metric.squared(w, gradient), w.splat(LEAST));
+        w.mul(squared, w.rsqrt(squared))
+    }
+}
+
+/// Colour and optical depth, evenly over densities and magnitudes; rows of densities.
+struct Table {
+    entries: Vec<Entry>,
+    along: [Side; 2],
+}
+
+/// One axis of the table.
+#[derive(Clone, Copy)]
+struct Side {
+    n: usize,
+    first: f64,
+    step: f64,
+}
+
+impl Side {
+    /// From the first node to the last. `scale`: densities per sample unit.
+    fn new(nodes: &[f64]) -> Self {
+        let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+        let extent = last - first;
+        let narrowest = nodes.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > 0.0).fold(extent, f64::min);
+        let wanted = if extent > 0.0 { (ENTRIES_PER_SEGMENT * extent / narrowest).ceil() } else { 0.0 };
+        let n = (wanted.min(MAX_SIDE as f64) as usize).max(MIN_SIDE);
+        Self { n, first, step: extent / (n - 1) as f64 }
+    }
+
+    fn node(&self, i: usize) -> f64 {
+        self.first + i as f64 * self.step
+    }
+}
+
+impl Table {
+    fn new(joint: &Joint, (offset, scale): (f64, f64)) -> Self {
+        let [values, magnitudes] = [Side::new(joint.values()), Side::new(joint.magnitudes())];
+        let entry = |i: usize| {
+            let [r, g, b, opacity] = joint.rgba(values.node(i % values.n), magnitudes.node(i / values.n));
+            [r as f32, g as f32, b as f32, (-(-opacity).ln_1p()).min(OPAQUE) as f32]
+        };
+        // The last entry twice: look-ups read the one after theirs too.
+        let last = values.n * magnitudes.n - 1;
+        let entries = (0..=last).chain([last]).map(entry).collect();
+        let densities = Side { first: (values.first - offset) * scale, step: values.step * scale, ..values };
+        let gradients = Side { first: magnitudes.first * scale, step: magnitudes.step * scale, ..magnitudes };
+        Self { entries, along: [densities, gradients] }
+    }
+
+    /// The cell that holds a position along an axis, and how far in it.
+    #[inline(always)]
+    fn cell<W: Wide>(w: W, side: Side, position: W::F) -> [W::F; 2] {
+        // Added and taken off again, ROUND leaves the nearest whole number.
+        let per_step = if side.step == 0.0 { 0.0 } else { 1.0 / side.step as f32 };
+        let x = w.mul(w.sub(position, w.splat(side.first as f32)), w.splat(per_step));
+        let x = w.min(w.max(x, w.splat(0.0)), w.splat((side.n - 1) as f32));
+        let nearest = w.sub(w.add(x, w.splat(ROUND)), w.splat(ROUND));
+        let below = w.select(w.lt(x, nearest), w.sub(nearest, w.splat(1.0)), nearest);
+        let below = w.min(below, w.splat((side.n - 2) as f32));
+        [below, w.sub(x, below)]
+    }
+
+    /// Four entries at whole positions: between two of them an f32 could not tell places of a large table apart.
+    #[inline(always)]
+    fn look_up<W: Wide>(&self, w: W, density: W::F, magnitude: W::F) -> [W::F; 4] {
+        let [along_row, t] = Self::cell(w, self.along[0], density);
+        let [row, s] = Self::cell(w, self.along[1], magnitude);
+        let n = w.splat(self.along[0].n as f32);
+        let one = w.splat(1.0);
+        let place = w.add(along_row, w.mul(row, n));
+        let above = w.add(place, n);
+        let (a, b) = (w.look_up(&self.entries, place), w.look_up(&self.entries, w.add(place, one)));
+        let (c, d) = (w.look_up(&self.entries, above), w.look_up(&self.entries, w.add(above, one)));
+        let mut mixed = a;
+        for k in 0..4 {
+            let low = w.add_mul(a[k], t, w.sub(b[k], a[k]));
+            let high = w.add_mul(c[k], t, w.sub(d[k], c[k]));
+            mixed[k] = w.add_mul(low, s, w.sub(high, low));
+        }
+        mixed
+    }
+}

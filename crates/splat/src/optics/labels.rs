@@ -1,0 +1,168 @@
+//! Labels: a segmentation beside the scan, with a look for every label.
+//!
+//! Label numbers are never interpolated: what is reconstructed is the coverage `c_l(x)`, the interpolated indicator of
+//! each label. All that is needed of it is linear, so a handful of fields serve any number of labels:
+//!
+//! - `Σ c_l f_l`, what is left of the scan's optical depth (`f_l` its factor in label `l`);
+//! - `Σ c_l f_l t_l` and `Σ c_l f_l t_l rgb_l`, what is tinted of that (`t_l` the share of the tint);
+//! - `Σ c_l τ_l` and `Σ c_l τ_l rgb_l`, the optical depth and colour of the labels' own matter.
+//!
+//! A segmentation is a staircase of samples; the linear kernel keeps the stairs, a blurring one smooths them.
+
+use std::sync::Arc;
+
+use wavesplat_core::{Decoder, Grid, Kernel, LabelLook, Result, Statistics};
+
+use crate::source::field::Field;
+use crate::source::slices::Prepared;
+
+/// Label of every sample, as a place in the list of looks.
+#[derive(Clone, Debug)]
+pub enum Codes {
+    /// Up to 256 looks.
+    U8(Arc<[u8]>),
+    /// More.
+    U16(Arc<[u16]>),
+}
+
+impl Codes {
+    /// The code of a sample.
+    pub fn get(&self, i: usize) -> usize {
+        match self {
+            Self::U8(codes) => usize::from(codes[i]),
+            Self::U16(codes) => usize::from(codes[i]),
+        }
+    }
+}
+
+/// Optical depth that stands for opacity 1: coverage 1 % of it is faint, and a unit of it lets 1e-7 through.
+const OPAQUE: f64 = 16.0;
+
+/// Half distance of the differences for the gradient of own matter, voxels; and where stairs are to be smoothed: wide
+/// enough for the normals to see several of them.
+const GRADIENT_OFFSET: f64 = 1.0;
+const SMOOTH_GRADIENT_OFFSET: f64 = 2.5;
+
+/// Codes, looks and what is made of them.
+pub struct Labels {
+    /// Label of every sample, `[z][y][x]`.
+    pub codes: Codes,
+    /// Looks by code.
+    pub looks: Vec<LabelLook>,
+    /// Reconstruction of coverages.
+    pub kernel: Kernel,
+    grid: Grid,
+    channels: Vec<Arc<Prepared>>,
+    terms: LabelTerms,
+}
+
+/// Which fields hold what; none where no label needs it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LabelTerms {
+    /// What is left of the scan.
+    pub scan: Option<usize>,
+    /// What is tinted of it; red, green and blue follow.
+    pub tint: Option<usize>,
+    /// Optical depth of own matter; red, green and blue follow.
+    pub matter: Option<usize>,
+}
+
+impl LabelTerms {
+    /// The same where other fields come first.
+    #[must_use]
+    pub fn after(self, n_fields: usize) -> Self {
+        let later = |field: Option<usize>| field.map(|field| field + n_fields);
+        Self { scan: later(self.scan), tint: later(self.tint), matter: later(self.matter) }
+    }
+}
+
+/// Optical depth per `opacity_unit` of a label's own matter.
+pub fn own_depth(look: &LabelLook) -> f64 {
+    (-(-look.opacity).ln_1p()).min(OPAQUE)
+}
+
+impl Labels {
+    /// Of the volume on `grid`. `kernel` has non-negative weights. At most about `budget_bytes` of fields are kept.
+    pub fn new(codes: Codes, looks: Vec<LabelLook>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Result<Self> {
+        let mut tables: Vec<Vec<f32>> = Vec::new();
+        let mut add = |of: &dyn Fn(&LabelLook) -> f64| tables.push(looks.iter().map(|look| of(look) as f32).collect());
+        let mut terms = LabelTerms::default();
+        let mut n = 0;
+        let mut take = |count: usize| {
+            n += count;
+            Some(n - count)
+        };
+        if looks.iter().any(|look| look.scan != 1.0) || looks.iter().any(|look| look.tint > 0.0) {
+            terms.scan = take(1);
+            add(&|look| look.scan);
+        }
+        if looks.iter().any(|look| look.tint > 0.0) {
+            terms.tint = take(4);
+            add(&|look| look.scan * look.tint);
+            (0..3).for_each(|c| add(&|look| look.scan * look.tint * look.rgb[c]));
+        }
+        if looks.iter().any(|look| look.opacity > 0.0) {
+            terms.matter = take(4);
+            add(&own_depth);
+            (0..3).for_each(|c| add(&|look| own_depth(look) * look.rgb[c]));
+        }
+        let budget_bytes = budget_bytes / tables.len().max(1);
+        let channel = |table: Vec<f32>| {
+            let (min, max) = table.iter().fold((0.0_f32, 0.0_f32), |(lo, hi), x| (lo.min(*x), hi.max(*x)));
+            let statistics = Statistics { min: f64::from(min), max: f64::from(max), n_nonfinite: 0 };
+            // Values as they are.
+            let grid = Grid::new("labels", grid.size(), grid.world_from_index(), statistics, true)?;
+            let decoder = Channel { codes: codes.clone(), size: grid.size(), table };
+            Ok(Arc::new(Prepared::of_decoder(Arc::new(decoder), &grid, kernel, budget_bytes)))
+        };
+        let channels = tables.into_iter().map(channel).collect::<Result<_>>()?;
+        let statistics = Statistics { min: 0.0, max: OPAQUE, n_nonfinite: 0 };
+        let grid = Grid::new("labels", grid.size(), grid.world_from_index(), statistics, true)?;
+        Ok(Self { codes, looks, kernel, grid, channels, terms })
+    }
+
+    /// Which of the fields hold what.
+    pub fn terms(&self) -> LabelTerms {
+        self.terms
+    }
+
+    /// Half distance of the differences for the gradient of own matter, voxels.
+    pub fn gradient_offset(&self) -> f64 {
+        if self.kernel == Kernel::Linear { GRADIENT_OFFSET } else { SMOOTH_GRADIENT_OFFSET }
+    }
+
+    /// The fields.
+    pub fn fields(&self) -> Vec<Field<'_>> {
+        let field = |(i, channel): (usize, &Arc<Prepared>)| {
+            let gradient_offset = (self.terms.matter == Some(i)).then_some(self.gradient_offset());
+            let slices = channel.slices(&self.grid)?;
+            Some(Field { slices, from_index: [(0.0, 1.0); 3], gradient_offset })
+        };
+        self.channels.iter().enumerate().filter_map(field).collect()
+    }
+}
+
+/// A number for every label, in place of the labels.
+struct Channel {
+    codes: Codes,
+    size: [usize; 3],
+    table: Vec<f32>,
+}
+
+impl Decoder for Channel {
+    fn size(&self) -> [usize; 3] {
+        self.size
+    }
+
+    fn decode(&self, lo: [usize; 3], hi: [usize; 3], out: &mut [f32]) {
+        let [nx, ny, _] = self.size;
+        let row = hi[0] - lo[0];
+        for (r, out) in out.chunks_exact_mut(row).enumerate() {
+            let (y, z) = (lo[1] + r % (hi[1] - lo[1]), lo[2] + r / (hi[1] - lo[1]));
+            let first = (z * ny + y) * nx + lo[0];
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = self.table[self.codes.get(first + i)];
+            }
+        }
+    }
+}

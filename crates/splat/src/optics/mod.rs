@@ -1,0 +1,10 @@
+//! Transfer function, pre-integration, Phong shading, gradient opacity, ambient occlusion, labels: density to light.
+
+pub mod classify;
+pub mod gradient_opacity;
+pub mod labels;
+pub mod modifiers;
+pub mod occlusion;
+pub mod preintegrate;
+pub mod shade;
+pub mod visibility_cache;

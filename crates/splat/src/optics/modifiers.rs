@@ -1,0 +1,106 @@
+//! What few pictures have, at a texel: functions of the gradient, light that is held off, labels.
+//!
+//! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
+//! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour is mixed with
+//! that of the labels that tint it, and labels with an opacity of their own add the matter `Σ c_l τ_l`, with `c_l` the
+//! coverage of label `l` ([`crate::optics::labels`]).
+
+use wavesplat_compute::simd::Wide;
+
+use crate::optics::gradient_opacity::GradientOpacity;
+use crate::optics::labels::LabelTerms;
+use crate::optics::occlusion::LightTerms;
+use crate::optics::shade::Shader;
+use crate::sheet::field_sheets::FieldPoint;
+
+/// All of it; none as a rule.
+#[derive(Default)]
+pub struct Modifiers {
+    /// What the gradient decides.
+    pub by_gradient: Option<GradientOpacity>,
+    /// Which fields hold the light, and how much they count.
+    pub light: Option<LightTerms>,
+    /// Which fields hold the labels.
+    pub labels: Option<LabelTerms>,
+    /// Shades the labels' own matter, where there is light.
+    pub label_shader: Option<Shader>,
+}
+
+/// Colours below this depth do not matter.
+const LEAST: f32 = 1e-20;
+
+impl Modifiers {
+    /// Whether there is any.
+    pub fn any(&self) -> bool {
+        self.by_gradient.is_some() || self.light.is_some() || self.labels.is_some()
+    }
+
+    /// The field of the labels' own matter.
+    #[inline(always)]
+    pub fn matter_field(&self) -> Option<usize> {
+        self.labels.as_ref().and_then(|labels| labels.matter)
+    }
+
+    /// The fields that the scan needs, and those that the labels' own matter needs beside its optical depth.
+    #[inline(always)]
+    pub fn fields(&self, scan: bool, matter: bool) -> impl Iterator<Item = usize> + use<> {
+        let labels = self.labels.unwrap_or_default();
+        let four = |first: Option<usize>| first.map_or(0..0, |first| first..first + 4);
+        let light = self.light.map(|light| [light.openness, light.shadow]).unwrap_or_default();
+        let light = light.into_iter().flatten().map(|(field, _)| field);
+        let of_scan = labels.scan.into_iter().chain(four(labels.tint)).filter(move |_| scan);
+        light.chain(of_scan).chain(four(labels.matter).skip(1).filter(move |_| matter))
+    }
+
+    /// Share of the scan's optical depth that labels leave.
+    #[inline(always)]
+    pub fn scan_share<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> W::F {
+        match self.labels.as_ref().and_then(|labels| labels.scan) {
+            Some(field) => point.value(w, field),
+            None => w.splat(1.0),
+        }
+    }
+
+    /// The scan's colour with the tint of labels.
+    #[inline(always)]
+    pub fn tint<W: Wide>(&self, w: W, rgb: [W::F; 3], point: &FieldPoint<W>) -> [W::F; 3] {
+        let Some(labels) = &self.labels else { return rgb };
+        let Some(tint) = labels.tint else { return rgb };
+        // Shares of what is left of the scan.
+        let of_scan = w.div(w.splat(1.0), w.max(self.scan_share(w, point), w.splat(LEAST)));
+        let kept = w.sub(w.splat(1.0), w.mul(point.value(w, tint), of_scan));
+        let mut tinted = rgb;
+        for c in 0..3 {
+            tinted[c] = w.add_mul(w.mul(rgb[c], kept), point.value(w, tint + 1 + c), of_scan);
+        }
+        tinted
+    }
+
+    /// Optical depth and colour of the labels' own matter.
+    #[inline(always)]
+    pub fn matter<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> Option<(W::F, [W::F; 3])> {
+        let field = self.matter_field()?;
+        let depth = w.max(point.value(w, field), w.splat(0.0));
+        let inverse = w.div(w.splat(1.0), w.max(depth, w.splat(LEAST)));
+        let mut color = [inverse; 3];
+        for c in 0..3 {
+            color[c] = w.mul(point.value(w, field + 1 + c), inverse);
+        }
+        Some((depth, color))
+    }
+
+    /// Factors of all light and of that of the first light.
+    #[inline(always)]
+    pub fn light<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> [Option<W::F>; 2] {
+        let Some(light) = &self.light else { return [None; 2] };
+        [factor(w, light.openness, point), factor(w, light.shadow, point)]
+    }
+}
+
+/// What a field leaves of light.
+#[inline(always)]
+fn factor<W: Wide>(w: W, term: Option<(usize, f32)>, point: &FieldPoint<W>) -> Option<W::F> {
+    let (field, strength) = term?;
+    let held_off = w.sub(w.splat(1.0), point.value(w, field));
+    Some(w.max(w.sub(w.splat(1.0), w.mul(w.splat(strength), held_off)), w.splat(0.0)))
+}

@@ -1,0 +1,112 @@
+//! Pre-integration: opacity and colour of a ray segment between two densities, by integrals of one dimension.
+//!
+//! Between two sheets the density is taken as linear, so all that a ray meets there lies between two densities: the mean
+//! optical depth is a difference of the integral `T(d) = ∫ τ` (the integral form of pre-integration; Engel, Kraus, Ertl
+//! 2001). Tables of one dimension build in the time that it takes to read them.
+
+use crate::optics::classify::{Classifier, Entry};
+use wavesplat_compute::simd::{Math, Wide};
+
+impl Classifier {
+    /// How far densities are below and above the table: at most 0, at least 0.
+    #[inline(always)]
+    fn beyond<S: Math>(&self, s: S, density: S::F) -> [S::F; 2] {
+        let zero = s.splat(0.0);
+        [s.min(s.sub(density, s.splat(self.lo)), zero), s.max(s.sub(density, s.splat(self.hi)), zero)]
+    }
+
+    /// Integral of the optical depth up to a density, and the nearest visible densities above and below it.
+    #[inline(always)]
+    fn integral<S: Math>(&self, s: S, density: S::F) -> [S::F; 3] {
+        let [integral, above, below, _] = s.look_up(&self.segments, self.position_of(s, density));
+        // Beyond the table the optical depth is constant.
+        let [depth_lo, depth_hi] = [self.segments[0][3], self.segments[self.segments.len() - 1][3]];
+        let [under, over] = self.beyond(s, density);
+        let integral = s.add_mul(s.add_mul(integral, under, s.splat(depth_lo)), over, s.splat(depth_hi));
+        let above = if depth_lo > 0.0 { s.add(above, under) } else { above };
+        let below = if depth_hi > 0.0 { s.add(below, over) } else { below };
+        [integral, above, below]
+    }
+
+    /// What rays meet between two densities, where the density is linear in between.
+    #[inline(always)]
+    pub fn preintegrate<S: Wide>(&self, s: S, from: S::F, to: S::F) -> SegmentOpacity<S> {
+        let [integral_from, above_from, below_from] = self.integral(s, from);
+        let [integral_to, above_to, below_to] = self.integral(s, to);
+        let change = s.sub(to, from);
+        let rises = s.lt(s.splat(0.0), change);
+        let inverse = s.div(s.splat(1.0), change);
+        // What is seen first and last: the nearest visible densities inwards from both ends.
+        let first = s.select(rises, above_from, below_from);
+        let last = s.select(rises, below_to, above_to);
+        let (zero, one) = (s.splat(0.0), s.splat(1.0));
+        let first = s.min(s.max(s.mul(s.sub(first, from), inverse), zero), one);
+        let last = s.min(s.max(s.mul(s.sub(last, from), inverse), zero), one);
+        // Densities as good as equal: the optical depth in the middle.
+        let is_level = s.lt(s.abs(change), s.splat(LEVEL / self.per_density));
+        let level = if s.all_bits(is_level) == [0; 2] {
+            zero
+        } else {
+            let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
+            s.mul(level, s.splat(1.0 / N_PARTS as f32))
+        };
+        let first = s.select(is_level, zero, first);
+        let last = s.select(is_level, one, last);
+        let part = s.mul(s.mul(s.sub(last, first), s.splat(1.0 / N_PARTS as f32)), change);
+        let begin = s.add_mul(from, first, change);
+        let mut before = integral_from;
+        let mut depths = [level; N_PARTS];
+        for (k, depth) in depths.iter_mut().enumerate() {
+            let integral = if k + 1 == N_PARTS {
+                integral_to
+            } else {
+                let [integral, _, _] = self.integral(s, s.add_mul(begin, part, s.splat((k + 1) as f32)));
+                integral
+            };
+            *depth = s.select(is_level, level, s.max(s.mul(s.sub(integral, before), inverse), zero));
+            before = integral;
+        }
+        SegmentOpacity { first, last, depths }
+    }
+}
+
+/// Difference of densities, in table entries, below which a difference of integrals is mostly rounding.
+const LEVEL: f32 = 0.25;
+
+/// Equal parts that the visible part of a segments is cut into, to see where its light comes from.
+pub const N_PARTS: usize = 2;
+
+/// What rays meet on their way from one density to another.
+pub struct SegmentOpacity<S: Math> {
+    /// Share of the way where the first visible density is met.
+    pub first: S::F,
+    /// Share of the way where the last visible density is left.
+    pub last: S::F,
+    /// Optical depth per `opacity_unit` of the whole way's length, of each of the visible part's equal parts.
+    pub depths: [S::F; N_PARTS],
+}
+
+/// `(∫ τ, nearest visible density above, nearest below, τ)` at each entry of a table.
+pub(super) fn segment_table(table: &[Entry], density: impl Fn(usize) -> f32, step: f64, opaque: f64) -> Vec<Entry> {
+    let depth = |i: usize| f64::from(table[i][3]).min(opaque);
+    let n = table.len();
+    let mut integral = 0.0;
+    let mut segments: Vec<Entry> = Vec::with_capacity(n);
+    let mut below = f32::NEG_INFINITY;
+    for i in 0..n {
+        // The last entry doubles the one before it.
+        if i > 0 && i + 1 < n {
+            integral += 0.5 * step * (depth(i - 1) + depth(i));
+        }
+        let is_visible = depth(i) > 0.0 || (i > 0 && depth(i - 1) > 0.0);
+        below = if is_visible || i == 0 { density(i) } else { below };
+        segments.push([integral as f32, 0.0, below, depth(i) as f32]);
+    }
+    let mut above = density(n - 1);
+    for i in (0..n).rev() {
+        let is_visible = depth(i) > 0.0 || (i + 1 < n && depth(i + 1) > 0.0);
+        above = if is_visible { density(i) } else { above };
+        segments[i][1] = above;
+    }
+    segments
+}

@@ -1,0 +1,280 @@
+//! Phong shading with the reflection vector, two-sided, as VTK's volume mappers have it.
+//!
+//! `colour · (ambient + Σ diffuse · |n·l| · light) + Σ specular · max(0, r·v)^power · light`, with the normal `n` along
+//! the world gradient, `l` to the light, `v` to the eye and `r = 2 (n·l) n − l`. Two-sided: `r` is the same for `n`
+//! and `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes only the ambient term is left.
+//! The world gradient is the index-space difference times the inverse transpose of `world_from_index`.
+
+use glam::DMat3;
+use wavesplat_compute::simd::{LANES, Simd, Wide};
+use wavesplat_core::{Camera, Projection, Shading};
+
+use crate::view::family::Family;
+use crate::view::index_frame::{light_direction, world_gradient_from_index};
+
+/// `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
+#[derive(Clone, Copy, Debug)]
+pub struct Metric([f32; 6]);
+
+impl Metric {
+    /// For index gradients along u, v, w.
+    pub fn new(world_from_index: DMat3, family: &Family) -> Self {
+        let on_gradient = world_gradient_from_index(world_from_index, family);
+        let metric = on_gradient.transpose() * on_gradient;
+        let twice = |a: usize, b: usize| 2.0 * metric.col(a)[b];
+        let [uu, vv, ww] = [metric.x_axis.x, metric.y_axis.y, metric.z_axis.z];
+        Self([uu, vv, ww, twice(0, 1), twice(0, 2), twice(1, 2)].map(|m| m as f32))
+    }
+
+    /// Squared magnitude of the world gradient.
+    #[inline(always)]
+    pub fn squared<S: Wide>(&self, s: S, gradient: [S::F; 3]) -> S::F {
+        let [gu, gv, gw] = gradient;
+        let [uu, vv, ww, uv, uw, vw] = self.0;
+        let squared = s.mul(gu, dot(s, [uu, uv, uw], gradient));
+        let squared = s.add_mul(squared, gv, s.add(s.mul(s.splat(vv), gv), s.mul(s.splat(vw), gw)));
+        s.add_mul(squared, s.mul(s.splat(ww), gw), gw)
+    }
+}
+
+/// Lights and coefficients with everything turned into world space and f32.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    specular_power: f32,
+    lights: Vec<WorldLight>,
+    metric: Metric,
+    /// Squared world gradients below this are rounding noise.
+    vanishing: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct WorldLight {
+    /// The light's direction as a form on index gradients: `n · l`.
+    on_gradient: [f32; 3],
+    /// The same on view directions as [`Shader::on_gradient`] gives them: `v · l`.
+    on_view: [f32; 3],
+    rgb: [f32; 3],
+    /// Whether all rays run along it.
+    is_at_eye: bool,
+}
+
+/// Densities are f32 sums of a few products: differences below this share of their magnitude are rounding.
+const GRADIENT_NOISE: f64 = 4e-6;
+
+/// Squared world gradient that counts as none: `GRADIENT_NOISE` of the largest density per mean voxel.
+pub fn vanishing_gradient_squared(world_from_index: DMat3, range: [f32; 2]) -> f64 {
+    let magnitude = f64::from(range[0].abs().max(range[1].abs()));
+    let per_world = world_from_index.determinant().abs().cbrt().recip();
+    (GRADIENT_NOISE * magnitude * per_world).powi(2).max(1e-36)
+}
+
+impl Shader {
+    /// `range` bounds the densities.
+    pub fn new(shading: &Shading, camera: &Camera, world_from_index: DMat3, family: &Family, range: [f32; 2]) -> Self {
+        let on_gradient = world_gradient_from_index(world_from_index, family);
+        let is_parallel = matches!(camera.projection(), Projection::Orthographic { .. });
+        let lights = shading.lights.iter().map(|light| {
+            let to_light = light_direction(camera, light);
+            WorldLight {
+                on_gradient: (on_gradient.transpose() * to_light).as_vec3().to_array(),
+                on_view: (on_gradient.inverse() * to_light).as_vec3().to_array(),
+                rgb: light.rgb,
+                is_at_eye: is_parallel && (to_light + camera.forward()).length() < 1e-9,
+            }
+        });
+        Self {
+            ambient: shading.ambient,
+            diffuse: shading.diffuse,
+            specular: shading.specular,
+            specular_power: shading.specular_power,
+            lights: lights.collect(),
+            metric: Metric::new(world_from_index, family),
+            vanishing: vanishing_gradient_squared(world_from_index, range) as f32,
+        }
+    }
+
+    /// Shades. `gradient`: per index along u, v, w; `to_eye`: unit world vectors towards the eye, as a form on
+    /// gradients ([`world_gradient_from_index`]).
+    #[inline(always)]
+    pub fn shade<S: Wide>(&self, s: S, rgb: [S::F; 3], gradient: [S::F; 3], to_eye: [S::F; 3]) -> [S::F; 3] {
+        let (exists, inverse, n_v) = self.normal(s, gradient, to_eye);
+        if let [light] = &self.lights[..]
+            && light.rgb == [1.0; 3]
+        {
+            // The usual light, the same for all colours.
+            let (diffuse, specular) = if light.is_at_eye {
+                let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_v));
+                let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_v), n_v), s.splat(1.0));
+                let reflected = s.max(reflected, s.splat(0.0));
+                (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)))
+            } else {
+                self.terms(s, light, gradient, to_eye, (exists, inverse, n_v))
+            };
+            let lit = s.add(s.splat(self.ambient), diffuse);
+            let [r, g, b] = rgb;
+            return [s.add(s.mul(r, lit), specular), s.add(s.mul(g, lit), specular), s.add(s.mul(b, lit), specular)];
+        }
+        self.sum_lights(s, rgb, gradient, to_eye, (exists, inverse, n_v), None)
+    }
+
+    /// As [`Shader::shade`], where only a share of the first light gets there.
+    #[inline(always)]
+    pub fn shade_in_shadow<S: Wide>(
+        &self,
+        s: S,
+        rgb: [S::F; 3],
+        gradient: [S::F; 3],
+        to_eye: [S::F; 3],
+        share: S::F,
+    ) -> [S::F; 3] {
+        self.sum_lights(s, rgb, gradient, to_eye, self.normal(s, gradient, to_eye), Some(share))
+    }
+
+    /// Whether there is a normal, the inverse magnitude of the gradient, and `n · v`.
+    #[inline(always)]
+    fn normal<S: Wide>(&self, s: S, gradient: [S::F; 3], to_eye: [S::F; 3]) -> (S::M, S::F, S::F) {
+        let [gu, gv, gw] = gradient;
+        let squared = self.metric.squared(s, gradient);
+        let exists = s.lt(s.splat(self.vanishing), squared);
+        let inverse = s.select(exists, s.rsqrt(squared), s.splat(0.0));
+        let n_v = s.mul(s.add(s.add(s.mul(gu, to_eye[0]), s.mul(gv, to_eye[1])), s.mul(gw, to_eye[2])), inverse);
+        (exists, inverse, n_v)
+    }
+
+    /// The sum over all lights; of the first only a share, where one is given.
+    #[inline(always)]
+    fn sum_lights<S: Wide>(
+        &self,
+        s: S,
+        rgb: [S::F; 3],
+        gradient: [S::F; 3],
+        to_eye: [S::F; 3],
+        normal: (S::M, S::F, S::F),
+        first: Option<S::F>,
+    ) -> [S::F; 3] {
+        let mut lit = [s.splat(self.ambient); 3];
+        let mut highlight = [s.splat(0.0); 3];
+        for (k, light) in self.lights.iter().enumerate() {
+            let (mut diffuse, mut specular) = self.terms(s, light, gradient, to_eye, normal);
+            if let Some(share) = first.filter(|_| k == 0) {
+                (diffuse, specular) = (s.mul(diffuse, share), s.mul(specular, share));
+            }
+            for c in 0..3 {
+                lit[c] = s.add_mul(lit[c], diffuse, s.splat(light.rgb[c]));
+                highlight[c] = s.add_mul(highlight[c], specular, s.splat(light.rgb[c]));
+            }
+        }
+        let mut shaded = rgb;
+        for c in 0..3 {
+            shaded[c] = s.add(s.mul(rgb[c], lit[c]), highlight[c]);
+        }
+        shaded
+    }
+}
+
+impl Shader {
+    /// Diffuse and specular term of a light.
+    #[inline(always)]
+    fn terms<S: Wide>(
+        &self,
+        s: S,
+        light: &WorldLight,
+        gradient: [S::F; 3],
+        to_eye: [S::F; 3],
+        (exists, inverse, n_v): (S::M, S::F, S::F),
+    ) -> (S::F, S::F) {
+        let n_l = s.mul(dot(s, light.on_gradient, gradient), inverse);
+        let l_v = dot(s, light.on_view, to_eye);
+        let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_l));
+        let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_l), n_v), l_v);
+        // Without a normal there is no reflection: r·v would be −l·v.
+        let reflected = s.select(exists, s.max(reflected, s.splat(0.0)), s.splat(0.0));
+        (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)))
+    }
+}
+
+#[inline(always)]
+fn dot<S: Wide>(s: S, form: [f32; 3], x: [S::F; 3]) -> S::F {
+    s.add(s.add(s.mul(s.splat(form[0]), x[0]), s.mul(s.splat(form[1]), x[1])), s.mul(s.splat(form[2]), x[2]))
+}
+
+/// Raises numbers to one power: repeated squaring where it is a whole number, the library's power else.
+#[inline(always)]
+fn raise<S: Wide>(s: S, mut x: S::F, power: f32) -> S::F {
+    if power.fract() != 0.0 {
+        let [mut first, mut second] = [[0.0; LANES]; 2];
+        let parts = s.part(x);
+        s.one().store(parts[0], &mut first);
+        s.one().store(parts[1], &mut second);
+        let powers = [first.map(|x| x.powf(power)), second.map(|x| x.powf(power))];
+        return s.join(s.one().load(&powers[0]), s.one().load(&powers[1]));
+    }
+    // From the lowest bit that is set; the square after the highest is not needed.
+    let mut remaining = power as u32;
+    while remaining & 1 == 0 {
+        remaining >>= 1;
+        x = s.mul(x, x);
+    }
+    let mut result = x;
+    while remaining > 1 {
+        remaining >>= 1;
+        x = s.mul(x, x);
+        if remaining & 1 == 1 {
+            result = s.mul(result, x);
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use wavesplat_compute::simd::Plain;
+    use wavesplat_core::Light;
+    use wavesplat_core::LightFrame;
+
+    fn shade_one(shading: &Shading, gradient: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {
+        let projection = Projection::Orthographic { parallel_scale: 1.0 };
+        let camera = Camera::new(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y, projection).unwrap();
+        let family = Family::of(camera.forward());
+        let shader = Shader::new(shading, &camera, DMat3::IDENTITY, &family, [0.0, 255.0]);
+        let all = |x: [f32; 3]| x.map(|x| [x; LANES]);
+        shader.shade(Plain, all([0.5; 3]), all(gradient), all(to_eye)).map(|c| c[0])
+    }
+
+    #[test]
+    fn phong_at_known_angles() {
+        let shading = Shading::default();
+        let facing = shade_one(&shading, [0.0, 0.0, -8.0], [0.0, 0.0, 1.0]);
+        assert!((facing[0] - (0.5 * 0.8 + 0.2)).abs() < 1e-6, "{facing:?}");
+        let turned_away = shade_one(&shading, [0.0, 0.0, 8.0], [0.0, 0.0, 1.0]);
+        assert_eq!(facing, turned_away, "two-sided");
+        let grazing = shade_one(&shading, [3.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        assert!((grazing[0] - 0.05).abs() < 1e-6, "{grazing:?}");
+        // At 30 degrees: diffuse cos 30, specular cos(60)^10.
+        let (s, c) = 30.0_f32.to_radians().sin_cos();
+        let oblique = shade_one(&shading, [s, 0.0, c], [0.0, 0.0, 1.0]);
+        assert!((oblique[0] - (0.5 * (0.1 + 0.7 * c) + 0.2 * 0.5_f32.powi(10))).abs() < 1e-6, "{oblique:?}");
+    }
+
+    #[test]
+    fn a_vanishing_gradient_leaves_the_ambient_term() {
+        for gradient in [[0.0; 3], [1e-9, 0.0, 0.0]] {
+            assert_eq!(shade_one(&Shading::default(), gradient, [0.0, 0.0, 1.0]), [0.05; 3]);
+        }
+    }
+
+    #[test]
+    fn world_lights_have_their_colour_and_powers_may_be_fractions() {
+        let light = Light { frame: LightFrame::World, to_light: DVec3::new(2.0, 0.0, 0.0), rgb: [1.0, 0.5, 0.0] };
+        let shading = Shading { lights: vec![light], specular_power: 2.5, ..Shading::default() };
+        let got = shade_one(&shading, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        for (got, want) in got.iter().zip([0.4, 0.225, 0.05]) {
+            assert!((got - want).abs() < 1e-6, "{got} for {want}");
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What a transfer function shows of a volume: the function tabulated, and which ranges of density are visible.
+//!
+//! Both depend on neither camera nor picture, and one frame after the other asks for the same: a [`VisibilityCache`] keeps
+//! the last few.
+
+use std::ops::Deref;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use wavesplat_core::TransferFunction;
+
+use crate::optics::classify::Classifier;
+use crate::source::min_max_bricks::{Bricks, VisibleRanges};
+use crate::source::slices::Slices;
+
+/// What a transfer function shows of a volume.
+#[derive(Debug)]
+pub struct Visibility {
+    classifier: Classifier,
+    /// Ranges that have an opacity, where that was asked for.
+    visible_ranges: OnceLock<VisibleRanges>,
+    /// How much changes in slabs of as many thicknesses as were asked for, with these: one, and of a level one of the finest.
+    variations: Mutex<Vec<(f64, f32)>>,
+}
+
+impl Visibility {
+    /// That of `slices` by slabs of `slab_thickness`, as of [`Classifier::new`].
+    pub fn new(slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Self {
+        let classifier = Classifier::new(tf, slices.grid().density_from_sample(), slices.range(), slab_thickness);
+        Self { classifier, visible_ranges: OnceLock::new(), variations: Mutex::default() }
+    }
+
+    /// As [`Classifier::variation`].
+    pub fn variation(&self, slab_thickness: f64) -> f32 {
+        let mut variations = self.variations.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, variation)) = variations.iter().find(|(of, _)| *of == slab_thickness) {
+            return *variation;
+        }
+        let variation = self.classifier.variation(slab_thickness);
+        variations.push((slab_thickness, variation));
+        variation
+    }
+
+    /// Which ranges of density have an opacity somewhere, by the bricks of the same slices.
+    pub fn visible_ranges(&self, bricks: &Bricks) -> &VisibleRanges {
+        self.visible_ranges.get_or_init(|| bricks.visible_ranges(|[lo, hi]| self.classifier.any_opacity(lo, hi)))
+    }
+}
+
+impl Deref for Visibility {
+    type Target = Classifier;
+
+    fn deref(&self) -> &Classifier {
+        &self.classifier
+    }
+}
+
+/// What was asked for last, the latest first.
+#[derive(Debug, Default)]
+pub struct VisibilityCache(Mutex<Vec<(Key, Arc<Visibility>)>>);
+
+/// What is tabulated.
+#[derive(Debug, PartialEq)]
+struct Key {
+    slices: u64,
+    tf: TransferFunction,
+    density_from_sample: (f64, f64),
+    slab_thickness: f64,
+}
+
+/// As many are kept: those of a picture that is drawn in some passes, and of others beside it.
+const N_LATEST: usize = 8;
+
+impl VisibilityCache {
+    /// As [`Visibility::new`], or what was made before of the same.
+    pub fn get(&self, slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Arc<Visibility> {
+        let density_from_sample = slices.grid().density_from_sample();
+        let is_known = |key: &Key| {
+            (key.slices, key.density_from_sample, key.slab_thickness)
+                == (slices.id(), density_from_sample, slab_thickness)
+                && key.tf == *tf
+        };
+        let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(k) = latest.iter().position(|(key, _)| is_known(key)) {
+            latest[..=k].rotate_right(1);
+            return latest[0].1.clone();
+        }
+        let visibility = Arc::new(Visibility::new(slices, tf, slab_thickness));
+        let key = Key { slices: slices.id(), tf: tf.clone(), density_from_sample, slab_thickness };
+        latest.insert(0, (key, visibility.clone()));
+        latest.truncate(N_LATEST);
+        visibility
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wavesplat_core::Kernel;
+    use wavesplat_testkit::{Phantom, opacity_ramp};
+
+    use super::*;
+
+    #[test]
+    fn what_was_asked_for_last_is_kept() {
+        let phantom = Phantom::sample([9, 9, 9], glam::DAffine3::IDENTITY, |p| p.x);
+        let volume = phantom.volume();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let cache = VisibilityCache::default();
+        let step = |at: f64| opacity_ramp(&[(at, 0.0), (at + 1.0, 1.0)], None);
+        let first = cache.get(&slices, &step(3.0), 1.0);
+        for (at, thickness) in [(3.0, 0.5), (4.0, 1.0), (2.0, 1.0)] {
+            let other = cache.get(&slices, &step(at), thickness);
+            assert!(!Arc::ptr_eq(&first, &other));
+            assert!(Arc::ptr_eq(&other, &cache.get(&slices, &step(at), thickness)));
+            // Asked for again and again, it stays.
+            assert!(Arc::ptr_eq(&first, &cache.get(&slices, &step(3.0), 1.0)));
+        }
+        (5..13).for_each(|at| drop(cache.get(&slices, &step(f64::from(at)), 1.0)));
+        let again = cache.get(&slices, &step(3.0), 1.0);
+        assert!(!Arc::ptr_eq(&first, &again));
+        let visible_ranges = again.visible_ranges(slices.bricks());
+        assert_eq!(*visible_ranges, slices.bricks().visible_ranges(|[lo, hi]| again.any_opacity(lo, hi)));
+        for thickness in [1.0, 0.25, 1.0] {
+            assert_eq!(again.variation(thickness), again.classifier.variation(thickness));
+        }
+        assert_eq!(again.variations.lock().unwrap().len(), 2);
+        assert_eq!(again.visible_range(), first.visible_range());
+    }
+}

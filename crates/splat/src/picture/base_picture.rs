@@ -1,0 +1,129 @@
+//! A finished base plane: texels are put into it tile by tile.
+
+use glam::DVec2;
+use wavesplat_compute::pages;
+use wavesplat_compute::simd::LANES;
+
+use crate::view::base_plane::BasePlane;
+
+/// Texels that share an entry of [`BasePicture::drawn_cells`], along u and v.
+pub const CELL: [usize; 2] = [LANES, 8];
+
+/// Empty texels on all sides, as many as the filter that reads them reaches from what is empty.
+pub const MARGIN: usize = 3;
+
+/// A finished base plane.
+pub struct BasePicture {
+    /// Its layout.
+    pub plane: BasePlane,
+    /// Rows of texels, the margin included: associated RGBA; projections: density, length of the path, 0, coverage.
+    texels: Vec<[f32; 4]>,
+    /// w of opacity ½ of each texel, NaN where it is not reached; empty where no depth is wanted.
+    pub w_half: Vec<f32>,
+    /// As [`BasePicture::drawn_cells`].
+    drawn: Vec<bool>,
+}
+
+impl BasePicture {
+    /// Nothing drawn.
+    pub fn new(plane: BasePlane, with_depth: bool) -> Self {
+        let [n_u, n_v] = plane.size;
+        let cells = n_cells(&plane);
+        let mut texels = vec![[0.0; 4]; (n_u + 2 * MARGIN) * (n_v + 2 * MARGIN)];
+        pages::prefer_large(&mut texels);
+        Self {
+            plane,
+            texels,
+            w_half: vec![f32::NAN; if with_depth { n_u * n_v } else { 0 }],
+            drawn: vec![false; cells[0] * cells[1]],
+        }
+    }
+
+    /// All texels, row by row, with [`MARGIN`] on all sides; and how many a row has.
+    pub fn with_margin(&self) -> (&[[f32; 4]], usize) {
+        (&self.texels, self.pitch())
+    }
+
+    /// Rows of cells of [`CELL`] texels that have been drawn in, or have a neighbour that was; and how many a row has.
+    pub fn drawn_cells(&self) -> (&[bool], usize) {
+        (&self.drawn, n_cells(&self.plane)[0])
+    }
+
+    fn pitch(&self) -> usize {
+        self.plane.size[0] + 2 * MARGIN
+    }
+
+    /// Rows of texels: associated RGBA; projections: density, length of the path, 0, coverage.
+    pub fn texels(&self) -> Vec<[f32; 4]> {
+        (0..self.plane.size[1]).flat_map(|j| self.row(j)).copied().collect()
+    }
+
+    /// A row of texels, as in [`BasePicture::texels`].
+    pub fn row(&self, j: usize) -> &[[f32; 4]] {
+        &self.texels[(j + MARGIN) * self.pitch() + MARGIN..][..self.plane.size[0]]
+    }
+
+    /// Every `k`th texel along u and along v, from the `first`th on.
+    #[must_use]
+    pub fn every(&self, k: usize, first: usize) -> Self {
+        let mut coarser = Self::new(self.plane.every(k, first), false);
+        let [n_u, n_v] = coarser.plane.size;
+        for j in 0..n_v {
+            let row = self.row(first + k * j);
+            for i in (0..n_u).step_by(LANES) {
+                let chunk = std::array::from_fn(|lane| row.get(first + k * (i + lane)).copied().unwrap_or_default());
+                coarser.put(i, j, &chunk, None);
+            }
+        }
+        coarser
+    }
+
+    /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out, and so is
+    /// a chunk of which nothing is seen.
+    pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
+        if chunk.iter().all(|rgba| rgba[3] == 0.0) {
+            return;
+        }
+        let [n_u, _] = self.plane.size;
+        let n = LANES.min(n_u - i);
+        let first = (j + MARGIN) * self.pitch() + i + MARGIN;
+        self.texels[first..][..n].copy_from_slice(&chunk[..n]);
+        if let (Some(w_half), false) = (w_half, self.w_half.is_empty()) {
+            self.w_half[j * n_u + i..][..n].copy_from_slice(&w_half[..n]);
+        }
+        // The filter reaches two texels further.
+        let [n_cells_u, n_cells_v] = n_cells(&self.plane);
+        let (u, v) = (i / CELL[0], j / CELL[1]);
+        for v in v.saturating_sub(1)..(v + 2).min(n_cells_v) {
+            self.drawn[v * n_cells_u + u.saturating_sub(1)..v * n_cells_u + (u + 2).min(n_cells_u)].fill(true);
+        }
+    }
+
+    /// w of opacity ½ at a texel position: linear where the four texels around it lie on one surface.
+    pub fn w_half(&self, position: DVec2) -> f32 {
+        /// Slice distances within which neighbouring texels count as one surface.
+        const ONE_SURFACE: f32 = 2.0;
+        let [n_u, n_v] = self.plane.size;
+        let floor = position.floor();
+        let (i, j) = (floor.x as i64, floor.y as i64);
+        let at = |i: i64, j: i64| {
+            let inside = i >= 0 && j >= 0 && (i as usize) < n_u && (j as usize) < n_v;
+            if inside { self.w_half[j as usize * n_u + i as usize] } else { f32::NAN }
+        };
+        let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+        let lo = corners.iter().copied().fold(f32::INFINITY, f32::min);
+        let hi = corners.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        if corners.iter().any(|w| w.is_nan()) || hi - lo > ONE_SURFACE {
+            let nearest = position.round();
+            return at(nearest.x as i64, nearest.y as i64);
+        }
+        let (tu, tv) = ((position.x - floor.x) as f32, (position.y - floor.y) as f32);
+        let near = corners[0] + tu * (corners[1] - corners[0]);
+        let far = corners[2] + tu * (corners[3] - corners[2]);
+        near + tv * (far - near)
+    }
+}
+
+fn n_cells(plane: &BasePlane) -> [usize; 2] {
+    [0, 1].map(|axis| plane.size[axis].div_ceil(CELL[axis]))
+}

@@ -1,0 +1,7 @@
+//! Base planes to picture: the warp of shear-warp, supersampling, colours of projections.
+
+pub mod base_picture;
+pub mod color_projection;
+pub mod resample;
+pub mod supersampling;
+pub mod warp;

@@ -1,0 +1,395 @@
+//! The one final resampling: base planes -> picture.
+//!
+//! Each pixel is served by the family of its own ray. Where the base plane is denser than the pixels, a pixel is the mean
+//! of several reads, as many rays per pixel would give: supersampling with a box filter.
+
+use std::ops::Range;
+
+use glam::DVec2;
+use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
+use wavesplat_compute::{filled, parallel};
+
+use crate::picture::base_picture::BasePicture;
+use crate::picture::resample::{FAR, Quads, Resampler};
+use crate::quality::parts::{PART_PX, Parts};
+use crate::view::base_plane::BasePlane;
+use crate::view::family::{Family, IndexRays};
+
+/// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
+pub struct Warped {
+    /// As [`BasePicture::texels`].
+    pub rgba: Vec<[f32; 4]>,
+    /// Index-space position along the pixel's ray of opacity ½, as the ray's parameter; NaN where not reached.
+    pub ray_parameter: Option<Vec<f32>>,
+}
+
+/// Draws the picture, or the parts of it that the base planes are for. `peak`: largest unassociated colour.
+pub fn warp(
+    level: Level,
+    pictures: &[BasePicture],
+    rays: &IndexRays,
+    [width_px, height_px]: [usize; 2],
+    reads_per_axis: usize,
+    peak: f32,
+    with_depth: bool,
+) -> Warped {
+    let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
+    let parts = pictures.first().and_then(|picture| picture.plane.parts.as_deref());
+    let rgba = colors(level, &resamplers, rays, [width_px, height_px], reads_per_axis, peak, parts);
+    let parameters = with_depth.then(|| {
+        let mut parameter = vec![f32::NAN; width_px * height_px];
+        parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
+            for (x, parameter) in row.iter_mut().enumerate() {
+                if parts.is_some_and(|parts| !parts.is_wanted(x, y)) {
+                    continue;
+                }
+                *parameter = ray_parameter(&resamplers, rays, x as f64 + 0.5, y as f64 + 0.5);
+            }
+        });
+        parameter
+    });
+    Warped { rgba, ray_parameter: parameters }
+}
+
+/// The pixels' colours.
+pub(crate) fn colors(
+    level: Level,
+    resamplers: &[Resampler],
+    rays: &IndexRays,
+    [width_px, height_px]: [usize; 2],
+    reads_per_axis: usize,
+    peak: f32,
+    parts: Option<&Parts>,
+) -> Vec<[f32; 4]> {
+    let warping = Warping { resamplers, rays, reads_per_axis, peak, parts };
+    filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
+        warping.draw_band(level, band * BAND, pixels, width_px);
+    })
+}
+
+/// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
+/// plane, and what one has read is near when the next one wants it.
+const BAND: usize = 32;
+const _: () = assert!(BAND.is_multiple_of(PART_PX), "a part lies in one band");
+
+/// What is read.
+struct Warping<'a> {
+    resamplers: &'a [Resampler<'a>],
+    rays: &'a IndexRays,
+    /// Reads of a pixel along x and along y; it is their mean.
+    reads_per_axis: usize,
+    /// Largest unassociated colour.
+    peak: f32,
+    /// What is drawn; `None`: all.
+    parts: Option<&'a Parts>,
+}
+
+impl<'a> Warping<'a> {
+    /// Draws some rows of pixels.
+    fn draw_band(&self, level: Level, first_row: usize, pixels: &mut [[f32; 4]], width_px: usize) {
+        // Parallel rays: positions are affine in the pixel.
+        let parallel = match self.resamplers {
+            [only] if only.picture.plane.eye_w().is_none() => Some((only, Affine::new(&only.picture.plane, self.rays))),
+            _ => None,
+        };
+        let side = if self.parts.is_some() { PART_PX } else { BAND };
+        for (k, pixels) in pixels.chunks_mut(side * width_px).enumerate() {
+            let first_row = first_row + k * side;
+            for x in (0..width_px).step_by(side) {
+                if self.parts.is_some_and(|parts| !parts.is_wanted(x, first_row)) {
+                    continue;
+                }
+                let columns = x..(x + side).min(width_px);
+                let rectangle = Rectangle { columns, first_row, pixels, width_px };
+                if let Some((only, affine)) = &parallel {
+                    self.draw_one(level, rectangle, only, affine);
+                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
+                    if let Some(resampler) = self.resampler(family) {
+                        let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
+                        self.draw_one(level, rectangle, resampler, &slopes);
+                    }
+                } else {
+                    level.dispatch(Draw { warping: self, source: Mixed { warping: self }, rectangle });
+                }
+            }
+        }
+    }
+
+    /// Draws pixels that one base plane serves, where anything of it can be seen.
+    fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) {
+        let [first, others @ ..] = rectangle.corners().map(|[x, y]| map.texel(x, y));
+        let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
+        let drawn = resampler.drawn_between(lo, hi);
+        if !drawn.is_empty() {
+            let source = OnePlane { resampler, map, look: !drawn.is_full() };
+            level.dispatch(Draw { warping: self, source, rectangle });
+        }
+    }
+
+    /// What serves a family, where it has anything.
+    fn resampler(&self, family: Family) -> Option<&'a Resampler<'a>> {
+        self.resamplers.iter().find(|r| r.picture.plane.family == family)
+    }
+}
+
+/// Some columns of some rows of pixels.
+struct Rectangle<'a> {
+    /// Which columns.
+    columns: Range<usize>,
+    /// The row of the picture that is the first here.
+    first_row: usize,
+    /// The rows.
+    pixels: &'a mut [[f32; 4]],
+    /// Pixels from a row to the next.
+    width_px: usize,
+}
+
+impl Rectangle<'_> {
+    /// Its corners, as pixel positions.
+    fn corners(&self) -> [[f64; 2]; 4] {
+        let n_rows = self.pixels.len() / self.width_px;
+        let [x, last_x] = [self.columns.start, self.columns.end].map(|edge| edge as f64);
+        let [y, last_y] = [self.first_row, self.first_row + n_rows].map(|edge| edge as f64);
+        [[x, y], [last_x, y], [x, last_y], [last_x, last_y]]
+    }
+}
+
+/// Draws a rectangle.
+struct Draw<'a, R> {
+    warping: &'a Warping<'a>,
+    source: R,
+    rectangle: Rectangle<'a>,
+}
+
+impl<R: Source> Kernel for Draw<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { warping, source, rectangle } = self;
+        draw_means(
+            s,
+            warping.reads_per_axis,
+            rectangle,
+            #[inline(always)]
+            |at, n| source.read(s, at, n, warping.peak),
+        );
+    }
+}
+
+/// Draws pixels as means of `per_axis` reads along x and as many along y.
+#[inline(always)]
+fn draw_means<S: Simd>(
+    s: S,
+    per_axis: usize,
+    rectangle: Rectangle<'_>,
+    read: impl Fn([f64; 2], usize) -> Option<Quads<S>>,
+) {
+    let Rectangle { columns, first_row, pixels, width_px } = rectangle;
+    for (k, row) in pixels.chunks_exact_mut(width_px).enumerate() {
+        for x in columns.clone().step_by(LANES) {
+            let n = LANES.min(columns.end - x);
+            // The picture is only written to, and only where something is seen.
+            if let Some(seen) = mean(s, per_axis, &read, [x, first_row + k], n) {
+                put(s, &seen, &mut row[x..x + n]);
+            }
+        }
+    }
+}
+
+/// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `n`: how many of them there are.
+#[inline(always)]
+fn mean<S: Simd>(
+    s: S,
+    per_axis: usize,
+    read: &impl Fn([f64; 2], usize) -> Option<Quads<S>>,
+    [x, y]: [usize; 2],
+    n: usize,
+) -> Option<Quads<S>> {
+    let share = s.splat(1.0 / (per_axis * per_axis) as f32);
+    let within = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / per_axis as f64;
+    let mut sum = None;
+    for k in 0..per_axis * per_axis {
+        let read = read([within(x, k % per_axis), within(y, k / per_axis)], n);
+        if per_axis == 1 {
+            return read;
+        }
+        sum = add(s, sum, share, read);
+    }
+    sum
+}
+
+/// Writes as many of sixteen pixels as there is room for.
+#[inline(always)]
+fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
+    let mut some = [[0.0; 4]; LANES];
+    let all = pixels.first_chunk_mut().unwrap_or(&mut some);
+    for (k, quad) in all.as_flattened_mut().as_chunks_mut().0.iter_mut().enumerate() {
+        s.store(quads[k], quad);
+    }
+    if pixels.len() < LANES {
+        pixels.copy_from_slice(&some[..pixels.len()]);
+    }
+}
+
+/// A sum of reads with a share of one more.
+#[inline(always)]
+fn add<S: Simd>(s: S, sum: Option<Quads<S>>, share: S::F, read: Option<Quads<S>>) -> Option<Quads<S>> {
+    let Some(mut quads) = read else { return sum };
+    for k in 0..quads.len() {
+        quads[k] = match &sum {
+            Some(sum) => s.add_mul(sum[k], share, quads[k]),
+            None => s.mul(share, quads[k]),
+        };
+    }
+    Some(quads)
+}
+
+/// Where pixels are read from.
+trait Source {
+    /// Sixteen pixels of a row, the first of them at a picture position; `None` where nothing can be seen. `n`: how many
+    /// of them there are.
+    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>>;
+}
+
+/// One base plane serves all pixels.
+struct OnePlane<'a, M> {
+    resampler: &'a Resampler<'a>,
+    map: &'a M,
+    /// Whether something may not be there.
+    look: bool,
+}
+
+impl<M: Map> Source for OnePlane<'_, M> {
+    #[inline(always)]
+    fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>> {
+        let (base, positions) = self.map.positions(s, at);
+        self.resampler.read(s, base, positions, 0..n, self.look, peak)
+    }
+}
+
+/// Every pixel is served by the base plane of its own ray.
+struct Mixed<'a> {
+    warping: &'a Warping<'a>,
+}
+
+impl Source for Mixed<'_> {
+    #[inline(always)]
+    fn read<S: Simd>(&self, s: S, [x, y]: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>> {
+        let warping = self.warping;
+        let mut sum = None;
+        // Runs of pixels of one base plane.
+        let mut first = 0;
+        while first < n {
+            let (family, n_of_it) = warping.rays.families_along_x([x + first as f64, y], n - first);
+            let lanes = first..first + n_of_it;
+            first = lanes.end;
+            let Some(resampler) = warping.resampler(family) else { continue };
+            let texels = resampler.picture.plane.texels_from_pixels(warping.rays, [x, y]);
+            let base = base_of(DVec2::new(texels[0][lanes.start], texels[1][lanes.start]));
+            // Those of other base planes see nothing of this one.
+            let mut positions = [[FAR; LANES]; 2];
+            for axis in 0..2 {
+                for lane in lanes.clone() {
+                    positions[axis][lane] = (texels[axis][lane] - f64::from(base[axis])) as f32;
+                }
+            }
+            let positions = [s.load(&positions[0]), s.load(&positions[1])];
+            sum = add(s, sum, s.splat(1.0), resampler.read(s, base, positions, lanes, true, peak));
+        }
+        sum
+    }
+}
+
+/// Texel positions of pixel positions.
+trait Map {
+    /// Of one.
+    fn texel(&self, x: f64, y: f64) -> DVec2;
+    /// Of sixteen from one on along x, counted from whole texels.
+    fn positions<S: Simd>(&self, s: S, at: [f64; 2]) -> ([i32; 2], [S::F; 2]);
+}
+
+/// Those of parallel rays.
+struct Affine {
+    /// Of the first pixel's middle.
+    origin: DVec2,
+    per_x: DVec2,
+    per_y: DVec2,
+}
+
+impl Affine {
+    fn new(plane: &BasePlane, rays: &IndexRays) -> Self {
+        let at = |x: f64, y: f64| plane.texel_from_pixel(rays, x, y);
+        let origin = at(0.5, 0.5);
+        let (per_x, per_y) = (snapped(at(1.5, 0.5) - origin), snapped(at(0.5, 1.5) - origin));
+        Self { origin: snapped(origin), per_x, per_y }
+    }
+}
+
+impl Map for Affine {
+    #[inline(always)]
+    fn texel(&self, x: f64, y: f64) -> DVec2 {
+        self.origin + self.per_x * (x - 0.5) + self.per_y * (y - 0.5)
+    }
+
+    #[inline(always)]
+    fn positions<S: Simd>(&self, s: S, [x, y]: [f64; 2]) -> ([i32; 2], [S::F; 2]) {
+        let at = self.texel(x, y);
+        let base = base_of(at);
+        let begin = [s.splat((at.x - f64::from(base[0])) as f32), s.splat((at.y - f64::from(base[1])) as f32)];
+        let steps = [s.splat(self.per_x.x as f32), s.splat(self.per_x.y as f32)];
+        let number = s.load(&NUMBERS);
+        (base, [s.add_mul(begin[0], steps[0], number), s.add_mul(begin[1], steps[1], number)])
+    }
+}
+
+/// Those of rays from an eye.
+struct Slopes<'a> {
+    plane: &'a BasePlane,
+    rays: &'a IndexRays,
+}
+
+impl Map for Slopes<'_> {
+    fn texel(&self, x: f64, y: f64) -> DVec2 {
+        self.plane.texel_from_pixel(self.rays, x, y)
+    }
+
+    #[inline(always)]
+    fn positions<S: Simd>(&self, s: S, at: [f64; 2]) -> ([i32; 2], [S::F; 2]) {
+        let texels = self.plane.texels_from_pixels(self.rays, at);
+        let base = base_of(DVec2::new(texels[0][0], texels[1][0]));
+        let mut positions = [[0.0; LANES]; 2];
+        for axis in 0..2 {
+            for k in 0..LANES {
+                positions[axis][k] = (texels[axis][k] - f64::from(base[axis])) as f32;
+            }
+        }
+        (base, [s.load(&positions[0]), s.load(&positions[1])])
+    }
+}
+
+/// The number of each lane.
+const NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// The texel before a position, or one that is as far away as it gets.
+fn base_of(at: DVec2) -> [i32; 2] {
+    let limit = f64::from(FAR);
+    [at.x, at.y].map(|x| x.floor().clamp(-limit, limit) as i32)
+}
+
+/// A position on a texel, but for rounding, is on it, so that the texel is read to the bit: multiples of 2^−30 texels.
+fn snapped(texels: DVec2) -> DVec2 {
+    const PER_TEXEL: f64 = (1 << 30) as f64;
+    (texels * PER_TEXEL).round() / PER_TEXEL
+}
+
+/// `t` of `origin + t · direction` at opacity ½.
+fn ray_parameter(resamplers: &[Resampler<'_>], rays: &IndexRays, x: f64, y: f64) -> f32 {
+    let family = Family::of(rays.direction(x, y));
+    let serving = resamplers.iter().find(|r| r.picture.plane.family == family);
+    let Some(Resampler { picture, .. }) = serving else { return f32::NAN };
+    let w = f64::from(picture.w_half(picture.plane.texel_from_pixel(rays, x, y)));
+    let [_, _, origin_w] = picture.plane.family.uvw(rays.origin(x, y));
+    let [_, _, direction_w] = picture.plane.family.uvw(rays.direction(x, y));
+    ((w - origin_w) / direction_w) as f32
+}

@@ -1,0 +1,109 @@
+//! What a composite operator is: how the sheets of a tile become one value per ray, slab by slab, front to back.
+//!
+//! Positions are `s`, the slice coordinate w with the sign that makes it grow along the ray.
+
+use crate::sheet::buffer::Sheet;
+use crate::sheet::field_sheets::{FieldSheets, FieldSlices};
+use crate::sheet::tile_layout::{Block, Chunk};
+use crate::sheet::tile_rays::Rays;
+use crate::source::geometry::SheetGeometry;
+use crate::source::transposed::TransposedSlices;
+use wavesplat_compute::simd::{LANES, Lanes, Simd};
+
+/// The space between two consecutive sheets of a tile.
+pub struct Slab<'a> {
+    /// Positions of the front and the back sheet.
+    pub s: [f32; 2],
+    /// Whether nothing follows the back sheet.
+    pub is_last: bool,
+    /// The sheet in front.
+    pub front: &'a mut Sheet,
+    /// The sheet behind.
+    pub back: &'a mut Sheet,
+    /// For reconstructing chunks.
+    pub geometry: &'a SheetGeometry<'a>,
+    /// Samples that both sheets are made of.
+    pub panel: &'a TransposedSlices,
+    /// The fields on the sheet in front and on that behind, and where they lie.
+    pub fields: [&'a mut FieldSheets; 2],
+    /// For reconstructing chunks of fields.
+    pub field_geometries: &'a [SheetGeometry<'a>],
+    /// Samples that the sheets of fields are made of.
+    pub field_panels: &'a FieldSlices,
+}
+
+impl Slab<'_> {
+    /// Makes the gradient of a block ready on the sheet in front (0) or that behind (1).
+    #[inline(always)]
+    pub fn prepare_gradient(&mut self, which: usize, block: Block) {
+        let sheet = if which == 0 { &mut *self.front } else { &mut *self.back };
+        sheet.prepare_gradient(self.geometry, self.panel, block);
+    }
+}
+
+/// Densities of a chunk on both sheets, and where neither reaches a hole.
+pub struct Ends {
+    /// On the sheet in front.
+    pub front: [f32; LANES],
+    /// On the sheet behind.
+    pub back: [f32; LANES],
+    /// Lanes that reach no hole, as bits.
+    pub whole: u16,
+}
+
+impl Ends {
+    /// Of a slab in which densities are ready.
+    #[inline(always)]
+    pub fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
+        let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
+        s.store(slab.front.density(s, [chunk; 2]), &mut front);
+        s.store(slab.back.density(s, [chunk; 2]), &mut back);
+        let whole = if slab.geometry.slices.has_mask() {
+            !s.bits(s.or(slab.front.hole(s, [chunk; 2]), slab.back.hole(s, [chunk; 2])))
+        } else {
+            u16::MAX
+        };
+        Self { front, back, whole }
+    }
+}
+
+/// The result of a chunk of rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Texels {
+    /// Associated RGBA; projections: density, length of the path, 0, coverage.
+    pub rgba: [[f32; 4]; LANES],
+    /// Position of opacity ½, NaN where it is not reached; only of operators that have a surface, where it is wanted.
+    pub s_half: Option<[f32; LANES]>,
+}
+
+impl Texels {
+    /// Colours, and where opacity is ½.
+    pub fn new(rgba: &[Lanes; 4], s_half: Option<&Lanes>) -> Self {
+        let [r, g, b, a] = rgba;
+        Self { rgba: std::array::from_fn(|i| [r.0[i], g.0[i], b.0[i], a.0[i]]), s_half: s_half.map(|s| s.0) }
+    }
+}
+
+/// An operator at work on one tile.
+pub trait Compositor {
+    /// Whether the sheet behind is looked at too, even if another slab follows.
+    fn looks_behind(&self) -> bool {
+        true
+    }
+    /// Whether no ray of the chunk can change any more.
+    fn is_done(&self, chunk: Chunk) -> bool;
+    /// Adds the space between two sheets, front to back, to a chunk. Densities are ready on those sheets that are looked
+    /// at. Spaces in which nothing is visible may be left out. `#[inline(always)]`.
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab);
+    /// The same for those chunks of a block that are neither done nor missed.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        for chunk in block.chunks() {
+            if !rays.none(chunk) && !self.is_done(chunk) {
+                self.add_chunk(s, chunk, rays, slab);
+            }
+        }
+    }
+    /// The result of a chunk.
+    fn finish(&self, chunk: Chunk) -> Texels;
+}

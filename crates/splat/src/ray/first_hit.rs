@@ -1,0 +1,94 @@
+//! First hit: the first crossing of an iso-value, shaded there.
+
+use wavesplat_compute::simd::{LANES, Lanes, Simd};
+
+use crate::optics::classify::Classifier;
+use crate::optics::shade::Shader;
+use crate::ray::compositor::Slab;
+use crate::ray::compositor::{Compositor, Ends, Texels};
+use crate::ray::over::between;
+use crate::sheet::tile_layout::Chunk;
+use crate::sheet::tile_rays::Rays;
+
+/// The first surface of one density.
+pub struct FirstHit<'a> {
+    iso: f32,
+    rgb: [f32; 3],
+    shader: Option<&'a Shader>,
+    rgba: Vec<[Lanes; 4]>,
+    s_hit: Vec<Lanes>,
+    hit: Vec<u16>,
+    done: Vec<bool>,
+}
+
+impl<'a> FirstHit<'a> {
+    /// `iso` is a density.
+    pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>) -> Self {
+        let [r, g, b, _] = classifier.look_up_one(iso);
+        Self {
+            iso,
+            rgb: [r, g, b],
+            shader,
+            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
+            s_hit: vec![Lanes::splat(f32::NAN); Chunk::N],
+            hit: vec![0; Chunk::N],
+            done: vec![false; Chunk::N],
+        }
+    }
+}
+
+impl Compositor for FirstHit<'_> {
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
+    }
+
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        let [s_front, s_back] = slab.s;
+        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
+        let [lo, hi] = rays.lanes(chunk);
+        let mut at = [0.0; LANES];
+        let mut new = 0;
+        for i in 0..LANES {
+            let (a, b) = (front[i] - self.iso, back[i] - self.iso);
+            // A surface is crossed, from either side; a ray that starts inside has met a cut face, not a surface.
+            let crosses = (a < 0.0) != (b < 0.0);
+            at[i] = a / (a - b);
+            let place = s_front + (s_back - s_front) * at[i];
+            let inside = place >= lo.0[i] && place <= hi.0[i];
+            new |= u16::from(crosses && inside) << i;
+        }
+        new &= whole & !self.hit[chunk.index()] & !rays.missed(chunk);
+        if new == 0 {
+            return;
+        }
+        let mut rgb = [s.splat(self.rgb[0]), s.splat(self.rgb[1]), s.splat(self.rgb[2])];
+        if let Some(shader) = self.shader {
+            slab.prepare_gradient(0, chunk.block());
+            slab.prepare_gradient(1, chunk.block());
+            let front = slab.front.gradient(s, [chunk; 2]);
+            let back = slab.back.gradient(s, [chunk; 2]);
+            let at = s.load(&at);
+            let gradient = between(s, front, back, at);
+            rgb = shader.shade(s, rgb, gradient, rays.to_eye(s, [chunk; 2]));
+        }
+        let rgba = &mut self.rgba[chunk.index()];
+        let mut shaded = [[1.0; LANES]; 4];
+        for c in 0..3 {
+            s.store(rgb[c], &mut shaded[c]);
+        }
+        for i in (0..LANES).filter(|i| new >> i & 1 == 1) {
+            for c in 0..4 {
+                rgba[c].0[i] = shaded[c][i];
+            }
+            self.s_hit[chunk.index()].0[i] = s_front + (s_back - s_front) * at[i];
+        }
+        self.hit[chunk.index()] |= new;
+        self.done[chunk.index()] = self.hit[chunk.index()] | rays.missed(chunk) == u16::MAX;
+    }
+
+    fn finish(&self, chunk: Chunk) -> Texels {
+        Texels::new(&self.rgba[chunk.index()], Some(&self.s_hit[chunk.index()]))
+    }
+}

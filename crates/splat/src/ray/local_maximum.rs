@@ -1,0 +1,70 @@
+//! Local maximum: the first one along a ray that reaches a threshold, and the global one where none does.
+//!
+//! What is near and bright enough hides what is brighter behind it, which a maximum projection cannot show. A ray keeps
+//! the largest density so far; once that has reached the threshold, the first density below it ends the ray. Source:
+//! Sato et al., *Local maximum intensity projection (LMIP)*, J. Computer Assisted Tomography 22(6), 1998.
+
+use wavesplat_compute::simd::{LANES, Lanes, Simd};
+
+use crate::ray::compositor::Slab;
+use crate::ray::compositor::{Compositor, Texels};
+use crate::ray::project::DrawnSegment;
+use crate::sheet::tile_layout::Chunk;
+use crate::sheet::tile_rays::Rays;
+
+/// Densities that differ by less, relative to their size, are the same: reconstruction rounds to f32 a few times, and a
+/// plateau on the way up must not look like a maximum.
+const ROUNDING: f32 = 1e-6;
+
+/// The rays of a tile.
+pub struct LocalMaximum {
+    /// A density.
+    threshold: f32,
+    /// The largest density so far; −∞ where nothing was drawn.
+    highest: Vec<Lanes>,
+    /// Rays that have found their maximum, as bits.
+    found: Vec<u16>,
+    done: Vec<bool>,
+}
+
+impl LocalMaximum {
+    /// `threshold` is a density.
+    pub fn new(threshold: f32) -> Self {
+        let highest = vec![Lanes::splat(f32::NEG_INFINITY); Chunk::N];
+        Self { threshold, highest, found: vec![0; Chunk::N], done: vec![false; Chunk::N] }
+    }
+}
+
+impl Compositor for LocalMaximum {
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
+    }
+
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        let segment = DrawnSegment::new(s, chunk, rays, slab);
+        let highest = &mut self.highest[chunk.index()].0;
+        let mut found = self.found[chunk.index()];
+        for densities in [&segment.near, &segment.far] {
+            let mut falls = 0;
+            for i in 0..LANES {
+                let is_drawn = segment.length[i] > 0.0;
+                let least = highest[i] - ROUNDING * highest[i].abs();
+                let falls_here = is_drawn && highest[i] >= self.threshold && densities[i] < least;
+                falls |= u16::from(falls_here) << i;
+                let goes_on = is_drawn && found >> i & 1 == 0 && !falls_here;
+                highest[i] = if goes_on { highest[i].max(densities[i]) } else { highest[i] };
+            }
+            found |= falls;
+        }
+        self.found[chunk.index()] = found;
+        self.done[chunk.index()] = found | rays.missed(chunk) == u16::MAX;
+    }
+
+    fn finish(&self, chunk: Chunk) -> Texels {
+        let highest = &self.highest[chunk.index()].0;
+        let texel = |i: usize| if highest[i] > f32::NEG_INFINITY { [highest[i], 0.0, 0.0, 1.0] } else { [0.0; 4] };
+        Texels { rgba: std::array::from_fn(texel), s_half: None }
+    }
+}

@@ -1,0 +1,7 @@
+//! Compositing along rays: over, projections (MIP and others), first hit of an isosurface, local maximum.
+
+pub mod compositor;
+pub mod first_hit;
+pub mod local_maximum;
+pub mod over;
+pub mod project;

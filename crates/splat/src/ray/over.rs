@@ -1,0 +1,482 @@
+//! Composite operators: how the sheets of a tile become one value per ray.
+//!
+//! *over*, front to back with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`. Each sheet
+//! stands for the slab half way to its neighbours. Where the transfer function is steep, so that opacity or colour can
+//! change by a visible amount from sheet to sheet, the space between two sheets is one slab of linear density instead,
+//! pre-integrated (Engel, Kraus, Ertl 2001), with colour and gradient from where most of its light comes from: a hard
+//! surface is found, and shaded, where it is, and few sheets give what many did.
+//!
+//! Projections ([`crate::ray::project`]) keep one density per ray, *first hit* ([`crate::ray::first_hit`]) looks for the first
+//! crossing of an iso-value and shades there; both take the density as linear between sheets.
+//!
+//! Positions here are `s`, the slice coordinate w with the sign that makes it grow along the ray.
+
+use std::ops::Range;
+
+use wavesplat_compute::simd::{Lanes, Pair, Simd, Wide};
+
+use crate::optics::classify::{Classifier, one_minus_exp_neg};
+use crate::optics::modifiers::Modifiers;
+use crate::optics::preintegrate::N_PARTS;
+use crate::optics::shade::Shader;
+use crate::ray::compositor::{Compositor, Slab, Texels};
+use crate::sheet::field_sheets::{FieldPoint, FieldValues};
+use crate::sheet::tile_layout::Block;
+use crate::sheet::tile_layout::Chunk;
+use crate::sheet::tile_rays::Rays;
+
+/// Emission and absorption. `EXTRA`: with what few pictures have; a constant, so that the others do not pay for it.
+pub struct Over<'a, const EXTRA: bool> {
+    classifier: &'a Classifier,
+    shader: Option<&'a Shader>,
+    extras: &'a Modifiers,
+    /// The fields on the sheet in front and on that behind, where they were read last.
+    here: [FieldValues; 2],
+    /// Whether slabs are pre-integrated.
+    is_steep: bool,
+    opaque: f32,
+    with_depth: bool,
+    rgba: Vec<[Lanes; 4]>,
+    s_half: Vec<Lanes>,
+    done: Vec<bool>,
+}
+
+/// One chunk, or two; then both are of one block.
+type Chunks = [Chunk; 2];
+
+/// A piece of the chunks' rays, ready to be composited.
+struct Piece<W: Wide> {
+    rgb: [W::F; 3],
+    alpha: W::F,
+    /// Where opacity begins and how far it extends along s.
+    from: W::F,
+    extent: W::F,
+}
+
+impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
+    /// Nothing drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
+    /// `with_depth`: whether `s_half` is wanted.
+    pub fn new(
+        classifier: &'a Classifier,
+        shader: Option<&'a Shader>,
+        extras: &'a Modifiers,
+        is_steep: bool,
+        opaque: f32,
+        with_depth: bool,
+    ) -> Self {
+        Self {
+            classifier,
+            shader,
+            extras,
+            here: Default::default(),
+            is_steep,
+            opaque,
+            with_depth,
+            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
+            s_half: vec![Lanes::splat(f32::NAN); if with_depth { Chunk::N } else { 0 }],
+            done: vec![false; Chunk::N],
+        }
+    }
+
+    /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
+    #[inline(always)]
+    fn add_sheet<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        rays: &Rays,
+        slab: &mut Slab,
+        (which, [from, to]): (usize, [f32; 2]),
+    ) {
+        let geometry = slab.geometry;
+        let density = if which == 0 { slab.front.density(w, chunks) } else { slab.back.density(w, chunks) };
+        let scan_ahead = self.see(w, chunks, rays, [density; 2]) != [false; 2];
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, which..which + 1);
+        if !scan_ahead && !matter_ahead {
+            return;
+        }
+        if EXTRA {
+            self.read_fields(w, chunks, slab, which..which + 1, [scan_ahead, matter_ahead]);
+        }
+        let needs_gradient = self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some());
+        // Before anything else is at hand that a call would have to put aside.
+        if needs_gradient {
+            slab.prepare_gradient(which, chunks[0].block());
+        }
+        let sheet = if which == 0 { &*slab.front } else { &*slab.back };
+        let (from, mut extent) = extent(w, chunks, rays, [from, to]);
+        if geometry.slices.has_mask() {
+            extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
+        }
+        let length = w.mul(extent, rays.thickness(w, chunks));
+        let mut classified = self.classifier.look_up(w, density);
+        let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
+        let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
+        if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
+            classified = by_gradient.classify(w, density, gradient, classified);
+            let [.., depth] = classified;
+            if !matter_ahead && self.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
+                return;
+            }
+        }
+        let [r, g, b, mut depth] = classified;
+        let point = FieldPoint::on(&self.here[which]);
+        if EXTRA {
+            depth = w.mul(depth, if scan_ahead { self.extras.scan_share(w, &point) } else { w.splat(0.0) });
+        }
+        let mut alpha = one_minus_exp_neg(w, w.mul(depth, length));
+        let to_eye = rays.to_eye(w, chunks);
+        let mut rgb = [w.splat(0.0); 3];
+        if !EXTRA || scan_ahead {
+            rgb = self.shade(w, [r, g, b], gradient, to_eye, &point);
+        }
+        if EXTRA
+            && matter_ahead
+            && let Some(matter) = self.extras.matter(w, &point)
+        {
+            (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
+        }
+        self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
+    }
+
+    /// Composites the space between two sheets with a density that is linear in between.
+    #[inline(always)]
+    fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
+        let geometry = slab.geometry;
+        let [s_front, s_back] = slab.s;
+        let front = slab.front.density(w, chunks);
+        let back = slab.back.density(w, chunks);
+        let scan_ahead = self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) != [false; 2];
+        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, 0..2);
+        if !scan_ahead && !matter_ahead {
+            return;
+        }
+        if EXTRA {
+            self.read_fields(w, chunks, slab, 0..2, [scan_ahead, matter_ahead]);
+        }
+        // Before anything else is at hand that a call would have to put aside.
+        if self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some()) {
+            slab.prepare_gradient(0, chunks[0].block());
+            slab.prepare_gradient(1, chunks[0].block());
+        }
+        let (from, mut extent) = extent(w, chunks, rays, slab.s);
+        if geometry.slices.has_mask() {
+            let hole = w.or(slab.front.hole(w, chunks), slab.back.hole(w, chunks));
+            extent = w.select(hole, w.splat(0.0), extent);
+        }
+        // The densities where the drawn part begins and ends.
+        let per_s = w.splat(1.0 / (s_back - s_front));
+        let change = w.sub(back, front);
+        let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
+        let end = w.add_mul(begin, extent, per_s);
+        let passage = self.classifier.preintegrate(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
+        // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
+        // the front of an opaque one.
+        let whole_length = w.mul(extent, rays.thickness(w, chunks));
+        let mut length = whole_length;
+        if EXTRA {
+            // What holds in the middle of what is visible.
+            let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
+            let at = w.add_mul(begin, middle, w.mul(extent, per_s));
+            if let Some(by_gradient) = &self.extras.by_gradient {
+                let front = slab.front.gradient(w, chunks);
+                let back = slab.back.gradient(w, chunks);
+                length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
+            }
+            let share =
+                if scan_ahead { self.extras.scan_share(w, &FieldPoint::between(&self.here, at)) } else { w.splat(0.0) };
+            length = w.mul(length, share);
+        }
+        let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
+        for (k, depth) in passage.depths.into_iter().enumerate() {
+            let depth = w.mul(depth, length);
+            let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
+            let mean = w.div(w.splat(1.0), w.add_mul(w.splat(2.0), w.splat(0.75), depth));
+            moment = w.add_mul(moment, share, w.mul(w.add(w.splat(k as f32), mean), w.splat(1.0 / N_PARTS as f32)));
+            alpha = w.add(alpha, share);
+        }
+        let is_seen = w.lt(w.splat(0.0), alpha);
+        let mean = w.select(is_seen, w.div(moment, alpha), w.splat(0.5));
+        let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
+        let at = w.add_mul(begin, within, w.mul(extent, per_s));
+        let rgb = self.classifier.color(w, w.add_mul(front, at, change));
+        let mut gradient = None;
+        if self.shader.is_some() {
+            let front = slab.front.gradient(w, chunks);
+            let back = slab.back.gradient(w, chunks);
+            gradient = Some(between(w, front, back, at));
+        }
+        let to_eye = rays.to_eye(w, chunks);
+        let mut rgb = if !EXTRA || scan_ahead {
+            self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at))
+        } else {
+            [w.splat(0.0); 3]
+        };
+        let mut visible = (
+            w.add_mul(from, passage.first, extent),
+            w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
+        );
+        if EXTRA {
+            let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
+            let point = FieldPoint::between(&self.here, middle);
+            if matter_ahead && let Some(matter) = self.extras.matter(w, &point) {
+                (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, to_eye, &point);
+                visible = (from, extent);
+            }
+        }
+        let (from, extent) = visible;
+        self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
+    }
+
+    /// Reads what of the fields the scan and the labels' own matter need that are not read yet, on the sheets in front
+    /// (0) and behind (1).
+    #[inline(always)]
+    fn read_fields<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        slab: &mut Slab,
+        which: Range<usize>,
+        [scan, matter]: [bool; 2],
+    ) {
+        let from = (slab.field_geometries, slab.field_panels);
+        for k in which {
+            for field in self.extras.fields(scan, matter) {
+                slab.fields[k].read(w, from, field, chunks, &mut self.here[k]);
+            }
+            if matter
+                && self.extras.label_shader.is_some()
+                && let Some(field) = self.extras.matter_field()
+            {
+                slab.fields[k].read_gradient(w, from, field, chunks, &mut self.here[k]);
+            }
+        }
+    }
+
+    /// The scan's colour in the light that gets to a point.
+    #[inline(always)]
+    fn shade<W: Wide>(
+        &self,
+        w: W,
+        rgb: [W::F; 3],
+        gradient: Option<[W::F; 3]>,
+        to_eye: [W::F; 3],
+        point: &FieldPoint<W>,
+    ) -> [W::F; 3] {
+        if !EXTRA {
+            return match self.shader.zip(gradient) {
+                Some((shader, gradient)) => shader.shade(w, rgb, gradient, to_eye),
+                None => rgb,
+            };
+        }
+        let rgb = self.extras.tint(w, rgb, point);
+        lit(w, rgb, self.shader.zip(gradient), to_eye, self.extras.light(w, point))
+    }
+
+    /// Whether any ray that is not done can see labels' own matter on the sheets in front (0) and behind (1), which is
+    /// read.
+    #[inline(always)]
+    fn see_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: Range<usize>) -> bool {
+        let Some(field) = self.extras.matter_field() else { return false };
+        let from = (slab.field_geometries, slab.field_panels);
+        let mut most = w.splat(0.0);
+        for k in which {
+            slab.fields[k].read(w, from, field, chunks, &mut self.here[k]);
+            most = w.max(most, self.here[k].value(w, field));
+        }
+        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
+    }
+
+    /// Mixes the labels' own matter into what the scan has in the same space.
+    #[inline(always)]
+    fn add_matter<W: Wide>(
+        &self,
+        w: W,
+        (rgb, alpha): ([W::F; 3], W::F),
+        (depth, color): (W::F, [W::F; 3]),
+        length: W::F,
+        to_eye: [W::F; 3],
+        point: &FieldPoint<W>,
+    ) -> ([W::F; 3], W::F) {
+        let own = one_minus_exp_neg(w, w.mul(depth, length));
+        let shader = self.extras.label_shader.as_ref().zip(Some(point.gradient(w)));
+        let color = lit(w, color, shader, to_eye, self.extras.light(w, point));
+        let sum = w.add(alpha, own);
+        let share = w.select(w.lt(w.splat(0.0), sum), w.div(own, sum), w.splat(0.0));
+        let mut mixed = rgb;
+        for c in 0..3 {
+            mixed[c] = w.add_mul(rgb[c], share, w.sub(color[c], rgb[c]));
+        }
+        (mixed, w.sub(sum, w.mul(alpha, own)))
+    }
+
+    #[inline(always)]
+    fn add_piece<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, piece: &Piece<W>) {
+        let places = [chunks[0].index(), chunks[1].index()];
+        let s = w.one();
+        let ([r, g, b, a], [r2, g2, b2, a2]) = (&self.rgba[places[0]], &self.rgba[places[1]]);
+        let before = w.join(s.load(&a.0), s.load(&a2.0));
+        let weight = w.mul(w.sub(w.splat(1.0), before), piece.alpha);
+        let [red, green, blue] = piece.rgb;
+        let red = w.part(w.add_mul(w.join(s.load(&r.0), s.load(&r2.0)), weight, red));
+        let green = w.part(w.add_mul(w.join(s.load(&g.0), s.load(&g2.0)), weight, green));
+        let blue = w.part(w.add_mul(w.join(s.load(&b.0), s.load(&b2.0)), weight, blue));
+        let after = w.add(before, weight);
+        let alpha = w.part(after);
+        for k in 0..W::N {
+            let [r, g, b, a] = &mut self.rgba[places[k]];
+            s.store(red[k], &mut r.0);
+            s.store(green[k], &mut g.0);
+            s.store(blue[k], &mut b.0);
+            s.store(alpha[k], &mut a.0);
+        }
+        if self.with_depth {
+            // Inside the piece opacity is taken to grow evenly.
+            let half = w.splat(0.5);
+            let share = w.div(w.sub(half, before), weight);
+            let crossed = w.and(w.lt(before, half), w.le(half, after));
+            let place = w.add_mul(piece.from, share, piece.extent);
+            let s_half = w.load_from(&self.s_half, places);
+            w.store_to(w.select(crossed, place, s_half), &mut self.s_half, places);
+        }
+        // Rays that never meet the volume do not keep a chunk alive.
+        let opaque = w.all_bits(w.le(w.splat(self.opaque), after));
+        for k in 0..W::N {
+            self.done[places[k]] = opaque[k] | rays.missed(chunks[k]) == u16::MAX;
+        }
+    }
+
+    /// Whether any ray of each chunk that is not done can see something of densities from the first to the second.
+    #[inline(always)]
+    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, [lo, hi]: [W::F; 2]) -> [bool; 2] {
+        let [least, most] = self.classifier.visible_range();
+        self.see_where(w, chunks, rays, w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most))))
+    }
+
+    /// Whether any ray of each chunk that is not done can see something of the space between two sheets.
+    #[inline(always)]
+    fn see_slab<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, slab: &Slab) -> [bool; 2] {
+        let (front, back) = (slab.front.density(w, chunks), slab.back.density(w, chunks));
+        self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)])
+    }
+
+    /// Whether any ray of each chunk that is not done is among some.
+    #[inline(always)]
+    fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> [bool; 2] {
+        let [first, second] = [&self.rgba[chunks[0].index()][3].0, &self.rgba[chunks[1].index()][3].0];
+        let alpha = w.join(w.one().load(first), w.one().load(second));
+        let is_open = w.lt(alpha, w.splat(self.opaque));
+        let [first, second] = w.all_bits(w.and(visible, is_open));
+        [first & !rays.missed(chunks[0]) != 0, second & !rays.missed(chunks[1]) != 0]
+    }
+}
+
+/// A colour in light of which a part is held off: all of it, and that of the first light.
+#[inline(always)]
+fn lit<W: Wide>(
+    w: W,
+    rgb: [W::F; 3],
+    shader: Option<(&Shader, [W::F; 3])>,
+    to_eye: [W::F; 3],
+    [open, first]: [Option<W::F>; 2],
+) -> [W::F; 3] {
+    let rgb = match (shader, first) {
+        (Some((shader, gradient)), Some(first)) => shader.shade_in_shadow(w, rgb, gradient, to_eye, first),
+        (Some((shader, gradient)), None) => shader.shade(w, rgb, gradient, to_eye),
+        (None, Some(first)) => scaled(w, rgb, first),
+        (None, None) => rgb,
+    };
+    match open {
+        Some(open) => scaled(w, rgb, open),
+        None => rgb,
+    }
+}
+
+/// A vector times a number.
+#[inline(always)]
+fn scaled<W: Wide>(w: W, [x, y, z]: [W::F; 3], factor: W::F) -> [W::F; 3] {
+    [w.mul(x, factor), w.mul(y, factor), w.mul(z, factor)]
+}
+
+/// Part of the way from one vector to another.
+#[inline(always)]
+pub fn between<W: Wide>(w: W, from: [W::F; 3], to: [W::F; 3], share: W::F) -> [W::F; 3] {
+    let ([a, b, c], [d, e, f]) = (from, to);
+    [w.add_mul(a, share, w.sub(d, a)), w.add_mul(b, share, w.sub(e, b)), w.add_mul(c, share, w.sub(f, c))]
+}
+
+/// Where the drawn part of each ray's `[from, to]` begins, and its length.
+#[inline(always)]
+fn extent<W: Wide>(w: W, chunks: Chunks, rays: &Rays, [from, to]: [f32; 2]) -> (W::F, W::F) {
+    if rays.all_draw(chunks[0], from, to) && rays.all_draw(chunks[1], from, to) {
+        return (w.splat(from), w.splat(to - from));
+    }
+    let [lo, hi] = rays.interval(w, chunks);
+    let from = w.max(w.splat(from), lo);
+    let to = w.min(w.splat(to), hi);
+    (from, w.max(w.sub(to, from), w.splat(0.0)))
+}
+
+impl<const EXTRA: bool> Over<'_, EXTRA> {
+    /// Adds a slab to one chunk or two.
+    #[inline(always)]
+    fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
+        if self.is_steep {
+            return self.add_slab(w, chunks, rays, slab);
+        }
+        let [s_front, s_back] = slab.s;
+        let half = 0.5 * (s_back - s_front);
+        self.add_sheet(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
+        if slab.is_last {
+            // No slab follows whose front this sheet would be.
+            self.add_sheet(w, chunks, rays, slab, (1, [s_back - half, s_back]));
+        }
+    }
+}
+
+impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
+    fn looks_behind(&self) -> bool {
+        self.is_steep
+    }
+
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.done[chunk.index()]
+    }
+
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        self.add_chunks(s, [chunk; 2], rays, slab);
+    }
+
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        for [first, second] in block.pairs() {
+            let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
+            // Two at a time, where that pays for the code it takes.
+            if EXTRA {
+                for (chunk, is_alive) in [(first, one), (second, other)] {
+                    if is_alive {
+                        self.add_chunk(s, chunk, rays, slab);
+                    }
+                }
+                continue;
+            }
+            // Of a hard surface one of them often sees nothing.
+            let seen = if one && other && self.is_steep {
+                self.see_slab(Pair(s), [first, second], rays, slab)
+            } else {
+                [one, other]
+            };
+            match seen {
+                [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab),
+                [false, false] => {}
+                [one, _] => self.add_chunk(s, if one { first } else { second }, rays, slab),
+            }
+        }
+    }
+
+    fn finish(&self, chunk: Chunk) -> Texels {
+        Texels::new(&self.rgba[chunk.index()], self.s_half.get(chunk.index()))
+    }
+}

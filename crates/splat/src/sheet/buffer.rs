@@ -1,0 +1,379 @@
+//! The sheet of one tile: densities, and their gradient, at every texel of a plane parallel to the slices.
+//!
+//! Separable: slices are combined along w at sample resolution, then rows along u, then columns along v, so a tricubic
+//! kernel costs 4 + 4 + 4 taps per texel at most, and less where texels are denser than samples. The gradient comes
+//! from difference footprints along each axis; through the sheet it needs no neighbouring sheet.
+//!
+//! A tile is cut into strips of [`LANES`] texels along u; a strip's row is what kernels work on at once, a *chunk*.
+//! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
+
+use std::ops::Range;
+use wavesplat_compute::simd::{LANES, Lanes, Math, Simd, Wide};
+
+use crate::kernel::footprint::{AxisFootprints, Footprint, MAX_DIFFERENCE_TAPS, bits};
+use crate::kernel::noise::{NoisySheet, sheet_number};
+use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
+use crate::sheet::upsample::Upsample;
+use crate::source::geometry::SheetGeometry;
+use crate::source::transposed::TransposedSlices;
+use crate::source::window::Window;
+
+/// Numbers that combined slices are padded with, so that whole vectors can be read from any sample on.
+const PADDING: usize = LANES + 12;
+
+/// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
+#[derive(Default)]
+pub struct Sheet {
+    pub(super) w: f64,
+    pub(super) u: AxisFootprints,
+    pub(super) v: AxisFootprints,
+    /// The part of the tile's samples that is combined.
+    part: Option<SampleRectangle>,
+    pub(super) stride: usize,
+    pub(super) n_v: usize,
+    /// Rows of a strip that are upsampled along u: one per sample row.
+    pub(super) n_rows: usize,
+    /// Position of the tile's first texel and distance to the next, samples; only with noise.
+    pub(super) first_texel: [f64; 2],
+    pub(super) texel_step: [f64; 2],
+    /// Combined slices at sample resolution: density, derivative through the sheet, holes.
+    pub(super) density: Vec<f32>,
+    pub(super) through: Vec<f32>,
+    pub(super) holes: Vec<f32>,
+    pub(super) has_through: bool,
+    /// The same upsampled along u, strip by strip: density, derivative along u, derivative through the sheet, holes.
+    pub(super) density_u: Vec<Lanes>,
+    pub(super) along_u: Vec<Lanes>,
+    pub(super) through_u: Vec<Lanes>,
+    pub(super) holes_u: Vec<Lanes>,
+    /// Which of those rows every row of texels is made of, for values and for differences along v.
+    rows: Vec<RowTaps>,
+    difference_rows: Vec<RowTaps>,
+    /// Sample rows that have been upsampled: densities, derivatives.
+    pub(super) has_density_u: Vec<bool>,
+    pub(super) has_gradient_u: Vec<bool>,
+    /// Blocks that it is made for.
+    pub(super) blocks: BlockMask,
+    /// Blocks whose sample rows have been upsampled.
+    pub(super) has_density: BlockMask,
+    pub(super) has_gradient: BlockMask,
+}
+
+/// The footprint of a row of texels, as blending reads it: in one place.
+#[derive(Clone, Copy, Default)]
+struct RowTaps {
+    first: usize,
+    weights: [f32; MAX_DIFFERENCE_TAPS],
+}
+
+impl RowTaps {
+    /// Those of the rows of blocks.
+    fn fill(rows: &mut Vec<Self>, footprint: &Footprint, blocks: BlockMask) {
+        rows.resize(TILE_V, Self::default());
+        for b in block_rows(blocks) {
+            for row in b * BLOCK_V..(b + 1) * BLOCK_V {
+                let RowTaps { first, weights } = &mut rows[row];
+                *first = footprint.first(row);
+                (0..footprint.n_taps).for_each(|t| weights[t] = footprint.weight(row, t));
+            }
+        }
+    }
+}
+
+/// Rows and columns of combined slices, counted from the tile's first sample.
+#[derive(Clone)]
+struct SampleRectangle {
+    u: Range<usize>,
+    v: Range<usize>,
+}
+
+impl Sheet {
+    /// Combines the slices that reach the sheet at `w` for those `blocks` of the tile whose first texel is `first`.
+    pub fn combine(
+        &mut self,
+        geometry: &SheetGeometry,
+        panel: &TransposedSlices,
+        w: f64,
+        first: [usize; 2],
+        blocks: BlockMask,
+    ) {
+        self.combine_with(geometry, panel, None, w, first, blocks);
+    }
+
+    /// As [`Sheet::combine`], with the weights of a sheet at the same place ([`SheetGeometry::has_weights_of`]).
+    pub fn combine_with(
+        &mut self,
+        geometry: &SheetGeometry,
+        panel: &TransposedSlices,
+        weights: Option<&Self>,
+        w: f64,
+        [i0, j0]: [usize; 2],
+        blocks: BlockMask,
+    ) {
+        self.has_density = 0;
+        self.has_gradient = 0;
+        let ([(u0, du), (v0, dv)], w) = geometry.sheet(w);
+        self.w = w;
+        let [axis_u, axis_v, axis_w] = &geometry.axes;
+        let strips = (0..N_STRIPS).filter(|s| blocks >> (s * N_BLOCKS_V) & ((1 << N_BLOCKS_V) - 1) != 0);
+        let rows = block_rows(blocks);
+        match weights {
+            Some(weights) => {
+                self.u.copy(axis_u, &weights.u);
+                self.v.copy(axis_v, &weights.v);
+            }
+            None => geometry.level.run(
+                #[inline(always)]
+                || {
+                    let groups_v = rows.clone().fold(0, |all, b| all | 1 << (b * BLOCK_V / LANES));
+                    let groups_u = strips.clone().fold(0, |all, s| all | 1 << s);
+                    self.u.build(axis_u, [u0 + du * i0 as f64, du], N_STRIPS, groups_u);
+                    self.v.build(axis_v, [v0 + dv * j0 as f64, dv], TILE_V / LANES, groups_v);
+                },
+            ),
+        }
+        let n_u = (self.u.window[1] - self.u.window[0] + 1) as usize;
+        self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
+        self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);
+        // With noise: a row per texel row, of values, and another, of derivatives along v.
+        self.n_rows = if geometry.noisy_entries.is_some() { 2 * TILE_V } else { self.n_v };
+        for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u] {
+            rows.resize(N_STRIPS * self.n_rows, Lanes::default());
+        }
+        for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
+            flags.clear();
+            flags.resize(N_STRIPS * self.n_rows, false);
+        }
+        self.density.resize(self.stride * self.n_v, 0.0);
+        self.has_through = false;
+        // Positions rise or fall with the texel.
+        let columns = strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
+        let rows = rows.flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]);
+        let part = SampleRectangle { u: reached(&self.u, columns), v: reached(&self.v, rows) };
+        let taps = axis_w.slice_taps(w);
+        let axes = geometry.plane.family.axes;
+        let (first, window) = self.place(&part);
+        let density = &mut self.density[first..];
+        if !panel.combine(geometry, &taps, window, density, self.stride) {
+            let soon = geometry.slice_behind(&taps);
+            geometry.slices.combine(geometry.level, axes, &taps, soon, window, density, self.stride);
+        }
+        if geometry.slices.has_mask() {
+            self.holes.resize(self.stride * self.n_v, 0.0);
+            self.holes_u.resize(N_STRIPS * self.n_rows, Lanes::default());
+            // A hole counts wherever it has a weight, of either sign.
+            let taps = taps.magnitudes();
+            geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
+        }
+        self.part = Some(part);
+        if geometry.noisy_entries.is_some() {
+            self.u.make_difference();
+            self.v.make_difference();
+            // Texels are splatted one by one, and stand where their sample rows would.
+            self.first_texel = [u0 + du * i0 as f64, v0 + dv * j0 as f64];
+            self.texel_step = [du, dv];
+            self.v.value.make_one_to_one(TILE_V / LANES, 0);
+            self.v.difference.make_one_to_one(TILE_V / LANES, TILE_V);
+        }
+        self.blocks = blocks;
+        RowTaps::fill(&mut self.rows, &self.v.value, blocks);
+    }
+
+    /// First number and samples of a part.
+    fn place(&self, part: &SampleRectangle) -> (usize, Window) {
+        let window = |axis: &AxisFootprints, range: &Range<usize>| {
+            [axis.window[0] + range.start as i64, axis.window[0] + range.end as i64 - 1]
+        };
+        let first = part.v.start * self.stride + part.u.start;
+        (first, Window { u: window(&self.u, &part.u), v: window(&self.v, &part.v) })
+    }
+
+    /// Makes the densities of blocks ready. After [`Sheet::combine`] for them.
+    pub fn prepare(&mut self, geometry: &SheetGeometry, blocks: BlockMask) {
+        let blocks = blocks & !self.has_density;
+        if blocks == 0 {
+            return;
+        }
+        self.has_density |= blocks;
+        if let Some(per_sample) = geometry.noisy_entries {
+            bits(blocks).for_each(|place| self.splat_density(geometry, per_sample, Block::new(place)));
+            return;
+        }
+        geometry.level.dispatch(Upsample::<false> { sheet: self, geometry, blocks });
+    }
+
+    /// Makes the gradient of a block ready. After [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn prepare_gradient(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices, block: Block) {
+        if self.has_gradient & block.mask() == 0 {
+            self.make_gradient(geometry, panel, block);
+        }
+    }
+
+    /// By itself, so that compositing stays small: compilers keep more of what it works on in registers.
+    #[inline(never)]
+    fn make_gradient(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices, block: Block) {
+        let blocks = block.mask();
+        self.has_gradient |= blocks;
+        if !self.has_through {
+            self.combine_through(geometry, panel);
+            geometry.level.run(
+                #[inline(always)]
+                || {
+                    self.u.make_difference();
+                    self.v.make_difference();
+                },
+            );
+            RowTaps::fill(&mut self.difference_rows, &self.v.difference, self.blocks);
+        }
+        if let Some(per_sample) = geometry.noisy_entries {
+            return self.splat_gradient(geometry, per_sample, block);
+        }
+        geometry.level.dispatch(Upsample::<true> { sheet: self, geometry, blocks });
+    }
+
+    /// What noisy texels are splatted by.
+    fn noisy<'g>(&self, geometry: &'g SheetGeometry, per_sample: u32) -> NoisySheet<'g> {
+        let [u, v, _] = &geometry.axes;
+        let first = [self.u.window[0], self.v.window[0]];
+        NoisySheet { axes: [u, v], per_sample, sheet: sheet_number(self.w), first, stride: self.stride }
+    }
+
+    /// Rows of a block with noise, the place of each and the positions of its texels.
+    fn texels(&self, block: Block) -> impl Iterator<Item = (usize, [[f64; 2]; LANES])> + use<> {
+        let ([u, v], [du, dv]) = (self.first_texel, self.texel_step);
+        let (strip, n_rows) = (block.strip, self.n_rows);
+        block.rows().map(move |row| {
+            let at = |lane: usize| [u + du * (strip * LANES + lane) as f64, v + dv * row as f64];
+            (strip * n_rows + row, std::array::from_fn(at))
+        })
+    }
+
+    /// Densities of a block with noise.
+    #[inline(never)]
+    fn splat_density(&mut self, geometry: &SheetGeometry, per_sample: u32, block: Block) {
+        let noisy = self.noisy(geometry, per_sample);
+        for (place, texels) in self.texels(block) {
+            self.density_u[place] = Lanes(texels.map(|at| noisy.value(&self.density, at) as f32));
+            if geometry.slices.has_mask() {
+                self.holes_u[place] = Lanes(texels.map(|at| f32::from(u8::from(noisy.reaches(&self.holes, at)))));
+            }
+        }
+    }
+
+    /// Gradient of a block with noise.
+    #[inline(never)]
+    fn splat_gradient(&mut self, geometry: &SheetGeometry, per_sample: u32, block: Block) {
+        let noisy = self.noisy(geometry, per_sample);
+        let [du, dv] = self.texel_step;
+        let [u, v, _] = &geometry.axes;
+        let (Some(along_u), Some(along_v)) = (u.difference, v.difference) else { return };
+        let (along_u, along_v) = (along_u.of_step(du), along_v.of_step(dv));
+        for (place, texels) in self.texels(block) {
+            let derivative =
+                |axis, difference| Lanes(texels.map(|at| noisy.derivative(&self.density, at, axis, difference) as f32));
+            let (along_u, along_v) = (derivative(0, along_u), derivative(1, along_v));
+            self.along_u[place] = along_u;
+            self.density_u[place + TILE_V] = along_v;
+            self.through_u[place] = Lanes(texels.map(|at| noisy.value(&self.through, at) as f32));
+        }
+    }
+
+    /// Densities of one chunk or two. After [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn density<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
+        blend_rows(w, &self.density_u[chunks[0].strip * self.n_rows..], (&self.rows, self.v.value.n_taps), chunks)
+    }
+
+    /// Where chunks reach a hole. After [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn hole<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::M {
+        let s = w.one();
+        let [mut first, mut second] = [s.splat(0.0); 2];
+        let rows = &self.holes_u[chunks[0].strip * self.n_rows..];
+        for t in 0..self.v.value.n_taps {
+            for (sum, chunk) in [(&mut first, chunks[0]), (&mut second, chunks[1])] {
+                let weight = s.splat(self.v.value.weight(chunk.row, t).abs());
+                *sum = s.add_mul(*sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
+            }
+        }
+        w.lt(w.splat(0.0), w.join(first, second))
+    }
+
+    /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient offset. After
+    /// [`Sheet::prepare_gradient`].
+    #[inline(always)]
+    pub fn gradient<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
+        let first = chunks[0].strip * self.n_rows;
+        let of_value = (&self.rows[..], self.v.value.n_taps);
+        let of_difference = (&self.difference_rows[..], self.v.difference.n_taps);
+        [
+            blend_rows(w, &self.along_u[first..], of_value, chunks),
+            blend_rows(w, &self.density_u[first..], of_difference, chunks),
+            blend_rows(w, &self.through_u[first..], of_value, chunks),
+        ]
+    }
+
+    /// The derivative through the sheet at sample resolution.
+    fn combine_through(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices) {
+        let Some(part) = self.part.clone() else { return };
+        self.has_through = true;
+        self.through.resize(self.stride * self.n_v, 0.0);
+        let taps = geometry.axes[2].slice_difference_taps(self.w);
+        let axes = geometry.plane.family.axes;
+        let (first, window) = self.place(&part);
+        let through = &mut self.through[first..];
+        if !panel.combine(geometry, &taps, window, through, self.stride) {
+            let soon = geometry.slice_behind(&taps);
+            geometry.slices.combine(geometry.level, axes, &taps, soon, window, through, self.stride);
+        }
+    }
+}
+
+/// Samples that the value and the difference of any of the positions reach.
+fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Range<usize> {
+    let (mut start, mut end) = (usize::MAX, 0);
+    for i in positions {
+        let reached = axis.reached(i);
+        (start, end) = (start.min(reached.start), end.max(reached.end));
+    }
+    start.min(end)..end
+}
+
+/// One chunk or two out of the sample rows that reach them. `taps`: of every row of texels, and how many of them count.
+#[inline(always)]
+fn blend_rows<W: Wide>(w: W, rows: &[Lanes], taps: (&[RowTaps], usize), chunks: [Chunk; 2]) -> W::F {
+    let first = blend_row(w.one(), rows, taps, chunks[0].row);
+    let second = if W::N == 2 { blend_row(w.one(), rows, taps, chunks[1].row) } else { first };
+    w.join(first, second)
+}
+
+#[inline(always)]
+fn blend_row<S: Simd>(s: S, rows: &[Lanes], (taps, n_taps): (&[RowTaps], usize), row: usize) -> S::F {
+    let RowTaps { first, weights } = &taps[row];
+    let rows = &rows[*first..];
+    // The usual numbers of taps, unrolled.
+    match n_taps {
+        2 => blend_taps::<S, 2>(s, rows, weights),
+        4 => blend_taps::<S, 4>(s, rows, weights),
+        6 => blend_taps::<S, 6>(s, rows, weights),
+        _ => {
+            let mut sum = s.splat(0.0);
+            for (samples, weight) in rows.iter().zip(&weights[..n_taps]) {
+                sum = s.add_mul(sum, s.splat(*weight), s.load(&samples.0));
+            }
+            sum
+        }
+    }
+}
+
+#[inline(always)]
+fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], weights: &[f32; MAX_DIFFERENCE_TAPS]) -> S::F {
+    let mut sum = s.splat(0.0);
+    if let Some(rows) = rows.first_chunk::<N>() {
+        for t in 0..N {
+            sum = s.add_mul(sum, s.splat(weights[t]), s.load(&rows[t].0));
+        }
+    }
+    sum
+}

@@ -1,0 +1,122 @@
+//! How a tile of a base plane is divided: strips of vector width, blocks of rows, and chunks, what a kernel works on.
+
+use std::ops::Range;
+
+use wavesplat_compute::simd::LANES;
+
+/// Strips of a tile.
+pub const N_STRIPS: usize = 4;
+
+/// Texels of a tile along u.
+pub const TILE_U: usize = N_STRIPS * LANES;
+
+/// Texels of a tile along v.
+pub const TILE_V: usize = 32;
+
+/// Rows of a block: a strip's rows are looked at, and left out, in blocks.
+pub const BLOCK_V: usize = 8;
+
+/// Blocks of a tile, strip by strip, as bits.
+pub type BlockMask = u16;
+
+/// Blocks along v.
+pub const N_BLOCKS_V: usize = TILE_V / BLOCK_V;
+
+/// A strip's row.
+#[derive(Clone, Copy, Debug)]
+pub struct Chunk {
+    /// Strip of the tile.
+    pub strip: usize,
+    /// Row of the tile.
+    pub row: usize,
+}
+
+impl Chunk {
+    /// Chunks of a tile.
+    pub const N: usize = N_STRIPS * TILE_V;
+
+    /// The block that it belongs to.
+    #[inline(always)]
+    pub fn block(self) -> Block {
+        Block { strip: self.strip, row: self.row / BLOCK_V * BLOCK_V }
+    }
+
+    /// Place among the chunks of a tile.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        self.strip * TILE_V + self.row
+    }
+}
+
+/// Rows of a strip that are looked at together.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Strip of the tile.
+    pub strip: usize,
+    /// First row of the tile.
+    pub row: usize,
+}
+
+impl Block {
+    /// A block by its place among the blocks of a tile.
+    pub fn new(place: usize) -> Self {
+        Self { strip: place / N_BLOCKS_V, row: place % N_BLOCKS_V * BLOCK_V }
+    }
+
+    /// Place among the blocks of a tile.
+    #[inline(always)]
+    pub fn place(self) -> usize {
+        self.strip * N_BLOCKS_V + self.row / BLOCK_V
+    }
+
+    /// It alone, as a mask.
+    #[inline(always)]
+    pub fn mask(self) -> BlockMask {
+        1 << self.place()
+    }
+
+    /// Its chunks.
+    #[inline(always)]
+    pub fn chunks(self) -> impl Iterator<Item = Chunk> {
+        (self.row..self.row + BLOCK_V).map(move |row| Chunk { strip: self.strip, row })
+    }
+
+    /// Its chunks, two by two.
+    #[inline(always)]
+    pub fn pairs(self) -> impl Iterator<Item = [Chunk; 2]> {
+        let chunk = move |row| Chunk { strip: self.strip, row };
+        (self.row..self.row + BLOCK_V).step_by(2).map(move |row| [chunk(row), chunk(row + 1)])
+    }
+
+    #[inline(always)]
+    pub fn rows(self) -> Range<usize> {
+        self.row..self.row + BLOCK_V
+    }
+}
+
+/// Rows of blocks that have any of a mask.
+pub fn block_rows(blocks: BlockMask) -> impl Iterator<Item = usize> + Clone {
+    (0..N_BLOCKS_V).filter(move |b| blocks & (rows_mask() << b) != 0)
+}
+
+/// The first block row of every strip.
+pub const fn rows_mask() -> BlockMask {
+    let mut mask = 0;
+    let mut strip = 0;
+    while strip < N_STRIPS {
+        mask |= 1 << (strip * N_BLOCKS_V);
+        strip += 1;
+    }
+    mask
+}
+
+/// The blocks that have a chunk that is alive.
+pub fn blocks_with(is_alive: impl Fn(Chunk) -> bool) -> BlockMask {
+    let mut blocks = 0;
+    for strip in 0..N_STRIPS {
+        for row in 0..TILE_V {
+            blocks |= BlockMask::from(is_alive(Chunk { strip, row })) << (strip * N_BLOCKS_V + row / BLOCK_V);
+        }
+    }
+    blocks
+}

@@ -1,0 +1,233 @@
+//! What a tile knows about its rays; filled once per tile.
+//!
+//! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
+
+use glam::DAffine3;
+use wavesplat_compute::simd::{LANES, Lanes, Level, Simd, Wide};
+
+use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_V};
+use crate::view::base_plane::BasePlane;
+use crate::view::depth_cue::DepthCue;
+use crate::view::index_frame::world_gradient_from_index;
+use crate::view::region::Region;
+
+/// Rays of the texels of a tile, chunk by chunk.
+pub struct Rays {
+    /// Interval of s that is drawn; empty where lo ≥ hi.
+    intervals: Vec<[Lanes; 2]>,
+    /// The part of s that all rays of a chunk draw.
+    common: Vec<[f32; 2]>,
+    /// Rays that draw nothing, as bits.
+    missed: Vec<u16>,
+    /// Directions; one for all where rays are parallel.
+    directions: Vec<Directions>,
+    /// Depth shading along each ray: the factor at s = 0, and its change per s; empty where none is wanted.
+    fades: Vec<[Lanes; 2]>,
+}
+
+/// Directions of the rays of a chunk.
+#[derive(Clone, Copy)]
+pub struct Directions {
+    /// Length of one slice distance along the ray, or across the slices without view-angle correction, in
+    /// `opacity_unit`s.
+    pub thickness: Lanes,
+    /// Unit world vectors towards the eye, as forms on index gradients ([`world_gradient_from_index`]).
+    pub to_eye: [Lanes; 3],
+}
+
+/// What the rays of all tiles of a base plane share.
+pub struct RayGeometry<'a> {
+    /// Texel layout.
+    pub plane: &'a BasePlane,
+    /// What is drawn.
+    pub region: &'a Region,
+    /// World position of an index position.
+    pub world_from_index: DAffine3,
+    /// World length that opacities belong to.
+    pub opacity_unit: f64,
+    /// Whether slabs are as thick as the ray's way through them, `dz / cos θ`; else `dz`.
+    pub view_angle_correction: bool,
+    /// Depth shading, where it is wanted.
+    pub fade: Option<DepthCue>,
+}
+
+impl Rays {
+    /// The rays of a tile whose first texel is `(i0, j0)`, and the interval of w that any of them draws.
+    pub fn new(geometry: &RayGeometry, level: Level, [i0, j0]: [usize; 2]) -> (Self, [f64; 2]) {
+        let plane = geometry.plane;
+        let mut rays = Self {
+            intervals: vec![[Lanes::splat(0.0); 2]; Chunk::N],
+            common: vec![[0.0; 2]; Chunk::N],
+            missed: vec![u16::MAX; Chunk::N],
+            directions: Vec::new(),
+            fades: Vec::new(),
+        };
+        let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+        level.run(
+            #[inline(always)]
+            || {
+                for strip in 0..N_STRIPS {
+                    for row in 0..TILE_V.min(plane.size[1] - j0) {
+                        let i = i0 + strip * LANES;
+                        if i < plane.size[0] {
+                            let intervals = geometry.region.texel_intervals(plane, i as f64, (j0 + row) as f64);
+                            rays.set(Chunk { strip, row }, plane, intervals, plane.size[0] - i, &mut span);
+                        }
+                    }
+                }
+            },
+        );
+        if plane.eye_w().is_none() {
+            rays.directions.push(geometry.directions(i0, j0));
+        } else if span[0] < span[1] {
+            rays.directions
+                .resize(Chunk::N, Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] });
+            level.run(
+                #[inline(always)]
+                || {
+                    for (index, directions) in rays.directions.iter_mut().enumerate() {
+                        if rays.missed[index] != u16::MAX {
+                            let [strip, row] = [index / TILE_V, index % TILE_V];
+                            *directions = geometry.directions(i0 + strip * LANES, j0 + row);
+                        }
+                    }
+                },
+            );
+        }
+        if let Some(fade) = &geometry.fade {
+            for strip in 0..N_STRIPS {
+                rays.fades.extend((0..TILE_V).map(|row| fade.along(plane, i0 + strip * LANES, j0 + row)));
+            }
+        }
+        (rays, span)
+    }
+
+    /// `n`: texels of the chunk that belong to the base plane.
+    #[inline(always)]
+    fn set(&mut self, chunk: Chunk, plane: &BasePlane, [lo, hi]: [[f64; LANES]; 2], n: usize, span: &mut [f64; 2]) {
+        let (mut near, mut far) = (Lanes::splat(0.0), Lanes::splat(0.0));
+        let (from, to) = if plane.family.ascending { (lo, hi) } else { (hi.map(|w| -w), lo.map(|w| -w)) };
+        // Nothing is handed from texel to texel, so that the loop becomes vectors.
+        let (mut first, mut last) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let mut missed_bits = [0_u16; LANES];
+        for i in 0..LANES {
+            let drawn = lo[i] < hi[i] && i < n;
+            missed_bits[i] = u16::from(!drawn) << i;
+            near.0[i] = if drawn { from[i] as f32 } else { 0.0 };
+            far.0[i] = if drawn { to[i] as f32 } else { 0.0 };
+            first[i] = if drawn { lo[i] } else { f64::INFINITY };
+            last[i] = if drawn { hi[i] } else { f64::NEG_INFINITY };
+        }
+        let missed = halved(missed_bits, |a, b| a | b);
+        *span = [span[0].min(halved(first, f64::min)), span[1].max(halved(last, f64::max))];
+        let common = [halved(from, f64::max), halved(to, f64::min)];
+        self.intervals[chunk.index()] = [near, far];
+        self.common[chunk.index()] = if missed == 0 { common.map(|s| s as f32) } else { [0.0; 2] };
+        self.missed[chunk.index()] = missed;
+    }
+
+    /// Interval of s that is drawn; empty where lo ≥ hi.
+    #[inline(always)]
+    pub fn lanes(&self, chunk: Chunk) -> &[Lanes; 2] {
+        &self.intervals[chunk.index()]
+    }
+
+    /// Interval of s that is drawn; empty where lo ≥ hi.
+    #[inline(always)]
+    pub fn interval<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 2] {
+        let ([lo_a, hi_a], [lo_b, hi_b]) = (self.lanes(chunks[0]), self.lanes(chunks[1]));
+        let s = w.one();
+        [w.join(s.load(&lo_a.0), s.load(&lo_b.0)), w.join(s.load(&hi_a.0), s.load(&hi_b.0))]
+    }
+
+    /// Thickness of one slice distance, in `opacity_unit`s ([`Directions::thickness`]).
+    #[inline(always)]
+    pub fn thickness<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
+        let (a, b) = (self.directions(chunks[0]), self.directions(chunks[1]));
+        w.join(w.one().load(&a.thickness.0), w.one().load(&b.thickness.0))
+    }
+
+    /// Unit world vectors towards the eye, as forms on index gradients ([`world_gradient_from_index`]).
+    #[inline(always)]
+    pub fn to_eye<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
+        let [ax, ay, az] = &self.directions(chunks[0]).to_eye;
+        let [bx, by, bz] = &self.directions(chunks[1]).to_eye;
+        let s = w.one();
+        [
+            w.join(s.load(&ax.0), s.load(&bx.0)),
+            w.join(s.load(&ay.0), s.load(&by.0)),
+            w.join(s.load(&az.0), s.load(&bz.0)),
+        ]
+    }
+
+    /// Whether all rays of a chunk draw all between two positions.
+    #[inline(always)]
+    pub fn all_draw(&self, chunk: Chunk, from: f32, to: f32) -> bool {
+        let [lo, hi] = self.common[chunk.index()];
+        lo <= from && to <= hi
+    }
+
+    /// Rays that draw nothing, as bits.
+    #[inline(always)]
+    pub fn missed(&self, chunk: Chunk) -> u16 {
+        self.missed[chunk.index()]
+    }
+
+    /// Whether no ray of a chunk draws anything.
+    #[inline(always)]
+    pub fn none(&self, chunk: Chunk) -> bool {
+        self.missed(chunk) == u16::MAX
+    }
+
+    /// Depth shading of a chunk's rays: the factor at s = 0, and its change per s. Where the geometry has a fade.
+    #[inline(always)]
+    pub fn fade(&self, chunk: Chunk) -> &[Lanes; 2] {
+        &self.fades[chunk.index()]
+    }
+
+    /// Directions of a chunk's rays.
+    #[inline(always)]
+    pub fn directions(&self, chunk: Chunk) -> &Directions {
+        &self.directions[if self.directions.len() == 1 { 0 } else { chunk.index() }]
+    }
+}
+
+/// All lanes in one: half of them with the other half, and so on.
+#[inline(always)]
+fn halved<T: Copy>(mut lanes: [T; LANES], both: impl Fn(T, T) -> T) -> T {
+    let mut n = LANES / 2;
+    while n > 0 {
+        for i in 0..n {
+            lanes[i] = both(lanes[i], lanes[i + n]);
+        }
+        n /= 2;
+    }
+    lanes[0]
+}
+
+impl RayGeometry<'_> {
+    #[inline(always)]
+    fn directions(&self, i: usize, j: usize) -> Directions {
+        let family = &self.plane.family;
+        let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
+        let across = columns[0].cross(columns[1]).normalize().dot(columns[2]).abs();
+        let form = world_gradient_from_index(self.world_from_index.matrix3, family).transpose();
+        let sign = if family.ascending { 1.0 } else { -1.0 };
+        // Along a row of texels, the way from slice to slice changes evenly.
+        let slope = self.plane.ray(i as f64, j as f64).slope;
+        let change = self.plane.ray((i + 1) as f64, j as f64).slope[0] - slope[0];
+        let first = columns[0] * slope[0] + columns[1] * slope[1] + columns[2];
+        let per_texel = columns[0] * change;
+        let [form_of_first, form_per_texel] = [first, per_texel].map(|v| (form * (v * -sign)).to_array());
+        let mut directions = Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] };
+        for k in 0..LANES {
+            let length = (first + per_texel * k as f64).length();
+            let thickness = if self.view_angle_correction { length } else { across };
+            directions.thickness.0[k] = (thickness / self.opacity_unit) as f32;
+            for c in 0..3 {
+                directions.to_eye[c].0[k] = ((form_of_first[c] + form_per_texel[c] * k as f64) / length) as f32;
+            }
+        }
+        directions
+    }
+}

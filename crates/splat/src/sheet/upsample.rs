@@ -1,0 +1,140 @@
+//! Upsampling of sample rows along u: the first of the two short passes that make a sheet.
+
+use std::ops::Range;
+
+use crate::kernel::footprint::{Footprint, Group, Span, bits};
+use crate::sheet::buffer::Sheet;
+use crate::sheet::tile_layout::{Block, BlockMask};
+use crate::source::geometry::SheetGeometry;
+use wavesplat_compute::simd::{Kernel, LANES, Simd};
+
+impl Sheet {
+    /// `N_VECTORS`: of samples that hold those of a tap for a chunk; 0 if more than two.
+    #[inline(always)]
+    fn upsample<S: Simd, const N_VECTORS: usize, const GRADIENT: bool>(
+        &mut self,
+        s: S,
+        geometry: &SheetGeometry,
+        block: Block,
+    ) {
+        let strip = block.strip;
+        let of_value = self.u.value.group(strip);
+        let mut rows = reached_by(&self.v.value, block.rows());
+        if GRADIENT {
+            let of_difference = self.u.difference.group(strip);
+            for r in rows {
+                let place = strip * self.n_rows + r;
+                if !self.has_gradient_u[place] {
+                    self.has_gradient_u[place] = true;
+                    let samples = r * self.stride..(r + 1) * self.stride;
+                    let along = upsample::<S, N_VECTORS>(s, &self.density[samples.clone()], &of_difference);
+                    let through = upsample::<S, N_VECTORS>(s, &self.through[samples], &of_value);
+                    s.store(along, &mut self.along_u[place].0);
+                    s.store(through, &mut self.through_u[place].0);
+                }
+            }
+            // The derivative along v reaches further than the density did.
+            rows = reached_by(&self.v.difference, block.rows());
+        }
+        for r in rows {
+            let place = strip * self.n_rows + r;
+            if !self.has_density_u[place] {
+                self.has_density_u[place] = true;
+                let samples = r * self.stride..(r + 1) * self.stride;
+                let density = upsample::<S, N_VECTORS>(s, &self.density[samples.clone()], &of_value);
+                s.store(density, &mut self.density_u[place].0);
+                if geometry.slices.has_mask() {
+                    let holes = upsample_magnitude(s, &self.holes[samples], &of_value);
+                    s.store(holes, &mut self.holes_u[place].0);
+                }
+            }
+        }
+    }
+}
+
+/// Upsamples the sample rows of blocks along u, where that is not done yet: densities and holes, or what gradients need.
+pub struct Upsample<'a, const GRADIENT: bool> {
+    pub sheet: &'a mut Sheet,
+    pub geometry: &'a SheetGeometry<'a>,
+    pub blocks: BlockMask,
+}
+
+impl<const GRADIENT: bool> Kernel for Upsample<'_, GRADIENT> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { sheet, geometry, blocks } = self;
+        for block in bits(blocks).map(Block::new) {
+            let footprints = &sheet.u;
+            let span = footprints.value.group(block.strip).span;
+            let is_alike = !GRADIENT || footprints.difference.group(block.strip).span == span;
+            // One loop per span, so that nothing is asked per tap.
+            match span {
+                Span::One if is_alike => sheet.upsample::<S, 1, GRADIENT>(s, geometry, block),
+                Span::Two if is_alike => sheet.upsample::<S, 2, GRADIENT>(s, geometry, block),
+                _ => sheet.upsample::<S, 0, GRADIENT>(s, geometry, block),
+            }
+        }
+    }
+}
+
+/// A row of samples becomes a chunk.
+#[inline(always)]
+fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let mut sum = s.splat(0.0);
+    for (t, weights) in group.weights.iter().enumerate() {
+        let samples = &samples[group.base + t..];
+        let taken = match N_VECTORS {
+            1 => take_near(s, samples, group),
+            2 => take_near_or_far(s, samples, group),
+            _ => take_one_by_one(s, samples, group),
+        };
+        sum = s.add_mul(sum, s.load(&weights.0), taken);
+    }
+    sum
+}
+
+/// The same with the weights' magnitudes.
+#[inline(always)]
+fn upsample_magnitude<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let mut sum = s.splat(0.0);
+    for (t, weights) in group.weights.iter().enumerate() {
+        let samples = take_one_by_one(s, &samples[group.base + t..], group);
+        sum = s.add_mul(sum, s.abs(s.load(&weights.0)), samples);
+    }
+    sum
+}
+
+/// `samples[index]` where all are in one vector. Rows are padded, so that they always hold two vectors more.
+#[inline(always)]
+fn take_near<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    s.take(samples.first_chunk().unwrap_or(&[0.0; LANES]), group.index)
+}
+
+/// `samples[index]` where all are in two vectors.
+#[inline(always)]
+fn take_near_or_far<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let (near, far) = samples.split_at(LANES.min(samples.len()));
+    // Indices are taken modulo the lanes.
+    let is_far = s.lt(s.splat(0.0), s.load(&group.far.0));
+    s.select(is_far, take_near(s, far, group), take_near(s, near, group))
+}
+
+/// `samples[index]` anywhere.
+#[inline(always)]
+fn take_one_by_one<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
+    let mut out = [0.0; LANES];
+    for i in 0..LANES {
+        out[i] = samples[group.index.0[i] as usize];
+    }
+    s.load(&out)
+}
+
+/// Sample rows that the texel rows reach.
+#[inline(always)]
+fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usize> {
+    // Positions rise or fall with the row.
+    let (a, b) = (footprint.first(rows.start), footprint.first(rows.end - 1));
+    a.min(b)..a.max(b) + footprint.n_taps
+}

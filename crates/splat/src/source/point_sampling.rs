@@ -1,0 +1,56 @@
+//! Reconstruction at single points: weighted sums over the samples that a kernel reaches, in f64.
+
+use crate::kernel::weights::MAX_TAPS;
+
+/// What the value at one position is made of: folded indices and weights along x, y and z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointTaps {
+    /// Of samples or coefficients.
+    pub index: [[usize; MAX_TAPS]; 3],
+    /// 0 beyond the taps that the kernel has.
+    pub weight: [[f64; MAX_TAPS]; 3],
+}
+
+/// Sums over the taps of points, from a grid or a box of it.
+pub(super) struct PointSums {
+    pub(super) n_taps: usize,
+    pub(super) lo: [usize; 3],
+    pub(super) size: [usize; 3],
+}
+
+impl PointSums {
+    /// First and one past the last index of any tap.
+    pub(super) fn reached(&self, points: &[PointTaps]) -> Option<([usize; 3], [usize; 3])> {
+        let ends = |axis: usize| {
+            let all = points.iter().flat_map(|point| &point.index[axis][..self.n_taps]);
+            Some((*all.clone().min()?, *all.max()? + 1))
+        };
+        let [x, y, z] = [ends(0)?, ends(1)?, ends(2)?];
+        Some(([x.0, y.0, z.0], [x.1, y.1, z.1]))
+    }
+
+    pub(super) fn write<T: Copy>(&self, grid: &[T], points: &[PointTaps], out: &mut [f64], sample: impl Fn(T) -> f64) {
+        for (point, out) in points.iter().zip(out) {
+            let mut sum = 0.0;
+            self.for_each_tap(point, |i, weight| sum += weight * sample(grid[i]));
+            *out = sum;
+        }
+    }
+
+    /// Place in the grid and weight of each tap that counts: a sample of weight 0 may be NaN.
+    #[inline(always)]
+    pub(super) fn for_each_tap(&self, point: &PointTaps, mut work: impl FnMut(usize, f64)) {
+        let [nx, ny, _] = self.size;
+        let taps = |axis: usize| {
+            let (index, weight) = (&point.index[axis][..self.n_taps], &point.weight[axis]);
+            let lo = self.lo[axis];
+            index.iter().zip(weight).filter(|(_, weight)| **weight != 0.0).map(move |(i, weight)| (i - lo, *weight))
+        };
+        for (z, weight_z) in taps(2) {
+            for (y, weight_y) in taps(1) {
+                let row = (z * ny + y) * nx;
+                taps(0).for_each(|(x, weight_x)| work(row + x, weight_x * weight_y * weight_z));
+            }
+        }
+    }
+}

@@ -1,0 +1,435 @@
+//! The slice source: samples (or spline coefficients) of any region of the volume as densities in f32.
+//!
+//! Narrow samples stay in their own type and are converted in the innermost loop. Two cases need a float copy: the
+//! B-spline kernels (their coefficients are not the samples), and float data with NaN or infinity. There the holes
+//! are filled from their neighbours, so that the surroundings keep an honest gradient, and a mask says where they
+//! are: what a masked sample reaches is drawn as empty.
+//!
+//! Volumes that are decoded become such a float copy where it fits into the memory they may take. Where it does not
+//! ([`crate::source::block_cache`]), a box of them is loaded first, then it is the same.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use wavesplat_compute::extent;
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_samples};
+
+use crate::kernel::prefilter;
+use crate::kernel::slice_taps::SliceTap;
+use crate::kernel::weights::{fold, n_taps};
+use crate::source::block_cache::{Blocks, Part, all_densities, bytes_of_all};
+use crate::source::min_max_bricks::{Bricks, FloatRows, MOST_BYTES, Rows, widen};
+use crate::source::nonfinite::fill_holes;
+use crate::source::point_sampling::{PointSums, PointTaps};
+use crate::source::window::{Region, Turn, Window};
+
+/// Densities of a volume, ready for one kernel.
+pub struct Slices<'a> {
+    source: Source<'a>,
+    grid: Grid,
+    prepared: Arc<Prepared>,
+}
+
+enum Source<'a> {
+    Samples(Samples<'a>),
+    /// A volume without samples; its blocks where its densities are not all prepared.
+    Decoded(Option<Arc<Blocks>>),
+}
+
+/// What is computed once from the samples for a kernel; worth keeping between pictures.
+pub struct Prepared {
+    kernel: Kernel,
+    size: [usize; 3],
+    /// Densities or spline coefficients, where the samples are not used as they are.
+    densities: Option<Vec<f32>>,
+    mask: Option<Vec<bool>>,
+    range: [f32; 2],
+    bricks: Bricks,
+    /// Tells it from all others, for what is kept beside it.
+    id: u64,
+    /// What is decoded of a volume without samples; `None` where there are densities.
+    blocks: Option<Arc<Blocks>>,
+    is_decoded: bool,
+}
+
+/// Share of the memory for decoded blocks that the bounds of bricks may take in addition.
+const BOUNDS_SHARE: usize = 8;
+
+impl Prepared {
+    /// Coefficients where the kernel needs them, and the bounds of every brick.
+    pub fn new(volume: &Volume, kernel: Kernel) -> Self {
+        let grid = volume.grid();
+        let (size, map) = (grid.size(), grid.density_from_sample());
+        let range = grid.density_range();
+        let n_nonfinite = grid.statistics().n_nonfinite;
+        let pole = prefilter::pole(kernel);
+        let level = Level::best();
+        if pole.is_none() && n_nonfinite == 0 {
+            let samples = *volume.samples();
+            let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range, MOST_BYTES);
+            return Self::of_parts(kernel, size, range, bricks);
+        }
+        let mut densities = densities(volume.samples(), map);
+        let mask = (n_nonfinite > 0).then(|| densities.iter().map(|d| !d.is_finite()).collect());
+        if mask.is_some() {
+            fill_holes(&mut densities, size);
+        }
+        Self { mask, ..Self::of_densities(densities, size, kernel, range, MOST_BYTES) }
+    }
+
+    /// Of densities that are all finite. Their bounds are to take at most `bounds_bytes`.
+    fn of_densities(
+        mut densities: Vec<f32>,
+        size: [usize; 3],
+        kernel: Kernel,
+        mut range: [f32; 2],
+        bounds_bytes: usize,
+    ) -> Self {
+        if let Some(z) = prefilter::pole(kernel) {
+            prefilter::prefilter_volume(&mut densities, size, z);
+            // Spline coefficients leave the range of the samples.
+            range = extent::of(&densities);
+        }
+        let rows = FloatRows { densities: &densities, level: Level::best() };
+        let bricks = Bricks::new(&rows, size, kernel, range, bounds_bytes);
+        Self { densities: Some(densities), ..Self::of_parts(kernel, size, range, bricks) }
+    }
+
+    /// Of samples that are used as they are.
+    fn of_parts(kernel: Kernel, size: [usize; 3], range: [f32; 2], bricks: Bricks) -> Self {
+        static N_MADE: AtomicU64 = AtomicU64::new(0);
+        let id = N_MADE.fetch_add(1, Ordering::Relaxed);
+        Self { kernel, size, densities: None, mask: None, range, bricks, id, blocks: None, is_decoded: false }
+    }
+
+    /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
+    /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
+    pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
+        let (size, range, bounds_bytes) = (grid.size(), grid.density_range(), budget_bytes / BOUNDS_SHARE);
+        if bytes_of_all(size) <= budget_bytes {
+            let densities = all_densities(&*decoder, grid);
+            let prepared = Self::of_densities(densities, size, kernel, range, bounds_bytes);
+            return Self { is_decoded: true, ..prepared };
+        }
+        let blocks = Arc::new(Blocks::new(decoder, grid, kernel, budget_bytes));
+        let range = prefilter::pole(kernel).is_none().then_some(range);
+        let bricks = Bricks::of_blocks(Level::best(), &blocks, kernel, range, bounds_bytes);
+        let range = bricks.range();
+        Self { blocks: Some(blocks), is_decoded: true, ..Self::of_parts(kernel, size, range, bricks) }
+    }
+
+    /// Slices of a volume that is decoded as it is drawn, from [`Prepared::of_decoder`] with the same grid; `None` where
+    /// this was made from samples.
+    pub fn slices<'a>(self: &Arc<Self>, grid: &Grid) -> Option<Slices<'a>> {
+        let source = || Source::Decoded(self.blocks.clone());
+        self.is_decoded.then(|| Slices { source: source(), grid: grid.clone(), prepared: self.clone() })
+    }
+}
+
+impl<'a> Slices<'a> {
+    /// Prepares a volume for a kernel.
+    pub fn new(volume: &Volume<'a>, kernel: Kernel) -> Self {
+        Self::with_prepared(volume, Arc::new(Prepared::new(volume, kernel)))
+    }
+
+    /// The same, with what was prepared before from the same samples.
+    pub fn with_prepared(volume: &Volume<'a>, prepared: Arc<Prepared>) -> Self {
+        Self { source: Source::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
+    }
+
+    /// Where the samples lie.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The kernel that the densities are for.
+    pub fn kernel(&self) -> Kernel {
+        self.prepared.kernel
+    }
+
+    /// Smallest and largest finite density.
+    pub fn range(&self) -> [f32; 2] {
+        self.prepared.range
+    }
+
+    /// Bounds of the densities, brick by brick.
+    pub fn bricks(&self) -> &Bricks {
+        &self.prepared.bricks
+    }
+
+    /// Tells what was prepared from all others: a key for what is kept beside it.
+    pub fn id(&self) -> u64 {
+        self.prepared.id
+    }
+
+    /// Whether there are samples that are drawn as empty.
+    pub fn has_mask(&self) -> bool {
+        self.prepared.mask.is_some()
+    }
+
+    fn linear_index(&self, index: [usize; 3]) -> usize {
+        let size = self.prepared.size;
+        index[0] + size[0] * (index[1] + size[1] * index[2])
+    }
+
+    /// Density (or coefficient) at an index position, in f64: the slow door for the reference.
+    pub fn at(&self, index: [usize; 3]) -> f64 {
+        let i = self.linear_index(index);
+        match (&self.prepared.densities, &self.source) {
+            (Some(densities), _) => f64::from(densities[i]),
+            (None, Source::Samples(samples)) => {
+                let (offset, scale) = self.grid.density_from_sample();
+                (samples.get(i) - offset) * scale
+            }
+            (None, Source::Decoded(blocks)) => {
+                let mut part = Part::default();
+                blocks.as_ref().map_or(f64::NAN, |blocks| {
+                    blocks.load(index, index.map(|i| i + 1), &mut part);
+                    f64::from(part.densities[0])
+                })
+            }
+        }
+    }
+
+    /// Whether the sample at an index position is drawn as empty.
+    pub fn is_hole(&self, index: [usize; 3]) -> bool {
+        self.prepared.mask.as_ref().is_some_and(|m| m[self.linear_index(index)])
+    }
+
+    /// `out[i] = Σ weight · sample`, in sample units, at each point; NaN where a hole is reached.
+    ///
+    /// Of a volume that is decoded, the box around all points is loaded.
+    pub fn sums(&self, points: &[PointTaps], out: &mut [f64]) {
+        let kernel = self.prepared.kernel;
+        let (offset, scale) = self.grid.density_from_sample();
+        let whole = PointSums { n_taps: n_taps(kernel), lo: [0; 3], size: self.prepared.size };
+        let sample = |d: f32| f64::from(d) / scale + offset;
+        match (&self.prepared.densities, &self.source) {
+            (Some(coefficients), _) if prefilter::pole(kernel).is_some() => {
+                whole.write(coefficients, points, out, sample);
+            }
+            (_, Source::Samples(samples)) => {
+                with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64));
+            }
+            (Some(densities), Source::Decoded(_)) => whole.write(densities, points, out, sample),
+            (None, Source::Decoded(blocks)) => {
+                let (Some(blocks), Some((lo, hi))) = (blocks, whole.reached(points)) else { return };
+                let mut part = Part::default();
+                blocks.load(lo, hi, &mut part);
+                let part_sums = PointSums { lo: part.lo, size: part.size, ..whole };
+                part_sums.write(&part.densities, points, out, sample);
+            }
+        }
+        if let Some(mask) = &self.prepared.mask {
+            for (point, out) in points.iter().zip(out) {
+                let mut is_hole = false;
+                whole.for_each_tap(point, |i, _| is_hole |= mask[i]);
+                *out = if is_hole { f64::NAN } else { *out };
+            }
+        }
+    }
+
+    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
+    /// `soon`: a slice of which the same window is wanted next.
+    #[expect(clippy::too_many_arguments, reason = "what is read, what comes next, and where it goes")]
+    pub fn combine(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        taps: &[SliceTap],
+        soon: Option<usize>,
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let region = self.region(axes, window, stride);
+        if let Some(grid) = &self.prepared.densities {
+            return level.run(
+                #[inline(always)]
+                || region.combine(grid, taps, soon, out, |d| d),
+            );
+        }
+        let samples = match &self.source {
+            Source::Samples(samples) => *samples,
+            Source::Decoded(_) => {
+                let slices = taps.iter().fold([usize::MAX, 0], |[lo, hi], tap| [lo.min(tap.0), hi.max(tap.0)]);
+                let mut part = Part::default();
+                self.load(axes, window, slices, &mut part);
+                return self.combine_part(level, axes, &part, taps, window, out, stride);
+            }
+        };
+        let (offset, scale) = self.grid.density_from_sample();
+        if is_identity((offset, scale)) {
+            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, soon, out, Sample::to_f32)));
+        } else {
+            with_samples!(samples, s => level.run(#[inline(always)] || region.combine(s, taps, soon, out, |s| ((s.to_f64() - offset) * scale) as f32)));
+        }
+    }
+
+    /// Whether boxes must be loaded before they are read.
+    pub fn must_load(&self) -> bool {
+        matches!(self.source, Source::Decoded(Some(_)))
+    }
+
+    /// Loads what a window reaches in the slices from the first to the last of `slices`, where that must be.
+    pub fn load(&self, axes: [usize; 3], window: Window, slices: [usize; 2], part: &mut Part) {
+        let Source::Decoded(Some(blocks)) = &self.source else { return };
+        let size = self.prepared.size;
+        let reached = |[lo, hi]: [i64; 2], n: usize| {
+            let folded = (lo..=hi).map(|i| fold(self.prepared.kernel, i, n));
+            folded.fold([usize::MAX, 0], |[lo, hi], i| [lo.min(i), hi.max(i)])
+        };
+        let ends = [reached(window.u, size[axes[0]]), reached(window.v, size[axes[1]]), slices];
+        let (mut lo, mut hi) = ([0; 3], [0; 3]);
+        for (axis, [first, last]) in axes.into_iter().zip(ends) {
+            (lo[axis], hi[axis]) = (first, (last + 1).min(size[axis]));
+        }
+        blocks.load(lo, hi, part);
+    }
+
+    /// As [`Slices::combine`], from a box that was loaded.
+    #[expect(clippy::too_many_arguments, reason = "the box, and what `combine` takes")]
+    pub fn combine_part(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        part: &Part,
+        taps: &[SliceTap],
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let region = self.region(axes, window, stride).inside(axes, part);
+        level.run(
+            #[inline(always)]
+            || region.combine(&part.densities, taps, None, out, |d| d),
+        );
+    }
+
+    fn region(&self, axes: [usize; 3], window: Window, stride: usize) -> Region {
+        Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride)
+    }
+
+    /// `out[slice · plane + v · stride + u] = density` for the sixteen slices from `first` on, which lie across x; u and
+    /// v are y and z. Slices behind the last one repeat it. `stride` is a multiple of sixteen.
+    ///
+    /// `part`: the box with all of that, where it has been loaded.
+    #[expect(clippy::too_many_arguments, reason = "the box, and which part of it goes where")]
+    pub fn turn(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        first: usize,
+        window: Window,
+        part: &Part,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        let region = self.region(axes, window, stride);
+        if let Some(grid) = &self.prepared.densities {
+            return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
+        }
+        let Source::Samples(samples) = self.source else {
+            let region = region.inside(axes, part);
+            return level.dispatch(Turn { region, grid: &part.densities, first, out, density: |d: f32| d });
+        };
+        let (offset, scale) = self.grid.density_from_sample();
+        if is_identity((offset, scale)) {
+            with_samples!(samples, grid => {
+                level.dispatch(Turn { region, grid, first, out, density: Sample::to_f32 });
+            });
+        } else {
+            with_samples!(samples, grid => {
+                let density = |s| (Sample::to_f64(s) - offset) * scale;
+                level.dispatch(Turn { region, grid, first, out, density: |s| density(s) as f32 });
+            });
+        }
+    }
+
+    /// As [`Slices::combine`] for the mask: above 0 where a hole is reached.
+    pub fn combine_mask(
+        &self,
+        level: Level,
+        axes: [usize; 3],
+        taps: &[SliceTap],
+        window: Window,
+        out: &mut [f32],
+        stride: usize,
+    ) {
+        if let Some(mask) = &self.prepared.mask {
+            let region = self.region(axes, window, stride);
+            level.run(
+                #[inline(always)]
+                || region.combine(mask, taps, None, out, |hole| if hole { 1.0 } else { 0.0 }),
+            );
+        }
+    }
+}
+
+/// Whether samples are densities as they are.
+fn is_identity(density_from_sample: (f64, f64)) -> bool {
+    density_from_sample == (0.0, 1.0)
+}
+
+/// Rows of the samples, for the bounds of bricks.
+struct NativeRows<'a> {
+    samples: Samples<'a>,
+    map: (f64, f64),
+    level: Level,
+}
+
+impl Rows for NativeRows<'_> {
+    fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
+        let (offset, scale) = self.map;
+        if is_identity(self.map) {
+            with_samples!(self.samples, s => self.level.run(#[inline(always)] || widen(&s[start..], lo, hi, Sample::to_f32)));
+        } else {
+            with_samples!(self.samples, s => self.level.run(#[inline(always)] || widen(&s[start..], lo, hi, |s| ((s.to_f64() - offset) * scale) as f32)));
+        }
+    }
+}
+
+fn densities(samples: &Samples, (offset, scale): (f64, f64)) -> Vec<f32> {
+    with_samples!(samples, s => s.iter().map(|s| ((s.to_f64() - offset) * scale) as f32).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DAffine3;
+
+    #[test]
+    fn any_axis_and_any_type_give_the_same_window() {
+        let size = [5, 4, 3];
+        let values: Vec<u8> = (0..60).map(|i| (i * 7 % 60) as u8).collect();
+        let wide: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
+        let narrow = Volume::new("narrow", Samples::U8(&values), size, DAffine3::IDENTITY).unwrap();
+        let float = Volume::new("float", Samples::F64(&wide), size, DAffine3::IDENTITY).unwrap();
+        let (offset, scale) = float.grid().density_from_sample();
+        let (narrow, float) = (Slices::new(&narrow, Kernel::Linear), Slices::new(&float, Kernel::Linear));
+        for axes in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
+            let window = Window { u: [-2, size[axes[0]] as i64 + 1], v: [-1, size[axes[1]] as i64] };
+            let taps = [(0, 0.25), (2, 0.75)];
+            let n = window.n_u() * window.n_v();
+            let (mut a, mut b) = (vec![9.0; n], vec![9.0; n]);
+            narrow.combine(Level::best(), axes, &taps, None, window, &mut a, window.n_u());
+            float.combine(Level::best(), axes, &taps, None, window, &mut b, window.n_u());
+            for (i, (a, b)) in a.iter().zip(&b).enumerate() {
+                let (u, v) = (window.u[0] + (i % window.n_u()) as i64, window.v[0] + (i / window.n_u()) as i64);
+                let mut index = [0; 3];
+                index[axes[0]] = u.clamp(0, size[axes[0]] as i64 - 1) as usize;
+                index[axes[1]] = v.clamp(0, size[axes[1]] as i64 - 1) as usize;
+                let want: f64 = taps
+                    .iter()
+                    .map(|&(w, weight)| {
+                        index[axes[2]] = w;
+                        f64::from(weight) * narrow.at(index)
+                    })
+                    .sum();
+                assert!((f64::from(*a) - want).abs() < 1e-5, "{axes:?} {u} {v}");
+                assert!((f64::from(*b) / scale + offset - want).abs() < 1e-4, "{axes:?} {u} {v}");
+            }
+        }
+    }
+}

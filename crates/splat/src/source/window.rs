@@ -1,0 +1,233 @@
+//! A window of some slices, read from wherever the samples are: combined into one, or turned.
+//!
+//! Both read beyond the border what the kernel folds back there. Samples keep their own type until they are summed.
+
+use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Simd, prefetch};
+use wavesplat_core::Kernel;
+
+use crate::kernel::slice_taps::SliceTap;
+use crate::kernel::weights::fold;
+use crate::source::block_cache::Part;
+
+/// A rectangle of sample positions in a slice, `u` and `v` inclusive, before folding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// First and last index along u.
+    pub u: [i64; 2],
+    /// First and last index along v.
+    pub v: [i64; 2],
+}
+
+impl Window {
+    /// Samples per row.
+    pub fn n_u(&self) -> usize {
+        (self.u[1] - self.u[0] + 1) as usize
+    }
+
+    /// Rows.
+    pub fn n_v(&self) -> usize {
+        (self.v[1] - self.v[0] + 1) as usize
+    }
+}
+
+/// A window of a strided grid with its border folded back.
+pub struct Region {
+    kernel: Kernel,
+    stride: [usize; 3],
+    n: [usize; 3],
+    /// Position of the grid's first sample, along u, v, w.
+    origin: [usize; 3],
+    window: Window,
+    out_stride: usize,
+}
+
+impl Region {
+    /// `axes`: the index axes called u, v, w. `out_stride`: from a row that is written to the next.
+    pub fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window, out_stride: usize) -> Self {
+        let all = [1, size[0], size[0] * size[1]];
+        let (stride, n) = (axes.map(|a| all[a]), axes.map(|a| size[a]));
+        Self { kernel, stride, n, origin: [0; 3], window, out_stride }
+    }
+
+    /// The same in a box of the grid.
+    #[must_use]
+    pub fn inside(self, axes: [usize; 3], part: &Part) -> Self {
+        let all = [1, part.size[0], part.size[0] * part.size[1]];
+        Self { stride: axes.map(|a| all[a]), origin: axes.map(|a| part.lo[a]), ..self }
+    }
+
+    /// Place of a sample along one axis (0, 1: u, v), folded back.
+    #[inline(always)]
+    fn place(&self, axis: usize, i: i64) -> usize {
+        (fold(self.kernel, i, self.n[axis]) - self.origin[axis]) * self.stride[axis]
+    }
+
+    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`. `soon`: a slice that is combined soon, whose
+    /// rows are asked for as those above or below them are read.
+    #[inline(always)]
+    pub fn combine<T: Copy>(
+        &self,
+        grid: &[T],
+        taps: &[SliceTap],
+        soon: Option<usize>,
+        out: &mut [f32],
+        density: impl Fn(T) -> f32,
+    ) {
+        let Window { u: [u_lo, u_hi], v: [v_lo, _] } = self.window;
+        let [su, _, sw] = self.stride;
+        let [first_u, _, first_w] = self.origin;
+        let last = self.n[0] as i64 - 1;
+        // Columns that need no folding.
+        let inner_lo = u_lo.clamp(0, last);
+        let inner_hi = u_hi.clamp(0, last);
+        let n_left = (inner_lo - u_lo) as usize;
+        let n_inner = (inner_hi - inner_lo + 1) as usize;
+        let n_u = self.window.n_u();
+        for r in 0..self.window.n_v() {
+            let line = self.place(1, v_lo + r as i64);
+            let from = |slice: usize| (slice - first_w) * sw + line + (inner_lo as usize - first_u) * su;
+            // What lies between the rows is anything, so that whole vectors can be written.
+            let row = &mut out[r * self.out_stride..];
+            let n_room = self.out_stride.min(row.len());
+            if su == 1 {
+                if let Some(slice) = soon {
+                    prefetch(&grid[from(slice)..][..n_inner]);
+                }
+                sum_slices(grid, taps, from, &mut row[n_left..n_room], n_inner, &density);
+            } else {
+                let inner = &mut row[n_left..n_left + n_inner];
+                inner.fill(0.0);
+                for &(slice, weight) in taps {
+                    for (o, s) in inner.iter_mut().zip(grid[from(slice)..].iter().step_by(su)) {
+                        *o += weight * density(*s);
+                    }
+                }
+            }
+            let sum = |i: i64| {
+                let place = line + self.place(0, i);
+                let at = |slice: usize| density(grid[(slice - first_w) * sw + place]);
+                taps.iter().fold(0.0, |sum, &(slice, weight)| sum + weight * at(slice))
+            };
+            for c in (0..n_left).chain(n_left + n_inner..n_u) {
+                row[c] = sum(u_lo + c as i64);
+            }
+        }
+    }
+}
+
+/// `out = Σ weight · density` over slices whose `n` samples lie side by side, each from its own place on. What `out` has
+/// beyond them may be overwritten.
+#[inline(always)]
+pub fn sum_slices<T: Copy>(
+    grid: &[T],
+    taps: &[SliceTap],
+    from: impl Fn(usize) -> usize,
+    out: &mut [f32],
+    n: usize,
+    density: &impl Fn(T) -> f32,
+) {
+    // The usual numbers of slices, unrolled.
+    match taps.len() {
+        1 => sum_rows::<1, _>(grid, taps, from, out, n, density),
+        2 => sum_rows::<2, _>(grid, taps, from, out, n, density),
+        3 => sum_rows::<3, _>(grid, taps, from, out, n, density),
+        4 => sum_rows::<4, _>(grid, taps, from, out, n, density),
+        6 => sum_rows::<6, _>(grid, taps, from, out, n, density),
+        _ => {
+            let out = &mut out[..n];
+            out.fill(0.0);
+            for &(slice, weight) in taps {
+                for (o, s) in out.iter_mut().zip(&grid[from(slice)..]) {
+                    *o += weight * density(*s);
+                }
+            }
+        }
+    }
+}
+
+/// `out = Σ weight · density` over `N` slices, one pass, a vector at a time: rows of a tile are short, and whole vectors
+/// read and write on beyond them.
+#[inline(always)]
+fn sum_rows<const N: usize, T: Copy>(
+    grid: &[T],
+    taps: &[SliceTap],
+    from: impl Fn(usize) -> usize,
+    out: &mut [f32],
+    n: usize,
+    density: &impl Fn(T) -> f32,
+) {
+    let Some(taps) = taps.first_chunk::<N>() else { return };
+    let mut rows: [&[T]; N] = [&[]; N];
+    let mut weights = [0.0; N];
+    let mut n_room = out.len();
+    for k in 0..N {
+        rows[k] = &grid[from(taps[k].0)..];
+        weights[k] = taps[k].1;
+        n_room = n_room.min(rows[k].len());
+    }
+    // All ends are checked before the first sample is read: compilers make vectors of what no branch interrupts.
+    let n_whole = if n.next_multiple_of(LANES) <= n_room { n.next_multiple_of(LANES) } else { n / LANES * LANES };
+    let rows = rows.map(|row| &row[..n_room]);
+    for i in (0..n_whole).step_by(LANES) {
+        let mut sums = [0.0; LANES];
+        for k in 0..N {
+            let samples = &rows[k][i..i + LANES];
+            for j in 0..LANES {
+                sums[j] += weights[k] * density(samples[j]);
+            }
+        }
+        out[i..i + LANES].copy_from_slice(&sums);
+    }
+    // At the very end of the grid, or where rows lie side by side.
+    for i in n_whole..n {
+        out[i] = (0..N).fold(0.0, |sum, k| sum + weights[k] * density(rows[k][i]));
+    }
+}
+
+/// Turns [`LANES`] slices by as many samples at a time.
+pub struct Turn<'a, T, F> {
+    /// Its w runs along the rows of samples.
+    pub region: Region,
+    /// What is read.
+    pub grid: &'a [T],
+    /// The first slice.
+    pub first: usize,
+    /// As of [`crate::source::slices::Slices::turn`].
+    pub out: &'a mut [f32],
+    /// Of a sample.
+    pub density: F,
+}
+
+impl<T: Copy, F: Fn(T) -> f32> Work for Turn<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Region { n: [_, _, n_w], origin: [_, _, first_w], window, out_stride, .. } = self.region;
+        let plane = out_stride * window.n_v();
+        let n_here = LANES.min(n_w - self.first);
+        let mut block = [Lanes::splat(0.0); LANES];
+        for (r, v) in (window.v[0]..=window.v[1]).enumerate() {
+            let start = self.region.place(1, v) + self.first - first_w;
+            for c in (0..window.n_u()).step_by(LANES) {
+                for k in 0..LANES {
+                    let u = (window.u[0] + (c + k) as i64).min(window.u[1]);
+                    let row = &self.grid[start + self.region.place(0, u)..];
+                    if let Some(row) = row.first_chunk::<LANES>() {
+                        for i in 0..LANES {
+                            block[k].0[i] = (self.density)(row[i]);
+                        }
+                    } else {
+                        for i in 0..LANES {
+                            block[k].0[i] = (self.density)(row[i.min(n_here - 1)]);
+                        }
+                    }
+                }
+                s.transpose(&mut block);
+                for k in 0..n_here {
+                    self.out[k * plane + r * out_stride + c..][..LANES].copy_from_slice(&block[k].0);
+                }
+            }
+        }
+    }
+}

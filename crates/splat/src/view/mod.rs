@@ -1,0 +1,9 @@
+//! Camera to texels: viewing rays in index space, slice families, base planes (shear-warp), clipping.
+
+pub mod base_plane;
+pub mod depth_cue;
+pub mod family;
+pub mod index_frame;
+pub mod pixel_spacing;
+pub mod ray_model;
+pub mod region;

@@ -19,8 +19,7 @@ pub mod kernel;
 pub mod optics;
 #[doc(hidden)]
 pub mod picture;
-#[doc(hidden)]
-pub mod quality;
+// QUALITY
 #[doc(hidden)]
 pub mod ray;
 pub mod reference;
@@ -35,9 +34,9 @@ pub mod standard;
 #[doc(hidden)]
 pub mod view;
 
+pub use optics::steepness::is_steep;
 pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layer};
 pub use render::layer::Layer;
 pub use render::progress::ProgressCallback;
 pub use render::report::Report;
-pub use render::scene::is_steep;
 pub use wavesplat_compute::parallel::with_threads;

@@ -28,11 +28,13 @@ const ENTRIES_PER_SEGMENT: f64 = 16.0;
 const LEAST: f32 = 1e-36;
 
 /// Tables over the magnitude of the world gradient of densities.
+#[derive(Clone)]
 pub struct GradientOpacity {
     metric: Metric,
     kind: Kind,
 }
 
+#[derive(Clone)]
 enum Kind {
     /// Factors of the optical depth.
     Factor { table: Vec<Entry>, per_magnitude: f32 },
@@ -95,6 +97,7 @@ impl GradientOpacity {
 }
 
 /// Colour and optical depth, evenly over densities and magnitudes; rows of densities.
+#[derive(Clone)]
 struct Table {
     entries: Vec<Entry>,
     along: [Side; 2],

@@ -132,7 +132,7 @@ impl Labels {
     }
 
     /// The fields.
-    pub fn fields(&self) -> Vec<Field<'_>> {
+    pub fn fields(&self) -> Vec<Field<'static>> {
         let field = |(i, channel): (usize, &Arc<Prepared>)| {
             let gradient_offset = (self.terms.matter == Some(i)).then_some(self.gradient_offset());
             let slices = channel.slices(&self.grid)?;

@@ -7,4 +7,5 @@ pub mod modifiers;
 pub mod occlusion;
 pub mod preintegrate;
 pub mod shade;
+pub mod steepness;
 pub mod visibility_cache;

@@ -14,7 +14,7 @@ use crate::optics::shade::Shader;
 use crate::sheet::field_sheets::FieldPoint;
 
 /// All of it; none as a rule.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Modifiers {
     /// What the gradient decides.
     pub by_gradient: Option<GradientOpacity>,

@@ -167,16 +167,16 @@ impl ExtinctionGrid {
     }
 
     /// Numbers of every cell as a field.
-    pub fn field<'a>(&self, numbers: &'a [f32]) -> Result<Field<'a>> {
+    pub fn field(&self, numbers: Vec<f32>) -> Result<Field<'static>> {
         let (size, world_from_index) = (self.grid.size(), self.grid.world_from_index());
         let statistics = wavesplat_core::Statistics { min: 0.0, max: 1.0, n_nonfinite: 0 };
         // Numbers are densities: from 0 to 1 already.
-        let volume = Volume::with_statistics("light", Samples::F32(numbers), size, world_from_index, statistics)?;
+        let grid = Grid::new("light", size, world_from_index, statistics, true)?;
         let from_index = self.per_cell.map(|n| {
             let per_index = 1.0 / n as f64;
             (0.5 * per_index - 0.5, per_index)
         });
-        Ok(Field { slices: Slices::new(&volume, Kernel::Linear), from_index, gradient_offset: None })
+        Ok(Field { slices: Slices::of_densities(numbers, &grid, Kernel::Linear), from_index, gradient_offset: None })
     }
 }
 

@@ -1,8 +1,8 @@
 //! A finished base plane: texels are put into it tile by tile.
 
 use glam::DVec2;
-use wavesplat_compute::pages;
 use wavesplat_compute::simd::LANES;
+use wavesplat_compute::{pages, parallel};
 
 use crate::view::base_plane::BasePlane;
 
@@ -78,6 +78,45 @@ impl BasePicture {
         coarser
     }
 
+    /// Calls `work` with the number of every tile of `tile_size` texels, row by row, and its texels, on all threads.
+    ///
+    /// Tiles are disjoint, so no thread waits for another.
+    pub fn fill_tiles(&mut self, tile_size: [usize; 2], work: impl Fn(usize, &mut TileTexels) + Sync + Send) {
+        let [n_u, n_v] = self.plane.size;
+        let [tile_u, tile_v] = tile_size;
+        let n_tiles_u = n_u.div_ceil(tile_u);
+        let mut tiles: Vec<TileTexels> = Vec::new();
+        tiles.resize_with(n_tiles_u * n_v.div_ceil(tile_v), TileTexels::default);
+        let pitch = self.pitch();
+        for (j, row) in self.texels.chunks_exact_mut(pitch).skip(MARGIN).take(n_v).enumerate() {
+            for (texels, tile) in row[MARGIN..MARGIN + n_u].chunks_mut(tile_u).zip(&mut tiles[j / tile_v * n_tiles_u..])
+            {
+                tile.rows.push(texels);
+            }
+        }
+        for (j, row) in self.w_half.chunks_exact_mut(n_u).enumerate() {
+            for (places, tile) in row.chunks_mut(tile_u).zip(&mut tiles[j / tile_v * n_tiles_u..]) {
+                tile.w_half.push(places);
+            }
+        }
+        parallel::for_each_chunk(&mut tiles, 1, |k, tile| work(k, &mut tile[0]));
+        let cells: Vec<Vec<[usize; 2]>> = tiles.into_iter().map(|tile| tile.drawn).collect();
+        for (k, cells) in cells.into_iter().enumerate() {
+            let first = [k % n_tiles_u * tile_u / CELL[0], k / n_tiles_u * tile_v / CELL[1]];
+            for [u, v] in cells {
+                self.mark_drawn(first[0] + u, first[1] + v);
+            }
+        }
+    }
+
+    /// A cell and its neighbours have been drawn in: the filter reaches two texels further.
+    fn mark_drawn(&mut self, u: usize, v: usize) {
+        let [n_cells_u, n_cells_v] = n_cells(&self.plane);
+        for v in v.saturating_sub(1)..(v + 2).min(n_cells_v) {
+            self.drawn[v * n_cells_u + u.saturating_sub(1)..v * n_cells_u + (u + 2).min(n_cells_u)].fill(true);
+        }
+    }
+
     /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out, and so is
     /// a chunk of which nothing is seen.
     pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
@@ -91,12 +130,7 @@ impl BasePicture {
         if let (Some(w_half), false) = (w_half, self.w_half.is_empty()) {
             self.w_half[j * n_u + i..][..n].copy_from_slice(&w_half[..n]);
         }
-        // The filter reaches two texels further.
-        let [n_cells_u, n_cells_v] = n_cells(&self.plane);
-        let (u, v) = (i / CELL[0], j / CELL[1]);
-        for v in v.saturating_sub(1)..(v + 2).min(n_cells_v) {
-            self.drawn[v * n_cells_u + u.saturating_sub(1)..v * n_cells_u + (u + 2).min(n_cells_u)].fill(true);
-        }
+        self.mark_drawn(i / CELL[0], j / CELL[1]);
     }
 
     /// w of opacity ½ at a texel position: linear where the four texels around it lie on one surface.
@@ -121,6 +155,35 @@ impl BasePicture {
         let near = corners[0] + tu * (corners[1] - corners[0]);
         let far = corners[2] + tu * (corners[3] - corners[2]);
         near + tv * (far - near)
+    }
+}
+
+/// The texels of a tile of a base plane, to be written to by one thread.
+#[derive(Default)]
+pub struct TileTexels<'a> {
+    rows: Vec<&'a mut [[f32; 4]]>,
+    /// As of [`BasePicture::w_half`]; empty where no depth is wanted.
+    w_half: Vec<&'a mut [f32]>,
+    /// Cells of the tile that were drawn in, more than once each.
+    drawn: Vec<[usize; 2]>,
+}
+
+impl TileTexels<'_> {
+    /// As [`BasePicture::put`], by columns and rows of the tile.
+    pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
+        let Some(texels) = self.rows.get_mut(j).and_then(|row| row.get_mut(i..)) else { return };
+        if texels.is_empty() || chunk.iter().all(|rgba| rgba[3] == 0.0) {
+            return;
+        }
+        let n = LANES.min(texels.len());
+        texels[..n].copy_from_slice(&chunk[..n]);
+        if let (Some(w_half), Some(places)) = (w_half, self.w_half.get_mut(j)) {
+            places[i..i + n].copy_from_slice(&w_half[..n]);
+        }
+        let cell = [i / CELL[0], j / CELL[1]];
+        if self.drawn.last() != Some(&cell) {
+            self.drawn.push(cell);
+        }
     }
 }
 

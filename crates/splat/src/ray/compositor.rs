@@ -10,6 +10,8 @@ use crate::source::geometry::SheetGeometry;
 use crate::source::transposed::TransposedSlices;
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
+use crate::ray::state::TileState;
+
 /// The space between two consecutive sheets of a tile.
 pub struct Slab<'a> {
     /// Positions of the front and the back sheet.
@@ -106,4 +108,6 @@ pub trait Compositor {
     }
     /// The result of a chunk.
     fn finish(&self, chunk: Chunk) -> Texels;
+    /// What another piece of the same tile goes on from.
+    fn into_state(self) -> TileState;
 }

@@ -7,6 +7,7 @@ use crate::optics::shade::Shader;
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Ends, Texels};
 use crate::ray::over::between;
+use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 
@@ -22,18 +23,17 @@ pub struct FirstHit<'a> {
 }
 
 impl<'a> FirstHit<'a> {
-    /// `iso` is a density.
-    pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>) -> Self {
+    /// Goes on from a state; `None`: nothing is drawn yet. `iso` is a density.
+    pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>, state: Option<TileState>) -> Self {
+        let state = state.unwrap_or_else(|| TileState {
+            rgba: TileState::per_chunk([Lanes::splat(0.0); 4]),
+            s_half: TileState::per_chunk(Lanes::splat(f32::NAN)),
+            found: TileState::per_chunk(0),
+            done: TileState::per_chunk(false),
+            ..TileState::default()
+        });
         let [r, g, b, _] = classifier.look_up_one(iso);
-        Self {
-            iso,
-            rgb: [r, g, b],
-            shader,
-            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
-            s_hit: vec![Lanes::splat(f32::NAN); Chunk::N],
-            hit: vec![0; Chunk::N],
-            done: vec![false; Chunk::N],
-        }
+        Self { iso, rgb: [r, g, b], shader, rgba: state.rgba, s_hit: state.s_half, hit: state.found, done: state.done }
     }
 }
 
@@ -90,5 +90,9 @@ impl Compositor for FirstHit<'_> {
 
     fn finish(&self, chunk: Chunk) -> Texels {
         Texels::new(&self.rgba[chunk.index()], Some(&self.s_hit[chunk.index()]))
+    }
+
+    fn into_state(self) -> TileState {
+        TileState { rgba: self.rgba, s_half: self.s_hit, found: self.hit, done: self.done, ..TileState::default() }
     }
 }

@@ -9,6 +9,7 @@ use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Texels};
 use crate::ray::project::DrawnSegment;
+use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 
@@ -28,10 +29,15 @@ pub struct LocalMaximum {
 }
 
 impl LocalMaximum {
-    /// `threshold` is a density.
-    pub fn new(threshold: f32) -> Self {
-        let highest = vec![Lanes::splat(f32::NEG_INFINITY); Chunk::N];
-        Self { threshold, highest, found: vec![0; Chunk::N], done: vec![false; Chunk::N] }
+    /// Goes on from a state; `None`: nothing is drawn yet. `threshold` is a density.
+    pub fn new(threshold: f32, state: Option<TileState>) -> Self {
+        let state = state.unwrap_or_else(|| TileState {
+            value: TileState::per_chunk(Lanes::splat(f32::NEG_INFINITY)),
+            found: TileState::per_chunk(0),
+            done: TileState::per_chunk(false),
+            ..TileState::default()
+        });
+        Self { threshold, highest: state.value, found: state.found, done: state.done }
     }
 }
 
@@ -66,5 +72,9 @@ impl Compositor for LocalMaximum {
         let highest = &self.highest[chunk.index()].0;
         let texel = |i: usize| if highest[i] > f32::NEG_INFINITY { [highest[i], 0.0, 0.0, 1.0] } else { [0.0; 4] };
         Texels { rgba: std::array::from_fn(texel), s_half: None }
+    }
+
+    fn into_state(self) -> TileState {
+        TileState { value: self.highest, found: self.found, done: self.done, ..TileState::default() }
     }
 }

@@ -5,3 +5,4 @@ pub mod first_hit;
 pub mod local_maximum;
 pub mod over;
 pub mod project;
+pub mod state;

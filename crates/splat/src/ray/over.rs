@@ -20,6 +20,7 @@ use crate::optics::modifiers::Modifiers;
 use crate::optics::preintegrate::N_PARTS;
 use crate::optics::shade::Shader;
 use crate::ray::compositor::{Compositor, Slab, Texels};
+use crate::ray::state::TileState;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
 use crate::sheet::tile_layout::Chunk;
@@ -54,7 +55,7 @@ struct Piece<W: Wide> {
 }
 
 impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
-    /// Nothing drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
+    /// Goes on from a state; `None`: nothing is drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
     /// `with_depth`: whether `s_half` is wanted.
     pub fn new(
         classifier: &'a Classifier,
@@ -63,7 +64,14 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         is_steep: bool,
         opaque: f32,
         with_depth: bool,
+        state: Option<TileState>,
     ) -> Self {
+        let state = state.unwrap_or_else(|| TileState {
+            rgba: TileState::per_chunk([Lanes::splat(0.0); 4]),
+            s_half: if with_depth { TileState::per_chunk(Lanes::splat(f32::NAN)) } else { Vec::new() },
+            done: TileState::per_chunk(false),
+            ..TileState::default()
+        });
         Self {
             classifier,
             shader,
@@ -72,9 +80,9 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             is_steep,
             opaque,
             with_depth,
-            rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N],
-            s_half: vec![Lanes::splat(f32::NAN); if with_depth { Chunk::N } else { 0 }],
-            done: vec![false; Chunk::N],
+            rgba: state.rgba,
+            s_half: state.s_half,
+            done: state.done,
         }
     }
 
@@ -478,5 +486,9 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
 
     fn finish(&self, chunk: Chunk) -> Texels {
         Texels::new(&self.rgba[chunk.index()], self.s_half.get(chunk.index()))
+    }
+
+    fn into_state(self) -> TileState {
+        TileState { rgba: self.rgba, s_half: self.s_half, done: self.done, ..TileState::default() }
     }
 }

@@ -8,6 +8,7 @@ use wavesplat_core::Composite;
 
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Ends, Texels};
+use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 
@@ -62,20 +63,28 @@ pub struct Project {
 }
 
 impl Project {
-    /// `density`: that of a sample value.
-    pub fn new(operator: Composite, density: impl Fn(f64) -> f32) -> Self {
+    /// Goes on from a state; `None`: nothing is drawn yet. `level`: as of [`Project::level`].
+    pub fn new(operator: Composite, level: f32, state: Option<TileState>) -> Self {
         let nothing = match operator {
             Composite::Maximum | Composite::DepthShadedMaximum { .. } => f32::NEG_INFINITY,
             Composite::Minimum => f32::INFINITY,
             _ => 0.0,
         };
-        let level = match operator {
+        let state = state.unwrap_or_else(|| TileState {
+            value: TileState::per_chunk(Lanes::splat(nothing)),
+            length: TileState::per_chunk(Lanes::splat(0.0)),
+            ..TileState::default()
+        });
+        Self { operator, level, value: state.value, length: state.length }
+    }
+
+    /// The density that an operator dims towards, or above which x-rays are absorbed. `density`: that of a sample value.
+    pub fn level(operator: Composite, density: impl Fn(f64) -> f32) -> f32 {
+        match operator {
             Composite::DepthShadedMaximum { black, .. } => density(black),
             Composite::XRay { clear, .. } => density(clear),
             _ => 0.0,
-        };
-        let (value, length) = (vec![Lanes::splat(nothing); Chunk::N], vec![Lanes::splat(0.0); Chunk::N]);
-        Self { operator, level, value, length }
+        }
     }
 }
 
@@ -153,6 +162,10 @@ impl Compositor for Project {
             [value, length, 0.0, 1.0]
         });
         Texels { rgba, s_half: None }
+    }
+
+    fn into_state(self) -> TileState {
+        TileState { value: self.value, length: self.length, ..TileState::default() }
     }
 }
 

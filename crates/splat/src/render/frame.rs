@@ -1,39 +1,37 @@
-//! The whole way from volume to picture: the one place that knows the order of the stages.
+//! A frame: planned, drawn tile by tile, warped. The schedule of the CPU over pieces.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Picture, RenderOptions, Result, TransferFunction};
+use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, TransferFunction};
 
 use crate::optics::visibility_cache::VisibilityCache;
 use crate::picture::base_picture::BasePicture;
 use crate::picture::color_projection::color_projection;
-use crate::picture::supersampling::reads_per_axis;
 use crate::picture::warp::warp;
-use crate::quality::parts::Parts;
 use crate::render::layer::Layer;
+use crate::render::piece::draw_tile;
+use crate::render::plan::{FamilyPlan, Plan};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::report::Report;
-use crate::render::scene::{Scene, brightest, with_scene};
-use crate::render::tile::Piece;
+use crate::render::tile::{Piece, TileJob, Work, n_tiles};
+use crate::sheet::tile_layout::{TILE_U, TILE_V};
 use crate::source::slices::Slices;
-use crate::view::base_plane::base_planes;
-use crate::view::family::IndexRays;
 
 /// Draws a volume.
 ///
-/// `slices` are those of the options' kernel; keep them for the next picture.
+/// `slices`: keep them for the next picture; with [`render_layer`] also what is made of the transfer function.
 pub fn render(
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
-    monitor: &dyn ProgressCallback,
+    callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report)> {
     let layer = Layer { slices, transfer_function: tf, labels: None, cache: &VisibilityCache::default() };
-    render_layer(&layer, camera, options, monitor)
+    render_layer(&layer, camera, options, callback)
 }
 
 /// As [`render`], with labels, and with what was kept of frames before.
@@ -41,13 +39,12 @@ pub fn render_layer(
     layer: &Layer,
     camera: &Camera,
     options: &RenderOptions,
-    monitor: &dyn ProgressCallback,
+    callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
-        with_scene(Level::best(), layer, camera, options, |scene| {
-            let (picture, report) = drawn(scene, None, monitor)?;
-            Ok((finished(camera, options, picture), report))
-        })
+        let plan = Plan::new(Level::best(), layer, camera, options)?;
+        let (base_pictures, report) = draw_base_planes(&plan, layer.slices, callback)?;
+        Ok((finish(&plan, &base_pictures), report))
     })
 }
 
@@ -57,9 +54,9 @@ pub fn render_base_planes(
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
-    monitor: &dyn ProgressCallback,
+    callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    render_base_planes_at(Level::best(), slices, tf, camera, options, monitor)
+    render_base_planes_at(Level::best(), slices, tf, camera, options, callback)
 }
 
 /// As [`render_base_planes`], with the vectors of a level; all levels give the same bits.
@@ -69,104 +66,99 @@ pub fn render_base_planes_at(
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
-    monitor: &dyn ProgressCallback,
+    callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
     let layer = Layer { slices, transfer_function: tf, labels: None, cache: &VisibilityCache::default() };
     parallel::with_threads(options.n_threads, || {
-        with_scene(level, &layer, camera, options, |scene| draw(scene, None, monitor))
+        draw_base_planes(&Plan::new(level, &layer, camera, options)?, slices, callback)
     })
 }
 
-/// Draws the base planes of the whole picture, or of parts of it.
-pub(crate) fn draw(
-    scene: &Scene,
-    parts: Option<&Arc<Parts>>,
-    monitor: &dyn ProgressCallback,
+/// Draws the base planes of a plan, tile by tile, each through all its sheets.
+pub fn draw_base_planes(
+    plan: &Plan,
+    slices: &Slices,
+    callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    let options = scene.options;
-    let size = [options.width_px, options.height_px];
-    let mut planes = base_planes(scene.camera, &rays(scene), size, options.oversampling, scene.region.bounds)?;
-    for plane in &mut planes {
-        plane.parts = parts.cloned();
-    }
     let mut report = Report {
-        n_nonfinite_samples: scene.grid.statistics().n_nonfinite,
-        n_base_planes: planes.len(),
+        n_nonfinite_samples: plan.grid.statistics().n_nonfinite,
+        n_base_planes: plan.families.len(),
         n_threads: parallel::n_threads(),
-        simd: scene.level.name(),
+        simd: plan.simd.name(),
         ..Report::default()
     };
-    let pieces: Vec<Vec<Piece>> = planes.iter().map(Piece::all).collect();
-    let progress = Progress::new(monitor, pieces.iter().map(Vec::len).sum());
+    let n_all = plan.families.iter().map(|family| n_tiles(&family.plane).iter().product::<usize>()).sum();
+    let progress = Progress::new(callback, n_all);
     let mut pictures = Vec::new();
-    for (plane, pieces) in planes.iter().zip(&pieces) {
-        let (picture, work, n_sheets) = scene.draw_plane(plane, options.sheets_per_slice, pieces, &progress)?;
+    for family in &plan.families {
+        let (picture, work) = draw_base_plane(plan, family, slices, &progress, |_| true)?;
         report.n_texels += work.n_texels;
         report.n_skipped_sheets += work.n_skipped;
-        report.n_sheets.push(n_sheets);
-        report.n_base_texels += plane.size.iter().product::<usize>() as u64;
+        report.n_sheets.push(family.spacing.n_slabs + 1);
+        report.n_base_texels += family.plane.size.iter().product::<usize>() as u64;
         pictures.push(picture);
     }
     Ok((pictures, report))
 }
 
-/// The picture, or parts of it, before it is [`finished`].
-pub(crate) fn drawn(
-    scene: &Scene,
-    parts: Option<&Arc<Parts>>,
-    monitor: &dyn ProgressCallback,
-) -> Result<(Picture, Report)> {
-    let (base_pictures, report) = draw(scene, parts, monitor)?;
-    Ok((warped(scene, &base_pictures, scene.options.with_depth), report))
+/// Draws those tiles of a base plane that are wanted, by their number.
+pub(crate) fn draw_base_plane(
+    plan: &Plan,
+    family: &FamilyPlan,
+    slices: &Slices,
+    progress: &Progress,
+    is_wanted: impl Fn(usize) -> bool + Sync + Send,
+) -> Result<(BasePicture, Work)> {
+    let job = TileJob::new(plan, family, slices);
+    let [n_tiles_u, _] = n_tiles(&family.plane);
+    let mut picture = BasePicture::new(family.plane.clone(), plan.has_depth());
+    let (n_texels, n_skipped) = (AtomicU64::new(0), AtomicU64::new(0));
+    picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
+        if progress.is_stopped() || !is_wanted(k) {
+            return;
+        }
+        let work = draw_tile(plan, &job, &Piece::whole([k % n_tiles_u, k / n_tiles_u]), texels);
+        n_texels.fetch_add(work.n_texels, Ordering::Relaxed);
+        n_skipped.fetch_add(work.n_skipped, Ordering::Relaxed);
+        progress.tile_done();
+    });
+    if progress.is_stopped() {
+        return Err(Error::Cancelled);
+    }
+    Ok((picture, Work { n_texels: n_texels.into_inner(), n_skipped: n_skipped.into_inner() }))
 }
 
-/// The rays of the whole picture.
-fn rays(scene: &Scene) -> IndexRays {
-    let options = scene.options;
-    IndexRays::new(scene.camera, scene.grid.index_from_world(), options.width_px, options.height_px)
+/// The picture of finished base planes: warped, coloured, over the background.
+pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
+    let mut picture = warped_rows(plan, base_pictures, 0..plan.size_px[1], plan.with_depth);
+    finish_picture(&plan.camera, plan.background, &mut picture);
+    picture
 }
 
-/// The whole picture; depth as parameters of the rays.
-pub(crate) fn warped(scene: &Scene, base_pictures: &[BasePicture], with_depth: bool) -> Picture {
-    let options = scene.options;
-    warped_rows(scene, base_pictures, 0..options.height_px, options.oversampling, with_depth)
-}
-
-/// Some rows of the picture, of base planes of so many texels per pixel.
-pub(crate) fn warped_rows(
-    scene: &Scene,
-    base_pictures: &[BasePicture],
-    rows: Range<usize>,
-    oversampling: f64,
-    with_depth: bool,
-) -> Picture {
-    let options = scene.options;
-    let size = [options.width_px, rows.len()];
-    let is_projection = options.composite.is_projection();
-    let reads = reads_per_axis(options.composite, oversampling);
-    let peak = if is_projection { f32::MAX } else { options.shading.as_ref().map_or(1.0, brightest) };
-    let rays = rays(scene).part([0, rows.start]);
-    let warped = warp(scene.level, base_pictures, &rays, size, reads, peak, with_depth);
-    let [width_px, height_px] = size;
+/// Some rows of the picture, before it is finished; depth as parameters of the rays.
+pub(crate) fn warped_rows(plan: &Plan, base_pictures: &[BasePicture], rows: Range<usize>, with_depth: bool) -> Picture {
+    let [width_px, height_px] = [plan.size_px[0], rows.len()];
+    let rays = plan.rays.part([0, rows.start]);
+    let reads = plan.reads_per_axis;
+    let warped = warp(plan.simd, base_pictures, &rays, [width_px, height_px], reads, plan.peak, with_depth);
     let mut picture = Picture { width_px, height_px, rgba: warped.rgba, depth: warped.ray_parameter, value: None };
-    if is_projection {
-        picture.value = Some(color_projection(&mut picture.rgba, scene.grid, scene.tf, options.composite));
+    if let Some(composite) = plan.operator.projection() {
+        picture.value = Some(color_projection(&mut picture.rgba, &plan.grid, &plan.transfer_function, composite));
     }
     picture
 }
 
-/// The whole picture with depth as a length and the background behind it.
-pub(crate) fn finished(camera: &Camera, options: &RenderOptions, mut picture: Picture) -> Picture {
+/// Depth as a length, and the background behind the picture.
+pub(crate) fn finish_picture(camera: &Camera, background: Option<[f32; 4]>, picture: &mut Picture) {
     let size = [picture.width_px, picture.height_px];
     for (i, depth) in picture.depth.iter_mut().flatten().enumerate() {
         // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
         let [x, y] = [i % size[0], i / size[0]].map(|px| px as f64 + 0.5);
         *depth = (f64::from(*depth) * camera.ray(x, y, size[0], size[1]).direction.length()) as f32;
     }
-    if let Some(background) = options.background {
+    if let Some(background) = background {
         picture.over_background(background);
     }
-    picture
 }
 
 #[cfg(test)]

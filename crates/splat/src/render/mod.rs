@@ -1,8 +1,10 @@
 //! A frame: the one place that knows the order of the stages.
 
+pub mod empty_space;
 pub mod frame;
 pub mod layer;
+pub mod piece;
+pub mod plan;
 pub mod progress;
 pub mod report;
-pub mod scene;
 pub mod tile;

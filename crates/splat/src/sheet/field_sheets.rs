@@ -35,10 +35,11 @@ impl FieldSlices {
         &mut self,
         geometries: &[SheetGeometry],
         w: [f64; 2],
+        ends: [f64; 2],
         texels: impl Fn(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2],
     ) {
         for (panel, geometry) in self.0.iter_mut().zip(geometries) {
-            panel.cover(geometry, w, &texels);
+            panel.cover(geometry, w, ends, &texels);
         }
     }
 }

@@ -45,10 +45,8 @@ pub struct RayGeometry<'a> {
     pub world_from_index: DAffine3,
     /// World length that opacities belong to.
     pub opacity_unit: f64,
-    /// Whether slabs are as thick as the ray's way through them, `dz / cos θ`; else `dz`.
-    pub view_angle_correction: bool,
     /// Depth shading, where it is wanted.
-    pub fade: Option<DepthCue>,
+    pub depth_cue: Option<DepthCue>,
 }
 
 impl Rays {
@@ -94,7 +92,7 @@ impl Rays {
                 },
             );
         }
-        if let Some(fade) = &geometry.fade {
+        if let Some(fade) = &geometry.depth_cue {
             for strip in 0..N_STRIPS {
                 rays.fades.extend((0..TILE_V).map(|row| fade.along(plane, i0 + strip * LANES, j0 + row)));
             }
@@ -210,7 +208,6 @@ impl RayGeometry<'_> {
     fn directions(&self, i: usize, j: usize) -> Directions {
         let family = &self.plane.family;
         let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
-        let across = columns[0].cross(columns[1]).normalize().dot(columns[2]).abs();
         let form = world_gradient_from_index(self.world_from_index.matrix3, family).transpose();
         let sign = if family.ascending { 1.0 } else { -1.0 };
         // Along a row of texels, the way from slice to slice changes evenly.
@@ -222,8 +219,7 @@ impl RayGeometry<'_> {
         let mut directions = Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] };
         for k in 0..LANES {
             let length = (first + per_texel * k as f64).length();
-            let thickness = if self.view_angle_correction { length } else { across };
-            directions.thickness.0[k] = (thickness / self.opacity_unit) as f32;
+            directions.thickness.0[k] = (length / self.opacity_unit) as f32;
             for c in 0..3 {
                 directions.to_eye[c].0[k] = ((form_of_first[c] + form_per_texel[c] * k as f64) / length) as f32;
             }

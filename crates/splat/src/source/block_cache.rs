@@ -2,9 +2,7 @@
 //! which are kept.
 //!
 //! What is kept of blocks stays below a budget, so volumes larger than memory can be drawn; the block that was not
-//! asked for the longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients. The
-//! prefilter runs over all samples of a line, but what is a few samples away hardly counts, so a block with a margin is
-//! enough.
+//! asked for the longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -22,9 +20,6 @@ const BLOCK_BYTES: usize = BLOCK * BLOCK * BLOCK * size_of::<f32>();
 
 /// Sides of the boxes in which a volume is looked through, about.
 const PIECE: [usize; 3] = [64, 64, 32];
-
-/// Samples around a box that its spline coefficients are made from: the pole to this power is below f32.
-const MARGIN: usize = 14;
 
 /// A box of densities, `[z][y][x]`.
 #[derive(Clone, Debug, Default)]
@@ -105,13 +100,13 @@ impl Blocks {
             to_densities(&mut part.densities, self.map);
             return;
         };
-        let from = lo.map(|lo| lo.saturating_sub(MARGIN));
-        let to = [0, 1, 2].map(|a| (hi[a] + MARGIN).min(self.size[a]));
+        let needed = [0, 1, 2].map(|a| prefilter::needed(&(lo[a]..hi[a]), self.size[a]));
+        let (from, to) = (needed.each_ref().map(|r| r.start), needed.each_ref().map(|r| r.end));
         let n @ [nx, ny, _] = [0, 1, 2].map(|a| to[a] - from[a]);
         let mut wide = vec![0.0; n.iter().product()];
         self.decoder.decode(from, to, &mut wide);
         to_densities(&mut wide, self.map);
-        prefilter::prefilter_box(&mut wide, n, z);
+        prefilter::prefilter_box(&mut wide, from, n, z);
         let first = [0, 1, 2].map(|a| lo[a] - from[a]);
         for k in 0..part.size[2] {
             for j in 0..part.size[1] {

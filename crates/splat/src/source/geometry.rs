@@ -1,9 +1,12 @@
 //! Where the texels of the sheets of a base plane lie among the samples, and the footprints of its three axes.
 
+use std::ops::Range;
+
 use crate::kernel::footprint::{Axis, Difference};
 use crate::kernel::footprint_table::Weights;
 use crate::kernel::noise::noisy_entries;
 use crate::kernel::slice_taps::SliceTaps;
+use crate::kernel::weights::{fold, n_taps, reach};
 use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
@@ -27,17 +30,9 @@ pub struct SheetGeometry<'a> {
 }
 
 impl<'a> SheetGeometry<'a> {
-    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted. `sheet_step`: slice
-    /// distances between sheets.
-    pub fn new(
-        level: Level,
-        plane: &'a BasePlane,
-        slices: &'a Slices<'a>,
-        size: [usize; 3],
-        gradient_offset: Option<f64>,
-        variant: &Variant,
-        sheet_step: f64,
-    ) -> Self {
+    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
+    pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient_offset: Option<f64>) -> Self {
+        let (size, variant, sheet_step) = (slices.grid().size(), &Variant::default(), 1.0);
         let [u, v, w] = plane.family.axes;
         let axis = |a: usize, weights, difference: &dyn Fn(f64) -> Difference| Axis {
             kernel: slices.kernel(),
@@ -53,9 +48,8 @@ impl<'a> SheetGeometry<'a> {
 
     /// The same texels over the samples of a field, which has no variants.
     pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
-        let size = field.slices.grid().size();
         let from_index = plane.family.axes.map(|a| field.from_index[a]);
-        let own = Self::new(level, plane, &field.slices, size, field.gradient_offset, &Variant::default(), 1.0);
+        let own = Self::new(level, plane, &field.slices, field.gradient_offset);
         Self { from_index, ..own }
     }
 
@@ -90,6 +84,91 @@ impl<'a> SheetGeometry<'a> {
             slices.max().map(|last| last + 1).filter(|slice| *slice < self.axes[2].n_samples)
         } else {
             slices.min()?.checked_sub(1)
+        }
+    }
+
+    /// Index ranges, along x, y and z, of the samples that texels `from..=to` of the sheets between two positions are made
+    /// of, border folded back; also of what is transposed for them.
+    pub fn reached(&self, from: [usize; 2], to: [usize; 2], w: [f64; 2]) -> [Range<usize>; 3] {
+        let [axis_u, axis_v, axis_w] = &self.axes;
+        let ends =
+            [window(axis_u, self.hull(0, [from[0], to[0]], w)), window(axis_v, self.hull(1, [from[1], to[1]], w))];
+        let w = w.map(|w| w.clamp(0.0, axis_w.last()));
+        let along_w = reached(axis_w, [w[0].min(w[1]), w[0].max(w[1])]);
+        let mut ranges = [0..0, 0..0, 0..0];
+        for (k, [lo, hi]) in [ends[0], ends[1], along_w].into_iter().enumerate() {
+            let folded = (lo..=hi).map(|i| fold(self.axes[k].kernel, i, self.axes[k].n_samples));
+            let (first, last) = folded.fold((usize::MAX, 0), |(a, b), i| (a.min(i), b.max(i)));
+            ranges[self.plane.family.axes[k]] = first..last + 1;
+        }
+        ranges
+    }
+
+    /// Positions among the samples between which texels lie, along u (0) or v (1), on the sheets between two positions.
+    pub fn hull(&self, k: usize, texels: [usize; 2], w: [f64; 2]) -> [f64; 2] {
+        let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
+        for w in w {
+            let (origin, step) = self.plane.sheet(w)[k];
+            for i in texels {
+                let x = (origin + step * i as f64).clamp(0.0, self.axes[k].last());
+                hull = [hull[0].min(x), hull[1].max(x)];
+            }
+        }
+        hull
+    }
+}
+
+/// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
+pub fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
+    let [from, to] = reached(axis, [lo, hi]);
+    let Some(difference) = axis.difference.filter(|difference| !difference.is_forward) else { return [from, to] };
+    // A difference that starts at a face is as long as any other; its last weights are 0.
+    let widest = Difference { offset: difference.max_offset(), ..difference };
+    // Texels beyond the last sample have differences of their own.
+    let begin = if difference.is_of_texels { hi } else { (hi - widest.offset).max(0.0) };
+    let first = begin.floor() as i64 - reach(axis.kernel) as i64;
+    [from, to.max(first + axis.n_difference_taps(widest) as i64)]
+}
+
+/// First and last sample that values and differences at the positions of an interval reach, with one to spare for
+/// positions in f32.
+pub fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
+    let offset = axis.difference.map_or(0, |difference| difference.max_offset().ceil() as i64);
+    let before = reach(axis.kernel) as i64 + offset + 1;
+    let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
+    [lo.floor() as i64 - before, hi.floor() as i64 + after]
+}
+
+#[cfg(test)]
+mod tests {
+    use wavesplat_core::{GradientScheme, Kernel};
+
+    use super::*;
+    use std::ops::Range;
+
+    use crate::kernel::footprint::AxisFootprints;
+    use crate::kernel::footprint_table::Weights;
+
+    #[test]
+    fn windows_hold_the_footprints_of_their_texels() {
+        let places = [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)];
+        for (name, kernel) in Kernel::NAMES {
+            for (_, scheme) in GradientScheme::NAMES {
+                for offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
+                    for (n_samples, origin, step) in places {
+                        let difference = offset.map(|offset| Difference::within(scheme, offset));
+                        let axis = Axis { kernel, n_samples, difference, weights: Weights::Exact };
+                        let mut footprints = AxisFootprints::default();
+                        footprints.build(&axis, [origin, step], 2, 0b11);
+                        let last = (n_samples - 1) as f64;
+                        let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
+                        let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
+                        let [first, end] = footprints.window;
+                        let holds = from <= first && end <= to;
+                        assert!(holds, "{name} {difference:?} {origin}: [{first}, {end}] in [{from}, {to}]");
+                    }
+                }
+            }
         }
     }
 }

@@ -8,6 +8,7 @@
 //! Volumes that are decoded become such a float copy where it fits into the memory they may take. Where it does not
 //! ([`crate::source::block_cache`]), a box of them is loaded first, then it is the same.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -20,7 +21,7 @@ use crate::kernel::slice_taps::SliceTap;
 use crate::kernel::weights::{fold, n_taps};
 use crate::source::block_cache::{Blocks, Part, all_densities, bytes_of_all};
 use crate::source::min_max_bricks::{Bricks, FloatRows, MOST_BYTES, Rows, widen};
-use crate::source::nonfinite::fill_holes;
+use crate::source::nonfinite::{self, fill_holes};
 use crate::source::point_sampling::{PointSums, PointTaps};
 use crate::source::window::{Region, Turn, Window};
 
@@ -37,15 +38,46 @@ enum Source<'a> {
     Decoded(Option<Arc<Blocks>>),
 }
 
+/// Samples of a box of a volume, `[z][y][x]`.
+#[derive(Clone, Copy)]
+pub struct VolumeBox<'a> {
+    /// Its first sample.
+    pub lo: [usize; 3],
+    /// Samples along x, y, z.
+    pub size: [usize; 3],
+    /// The samples, in the volume's own type.
+    pub samples: Samples<'a>,
+}
+
+/// The samples that must be there for the densities, or spline coefficients, of a box to be those of the whole volume:
+/// `reached` and what the fill of non-finite samples and the prefilter need around it.
+pub fn needed_samples(reached: &[Range<usize>; 3], grid: &Grid, kernel: Kernel) -> [Range<usize>; 3] {
+    let size = grid.size();
+    [0, 1, 2].map(|a| {
+        let mut needed = reached[a].clone();
+        if prefilter::pole(kernel).is_some() {
+            needed = prefilter::needed(&needed, size[a]);
+        }
+        if grid.statistics().n_nonfinite > 0 {
+            needed = needed.start.saturating_sub(nonfinite::REACH)..(needed.end + nonfinite::REACH).min(size[a]);
+        }
+        needed
+    })
+}
+
 /// What is computed once from the samples for a kernel; worth keeping between pictures.
 pub struct Prepared {
     kernel: Kernel,
     size: [usize; 3],
+    /// The box of the volume that is held: its first sample and how many there are along x, y, z; mostly all.
+    lo: [usize; 3],
+    held: [usize; 3],
     /// Densities or spline coefficients, where the samples are not used as they are.
     densities: Option<Vec<f32>>,
     mask: Option<Vec<bool>>,
     range: [f32; 2],
-    bricks: Bricks,
+    /// Bounds of the densities; `None` of a box of a volume, which is drawn by those of the whole.
+    bricks: Option<Bricks>,
     /// Tells it from all others, for what is kept beside it.
     id: u64,
     /// What is decoded of a volume without samples; `None` where there are densities.
@@ -73,9 +105,42 @@ impl Prepared {
         let mut densities = densities(volume.samples(), map);
         let mask = (n_nonfinite > 0).then(|| densities.iter().map(|d| !d.is_finite()).collect());
         if mask.is_some() {
-            fill_holes(&mut densities, size);
+            fill_holes(&mut densities, size, range[0]);
         }
         Self { mask, ..Self::of_densities(densities, size, kernel, range, MOST_BYTES) }
+    }
+
+    /// Of a box of a volume: what a piece of a picture is drawn from. `range` bounds the densities of the whole.
+    fn of_box(samples: &VolumeBox, grid: &Grid, kernel: Kernel, range: [f32; 2]) -> Self {
+        static N_BOXES: AtomicU64 = AtomicU64::new(u64::MAX / 2);
+        let VolumeBox { lo, size: held, samples } = *samples;
+        let pole = prefilter::pole(kernel);
+        let mut prepared = Self {
+            kernel,
+            size: grid.size(),
+            lo,
+            held,
+            densities: None,
+            mask: None,
+            range,
+            bricks: None,
+            id: N_BOXES.fetch_add(1, Ordering::Relaxed),
+            blocks: None,
+            is_decoded: false,
+        };
+        let has_holes = grid.statistics().n_nonfinite > 0;
+        if pole.is_none() && !has_holes {
+            return prepared;
+        }
+        let mut densities = densities(&samples, grid.density_from_sample());
+        if has_holes {
+            prepared.mask = Some(densities.iter().map(|d| !d.is_finite()).collect());
+            fill_holes(&mut densities, held, grid.density_range()[0]);
+        }
+        if let Some(z) = pole {
+            prefilter::prefilter_box(&mut densities, lo, held, z);
+        }
+        Self { densities: Some(densities), ..prepared }
     }
 
     /// Of densities that are all finite. Their bounds are to take at most `bounds_bytes`.
@@ -100,7 +165,19 @@ impl Prepared {
     fn of_parts(kernel: Kernel, size: [usize; 3], range: [f32; 2], bricks: Bricks) -> Self {
         static N_MADE: AtomicU64 = AtomicU64::new(0);
         let id = N_MADE.fetch_add(1, Ordering::Relaxed);
-        Self { kernel, size, densities: None, mask: None, range, bricks, id, blocks: None, is_decoded: false }
+        Self {
+            kernel,
+            size,
+            lo: [0; 3],
+            held: size,
+            densities: None,
+            mask: None,
+            range,
+            bricks: Some(bricks),
+            id,
+            blocks: None,
+            is_decoded: false,
+        }
     }
 
     /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
@@ -138,6 +215,20 @@ impl<'a> Slices<'a> {
         Self { source: Source::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
     }
 
+    /// Densities that are all finite, `[z][y][x]` of `grid`, whose statistics bound them.
+    pub fn of_densities(densities: Vec<f32>, grid: &Grid, kernel: Kernel) -> Self {
+        let prepared = Prepared::of_densities(densities, grid.size(), kernel, grid.density_range(), MOST_BYTES);
+        let prepared = Prepared { is_decoded: true, ..prepared };
+        Self { source: Source::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
+    }
+
+    /// A box of a volume that lies on `grid`, ready for a kernel. `range` bounds the densities, or spline coefficients, of
+    /// the whole, as [`Slices::range`] of it has them.
+    pub fn of_box(samples: &VolumeBox<'a>, grid: &Grid, kernel: Kernel, range: [f32; 2]) -> Self {
+        let prepared = Arc::new(Prepared::of_box(samples, grid, kernel, range));
+        Self { source: Source::Samples(samples.samples), grid: grid.clone(), prepared }
+    }
+
     /// Where the samples lie.
     pub fn grid(&self) -> &Grid {
         &self.grid
@@ -153,9 +244,9 @@ impl<'a> Slices<'a> {
         self.prepared.range
     }
 
-    /// Bounds of the densities, brick by brick.
-    pub fn bricks(&self) -> &Bricks {
-        &self.prepared.bricks
+    /// Bounds of the densities, brick by brick; `None` of a box of a volume.
+    pub fn bricks(&self) -> Option<&Bricks> {
+        self.prepared.bricks.as_ref()
     }
 
     /// Tells what was prepared from all others: a key for what is kept beside it.
@@ -169,8 +260,8 @@ impl<'a> Slices<'a> {
     }
 
     fn linear_index(&self, index: [usize; 3]) -> usize {
-        let size = self.prepared.size;
-        index[0] + size[0] * (index[1] + size[1] * index[2])
+        let (lo, size) = (self.prepared.lo, self.prepared.held);
+        index[0] - lo[0] + size[0] * (index[1] - lo[1] + size[1] * (index[2] - lo[2]))
     }
 
     /// Density (or coefficient) at an index position, in f64: the slow door for the reference.
@@ -203,7 +294,7 @@ impl<'a> Slices<'a> {
     pub fn sums(&self, points: &[PointTaps], out: &mut [f64]) {
         let kernel = self.prepared.kernel;
         let (offset, scale) = self.grid.density_from_sample();
-        let whole = PointSums { n_taps: n_taps(kernel), lo: [0; 3], size: self.prepared.size };
+        let whole = PointSums { n_taps: n_taps(kernel), lo: self.prepared.lo, size: self.prepared.held };
         let sample = |d: f32| f64::from(d) / scale + offset;
         match (&self.prepared.densities, &self.source) {
             (Some(coefficients), _) if prefilter::pole(kernel).is_some() => {
@@ -244,6 +335,8 @@ impl<'a> Slices<'a> {
         stride: usize,
     ) {
         let region = self.region(axes, window, stride);
+        let (first, n) = (self.prepared.lo[axes[2]], self.prepared.held[axes[2]]);
+        let soon = soon.filter(|slice| (first..first + n).contains(slice));
         if let Some(grid) = &self.prepared.densities {
             return level.run(
                 #[inline(always)]
@@ -300,7 +393,7 @@ impl<'a> Slices<'a> {
         out: &mut [f32],
         stride: usize,
     ) {
-        let region = self.region(axes, window, stride).inside(axes, part);
+        let region = self.region(axes, window, stride).inside(axes, part.lo, part.size);
         level.run(
             #[inline(always)]
             || region.combine(&part.densities, taps, None, out, |d| d),
@@ -308,7 +401,8 @@ impl<'a> Slices<'a> {
     }
 
     fn region(&self, axes: [usize; 3], window: Window, stride: usize) -> Region {
-        Region::new(self.prepared.kernel, self.prepared.size, axes, window, stride)
+        let Prepared { kernel, size, lo, held, .. } = *self.prepared;
+        Region::new(kernel, size, axes, window, stride).inside(axes, lo, held)
     }
 
     /// `out[slice · plane + v · stride + u] = density` for the sixteen slices from `first` on, which lie across x; u and
@@ -331,7 +425,7 @@ impl<'a> Slices<'a> {
             return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
         }
         let Source::Samples(samples) = self.source else {
-            let region = region.inside(axes, part);
+            let region = region.inside(axes, part.lo, part.size);
             return level.dispatch(Turn { region, grid: &part.densities, first, out, density: |d: f32| d });
         };
         let (offset, scale) = self.grid.density_from_sample();

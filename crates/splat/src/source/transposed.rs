@@ -6,11 +6,12 @@
 
 use wavesplat_compute::simd::LANES;
 
-use crate::kernel::footprint::{Axis, Difference};
+use crate::kernel::footprint::Axis;
 use crate::kernel::slice_taps::SliceTap;
-use crate::kernel::weights::{n_taps, reach};
 use crate::source::block_cache::Part;
 use crate::source::geometry::SheetGeometry;
+use crate::source::geometry::reached;
+use crate::source::geometry::window;
 use crate::source::window::{Window, sum_slices};
 
 /// Densities of a box of samples, slice by slice.
@@ -44,11 +45,13 @@ impl Default for TransposedSlices {
 
 impl TransposedSlices {
     /// Makes sure that the slices that reach the sheets at `w` are there, if the slices lie across the rows of samples.
-    /// `texels` tells the first and the last texel that is wanted of all sheets that the panel will serve.
+    /// `ends`: the first and the last sheet that are drawn; nothing beyond them is read. `texels` tells the first and the last
+    /// texel that is wanted of all sheets that are served.
     pub fn cover(
         &mut self,
         geometry: &SheetGeometry,
         w: [f64; 2],
+        ends: [f64; 2],
         texels: impl FnOnce(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2],
     ) {
         let [axis_u, axis_v, axis_w] = &geometry.axes;
@@ -70,20 +73,12 @@ impl TransposedSlices {
         }
         let (lo, hi) = (w[0].min(w[1]), w[0].max(w[1]));
         let run = if w[0] < w[1] { [lo, (lo.floor() + served).max(hi)] } else { [(hi.ceil() - served).min(lo), hi] };
+        let (lowest, highest) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let run = [run[0].max(lowest), run[1].min(highest)];
         self.run = run;
         self.first = reached(axis_w, run)[0].max(0) as usize;
         let [from, to] = texels(&|w| run[0] <= w && w <= run[1]);
-        let along = |axis: &Axis, k: usize| {
-            let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
-            for w in run {
-                let (origin, step) = geometry.plane.sheet(w)[k];
-                for i in [from[k], to[k]] {
-                    let x = (origin + step * i as f64).clamp(0.0, (axis.n_samples - 1) as f64);
-                    hull = [hull[0].min(x), hull[1].max(x)];
-                }
-            }
-            window(axis, hull)
-        };
+        let along = |axis: &Axis, k: usize| window(axis, geometry.hull(k, [from[k], to[k]], run));
         let window = Window { u: along(axis_u, 0), v: along(axis_v, 1) };
         self.window = Some(window);
         self.stride = window.n_u().next_multiple_of(LANES);
@@ -128,58 +123,5 @@ impl TransposedSlices {
             },
         );
         true
-    }
-}
-
-/// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
-fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
-    let [from, to] = reached(axis, [lo, hi]);
-    let Some(difference) = axis.difference.filter(|difference| !difference.is_forward) else { return [from, to] };
-    // A difference that starts at a face is as long as any other; its last weights are 0.
-    let widest = Difference { offset: difference.max_offset(), ..difference };
-    // Texels beyond the last sample have differences of their own.
-    let begin = if difference.is_of_texels { hi } else { (hi - widest.offset).max(0.0) };
-    let first = begin.floor() as i64 - reach(axis.kernel) as i64;
-    [from, to.max(first + axis.n_difference_taps(widest) as i64)]
-}
-
-/// First and last sample that values and differences at the positions of an interval reach, with one to spare for
-/// positions in f32.
-fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
-    let offset = axis.difference.map_or(0, |difference| difference.max_offset().ceil() as i64);
-    let before = reach(axis.kernel) as i64 + offset + 1;
-    let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
-    [lo.floor() as i64 - before, hi.floor() as i64 + after]
-}
-
-#[cfg(test)]
-mod tests {
-    use wavesplat_core::{GradientScheme, Kernel};
-
-    use super::*;
-    use crate::kernel::footprint::AxisFootprints;
-    use crate::kernel::footprint_table::Weights;
-
-    #[test]
-    fn windows_hold_the_footprints_of_their_texels() {
-        let places = [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)];
-        for (name, kernel) in Kernel::NAMES {
-            for (_, scheme) in GradientScheme::NAMES {
-                for offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
-                    for (n_samples, origin, step) in places {
-                        let difference = offset.map(|offset| Difference::within(scheme, offset));
-                        let axis = Axis { kernel, n_samples, difference, weights: Weights::Exact };
-                        let mut footprints = AxisFootprints::default();
-                        footprints.build(&axis, [origin, step], 2, 0b11);
-                        let last = (n_samples - 1) as f64;
-                        let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
-                        let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
-                        let [first, end] = footprints.window;
-                        let holds = from <= first && end <= to;
-                        assert!(holds, "{name} {difference:?} {origin}: [{first}, {end}] in [{from}, {to}]");
-                    }
-                }
-            }
-        }
     }
 }

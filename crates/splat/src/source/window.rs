@@ -7,7 +7,6 @@ use wavesplat_core::Kernel;
 
 use crate::kernel::slice_taps::SliceTap;
 use crate::kernel::weights::fold;
-use crate::source::block_cache::Part;
 
 /// A rectangle of sample positions in a slice, `u` and `v` inclusive, before folding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +36,8 @@ pub struct Region {
     n: [usize; 3],
     /// Position of the grid's first sample, along u, v, w.
     origin: [usize; 3],
+    /// One past the last slice along w that the grid holds.
+    end_w: usize,
     window: Window,
     out_stride: usize,
 }
@@ -46,14 +47,15 @@ impl Region {
     pub fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window, out_stride: usize) -> Self {
         let all = [1, size[0], size[0] * size[1]];
         let (stride, n) = (axes.map(|a| all[a]), axes.map(|a| size[a]));
-        Self { kernel, stride, n, origin: [0; 3], window, out_stride }
+        Self { kernel, stride, n, origin: [0; 3], end_w: n[2], window, out_stride }
     }
 
-    /// The same in a box of the grid.
+    /// The same in a box of the grid that begins at `lo`.
     #[must_use]
-    pub fn inside(self, axes: [usize; 3], part: &Part) -> Self {
-        let all = [1, part.size[0], part.size[0] * part.size[1]];
-        Self { stride: axes.map(|a| all[a]), origin: axes.map(|a| part.lo[a]), ..self }
+    pub fn inside(self, axes: [usize; 3], lo: [usize; 3], size: [usize; 3]) -> Self {
+        let all = [1, size[0], size[0] * size[1]];
+        let end_w = lo[axes[2]] + size[axes[2]];
+        Self { stride: axes.map(|a| all[a]), origin: axes.map(|a| lo[a]), end_w, ..self }
     }
 
     /// Place of a sample along one axis (0, 1: u, v), folded back.
@@ -203,9 +205,9 @@ impl<T: Copy, F: Fn(T) -> f32> Work for Turn<'_, T, F> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Region { n: [_, _, n_w], origin: [_, _, first_w], window, out_stride, .. } = self.region;
+        let Region { end_w, origin: [_, _, first_w], window, out_stride, .. } = self.region;
         let plane = out_stride * window.n_v();
-        let n_here = LANES.min(n_w - self.first);
+        let n_here = LANES.min(end_w - self.first);
         let mut block = [Lanes::splat(0.0); LANES];
         for (r, v) in (window.v[0]..=window.v[1]).enumerate() {
             let start = self.region.place(1, v) + self.first - first_w;

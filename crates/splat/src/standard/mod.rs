@@ -63,8 +63,8 @@ use crate::optics::shade::Shader;
 use crate::optics::visibility_cache::Visibility;
 use crate::picture::base_picture::BasePicture;
 use crate::picture::warp::warp;
+use crate::render::plan::brightest;
 use crate::render::progress::{Progress, ProgressCallback};
-use crate::render::scene::brightest;
 use crate::source::occupancy::OccupancyGrid;
 use crate::source::slices::Slices;
 use crate::view::base_plane::{BasePlane, base_planes};
@@ -260,7 +260,7 @@ struct Scene<'a> {
 struct FamilyScene<'a> {
     scene: &'a Scene<'a>,
     family: Family,
-    occupied: Arc<OccupancyGrid>,
+    occupied: Option<Arc<OccupancyGrid>>,
     shader: Option<Shader>,
     by_gradient: Option<GradientOpacity>,
     sight: Sight,
@@ -329,7 +329,7 @@ impl<'a> FamilyScene<'a> {
         Self {
             scene,
             family,
-            occupied: bricks.occupied(family.axes, scene.classifier.visible_ranges(bricks)),
+            occupied: bricks.map(|bricks| bricks.occupied(family.axes, scene.classifier.visible_ranges(bricks))),
             shader: shader.map(|s| Shader::new(s, scene.camera, matrix, &family, scene.slices.range())),
             by_gradient: GradientOpacity::new(scene.tf, matrix, &family, scene.grid.density_from_sample()),
             sight: Sight::new(scene, &family),

@@ -27,6 +27,7 @@ pub fn visible_layers(family: &FamilyScene, hull: impl Fn(f64) -> Option<[[f64; 
     let layer = |slice: usize| {
         let [u, v] = hull(slice as f64)?;
         let window = Window { u: inside(u, n_u)?, v: inside(v, n_v)? };
+        let Some(occupied) = occupied else { return Some(Layer { slice, window }) };
         let touched = |axis: usize, [lo, hi]: [i64; 2]| occupied.touched(axis, [lo as f64, hi as f64]);
         // The last slice belongs to the cells before it.
         let layer = occupied.layer(slice.min(n_w - 2));

@@ -1,0 +1,123 @@
+//! Empty-space skipping of a tile: layers of bricks below it, then slabs and blocks in which something is visible.
+
+use std::ops::Range;
+
+use wavesplat_compute::simd::LANES;
+
+use crate::render::tile::TileJob;
+use crate::sheet::tile_layout::{BLOCK_V, BlockMask, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V, rows_mask};
+
+/// A slab of a tile and the blocks that are looked at in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ActiveSlab {
+    /// Its number in the order of the rays.
+    pub place: usize,
+    /// The sheets in front of it and behind it, as the rays meet them.
+    pub sheets: [usize; 2],
+    /// The blocks in which something may be visible.
+    pub blocks: BlockMask,
+}
+
+impl TileJob<'_> {
+    /// The blocks that the picture needs.
+    pub(super) fn needed_blocks(&self, [i0, j0]: [usize; 2]) -> BlockMask {
+        let plane = self.geometry.plane;
+        let mut blocks = 0;
+        if !plane.is_needed([i0, j0], [i0 + TILE_U - 1, j0 + TILE_V - 1]) {
+            return blocks;
+        }
+        for strip in 0..N_STRIPS {
+            for block in 0..N_BLOCKS_V {
+                let (i, j) = (i0 + strip * LANES, j0 + block * BLOCK_V);
+                let is_needed = plane.is_needed([i, j], [i + LANES - 1, j + BLOCK_V - 1]);
+                blocks |= BlockMask::from(is_needed) << (strip * N_BLOCKS_V + block);
+            }
+        }
+        blocks
+    }
+
+    /// Where texels `from..=to` lie on two sheets, along u and along v.
+    fn hulls(&self, w: [f64; 2]) -> [impl Fn([usize; 2]) -> [f64; 2]; 2] {
+        let [a, b] = w.map(|w| self.geometry.plane.sheet(w));
+        [0, 1].map(|axis| {
+            let ((a, da), (b, db)) = (a[axis], b[axis]);
+            move |[from, to]: [usize; 2]| {
+                let (from, to) = (from as f64, to as f64);
+                let [p, q, r, s] = [a + da * from, a + da * to, b + db * from, b + db * to];
+                [p.min(q).min(r.min(s)), p.max(q).max(r.max(s))]
+            }
+        })
+    }
+
+    /// Which layers of bricks have something below the tile; a single one where everything counts.
+    pub(super) fn active_layers(&self, [i0, j0]: [usize; 2]) -> Vec<bool> {
+        let n_cells = self.geometry.axes[2].n_samples - 1;
+        let Some(occupied) = &self.family.occupancy else { return vec![true] };
+        let side = occupied.side();
+        let layer_is_active = |layer: usize| {
+            let cells = [layer * side, (layer * side + side - 1).min(n_cells - 1)];
+            let w = [cells[0] as f64, cells[1] as f64 + 1.0];
+            let [along_u, along_v] = self.hulls(w);
+            let u = occupied.touched(0, along_u([i0, i0 + TILE_U - 1]));
+            let v = occupied.touched(1, along_v([j0, j0 + TILE_V - 1]));
+            matches!((u, v), (Some(u), Some(v)) if occupied.any(u, v, [layer; 2]))
+        };
+        (0..n_cells.div_ceil(side)).map(layer_is_active).collect()
+    }
+
+    /// The slabs among `wanted`, counted in the order of the rays, between the sheets of a range that have something in
+    /// blocks that are alive, in that order.
+    pub(super) fn active_slabs(
+        &self,
+        [i0, j0]: [usize; 2],
+        range: Range<usize>,
+        wanted: &Range<usize>,
+        layers: &[bool],
+        alive: BlockMask,
+    ) -> Vec<ActiveSlab> {
+        let ascending = self.geometry.plane.family.ascending;
+        let mut slabs = Vec::new();
+        for k in 1..range.len() {
+            let near = if ascending { range.start + k - 1 } else { range.end - k };
+            let place = if ascending { near } else { self.family.spacing.n_slabs - near };
+            if !wanted.contains(&place) {
+                continue;
+            }
+            let sheets = if ascending { [near, near + 1] } else { [near, near - 1] };
+            let w = sheets.map(|sheet| self.family.spacing.w(sheet));
+            let [lo, hi] = [w[0].min(w[1]), w[0].max(w[1])];
+            // The slab lies in these cells; a sheet on a slice belongs to the cells on both sides.
+            let last = self.geometry.axes[2].n_samples - 2;
+            let cells = [(lo as usize).min(last), (hi.ceil() as usize).saturating_sub(1).min(last)];
+            let mut blocks = alive;
+            if let Some(occupied) = &self.family.occupancy {
+                let reached = cells.map(|cell| occupied.layer(cell));
+                if !layers[reached[0]..=reached[1]].contains(&true) {
+                    continue;
+                }
+                let [along_u, along_v] = self.hulls(w);
+                let u: [_; N_STRIPS] = std::array::from_fn(|strip| {
+                    let i = i0 + strip * LANES;
+                    occupied.touched(0, along_u([i, i + LANES - 1]))
+                });
+                let runs = occupied.runs(u);
+                blocks = 0;
+                for block in 0..N_BLOCKS_V {
+                    if alive & (rows_mask() << block) == 0 {
+                        continue;
+                    }
+                    let j = j0 + block * BLOCK_V;
+                    let Some(v) = occupied.touched(1, along_v([j, j + BLOCK_V - 1])) else { continue };
+                    for (strip, is_active) in occupied.any_of(&runs, v, reached).into_iter().enumerate() {
+                        blocks |= BlockMask::from(is_active) << (strip * N_BLOCKS_V + block);
+                    }
+                }
+                blocks &= alive;
+            }
+            if blocks != 0 {
+                slabs.push(ActiveSlab { place, sheets, blocks });
+            }
+        }
+        slabs
+    }
+}

@@ -1,0 +1,185 @@
+//! Pieces of a picture: some tiles of a base plane through some consecutive sheets, from a state to the next.
+//!
+//! A frame, a stream of boxes, a cluster and a GPU are schedules over pieces. Cuts run along tiles and sheets, never along
+//! walls through the data: there are no seams, and any cuts give the same bytes as none.
+
+use std::ops::Range;
+
+use wavesplat_compute::parallel;
+
+use crate::optics::classify::Classifier;
+use crate::picture::base_picture::TileTexels;
+use crate::ray::compositor::Compositor;
+use crate::ray::first_hit::FirstHit;
+use crate::ray::local_maximum::LocalMaximum;
+use crate::ray::over::Over;
+use crate::ray::project::Project;
+use crate::ray::state::TileState;
+use crate::render::plan::{FamilyPlan, Operator, Plan};
+use crate::render::tile::{Piece, TileJob, Work, n_tiles};
+use crate::sheet::tile_layout::{BlockMask, Chunk, N_STRIPS, TILE_U, TILE_V};
+use crate::source::slices::{Slices, needed_samples};
+use wavesplat_compute::simd::LANES;
+
+/// Draws some tiles of a base plane through some consecutive slabs, on all threads.
+///
+/// `family`: which base plane of the plan. `tiles`: their numbers along u and v. `slabs`: spaces between two sheets, counted
+/// in the order in which rays meet them. `slices`: the whole volume, or a box with what [`samples_of`] tells. `states`: of
+/// these tiles after the slabs before, from the first one on without gaps; `None` where nothing has been seen yet. Returns
+/// the states after these slabs.
+pub fn draw_piece(
+    plan: &Plan,
+    family: usize,
+    tiles: &[[usize; 2]],
+    slabs: &Range<usize>,
+    slices: &Slices,
+    states: &[Option<TileState>],
+) -> (Vec<Option<TileState>>, Work) {
+    let job = TileJob::new(plan, &plan.families[family], slices);
+    let drawn = parallel::map(tiles.len(), |k| {
+        let piece = Piece { tile: tiles[k], blocks: BlockMask::MAX, slabs: slabs.clone() };
+        let mut work = Work::default();
+        let state = states.get(k).cloned().flatten();
+        let run = Run { job: &job, piece: &piece, state, work: &mut work, then: IntoState };
+        (with_operator(plan, job.family, run), work)
+    });
+    let work = drawn.iter().fold(Work::default(), |all, (_, work)| all.and(*work));
+    (drawn.into_iter().map(|(state, _)| state).collect(), work)
+}
+
+/// Index ranges, along x, y and z, of the samples that a piece is made of; `None` where its tiles lie beside the volume.
+pub fn samples_of(
+    plan: &Plan,
+    family: usize,
+    tiles: &[[usize; 2]],
+    slabs: &Range<usize>,
+    slices: &Slices,
+) -> Option<[Range<usize>; 3]> {
+    let family = &plan.families[family];
+    let spacing = &family.spacing;
+    let first = slabs.start.min(spacing.n_slabs);
+    let last = slabs.end.min(spacing.n_slabs);
+    let job = TileJob::new(plan, family, slices);
+    let w = [first, last].map(|k| spacing.w(if family.plane.family.ascending { k } else { spacing.n_slabs - k }));
+    let mut reached: Option<[Range<usize>; 3]> = None;
+    for tile in tiles {
+        let from = [tile[0] * TILE_U, tile[1] * TILE_V];
+        let to = [from[0] + TILE_U - 1, from[1] + TILE_V - 1];
+        let own = job.geometry.reached(from, to, w);
+        reached = Some(match reached {
+            None => own,
+            Some(all) => [0, 1, 2].map(|a| all[a].start.min(own[a].start)..all[a].end.max(own[a].end)),
+        });
+    }
+    reached.map(|reached| needed_samples(&reached, &plan.grid, slices.kernel()))
+}
+
+/// All tiles of a base plane, row by row.
+pub fn tiles_of(plan: &Plan, family: usize) -> Vec<[usize; 2]> {
+    let [n_u, n_v] = n_tiles(&plan.families[family].plane);
+    (0..n_u * n_v).map(|k| [k % n_u, k / n_u]).collect()
+}
+
+/// Puts the texels of a tile that is done in their place.
+pub fn finish_tile(plan: &Plan, family: usize, state: TileState, texels: &mut TileTexels) {
+    let family = &plan.families[family];
+    with_operator(plan, family, Resume { state, then: PutTexels { texels, sign: family.sign() } });
+}
+
+/// Draws a tile through all its slabs and puts its texels in their place.
+pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut TileTexels) -> Work {
+    let mut work = Work::default();
+    let put = PutTexels { texels, sign: job.family.sign() };
+    with_operator(plan, job.family, Run { job, piece, state: None, work: &mut work, then: put });
+    work
+}
+
+/// Calls `work` with what makes the compositor of a plan's operator.
+fn with_operator<U: UseOperator>(plan: &Plan, family: &FamilyPlan, work: U) -> U::Output {
+    let (tables, shader, modifiers): (&Classifier, _, _) = (&plan.tables, family.shader.as_ref(), &family.modifiers);
+    let depth = plan.with_depth;
+    match plan.operator {
+        Operator::Over { pre_integrated, opaque } if modifiers.any() => {
+            work.call(|state| Over::<true>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
+        }
+        Operator::Over { pre_integrated, opaque } => {
+            work.call(|state| Over::<false>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
+        }
+        Operator::FirstHit { iso } => work.call(|state| FirstHit::new(iso, tables, shader, state)),
+        Operator::LocalMaximum { threshold } => work.call(|state| LocalMaximum::new(threshold, state)),
+        Operator::Project { composite, level } => work.call(|state| Project::new(composite, level, state)),
+    }
+}
+
+/// Work that is written once for all operators.
+trait UseOperator {
+    type Output;
+    fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output;
+}
+
+/// Runs a piece of a tile.
+struct Run<'a, 'b, T> {
+    job: &'a TileJob<'b>,
+    piece: &'a Piece,
+    state: Option<TileState>,
+    work: &'a mut Work,
+    then: T,
+}
+
+impl<T: Then> UseOperator for Run<'_, '_, T> {
+    type Output = Option<T::Output>;
+
+    fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output {
+        self.job.run(self.piece, self.state, new, self.work).map(|compositor| self.then.end(compositor))
+    }
+}
+
+/// Takes up what was done before.
+struct Resume<T> {
+    state: TileState,
+    then: T,
+}
+
+impl<T: Then> UseOperator for Resume<T> {
+    type Output = T::Output;
+
+    fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output {
+        self.then.end(new(Some(self.state)))
+    }
+}
+
+/// What becomes of a compositor.
+trait Then {
+    type Output;
+    fn end<C: Compositor>(self, compositor: C) -> Self::Output;
+}
+
+struct IntoState;
+
+impl Then for IntoState {
+    type Output = TileState;
+
+    fn end<C: Compositor>(self, compositor: C) -> TileState {
+        compositor.into_state()
+    }
+}
+
+struct PutTexels<'a, 'b> {
+    texels: &'a mut TileTexels<'b>,
+    /// Positions along rays and along w differ by this.
+    sign: f32,
+}
+
+impl Then for PutTexels<'_, '_> {
+    type Output = ();
+
+    fn end<C: Compositor>(self, compositor: C) {
+        for strip in 0..N_STRIPS {
+            for row in 0..TILE_V {
+                let chunk = compositor.finish(Chunk { strip, row });
+                let w_half = chunk.s_half.map(|s| s.map(|s| s * self.sign));
+                self.texels.put(strip * LANES, row, &chunk.rgba, w_half.as_ref());
+            }
+        }
+    }
+}

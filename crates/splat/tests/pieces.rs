@@ -1,0 +1,257 @@
+//! Cutting a picture by tiles and by sheets, anywhere, gives the bytes of one piece, from the samples of boxes alone.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{
+    Camera, ClipPlane, Composite, Crop, GradientNode, Kernel, LabelLook, Light, Projection, RenderOptions, Samples,
+    Shading, TransferFunction, Volume,
+};
+use wavesplat_splat::Layer;
+use wavesplat_splat::optics::labels::{Codes, Labels};
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::render::frame::draw_base_planes;
+use wavesplat_splat::render::piece::{draw_piece, finish_tile, samples_of, tiles_of};
+use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
+use wavesplat_splat::source::slices::{Slices, VolumeBox};
+use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
+
+/// Numbers without a visible pattern.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % n
+    }
+}
+
+/// Samples of the two kinds that are read in different ways.
+enum Data {
+    Bytes(Vec<u8>),
+    Floats(Vec<f32>),
+}
+
+impl Data {
+    fn samples(&self) -> Samples<'_> {
+        match self {
+            Self::Bytes(bytes) => Samples::U8(bytes),
+            Self::Floats(floats) => Samples::F32(floats),
+        }
+    }
+
+    fn copied(&self, size: [usize; 3], part: &[Range<usize>; 3]) -> Self {
+        fn rows<T: Copy>(all: &[T], [nx, ny, _]: [usize; 3], [xs, ys, zs]: &[Range<usize>; 3]) -> Vec<T> {
+            let row = |y: usize, z: usize| &all[(z * ny + y) * nx..][xs.clone()];
+            zs.clone().flat_map(|z| ys.clone().flat_map(move |y| row(y, z))).copied().collect()
+        }
+        match self {
+            Self::Bytes(bytes) => Self::Bytes(rows(bytes, size, part)),
+            Self::Floats(floats) => Self::Floats(rows(floats, size, part)),
+        }
+    }
+}
+
+const SIZE: [usize; 3] = [44, 37, 61];
+
+fn phantom() -> Phantom {
+    let affine = DAffine3::from_mat3(DMat3::from_cols(
+        DVec3::new(1.0, 0.1, 0.0),
+        DVec3::new(-0.1, 1.1, 0.2),
+        DVec3::new(0.0, 0.1, 0.8),
+    ));
+    Phantom::sample(SIZE, affine, |p| {
+        let wave = (p.x * 0.45).sin() * (p.y * 0.4).cos() + (p.z * 0.5 + p.x * 0.2).sin();
+        (125.0 + 60.0 * wave).round()
+    })
+}
+
+struct Case {
+    name: String,
+    data: Data,
+    kernel: Kernel,
+    tf: TransferFunction,
+    camera: Camera,
+    options: RenderOptions,
+    labels: Option<Labels>,
+}
+
+fn cases() -> Vec<Case> {
+    let phantom = phantom();
+    let bytes = || Data::Bytes(phantom.samples.iter().map(|s| *s as u8).collect());
+    let with_holes = || {
+        let mut floats = phantom.samples.clone();
+        for (i, s) in floats.iter_mut().enumerate() {
+            let p = DVec3::new((i % SIZE[0]) as f64, (i / SIZE[0] % SIZE[1]) as f64, (i / (SIZE[0] * SIZE[1])) as f64);
+            // One is larger than what is filled from its neighbours.
+            if p.distance(DVec3::new(20.0, 18.0, 30.0)) < 3.0 || (p.z > 40.0 && p.x > 25.0) {
+                *s = f32::NAN;
+            }
+        }
+        Data::Floats(floats)
+    };
+    let soft = opacity_ramp(&[(60.0, 0.0), (255.0, 0.25)], None);
+    let hard = opacity_ramp(&[(159.0, 0.0), (160.0, 1.0)], None);
+    let by_gradient = soft.clone().with_gradient_opacity(vec![
+        GradientNode { magnitude: 2.0, factor: 0.0 },
+        GradientNode { magnitude: 30.0, factor: 1.0 },
+    ]);
+    let by_gradient = by_gradient.unwrap();
+    let from = |direction: DVec3, projection| camera_towards(phantom.centre(), direction, 90.0, projection);
+    let parallel = Projection::Orthographic { parallel_scale: 34.0 };
+    let perspective = Projection::Perspective { view_angle_rad: 0.8 };
+    let aslant = from(DVec3::new(0.7, 0.6, 0.5), parallel);
+    let three_families = from(DVec3::new(1.0, 0.97, 0.95), perspective);
+    let inside = Camera::new(
+        phantom.centre() + DVec3::new(2.0, -3.0, 1.0),
+        phantom.centre() + DVec3::new(9.0, 8.0, 7.0),
+        DVec3::Z,
+        Projection::Perspective { view_angle_rad: 1.9 },
+    );
+    let views = [
+        ("x", from(DVec3::new(1.0, 0.3, -0.2), parallel)),
+        ("-y", from(DVec3::new(0.2, -1.0, 0.3), parallel)),
+        ("z", from(DVec3::new(-0.3, 0.2, 1.0), parallel)),
+        ("-z", from(DVec3::new(-0.3, 0.2, -1.0), perspective)),
+        ("three families", three_families.clone()),
+        ("inside", inside.unwrap()),
+    ];
+    let plain = RenderOptions { width_px: 170, height_px: 110, sheets_per_slice: 1.7, ..RenderOptions::default() };
+    let of = |composite| RenderOptions { composite, ..plain.clone() };
+    let deep = RenderOptions { with_depth: true, ..plain.clone() };
+    let mut all = Vec::new();
+    let mut add = |name: &str, data: Data, kernel, tf: &TransferFunction, camera: &Camera, options: &RenderOptions| {
+        let (tf, camera, options) = (tf.clone(), camera.clone(), options.clone());
+        all.push(Case { name: name.to_owned(), data, kernel, tf, camera, options, labels: None });
+    };
+    for (name, view) in &views {
+        add(&format!("soft {name}"), bytes(), Kernel::Linear, &soft, view, &deep);
+        add(&format!("hard {name}"), bytes(), Kernel::Linear, &hard, view, &deep);
+    }
+    let projections = [
+        Composite::Maximum,
+        Composite::DepthShadedMaximum { strength: 0.7, black: 60.0 },
+        Composite::LocalMaximum { threshold: 150.0 },
+        Composite::Minimum,
+        Composite::Mean,
+        Composite::Sum,
+        Composite::XRay { clear: 90.0, attenuation: 0.004 },
+        Composite::FirstHit { iso_value: 140.0 },
+    ];
+    for composite in projections {
+        let options = RenderOptions { with_depth: matches!(composite, Composite::FirstHit { .. }), ..of(composite) };
+        add(&format!("{composite:?}"), bytes(), Kernel::Linear, &soft, &aslant, &options);
+        add(&format!("{composite:?} in perspective"), with_holes(), Kernel::Linear, &soft, &three_families, &options);
+    }
+    for (name, kernel) in Kernel::NAMES {
+        add(name, bytes(), kernel, &soft, &aslant, &plain);
+        add(&format!("{name} with holes"), with_holes(), kernel, &hard, &views[0].1, &plain);
+    }
+    let wide = Some(Shading { gradient_offset: 2.5, ..Shading::default() });
+    add(
+        "wide gradient",
+        bytes(),
+        Kernel::CatmullRom,
+        &hard,
+        &aslant,
+        &RenderOptions { shading: wide, ..plain.clone() },
+    );
+    add("no shading", bytes(), Kernel::Linear, &soft, &aslant, &RenderOptions { shading: None, ..plain.clone() });
+    add("gradient opacity", bytes(), Kernel::Linear, &by_gradient, &aslant, &plain);
+    let crop = Some(Crop::Index { lo: DVec3::new(5.3, 4.0, 9.9), hi: DVec3::new(30.0, 33.2, 50.0) });
+    let normal = DVec3::new(0.5, -0.3, 1.0);
+    let clip_planes = vec![ClipPlane { origin: phantom.centre(), normal }];
+    add("cut", bytes(), Kernel::Linear, &soft, &three_families, &RenderOptions { crop, clip_planes, ..plain.clone() });
+    let light = Shading { ambient_occlusion: 0.7, shadow: 0.5, lights: vec![Light::HEADLIGHT], ..Shading::default() };
+    add("occlusion", bytes(), Kernel::Linear, &soft, &aslant, &RenderOptions { shading: Some(light), ..plain.clone() });
+    add("labels", bytes(), Kernel::Linear, &soft, &aslant, &plain);
+    let codes: Vec<u8> = (0..SIZE.iter().product()).map(|i: usize| u8::from(i / SIZE[0] % SIZE[1] > 20)).collect();
+    let look = LabelLook { rgb: [0.9, 0.1, 0.1], opacity: 0.4, scan: 0.3, tint: 0.2 };
+    let last = all.len() - 1;
+    let volume = phantom.volume();
+    let codes = Codes::U8(Arc::from(&codes[..]));
+    let labels = Labels::new(codes, vec![LabelLook::NONE, look], volume.grid(), Kernel::Gaussian, 1 << 24);
+    all[last].labels = Some(labels.unwrap());
+    all
+}
+
+/// Draws the base planes of a plan by a random cut into pieces, each from a box of its own.
+fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> Vec<BasePicture> {
+    let mut pictures = Vec::new();
+    for (f, family) in plan.families.iter().enumerate() {
+        let mut tiles = tiles_of(plan, f);
+        for i in (1..tiles.len()).rev() {
+            tiles.swap(i, random.below(i + 1));
+        }
+        let n_slabs = family.spacing.n_slabs;
+        let n_tiles_u = family.plane.size[0].div_ceil(TILE_U);
+        let mut states = vec![None; tiles.len()];
+        let mut rest = tiles.as_slice();
+        while !rest.is_empty() {
+            let (group, others) = rest.split_at(1 + random.below(rest.len()));
+            rest = others;
+            let mut cuts: Vec<usize> = (0..random.below(5)).map(|_| random.below(n_slabs + 1)).collect();
+            cuts.extend([0, n_slabs]);
+            cuts.sort_unstable();
+            let mut of_group = vec![None; group.len()];
+            for cut in cuts.windows(2) {
+                let slabs = cut[0]..cut[1];
+                let reached = samples_of(plan, f, group, &slabs, slices).unwrap();
+                let part = data.copied(SIZE, &reached);
+                let volume_box = VolumeBox {
+                    lo: reached.each_ref().map(|r| r.start),
+                    size: reached.each_ref().map(Range::len),
+                    samples: part.samples(),
+                };
+                let own = Slices::of_box(&volume_box, slices.grid(), slices.kernel(), slices.range());
+                (of_group, _) = draw_piece(plan, f, group, &slabs, &own, &of_group);
+            }
+            for (tile, state) in group.iter().zip(of_group) {
+                states[tile[1] * n_tiles_u + tile[0]] = state;
+            }
+        }
+        let mut picture = BasePicture::new(family.plane.clone(), plan.has_depth());
+        let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
+        picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
+            if let Some(state) = states[k].lock().unwrap().take() {
+                finish_tile(plan, f, state, texels);
+            }
+        });
+        pictures.push(picture);
+    }
+    pictures
+}
+
+#[test]
+fn any_cut_gives_the_same_bytes() {
+    let mut random = Random(7);
+    let world_from_index = phantom().world_from_index;
+    let cases = cases();
+    let n_cuts = 240_usize.div_ceil(cases.len());
+    let mut n_seen = 0;
+    for case in &cases {
+        let volume = Volume::new("cut", case.data.samples(), SIZE, world_from_index).unwrap();
+        let slices = Slices::new(&volume, case.kernel);
+        let cache = VisibilityCache::default();
+        let layer = Layer { slices: &slices, transfer_function: &case.tf, labels: case.labels.as_ref(), cache: &cache };
+        let plan = Plan::new(Level::best(), &layer, &case.camera, &case.options).unwrap();
+        let (whole, _) = draw_base_planes(&plan, &slices, &()).unwrap();
+        n_seen += whole.iter().flat_map(BasePicture::texels).filter(|texel| texel[3] > 0.0).count();
+        for _ in 0..n_cuts {
+            let cut = in_pieces(&plan, &slices, &case.data, &mut random);
+            for (whole, cut) in whole.iter().zip(&cut) {
+                let bits = |picture: &BasePicture| {
+                    let texels = picture.texels();
+                    let depths = picture.w_half.iter().map(|w| w.to_bits());
+                    texels.as_flattened().iter().map(|x| x.to_bits()).chain(depths).collect::<Vec<u32>>()
+                };
+                assert!(bits(whole) == bits(cut), "{}: {:?}", case.name, whole.plane.family);
+            }
+        }
+    }
+    assert!(cases.len() * n_cuts >= 200 && n_seen > 200_000, "{} {n_seen}", cases.len());
+}

@@ -1,7 +1,7 @@
 """What leaving out levels of details does to a picture's brightness; `make study-lod` runs this.
 
 A coarse sample stands for many samples. Classified by its own value (the plain low-pass) thin structures vanish and the
-picture gets darker; `render(..., drop_levels=n)` classifies it by what it stands for (crates/wavelet/src/spread.rs).
+picture gets darker; `render(..., drop_levels=n)` classifies it by what it stands for (crates/lod).
 Both are drawn from the coarse samples with as many texels per sample, at quality normal: plain as a volume of its own,
 so with two sheets a slice, a level of a steep function with one.
 

@@ -6,11 +6,14 @@ use glam::{DAffine3, DMat3, DVec3};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use wavesplat_core::{Decoder as _, Grid, Kernel, Shading, Statistics, TransferFunction};
+use wavesplat_core::{Decoder as _, Grid, Kernel, LevelGrid, Shading, Statistics, TransferFunction};
+use wavesplat_lod::LevelHistogram;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::block_cache::{bytes_of_all, samples_every};
 use wavesplat_splat::source::slices::Prepared;
-use wavesplat_wavelet::{Coarse, Decoder, Family, Keep, LevelGrid, Norm, Parts, Spread, WaveletVolume};
+use wavesplat_wavelet::{
+    CoarseLevel, CoefficientArrays, CoefficientDecoder, Keep, Norm, WaveletError, WaveletFamily, WaveletVolume,
+};
 
 use crate::arguments::Triple;
 use crate::errors::to_py;
@@ -47,7 +50,7 @@ impl PyWaveletVolume {
         let volume = volume.with_samples(py, |samples, size| {
             py.detach(|| WaveletVolume::new(family, size, samples.to_f32(), levels, norm, keep))
         })?;
-        Ok(Self(Arc::new(volume)))
+        Ok(Self(Arc::new(volume.map_err(value_error)?)))
     }
 
     /// From what `parts` gave; wrong numbers are refused.
@@ -65,7 +68,7 @@ impl PyWaveletVolume {
         values: PyReadonlyArray1<'_, f32>,
         value_range: Option<(f32, f32)>,
     ) -> PyResult<Self> {
-        let parts = Parts {
+        let arrays = CoefficientArrays {
             family: family_of(family)?,
             size: [shape.2, shape.1, shape.0],
             n_levels: levels,
@@ -75,7 +78,7 @@ impl PyWaveletVolume {
             values: values.as_slice()?.to_vec(),
             range: value_range.map(|(lo, hi)| [lo, hi]),
         };
-        let volume = WaveletVolume::from_parts(parts).map_err(PyValueError::new_err)?;
+        let volume = WaveletVolume::from_arrays(arrays).map_err(value_error)?;
         Ok(Self(Arc::new(volume)))
     }
 
@@ -88,7 +91,7 @@ impl PyWaveletVolume {
 
     #[staticmethod]
     fn families() -> Vec<&'static str> {
-        Family::NAMES.map(|(name, _)| name).to_vec()
+        WaveletFamily::NAMES.map(|(name, _)| name).to_vec()
     }
 
     #[getter]
@@ -114,20 +117,22 @@ impl PyWaveletVolume {
     /// Which blocks there are, the bits of their coefficients, the coefficients, and smallest and largest sample where they
     /// were found before.
     fn parts<'py>(&self, py: Python<'py>) -> Arrays<'py> {
-        let Parts { has_block, masks, values, range, .. } = self.0.to_parts();
+        let CoefficientArrays { has_block, masks, values, range, .. } = self.0.to_arrays();
         (has_block.into_pyarray(py), masks.into_pyarray(py), values.into_pyarray(py), range.map(Into::into))
     }
 
     /// Smallest and largest sample; at first everything is decoded for it.
     #[getter]
-    fn value_range(&self, py: Python<'_>) -> (f32, f32) {
-        py.detach(|| Decoder::new(self.0.clone(), 0, &[]).range()).into()
+    fn value_range(&self, py: Python<'_>) -> PyResult<(f32, f32)> {
+        let range = py.detach(|| Ok(CoefficientDecoder::new(self.0.clone(), 0, &[])?.range()));
+        range.map(Into::into).map_err(value_error)
     }
 
     /// The samples [z, y, x], with a weight for each level's details, the finest first, and for the last low box.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
     fn samples<'py>(&self, py: Python<'py>, weights: Vec<f32>) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let samples = py.detach(|| Decoder::new(self.0.clone(), 0, &weights).all());
+        let samples =
+            py.detach(|| Ok(CoefficientDecoder::new(self.0.clone(), 0, &weights)?.all())).map_err(value_error)?;
         let [nx, ny, nz] = self.0.plan().size();
         samples.into_pyarray(py).reshape([nz, ny, nx])
     }
@@ -146,24 +151,31 @@ impl PyWaveletVolume {
     ) -> PyResult<PyDecodedVolume> {
         let world_from_index = affine(&world_from_index)?;
         let (n_dropped, all_weights) = (level, weights.clone());
-        let grid = LevelGrid::new(self.0.plan(), level);
-        let level = if grid.is_some() { level } else { 0 };
-        if grid.is_none() {
+        let coarsest = self.0.plan().n_levels();
+        if level > coarsest {
+            return Err(value_error(WaveletError::NoSuchLevel { level, coarsest }));
+        }
+        let has_grid = self.0.plan().level_grid(level).is_some();
+        let level = if has_grid { level } else { 0 };
+        if !has_grid {
             weights[..n_dropped].fill(0.0);
         }
-        let level_grid = grid.or_else(|| LevelGrid::new(self.0.plan(), 0));
-        let Some(level_grid) = level_grid else { return Err(PyValueError::new_err("no such level")) };
         let finest_spacing = [0, 1, 2].map(|a| world_from_index.matrix3.col(a).length());
-        let (decoder, range, spread) = py.detach(|| {
-            let decoder = Decoder::new(self.0.clone(), level, &weights);
+        let opened = py.detach(|| {
+            let decoder = CoefficientDecoder::new(self.0.clone(), level, &weights)?;
             let range = decoder.range().map(f64::from);
-            let decoder = Coarse::new(decoder, level_grid);
-            let spread = (n_dropped > 0).then(|| {
-                let finest = Decoder::new(self.0.clone(), 0, &all_weights);
-                Spread::new(&finest, &decoder, &level_grid, finest_spacing, finest.range().map(f64::from), cache_bytes)
-            });
-            (decoder, range, spread)
+            let decoder = CoarseLevel::new(decoder)?;
+            let histogram = if n_dropped > 0 {
+                let finest = CoefficientDecoder::new(self.0.clone(), 0, &all_weights)?;
+                let range = finest.range().map(f64::from);
+                Some(LevelHistogram::new(&finest, &decoder, &decoder.grid(), finest_spacing, range, cache_bytes))
+            } else {
+                None
+            };
+            Ok((decoder, range, histogram))
         });
+        let (decoder, range, histogram) = opened.map_err(value_error)?;
+        let level_grid = decoder.grid();
         let [min, max] = range;
         let statistics = Statistics { min, max, n_nonfinite: 0 };
         let finest = Grid::new(name, self.0.plan().size(), world_from_index, statistics, false).map_err(to_py)?;
@@ -179,7 +191,7 @@ impl PyWaveletVolume {
         Ok(PyDecodedVolume {
             grid,
             level: level_grid,
-            spread,
+            histogram,
             filtered: Mutex::default(),
             decoder,
             cache_bytes,
@@ -189,8 +201,14 @@ impl PyWaveletVolume {
     }
 }
 
-fn family_of(name: &str) -> PyResult<Family> {
-    Family::from_name(name).ok_or_else(|| PyTypeError::new_err("no such family"))
+/// A `ValueError` for what does not fit together.
+#[expect(clippy::needless_pass_by_value, reason = "used as map_err(value_error)")]
+fn value_error(error: WaveletError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+fn family_of(name: &str) -> PyResult<WaveletFamily> {
+    WaveletFamily::from_name(name).ok_or_else(|| PyTypeError::new_err("no such family"))
 }
 
 /// See `_native.pyi`.
@@ -199,10 +217,10 @@ pub struct PyDecodedVolume {
     grid: Grid,
     level: LevelGrid,
     /// What the levels carried that are left out.
-    spread: Option<Spread>,
+    histogram: Option<LevelHistogram>,
     /// The function that was drawn last, and what it is for this level.
     filtered: Mutex<Option<Filtered>>,
-    decoder: Arc<Coarse>,
+    decoder: Arc<CoarseLevel>,
     cache_bytes: usize,
     /// For the kernel that was used last.
     prepared: Mutex<Option<(Kernel, Arc<Prepared>)>>,
@@ -260,10 +278,10 @@ impl PyDecodedVolume {
             return Ok((kept.tf.clone(), kept.is_steep));
         }
         let is_steep = wavesplat_splat::is_steep(&self.grid, tf);
-        let filtered = if let Some(spread) = &self.spread {
+        let filtered = if let Some(histogram) = &self.histogram {
             let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
             let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
-            spread.filter(tf, spacing.to_array(), shading, is_steep).map_err(to_py)?
+            histogram.filter(tf, spacing.to_array(), shading, is_steep).map_err(to_py)?
         } else {
             tf.clone()
         };

@@ -1,12 +1,14 @@
-//! Time of analysis, synthesis and decoding of a cube in f32, and the error of the round trip. Decoding is of the samples
-//! from 3 % of the coefficients, in boxes.
+//! Time of analysis, synthesis and decoding of a cube in f32, and the error of the round trip. Decoding is of the
+//! samples from 3 % of the coefficients, in boxes.
 //!
 //! `cargo run --release -p wavesplat-wavelet --example timing -- [size] [family ...]`
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use wavesplat_wavelet::{Decoder, Family, Keep, Norm, Plan, WaveletVolume, analyse, synthesise};
+use wavesplat_wavelet::{
+    CoefficientDecoder, Keep, Norm, TransformPlan, WaveletFamily, WaveletVolume, analyse, synthesise,
+};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -19,9 +21,9 @@ fn main() {
             200.0 * (-8.0 * r2).exp() + ((i * 7919) % 55) as f32
         })
         .collect();
-    for (name, family) in Family::NAMES.into_iter().filter(|(name, _)| wanted(name)) {
+    for (name, family) in WaveletFamily::NAMES.into_iter().filter(|(name, _)| wanted(name)) {
         let start = Instant::now();
-        let plan = Plan::new(family, [n; 3], None);
+        let plan = TransformPlan::new(family, [n; 3], None).unwrap();
         let planned = start.elapsed();
         let mut best = [f64::INFINITY; 2];
         let mut data = samples.clone();
@@ -34,8 +36,8 @@ fn main() {
             best[0] = best[0].min((between - start).as_secs_f64());
             best[1] = best[1].min(between.elapsed().as_secs_f64());
         }
-        let kept = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(0.03));
-        let decoder = Decoder::new(Arc::new(kept), 0, &[]);
+        let kept = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(0.03)).unwrap();
+        let decoder = CoefficientDecoder::new(Arc::new(kept), 0, &[]).unwrap();
         let decoding = (0..3).map(|_| {
             let start = Instant::now();
             std::hint::black_box(decoder.all());

@@ -1,8 +1,34 @@
-//! Wavelet transforms of volumes: arrays in, arrays out.
+//! Wavelet transforms of volumes, and volumes kept as few wavelet coefficients: arrays in, arrays out.
 //!
-//! A [`Plan`] is made once for a [`Family`], a size and a number of levels; [`analyse`] turns samples into as many
-//! coefficients, [`synthesise`] turns them back, in place, exact to rounding at any size from 1 up. Level 0 is the finest
-//! grid and counts up. [`to_amplitudes`] makes coefficients comparable, for thresholds.
+//! A [`TransformPlan`] is made once for a [`WaveletFamily`], a size and a number of levels; [`analyse`] turns samples
+//! into as many coefficients, [`synthesise`] turns them back, in place, exact to rounding at any size from 1 up. Level
+//! 0 is the finest grid and counts up. [`to_amplitudes`] makes coefficients comparable, for thresholds.
+//!
+//! A [`WaveletVolume`] keeps the coefficients above a threshold. A [`CoefficientDecoder`] makes samples of any box of
+//! it, at any level, and [`CoarseLevel`] one level as a volume of its own; both are a [`wavesplat_core::Decoder`].
+//!
+//! ```
+//! use std::sync::Arc;
+//! use wavesplat_core::Decoder as _;
+//! use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, Keep, Norm, WaveletFamily, WaveletVolume};
+//!
+//! // A ramp along x of 16 x 8 x 8 samples, `[z][y][x]`.
+//! let samples: Vec<f32> = (0..16 * 8 * 8).map(|i| (i % 16) as f32).collect();
+//! let keep = Keep::Amplitude(0.5);
+//! let volume = WaveletVolume::new(WaveletFamily::Cdf53, [16, 8, 8], samples, None, Norm::L2, keep)?;
+//! let volume = Arc::new(volume);
+//! println!("{} of {} coefficients", volume.n_kept(), volume.plan().n_samples());
+//!
+//! let mut row = [0.0; 4];
+//! CoefficientDecoder::new(volume.clone(), 0, &[])?.decode([4, 2, 2], [8, 3, 3], &mut row);
+//! assert!((row[0] - 4.0).abs() < 0.5 && (row[3] - 7.0).abs() < 0.5);
+//!
+//! let half = CoarseLevel::new(CoefficientDecoder::new(volume, 1, &[])?)?;
+//! assert_eq!(half.grid().spacing, [2.0; 3]);
+//! # Ok::<(), wavesplat_wavelet::WaveletError>(())
+//! ```
+//!
+//! # Families
 //!
 //! | family | φ | φ, ψ taps | smoothness of φ | moments¹ | boundary rule | cost² |
 //! | --- | --- | --- | --- | --- | --- | --- |
@@ -17,54 +43,32 @@
 //! ¹ Polynomials of lower degree leave no details; mirrored families leave some at the ends, unless it is a constant.
 //! ² Multiplications per sample and axis in analysis (semi-orthogonal: a banded solve) and in synthesis.
 //!
-//! Normalisation: low coefficients of a constant are that constant, at every level, so the low box of a level is the
-//! volume at that resolution in its own units. [`mod@lifting`] and [`mod@semi_orthogonal`] have the scale of the details.
+//! Normalisation: low-pass coefficients of a constant are that constant, at every level, so the low-pass box of a level
+//! is the volume at that resolution in its own units. Details have gain 2 at the highest frequency for cdf53, cdf97 and
+//! spline4, are the plain difference for haar, and coefficients of functions whose largest tap is 1 for the splines on
+//! the interval.
 //!
 //! Semi-orthogonal wavelets are orthogonal to all coarser functions, so levels can be dropped with the least loss of
 //! energy; within a level they overlap, and per coefficient kept the families by lifting give the smaller error.
 //!
-//! ```
-//! use wavesplat_wavelet::{Family, Norm, Plan, analyse, from_amplitudes, synthesise, to_amplitudes};
+//! # Features
 //!
-//! let plan = Plan::new(Family::Cdf53, [5, 4, 3], None);
-//! let samples: Vec<f32> = (0..plan.n_samples()).map(|i| i as f32).collect();
-//! let mut c = samples.clone();
-//! analyse(&plan, &mut c);
-//! to_amplitudes(&plan, Norm::L2, &mut c);
-//! c.iter_mut().filter(|c| c.abs() < 1e-3).for_each(|c| *c = 0.0);
-//! from_amplitudes(&plan, Norm::L2, &mut c);
-//! synthesise(&plan, &mut c);
-//! assert!(c.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 1e-2));
-//! ```
+//! `threads` (on by default): slices and blocks in parallel. Results are the same to the bit without.
 
-mod brightness;
-mod coarse;
-mod decode;
-mod family;
-pub mod lifting;
-mod lines;
-mod norm;
-mod plan;
-mod reversible;
-mod sample;
-pub mod semi_orthogonal;
-mod solve;
-mod spline;
-mod spread;
-mod step;
-mod taps;
+mod error;
 mod transform;
 mod volume;
 
-pub use coarse::{Coarse, LevelGrid};
-pub use decode::Decoder;
-pub use family::Family;
-pub use norm::{Norm, from_amplitudes, to_amplitudes};
-pub use plan::{Plan, max_levels};
-pub use reversible::{analyse_integers, synthesise_integers};
-pub use sample::Sample;
-pub use spread::Spread;
-pub use step::Step;
-pub use taps::Tap;
-pub use transform::{analyse, analyse_level, synthesise, synthesise_level, synthesise_to};
-pub use volume::{Keep, Parts, WaveletVolume};
+pub use error::WaveletError;
+pub use transform::family::WaveletFamily;
+pub use transform::norm::{Norm, from_amplitudes, to_amplitudes};
+pub use transform::plan::{TransformPlan, max_levels};
+pub use transform::real::Real;
+pub use transform::reversible::{analyse_integers, synthesise_integers};
+pub use transform::separable::{analyse, analyse_level, synthesise, synthesise_level, synthesise_to};
+pub use transform::step::LevelStep;
+pub use transform::taps::Tap;
+pub use volume::coarse::CoarseLevel;
+pub use volume::coefficient_arrays::CoefficientArrays;
+pub use volume::decode::CoefficientDecoder;
+pub use volume::wavelet_volume::{Keep, WaveletVolume};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use wavesplat_core::Decoder as _;
-use wavesplat_wavelet::{Decoder, Family, Keep, Norm, WaveletVolume, synthesise, synthesise_to};
+use wavesplat_wavelet::{CoefficientDecoder, Keep, Norm, WaveletFamily, WaveletVolume, synthesise, synthesise_to};
 
 /// A ball with a texture, and nothing around it.
 fn samples([nx, ny, nz]: [usize; 3]) -> Vec<f32> {
@@ -23,13 +23,14 @@ fn samples([nx, ny, nz]: [usize; 3]) -> Vec<f32> {
 fn boxes_of_every_level_are_those_of_synthesis() {
     for size in [[45, 70, 37], [64, 33, 16], [3, 50, 1], [1, 1, 9]] {
         let samples = samples(size);
-        for (name, family) in Family::NAMES {
-            let volume =
-                Arc::new(WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(8.0)));
+        for (name, family) in WaveletFamily::NAMES {
+            let volume = Arc::new(
+                WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(8.0)).unwrap(),
+            );
             let coefficients = volume.coefficients(&[]);
             for level in 0..=volume.plan().n_levels() {
                 let want = synthesise_to(volume.plan(), &coefficients, level);
-                let decoder = Decoder::new(volume.clone(), level, &[]);
+                let decoder = CoefficientDecoder::new(volume.clone(), level, &[]).unwrap();
                 let size @ [nx, ny, nz] = decoder.size();
                 assert_eq!(size, volume.plan().low_size(level));
                 let check = |got: f32, [x, y, z]: [usize; 3]| {
@@ -66,18 +67,20 @@ fn boxes_of_every_level_are_those_of_synthesis() {
 fn weighted_levels_are_those_of_synthesis_and_sum_to_the_whole() {
     let size = [40, 37, 50];
     let samples = samples(size);
-    let volume = WaveletVolume::new(Family::Cdf97, size, samples.clone(), Some(4), Norm::L2, Keep::Fraction(0.1));
+    let volume =
+        WaveletVolume::new(WaveletFamily::Cdf97, size, samples.clone(), Some(4), Norm::L2, Keep::Fraction(0.1))
+            .unwrap();
     let volume = Arc::new(volume);
     let mut sum = vec![0.0; samples.len()];
     for k in 0..=4 {
         let mut weights = [0.0; 5];
         weights[k] = 1.0;
-        let band = Decoder::new(volume.clone(), 0, &weights).all();
+        let band = CoefficientDecoder::new(volume.clone(), 0, &weights).unwrap().all();
         let mut want = volume.coefficients(&weights);
         synthesise(volume.plan(), &mut want);
         assert!(band.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-3), "level {k}");
         sum.iter_mut().zip(&band).for_each(|(sum, b)| *sum += b);
     }
-    let whole = Decoder::new(volume, 0, &[]).all();
+    let whole = CoefficientDecoder::new(volume, 0, &[]).unwrap().all();
     assert!(sum.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 2e-3));
 }

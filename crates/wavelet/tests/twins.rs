@@ -1,14 +1,14 @@
 //! Many threads make what one makes.
 
 use wavesplat_compute::parallel::with_threads;
-use wavesplat_wavelet::{Family, Plan, analyse, analyse_integers, synthesise, synthesise_integers};
+use wavesplat_wavelet::{TransformPlan, WaveletFamily, analyse, analyse_integers, synthesise, synthesise_integers};
 
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     let size = [70, 41, 23];
     let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 1009) as f32).collect();
-    for (name, family) in Family::NAMES {
-        let plan = Plan::new(family, size, None);
+    for (name, family) in WaveletFamily::NAMES {
+        let plan = TransformPlan::new(family, size, None).unwrap();
         let run = |n_threads| {
             with_threads(Some(n_threads), || {
                 let mut coefficients = samples.clone();
@@ -25,7 +25,7 @@ fn the_number_of_threads_changes_no_bit() {
 #[test]
 fn the_number_of_threads_changes_no_integer() {
     let size = [33, 18, 50];
-    let plan = Plan::new(Family::Cdf53, size, None);
+    let plan = TransformPlan::new(WaveletFamily::Cdf53, size, None).unwrap();
     let samples: Vec<i32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 4099) as i32 - 2000).collect();
     let run = |n_threads| {
         with_threads(Some(n_threads), || {

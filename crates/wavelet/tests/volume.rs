@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use wavesplat_wavelet::{Decoder, Family, Keep, Norm, Parts, Plan, WaveletVolume, analyse, to_amplitudes};
+use wavesplat_wavelet::{
+    CoefficientArrays, CoefficientDecoder, Keep, Norm, TransformPlan, WaveletError, WaveletFamily, WaveletVolume,
+    analyse, to_amplitudes,
+};
 
 /// The signal of Marschner and Lobb on −1..1, scaled to 0..255.
 fn ripples(n: usize) -> Vec<f32> {
@@ -23,11 +26,12 @@ fn psnr_db(a: &[f32], b: &[f32], range: f64) -> f64 {
 
 #[test]
 fn with_nothing_dropped_the_samples_come_back() {
-    for (name, family) in Family::NAMES {
+    for (name, family) in WaveletFamily::NAMES {
         for size in [[1, 1, 1], [9, 1, 17], [23, 8, 11], [33, 20, 9]] {
             let n: usize = size.iter().product();
             let samples: Vec<f32> = (0..n).map(|i| ((i * 7919) % 251) as f32).collect();
-            let volume = WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(0.0));
+            let volume =
+                WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Amplitude(0.0)).unwrap();
             let back = volume.to_samples(&[]);
             assert!(back.iter().zip(&samples).all(|(a, b)| (a - b).abs() < 2.5e-3), "{name} {size:?}");
         }
@@ -38,21 +42,28 @@ fn with_nothing_dropped_the_samples_come_back() {
 fn the_printed_share_of_the_ripples_is_kept() {
     let n = 32;
     let keep = |family| {
-        let volume = WaveletVolume::new(family, [n; 3], ripples(n), None, Norm::L2, Keep::Amplitude(12.0));
+        let volume = WaveletVolume::new(family, [n; 3], ripples(n), None, Norm::L2, Keep::Amplitude(12.0)).unwrap();
         100.0 * volume.n_kept() as f64 / (n * n * n) as f64
     };
     // Printed in the method's paper: 19.95 %.
-    assert!((19.9..=20.2).contains(&keep(Family::Cdf53)));
-    assert!(keep(Family::Cdf97) <= 18.8);
+    assert!((19.9..=20.2).contains(&keep(WaveletFamily::Cdf53)));
+    assert!(keep(WaveletFamily::Cdf97) <= 18.8);
 }
 
 #[test]
 fn what_is_kept_are_the_large_amplitudes_in_their_places() {
     let (n, threshold) = (21, 9.0);
     let samples = ripples(n);
-    let volume =
-        WaveletVolume::new(Family::Cdf97, [n; 3], samples.clone(), Some(2), Norm::Peak, Keep::Amplitude(threshold));
-    let plan = Plan::new(Family::Cdf97, [n; 3], Some(2));
+    let volume = WaveletVolume::new(
+        WaveletFamily::Cdf97,
+        [n; 3],
+        samples.clone(),
+        Some(2),
+        Norm::Peak,
+        Keep::Amplitude(threshold),
+    )
+    .unwrap();
+    let plan = TransformPlan::new(WaveletFamily::Cdf97, [n; 3], Some(2)).unwrap();
     let mut want = samples;
     analyse(&plan, &mut want);
     let mut amplitudes = want.clone();
@@ -68,7 +79,8 @@ fn what_is_kept_are_the_large_amplitudes_in_their_places() {
 #[test]
 fn bands_sum_to_the_whole() {
     let n = 24;
-    let volume = WaveletVolume::new(Family::Cdf53, [n; 3], ripples(n), Some(3), Norm::L2, Keep::Fraction(0.3));
+    let volume =
+        WaveletVolume::new(WaveletFamily::Cdf53, [n; 3], ripples(n), Some(3), Norm::L2, Keep::Fraction(0.3)).unwrap();
     let all = volume.to_samples(&[]);
     let mut sum = vec![0.0; all.len()];
     for level in 0..4 {
@@ -84,15 +96,17 @@ fn bands_sum_to_the_whole() {
 fn a_share_and_a_psnr_are_kept() {
     let n = 40;
     let samples = ripples(n);
-    for (name, family) in Family::NAMES {
+    for (name, family) in WaveletFamily::NAMES {
         for fraction in [0.02, 0.2] {
-            let volume = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(fraction));
+            let volume =
+                WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(fraction)).unwrap();
             let got = volume.n_kept() as f64 / samples.len() as f64;
             assert!((got - fraction).abs() < 0.002, "{name}: {got} for {fraction}");
         }
         let mut n_before = 0;
         for wanted in [30.0, 50.0] {
-            let volume = WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Psnr(wanted));
+            let volume =
+                WaveletVolume::new(family, [n; 3], samples.clone(), None, Norm::L2, Keep::Psnr(wanted)).unwrap();
             let (lo, hi) = samples.iter().fold((f32::MAX, f32::MIN), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
             let got = psnr_db(&volume.to_samples(&[]), &samples, f64::from(hi - lo));
             assert!(got >= wanted - 1e-6 && got < wanted + 1.0, "{name}: {got} dB for {wanted}");
@@ -100,7 +114,8 @@ fn a_share_and_a_psnr_are_kept() {
             n_before = volume.n_kept();
         }
     }
-    let nothing = WaveletVolume::new(Family::Haar, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(0.0));
+    let nothing =
+        WaveletVolume::new(WaveletFamily::Haar, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(0.0)).unwrap();
     assert_eq!(nothing.n_kept(), 0);
     assert!(nothing.to_samples(&[]).iter().all(|s| *s == 0.0));
 }
@@ -112,68 +127,90 @@ fn memory_is_proportional_to_what_is_kept() {
     let samples = ripples(n);
     for fraction in [0.02, 0.1, 1.0] {
         let volume =
-            WaveletVolume::new(Family::Cdf97, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(fraction));
+            WaveletVolume::new(WaveletFamily::Cdf97, [n; 3], samples.clone(), None, Norm::L2, Keep::Fraction(fraction))
+                .unwrap();
         let kept_bytes = 4 * volume.n_kept();
         assert!(volume.n_bytes() <= 3 * kept_bytes, "{fraction}: {} for {kept_bytes}", volume.n_bytes());
     }
 }
 
 /// A volume and what is stored of it.
-fn parts_of(family: Family, size: [usize; 3]) -> (WaveletVolume, Parts) {
+fn arrays_of(family: WaveletFamily, size: [usize; 3]) -> (WaveletVolume, CoefficientArrays) {
     let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
-    let volume = WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Fraction(0.2));
-    let parts = volume.to_parts();
-    (volume, parts)
+    let volume = WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Fraction(0.2)).unwrap();
+    let arrays = volume.to_arrays();
+    (volume, arrays)
 }
 
 #[test]
-fn parts_make_the_same_volume() {
-    for (name, family) in Family::NAMES {
+fn arrays_make_the_same_volume() {
+    for (name, family) in WaveletFamily::NAMES {
         for size in [[1, 1, 1], [2, 9, 40], [23, 8, 11]] {
-            let (volume, parts) = parts_of(family, size);
-            assert_eq!(parts.values.len(), volume.n_kept());
-            assert_eq!(parts.masks.len(), 8 * parts.has_block.iter().map(|has| usize::from(*has)).sum::<usize>());
-            let again = WaveletVolume::from_parts(parts.clone()).unwrap();
-            assert_eq!(again.to_parts(), parts, "{name} {size:?}");
+            let (volume, arrays) = arrays_of(family, size);
+            assert_eq!(arrays.values.len(), volume.n_kept());
+            assert_eq!(arrays.masks.len(), 8 * arrays.has_block.iter().map(|has| usize::from(*has)).sum::<usize>());
+            let again = WaveletVolume::from_arrays(arrays.clone()).unwrap();
+            assert_eq!(again.to_arrays(), arrays, "{name} {size:?}");
             assert_eq!(again.coefficients(&[]), volume.coefficients(&[]), "{name} {size:?}");
             assert_eq!(again.n_kept_by_level(), volume.n_kept_by_level(), "{name} {size:?}");
             // The range, once it is known.
-            let found = Decoder::new(Arc::new(again.clone()), 0, &[]).range();
-            let known = WaveletVolume::from_parts(Parts { range: Some([-1.0, 7.5]), ..parts }).unwrap();
-            assert_eq!(known.to_parts().range, Some([-1.0, 7.5]));
-            assert_eq!(Decoder::new(Arc::new(known), 0, &[]).range(), [-1.0, 7.5]);
+            let found = CoefficientDecoder::new(Arc::new(again.clone()), 0, &[]).unwrap().range();
+            let known = WaveletVolume::from_arrays(CoefficientArrays { range: Some([-1.0, 7.5]), ..arrays }).unwrap();
+            assert_eq!(known.to_arrays().range, Some([-1.0, 7.5]));
+            assert_eq!(CoefficientDecoder::new(Arc::new(known), 0, &[]).unwrap().range(), [-1.0, 7.5]);
             assert!(found != [-1.0, 7.5] && found[0] <= found[1], "{found:?}");
         }
     }
 }
 
 #[test]
-fn parts_that_do_not_fit_together_are_refused() {
-    let (_, parts) = parts_of(Family::Cdf97, [23, 8, 11]);
-    let check = |change: fn(&mut Parts), problem: &str| {
-        let mut parts = parts.clone();
-        change(&mut parts);
-        let refused = WaveletVolume::from_parts(parts).map(|_| ()).unwrap_err();
+fn arrays_that_do_not_fit_together_are_refused() {
+    let (_, arrays) = arrays_of(WaveletFamily::Cdf97, [23, 8, 11]);
+    let check = |change: fn(&mut CoefficientArrays), problem: &str| {
+        let mut arrays = arrays.clone();
+        change(&mut arrays);
+        let refused = WaveletVolume::from_arrays(arrays).map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains(problem), "{refused}");
     };
-    check(|p| p.size = [23, 0, 11], "the size is not that of a volume");
-    check(|p| p.size = [1 << 22; 3], "the size is not that of a volume");
+    check(|a| a.size = [23, 0, 11], "size [23, 0, 11] (x, y, z) is not that of a volume");
+    check(|a| a.size = [1 << 22; 3], "is not that of a volume");
     // Sizes that fit into a number, but into no memory.
-    check(|p| p.size = [1 << 62, 1, 1], "too few blocks");
-    check(|p| p.size = [1, 1 << 40, 1], "too few blocks");
-    check(|p| p.size = [1 << 21; 3], "too few blocks");
-    check(|p| p.size = [21, 8, 11], "bit lies outside");
-    check(|p| p.n_levels += 1, "more levels");
-    check(|p| p.n_levels = usize::MAX, "more levels");
-    check(|p| p.values[3] = f32::NAN, "not a finite number");
-    check(|p| p.range = Some([2.0, 1.0]), "no range");
-    check(|p| p.range = Some([f32::NAN, 1.0]), "no range");
-    check(|p| p.range = Some([0.0, f32::INFINITY]), "no range");
-    check(|p| p.has_block.truncate(3), "too few blocks");
-    check(|p| p.has_block.push(0), "left over");
-    check(|p| p.masks.truncate(8), "too few words");
-    check(|p| p.masks.push(0), "left over");
-    check(|p| p.masks[0] = u64::MAX, "bit lies outside");
-    check(|p| p.values.truncate(3), "too few coefficients");
-    check(|p| p.values.push(1.0), "left over");
+    check(
+        |a| a.size = [1 << 62, 1, 1],
+        "has_block has 33 entries, size [4611686018427387904, 1, 1] (x, y, z) needs at least",
+    );
+    check(|a| a.size = [1, 1 << 40, 1], "needs at least 2147483648");
+    check(|a| a.size = [1 << 21; 3], "needs at least");
+    check(|a| a.size = [21, 8, 11], "has a mask bit outside subband");
+    check(|a| a.n_levels += 1, "levels are more than the");
+    check(|a| a.n_levels = usize::MAX, "levels are more than the 5 that cdf97 has at size [23, 8, 11]");
+    check(|a| a.values[3] = f32::NAN, "value 3 is NaN, which is not a finite number");
+    check(|a| a.range = Some([2.0, 1.0]), "from 2 to 1 is no range");
+    check(|a| a.range = Some([f32::NAN, 1.0]), "no range");
+    check(|a| a.range = Some([0.0, f32::INFINITY]), "no range");
+    check(|a| a.has_block.truncate(3), "has_block has 3 entries, size [23, 8, 11] (x, y, z) needs at least 4");
+    check(|a| a.has_block.truncate(30), "has_block has 30 entries, the others need 33");
+    check(|a| a.has_block.push(0), "has_block has");
+    check(|a| a.masks.truncate(8), "masks has 8 entries, the others need");
+    check(|a| a.masks.push(0), "masks has");
+    check(|a| a.masks[0] = u64::MAX, "has a mask bit outside subband");
+    check(|a| a.values.truncate(3), "values has 3 entries, the others need");
+    check(|a| a.values.push(1.0), "values has");
+}
+
+#[test]
+fn samples_of_another_size_are_refused() {
+    let volume =
+        |size, samples| WaveletVolume::new(WaveletFamily::Haar, size, samples, None, Norm::L2, Keep::Psnr(30.0));
+    let refused = |size, n| volume(size, vec![0.0; n]).map(|_| ()).unwrap_err();
+    assert_eq!(refused([3, 4, 5], 59), WaveletError::SampleCount { size: [3, 4, 5], expected: 60, actual: 59 });
+    assert_eq!(refused([3, 0, 5], 0), WaveletError::VolumeSize { size: [3, 0, 5] });
+    assert_eq!(refused([1 << 40; 3], 1), WaveletError::VolumeSize { size: [1 << 40; 3] });
+    assert_eq!(
+        TransformPlan::new(WaveletFamily::Haar, [0; 3], None).map(|_| ()),
+        Err(WaveletError::VolumeSize { size: [0; 3] })
+    );
+    let volume = Arc::new(volume([8, 8, 8], vec![1.0; 512]).unwrap());
+    let decoder = CoefficientDecoder::new(volume, 4, &[]).map(|_| ());
+    assert_eq!(decoder, Err(WaveletError::NoSuchLevel { level: 4, coarsest: 3 }));
 }

@@ -11,25 +11,25 @@
 //!   later level merges it.
 //! - Ends: no signal is assumed beyond them; boundary wavelets are those of shortest support, found as the null space
 //!   of a window of `Pᵀ G`. Inside they are the wavelets of Chui & Wang, with 3m − 1 taps.
-//! - Normalisation: scaling functions have sum 1, so low coefficients of a constant are that constant. The largest tap
+//! - Normalisation: scaling functions have sum 1, so low-pass coefficients of a constant are that constant. The largest tap
 //!   of each wavelet is 1; of two largest of opposite sign (quadratic splines) the first.
 //! - Polynomials of degree below m, given by their spline coefficients, have no details, at the ends neither.
 //!
 //! Sources: Chui & Wang, "On compactly supported spline wavelets and a duality principle", 1992; Chui & Quak, "Wavelets
 //! on a bounded interval", 1992; Stollnitz, `DeRose`, Salesin, *Wavelets for Computer Graphics*, 1996, ch. 7.
 
-use crate::spline::{Column, MAX_ORDER, gram, refine};
+use super::spline::{MAX_ORDER, SparseColumn, gram, refine};
 
 /// One level: the coarse break points, scaling functions `P` and wavelets `Q` as fine coefficients.
 #[derive(Debug)]
-pub(crate) struct Split {
+pub(crate) struct SplineSplit {
     pub breaks: Vec<f64>,
-    pub scaling: Vec<Column>,
-    pub wavelets: Vec<Column>,
+    pub scaling: Vec<SparseColumn>,
+    pub wavelets: Vec<SparseColumn>,
 }
 
 /// Splits the splines of an order on at least two intervals.
-pub(crate) fn split(breaks: &[f64], order: usize) -> Split {
+pub(crate) fn split(breaks: &[f64], order: usize) -> SplineSplit {
     let n_intervals = breaks.len() - 1;
     let last = breaks[n_intervals];
     let coarse: Vec<f64> = breaks[..n_intervals].iter().copied().step_by(2).chain([last]).collect();
@@ -43,26 +43,26 @@ pub(crate) fn split(breaks: &[f64], order: usize) -> Split {
         assert_eq!(found.len(), 1, "a window of {first}..{end} of {n} B-splines of order {order} holds one wavelet");
         normalise(found.swap_remove(0))
     });
-    Split { breaks: coarse, scaling, wavelets: wavelets.collect() }
+    SplineSplit { breaks: coarse, scaling, wavelets: wavelets.collect() }
 }
 
 /// The rows of `Pᵀ G`: integrals of each coarse function with the fine ones.
-fn products(scaling: &[Column], gram: &[[f64; MAX_ORDER]], order: usize) -> Vec<Column> {
+fn products(scaling: &[SparseColumn], gram: &[[f64; MAX_ORDER]], order: usize) -> Vec<SparseColumn> {
     let product = |i: usize, j: usize| gram[i.min(j)][i.abs_diff(j)];
-    let row = |function: &Column| {
+    let row = |function: &SparseColumn| {
         let first = function.first.saturating_sub(order - 1);
         let end = gram.len().min(function.end() + order - 1);
         let value = |i: usize| {
             let near = function.first.max(i.saturating_sub(order - 1))..function.end().min(i + order);
             near.map(|j| function.at(j) * product(i, j)).sum()
         };
-        Column { first, values: (first..end).map(value).collect() }
+        SparseColumn { first, values: (first..end).map(value).collect() }
     };
     scaling.iter().map(row).collect()
 }
 
-/// The shortest window of fine functions that holds wavelet `k` of `n_wavelets`, the one spline in it that is orthogonal
-/// to all coarse functions.
+/// The shortest window of fine functions that holds wavelet `k` of `n_wavelets`, the one spline in it that is
+/// orthogonal to all coarse functions.
 fn window(k: usize, n_wavelets: usize, n: usize, order: usize, odd: usize) -> [usize; 2] {
     // Inside a window starts at 2k − m + 1; towards an end it is as short as the functions there allow.
     let start = |k: usize, odd: usize| k.max((2 * k + 1 + odd).saturating_sub(order));
@@ -70,7 +70,7 @@ fn window(k: usize, n_wavelets: usize, n: usize, order: usize, odd: usize) -> [u
 }
 
 /// All vectors on `first..end` whose products with every row are 0: Gauss-Jordan elimination with full pivoting.
-fn null_space(rows: &[Column], first: usize, end: usize) -> Vec<Column> {
+fn null_space(rows: &[SparseColumn], first: usize, end: usize) -> Vec<SparseColumn> {
     let n = end - first;
     let rows = &rows[rows.partition_point(|row| row.end() <= first)..rows.partition_point(|row| row.first < end)];
     // Columns at a common size: functions next to a short last interval are small.
@@ -106,16 +106,16 @@ fn null_space(rows: &[Column], first: usize, end: usize) -> Vec<Column> {
         for (row, &j) in matrix.iter().zip(&pivots) {
             values[j] = -row[f] * scale[j];
         }
-        Column { first, values }
+        SparseColumn { first, values }
     };
     free.iter().map(vector).collect()
 }
 
-fn normalise(wavelet: Column) -> Column {
+fn normalise(wavelet: SparseColumn) -> SparseColumn {
     let largest = wavelet.values.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     // The first of equals, whatever rounding says.
     let peak = wavelet.values.iter().copied().find(|x| x.abs() > largest * (1.0 - 1e-6)).unwrap_or(1.0);
-    Column { first: wavelet.first, values: wavelet.values.into_iter().map(|x| x / peak).collect() }
+    SparseColumn { first: wavelet.first, values: wavelet.values.into_iter().map(|x| x / peak).collect() }
 }
 
 #[cfg(test)]
@@ -151,7 +151,7 @@ mod tests {
                 let terms = (0..=order.min(k)).map(|l| binomial(order, l) * cardinal(2 * order, k + 1 - l));
                 (1 - 2 * (k % 2) as i64) as f64 * terms.sum::<f64>()
             };
-            let paper = normalise(Column { first: 0, values: (0..3 * order - 1).map(q).collect() });
+            let paper = normalise(SparseColumn { first: 0, values: (0..3 * order - 1).map(q).collect() });
             let wavelet = &split.wavelets[10];
             assert_eq!(wavelet.values.len(), 3 * order - 1);
             for (got, want) in wavelet.values.iter().zip(&paper.values) {

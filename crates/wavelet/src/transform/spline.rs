@@ -1,23 +1,24 @@
-//! B-splines on an interval with open-uniform knots.
+//! B-splines on an interval with open-uniform knots: values, Gram matrix, knot insertion.
 //!
 //! A space is given by its break points, ascending; the first and the last are knots of full multiplicity, so the first
 //! and the last function reach 1 there and the spline ends on its first and last coefficient. With `m` the order
 //! (degree plus one), `n` break intervals carry `n + m − 1` functions of sum 1.
 //!
-//! Sources: de Boor, *A Practical Guide to Splines* (values by the stable recurrence); Cohen, Lyche, Riesenfeld, "Discrete
-//! B-splines and subdivision techniques", 1980 (the Oslo algorithm: the same recurrence at several fine knots).
+//! Sources: de Boor, *A Practical Guide to Splines* (values by the stable recurrence); Cohen, Lyche, Riesenfeld,
+//! "Discrete B-splines and subdivision techniques", 1980 (the Oslo algorithm: the same recurrence at several fine
+//! knots).
 
 /// Largest order.
 pub const MAX_ORDER: usize = 4;
 
-/// A column of a matrix: its terms from `first` on, 0 elsewhere.
+/// A column of a banded matrix: its terms from `first` on, 0 elsewhere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Column {
+pub struct SparseColumn {
     pub first: usize,
     pub values: Vec<f64>,
 }
 
-impl Column {
+impl SparseColumn {
     pub fn end(&self) -> usize {
         self.first + self.values.len()
     }
@@ -85,9 +86,9 @@ pub fn gram(breaks: &[f64], order: usize) -> Vec<[f64; MAX_ORDER]> {
 }
 
 /// Every function of a coarse space as a sum of functions of a fine one, whose breaks include the coarse ones.
-pub fn refine(coarse: &[f64], fine: &[f64], order: usize) -> Vec<Column> {
+pub fn refine(coarse: &[f64], fine: &[f64], order: usize) -> Vec<SparseColumn> {
     let (coarse_knots, fine_knots) = (knots(coarse, order), knots(fine, order));
-    let mut columns = vec![Column { first: 0, values: Vec::new() }; coarse.len() + order - 2];
+    let mut columns = vec![SparseColumn { first: 0, values: Vec::new() }; coarse.len() + order - 2];
     let mut interval = 0;
     for i in 0..fine.len() + order - 2 {
         while interval + 2 < coarse.len() && coarse[interval + 1] <= fine_knots[i] {

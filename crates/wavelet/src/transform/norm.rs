@@ -1,22 +1,23 @@
-//! Amplitudes: coefficients made comparable across levels, subbands and families.
+//! Norms of wavelet basis functions: amplitudes, which make coefficients comparable across levels, subbands and
+//! families.
 //!
 //! A coefficient `c` stands for `c · f` with f the function that synthesis makes of it. Its size is `|c|` times a norm
-//! of f: [`Norm::L2`], the root of the sum of squares over the finest grid (for B-splines the root of the integral, with
-//! the finest spacing 1), by which an error in a coefficient counts in the mean square; or [`Norm::Peak`], the largest
-//! value of |f|. f is a product over the axes, and so are its norms. They are exact for every coefficient, boundary
-//! functions included, but for peaks of B-splines, which are looked for at every eighth of a knot interval.
+//! of f: [`Norm::L2`], the root of the sum of squares over the finest grid (for B-splines the root of the integral,
+//! with the finest spacing 1), by which an error in a coefficient counts in the mean square; or [`Norm::Peak`], the
+//! largest value of |f|. f is a product over the axes, and so are its norms. They are exact for every coefficient,
+//! boundary functions included, but for peaks of B-splines, which are looked for at every eighth of a knot interval.
 
 use std::ops::Range;
 
 use wavesplat_compute::parallel;
 
-use crate::family::Family;
-use crate::plan::Plan;
-use crate::sample::Sample;
-use crate::spline::{Column, MAX_ORDER, gram, knots, values};
-use crate::step::Step;
+use super::family::WaveletFamily;
+use super::plan::TransformPlan;
+use super::real::Real;
+use super::spline::{MAX_ORDER, SparseColumn, gram, knots, values};
+use super::step::LevelStep;
 
-/// By what a basis function is measured.
+/// Norm of a basis function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Norm {
     /// Root of the sum (or integral) of squares, finest spacing 1.
@@ -25,36 +26,42 @@ pub enum Norm {
     Peak,
 }
 
-/// Norms of all functions along one axis.
+/// Norms of all basis functions along one axis.
 #[derive(Clone, Debug, Default)]
-pub struct Factors {
-    l2: Bands,
-    peak: Bands,
+pub struct AxisNorms {
+    l2: BandNorms,
+    peak: BandNorms,
 }
 
 /// Norms of scaling functions at levels `0..=n_levels`, of wavelets at levels `0..n_levels`.
 #[derive(Clone, Debug, Default)]
-struct Bands {
+struct BandNorms {
     low: Vec<Vec<f64>>,
     high: Vec<Vec<f64>>,
 }
 
-impl Plan {
-    /// Norms along one axis, one per coefficient in the order in which they lie: of the wavelets of a level
-    /// (`detail`), or of the scaling functions of its low box. A coefficient's own is the product over its axes: in
-    /// [`Plan::subband`] of `level`, details of `level` where the band's bit is set and scaling functions of
+impl TransformPlan {
+    /// Norms along one axis, one per coefficient in the order in which they lie: of the wavelets of a level (`detail`),
+    /// or of the scaling functions of its low-pass box. A coefficient's own is the product over its axes: in
+    /// [`TransformPlan::subband`] of `level`, details of `level` where the band's bit is set and scaling functions of
     /// `level + 1` where not.
+    ///
+    /// # Panics
+    /// Where there is no such level or axis.
     pub fn norms(&self, norm: Norm, axis: usize, level: usize, detail: bool) -> &[f64] {
-        let factors = &self.axes()[axis].factors;
+        let norms = &self.axes()[axis].norms;
         let bands = match norm {
-            Norm::L2 => &factors.l2,
-            Norm::Peak => &factors.peak,
+            Norm::L2 => &norms.l2,
+            Norm::Peak => &norms.peak,
         };
         if detail { &bands.high[level] } else { &bands.low[level] }
     }
 
     /// The factor from the coefficients in the middle of a subband to their amplitudes; boundary functions differ. 0
     /// where the band is empty.
+    ///
+    /// # Panics
+    /// Where `level` is not below [`TransformPlan::n_levels`].
     pub fn band_norm(&self, norm: Norm, level: usize, band: usize) -> f64 {
         let middle = |norms: &[f64]| norms.get(norms.len() / 2).copied().unwrap_or(0.0);
         (0..3).map(|axis| middle(self.band_norms(norm, axis, level, band))).product()
@@ -67,17 +74,23 @@ impl Plan {
 }
 
 /// Multiplies every coefficient by the norm of its function: `|amplitude|` is what thresholds are compared with.
-pub fn to_amplitudes<T: Sample>(plan: &Plan, norm: Norm, coefficients: &mut [T]) {
+///
+/// # Panics
+/// Where the coefficients are not as many as the plan's samples.
+pub fn to_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, coefficients: &mut [T]) {
     scale(plan, norm, coefficients, |factor| factor);
 }
 
 /// Undoes [`to_amplitudes`], to rounding.
-pub fn from_amplitudes<T: Sample>(plan: &Plan, norm: Norm, amplitudes: &mut [T]) {
+///
+/// # Panics
+/// Where the amplitudes are not as many as the plan's samples.
+pub fn from_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, amplitudes: &mut [T]) {
     scale(plan, norm, amplitudes, f64::recip);
 }
 
-fn scale<T: Sample>(plan: &Plan, norm: Norm, data: &mut [T], factor: impl Fn(f64) -> f64 + Sync + Send) {
-    assert_eq!(data.len(), plan.n_samples(), "data and plan differ in size");
+fn scale<T: Real>(plan: &TransformPlan, norm: Norm, data: &mut [T], factor: impl Fn(f64) -> f64 + Sync + Send) {
+    plan.check_len(data.len());
     for_each_row(plan, norm, data, |row, norms| {
         for (c, norm) in row.iter_mut().zip(norms.iter()) {
             *c = *c * T::from_f64(factor(norm));
@@ -85,9 +98,9 @@ fn scale<T: Sample>(plan: &Plan, norm: Norm, data: &mut [T], factor: impl Fn(f64
     });
 }
 
-/// Calls `work` with every row of every subband, and what makes amplitudes of its coefficients.
+/// Calls `work` with every row of every subband, and the norms of its coefficients' functions.
 pub(crate) fn for_each_row<T: Send>(
-    plan: &Plan,
+    plan: &TransformPlan,
     norm: Norm,
     data: &mut [T],
     work: impl Fn(&mut [T], RowNorms<'_>) + Sync + Send,
@@ -98,9 +111,14 @@ pub(crate) fn for_each_row<T: Send>(
     });
 }
 
-/// Calls `work` with the place in the slice of every row of every subband that there is in slice `z` of the
-/// coefficients, and what makes amplitudes of them.
-pub(crate) fn for_each_row_of_slice(plan: &Plan, norm: Norm, z: usize, mut work: impl FnMut(usize, RowNorms<'_>)) {
+/// Calls `work` for every row of every subband in slice `z` of the coefficients: with its first position in the slice,
+/// and the norms of its coefficients' functions.
+pub(crate) fn for_each_row_of_slice(
+    plan: &TransformPlan,
+    norm: Norm,
+    z: usize,
+    mut work: impl FnMut(usize, RowNorms<'_>),
+) {
     let nx = plan.size()[0];
     let mut rows_of_box = |[xs, ys, zs]: [Range<usize>; 3], [along_x, along_y, along_z]: [&[f64]; 3]| {
         if zs.contains(&z) && !xs.is_empty() {
@@ -141,15 +159,15 @@ impl<'a> RowNorms<'a> {
     }
 }
 
-impl Factors {
+impl AxisNorms {
     /// Follows every function down to the finest grid.
-    pub fn new(family: Family, n: usize, steps: &[Step]) -> Self {
-        let meter = Meter::new(family, n);
-        let mut factors = Self::default();
-        let mut scaling: Vec<Column> = (0..n).map(|i| Column { first: i, values: vec![1.0] }).collect();
-        factors.push(&meter, &scaling, false);
+    pub fn new(family: WaveletFamily, n: usize, steps: &[LevelStep]) -> Self {
+        let measure = FunctionMeasure::new(family, n);
+        let mut norms = Self::default();
+        let mut scaling: Vec<SparseColumn> = (0..n).map(|i| SparseColumn { first: i, values: vec![1.0] }).collect();
+        norms.push(&measure, &scaling, false);
         for step in steps {
-            let functions: Vec<Column> = step
+            let functions: Vec<SparseColumn> = step
                 .functions()
                 .iter()
                 .map(|taps| {
@@ -162,20 +180,20 @@ impl Factors {
                             *value += tap.weight * f;
                         }
                     }
-                    Column { first, values }
+                    SparseColumn { first, values }
                 })
                 .collect();
             let (low, high) = functions.split_at(step.n_low);
-            factors.push(&meter, low, false);
-            factors.push(&meter, high, true);
+            norms.push(&measure, low, false);
+            norms.push(&measure, high, true);
             scaling = low.to_vec();
         }
-        factors
+        norms
     }
 
-    fn push(&mut self, meter: &Meter, functions: &[Column], detail: bool) {
-        let l2 = functions.iter().map(|f| meter.l2(f)).collect();
-        let peak = functions.iter().map(|f| meter.peak(f)).collect();
+    fn push(&mut self, measure: &FunctionMeasure, functions: &[SparseColumn], detail: bool) {
+        let l2 = functions.iter().map(|f| measure.l2(f)).collect();
+        let peak = functions.iter().map(|f| measure.peak(f)).collect();
         let bands = [(&mut self.l2, l2), (&mut self.peak, peak)];
         for (bands, norms) in bands {
             if detail { bands.high.push(norms) } else { bands.low.push(norms) }
@@ -183,8 +201,8 @@ impl Factors {
     }
 }
 
-/// How functions on the finest grid are measured: as samples, or as splines.
-enum Meter {
+/// How the norms of functions on the finest grid are found: from samples, or from spline coefficients.
+enum FunctionMeasure {
     Samples,
     Splines {
         order: usize,
@@ -194,8 +212,8 @@ enum Meter {
     },
 }
 
-impl Meter {
-    fn new(family: Family, n: usize) -> Self {
+impl FunctionMeasure {
+    fn new(family: WaveletFamily, n: usize) -> Self {
         match family.semi_orthogonal_order() {
             // Fewer coefficients than one interval needs carry no spline; they are never split.
             Some(order) if n >= order => {
@@ -211,7 +229,7 @@ impl Meter {
         }
     }
 
-    fn l2(&self, f: &Column) -> f64 {
+    fn l2(&self, f: &SparseColumn) -> f64 {
         let sum: f64 = match self {
             Self::Samples => f.values.iter().map(|x| x * x).sum(),
             Self::Splines { order, gram, .. } => (f.first..f.end())
@@ -224,7 +242,7 @@ impl Meter {
         sum.sqrt()
     }
 
-    fn peak(&self, f: &Column) -> f64 {
+    fn peak(&self, f: &SparseColumn) -> f64 {
         match self {
             Self::Samples => f.values.iter().fold(0.0, |a, b| a.max(b.abs())),
             Self::Splines { order, eighths, .. } => {

@@ -1,16 +1,16 @@
-//! Analysis and synthesis of volumes, in place: samples `[z][y][x]` <-> coefficients in the layout of [`Plan`].
+//! Separable wavelet transform in place: samples `[z][y][x]` <-> coefficients in the layout of [`TransformPlan`].
 
 use wavesplat_compute::simd;
 
-use crate::lines::{self, Corner, Direction};
-use crate::plan::Plan;
-use crate::sample::Sample;
+use super::lines::{self, LowBox, TransformDirection};
+use super::plan::TransformPlan;
+use super::real::Real;
 
 /// Samples -> coefficients, all levels of the plan.
 ///
 /// # Panics
 /// Where the data have another size than the plan.
-pub fn analyse<T: Sample>(plan: &Plan, data: &mut [T]) {
+pub fn analyse<T: Real>(plan: &TransformPlan, data: &mut [T]) {
     analyse_at(simd::Level::best(), plan, data);
 }
 
@@ -18,33 +18,35 @@ pub fn analyse<T: Sample>(plan: &Plan, data: &mut [T]) {
 ///
 /// # Panics
 /// Where the data have another size than the plan.
-pub fn synthesise<T: Sample>(plan: &Plan, data: &mut [T]) {
+pub fn synthesise<T: Real>(plan: &TransformPlan, data: &mut [T]) {
     synthesise_at(simd::Level::best(), plan, data);
 }
 
-/// One level of [`analyse`]: the low box of `level`, in its place, becomes that of the next level and its details.
+/// One level of [`analyse`]: the low-pass box of `level`, in its place, becomes that of the next level and its details.
 ///
 /// # Panics
-/// Where the data have another size than the plan.
-pub fn analyse_level<T: Sample>(plan: &Plan, level: usize, data: &mut [T]) {
-    run_level(simd::Level::best(), plan, level, data, pitch(plan.size()), Direction::Analysis);
+/// Where the data have another size than the plan, or the plan has no such level.
+pub fn analyse_level<T: Real>(plan: &TransformPlan, level: usize, data: &mut [T]) {
+    plan.check_len(data.len());
+    run_level(simd::Level::best(), plan, level, data, pitch(plan.size()), TransformDirection::Analysis);
 }
 
 /// One level of [`synthesise`]: undoes [`analyse_level`], to rounding.
 ///
 /// # Panics
-/// Where the data have another size than the plan.
-pub fn synthesise_level<T: Sample>(plan: &Plan, level: usize, data: &mut [T]) {
-    run_level(simd::Level::best(), plan, level, data, pitch(plan.size()), Direction::Synthesis);
+/// Where the data have another size than the plan, or the plan has no such level.
+pub fn synthesise_level<T: Real>(plan: &TransformPlan, level: usize, data: &mut [T]) {
+    plan.check_len(data.len());
+    run_level(simd::Level::best(), plan, level, data, pitch(plan.size()), TransformDirection::Synthesis);
 }
 
-/// The volume at a coarser level: the low box of `level`, at its own size, from the coefficients of all coarser levels.
-/// Low coefficients of a constant are that constant, so it has the data's own range.
+/// The volume at a coarser level: the low-pass box of `level`, at its own size, from the coefficients of all coarser
+/// levels. Low-pass coefficients of a constant are that constant, so it has the data's own range.
 ///
 /// # Panics
-/// Where the coefficients have another size than the plan.
-pub fn synthesise_to<T: Sample>(plan: &Plan, coefficients: &[T], level: usize) -> Vec<T> {
-    assert_eq!(coefficients.len(), plan.n_samples(), "coefficients and plan differ in size");
+/// Where the coefficients have another size than the plan, or the plan has no such level.
+pub fn synthesise_to<T: Real>(plan: &TransformPlan, coefficients: &[T], level: usize) -> Vec<T> {
+    plan.check_len(coefficients.len());
     let [row_len, n_rows] = pitch(plan.size());
     let [nx, ny, nz] = plan.low_size(level);
     let mut low = Vec::with_capacity(nx * ny * nz);
@@ -55,22 +57,22 @@ pub fn synthesise_to<T: Sample>(plan: &Plan, coefficients: &[T], level: usize) -
     }
     let width = simd::Level::best();
     for level in (level..plan.n_levels()).rev() {
-        run_level(width, plan, level, &mut low, [nx, ny], Direction::Synthesis);
+        run_level(width, plan, level, &mut low, [nx, ny], TransformDirection::Synthesis);
     }
     low
 }
 
-fn analyse_at<T: Sample>(width: simd::Level, plan: &Plan, data: &mut [T]) {
-    assert_eq!(data.len(), plan.n_samples(), "data and plan differ in size");
+fn analyse_at<T: Real>(width: simd::Level, plan: &TransformPlan, data: &mut [T]) {
+    plan.check_len(data.len());
     for level in 0..plan.n_levels() {
-        run_level(width, plan, level, data, pitch(plan.size()), Direction::Analysis);
+        run_level(width, plan, level, data, pitch(plan.size()), TransformDirection::Analysis);
     }
 }
 
-fn synthesise_at<T: Sample>(width: simd::Level, plan: &Plan, data: &mut [T]) {
-    assert_eq!(data.len(), plan.n_samples(), "data and plan differ in size");
+fn synthesise_at<T: Real>(width: simd::Level, plan: &TransformPlan, data: &mut [T]) {
+    plan.check_len(data.len());
     for level in (0..plan.n_levels()).rev() {
-        run_level(width, plan, level, data, pitch(plan.size()), Direction::Synthesis);
+        run_level(width, plan, level, data, pitch(plan.size()), TransformDirection::Synthesis);
     }
 }
 
@@ -78,16 +80,16 @@ fn pitch([nx, ny, _]: [usize; 3]) -> [usize; 2] {
     [nx, ny]
 }
 
-fn run_level<T: Sample>(
+fn run_level<T: Real>(
     width: simd::Level,
-    plan: &Plan,
+    plan: &TransformPlan,
     level: usize,
     data: &mut [T],
     pitch: [usize; 2],
-    direction: Direction,
+    direction: TransformDirection,
 ) {
     let steps = [0, 1, 2].map(|axis| plan.step(level, axis));
-    let corner = Corner { pitch, size: plan.low_size(level) };
+    let corner = LowBox { pitch, size: plan.low_size(level) };
     let orders = steps.map(|step| step.order());
     lines::transform(
         data,
@@ -105,14 +107,14 @@ fn run_level<T: Sample>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::family::Family;
+    use crate::transform::family::WaveletFamily;
 
     #[test]
     fn every_width_of_vectors_gives_the_same_bits() {
         let size = [45, 37, 9];
         let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
-        for (name, family) in Family::NAMES {
-            let plan = Plan::new(family, size, None);
+        for (name, family) in WaveletFamily::NAMES {
+            let plan = TransformPlan::new(family, size, None).unwrap();
             let run = |width| {
                 let mut coefficients = samples.clone();
                 analyse_at(width, &plan, &mut coefficients);

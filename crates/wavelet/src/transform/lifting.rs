@@ -1,18 +1,19 @@
-//! Biorthogonal families by lifting: each step adds to the samples of one parity a weighted sum of neighbours of the
-//! other, so undoing it is subtracting the same.
+//! Lifting scheme: biorthogonal wavelets. Each step adds to the samples of one parity a weighted sum of neighbours of
+//! the other, so undoing it is subtracting the same.
 //!
-//! Even positions become low coefficients, odd ones details. Beyond the ends the signal is mirrored about its first and
-//! its last sample (whole-point symmetry), which the symmetric steps keep at every stage: any size, nothing cut off.
+//! Even positions become low-pass coefficients, odd ones details. Beyond the ends the signal is mirrored about its
+//! first and its last sample (whole-point symmetry), which the symmetric steps keep at every stage: any size, nothing
+//! cut off.
 //!
 //! | family | steps, at the target `x[i]` |
 //! | --- | --- |
-//! | haar | odd `−1 · x[i−1]`, even `+1/2 · x[i+1]`; a last sample without a partner is a low coefficient as it is |
+//! | haar | odd `−1 · x[i−1]`, even `+1/2 · x[i+1]`; a last sample without a partner is a low-pass coefficient as it is |
 //! | cdf53 | odd `−1/2 (x[i−1] + x[i+1])`, even `+1/4 (..)` |
 //! | cdf97 | odd α, even β, odd γ, even δ; low `· 1/K`, detail `· K` |
 //! | spline4 | even `−1/4`, odd `−1`, even `+29/128` and `−5/128 (x[i−3] + x[i+3])`; low `· 2`, detail `· 1/2` |
 //!
-//! Normalisation: low coefficients of a constant are that constant (gain 1 at frequency 0), details have gain 2 at the
-//! highest frequency for cdf53, cdf97 and spline4, and are the plain difference for haar.
+//! Normalisation: low-pass coefficients of a constant are that constant (gain 1 at frequency 0), details have gain 2 at
+//! the highest frequency for cdf53, cdf97 and spline4, and are the plain difference for haar.
 //!
 //! | family | analysis low-pass | analysis high-pass | source |
 //! | --- | --- | --- | --- |
@@ -25,50 +26,50 @@
 
 use std::collections::BTreeMap;
 
-use crate::family::Family;
-use crate::lines::{LANES, Row};
-use crate::sample::Sample;
-use crate::taps::{Tap, Taps};
+use super::family::WaveletFamily;
+use super::lines::{LANES, LineRow};
+use super::real::Real;
+use super::taps::{Tap, TapRows};
 
 /// Adds `weight · (x[i + offsets[0]] + x[i + offsets[1]])` to every `x[i]` of one parity.
 #[derive(Clone, Copy, Debug)]
-struct Lift {
+struct LiftingStep {
     parity: usize,
     offsets: [isize; 2],
     weight: f64,
 }
 
-const fn even(reach: isize, weight: f64) -> Lift {
-    Lift { parity: 0, offsets: [-reach, reach], weight }
+const fn even(reach: isize, weight: f64) -> LiftingStep {
+    LiftingStep { parity: 0, offsets: [-reach, reach], weight }
 }
 
-const fn odd(reach: isize, weight: f64) -> Lift {
-    Lift { parity: 1, offsets: [-reach, reach], weight }
+const fn odd(reach: isize, weight: f64) -> LiftingStep {
+    LiftingStep { parity: 1, offsets: [-reach, reach], weight }
 }
 
-/// The steps of a family, and the factors of its low coefficients and its details at the end.
+/// The lifting steps of a family, and the factors of its low-pass coefficients and its details at the end.
 #[derive(Debug)]
-pub(crate) struct Lifting {
-    lifts: &'static [Lift],
+pub(crate) struct LiftingScheme {
+    lifts: &'static [LiftingStep],
     gain: Option<[f64; 2]>,
     /// Whether the signal is mirrored at its ends; else a target without a neighbour is left alone.
     mirrored: bool,
 }
 
-static HAAR: Lifting = Lifting {
+static HAAR: LiftingScheme = LiftingScheme {
     lifts: &[
         // Twice the one neighbour, half the weight.
-        Lift { parity: 1, offsets: [-1, -1], weight: -0.5 },
-        Lift { parity: 0, offsets: [1, 1], weight: 0.25 },
+        LiftingStep { parity: 1, offsets: [-1, -1], weight: -0.5 },
+        LiftingStep { parity: 0, offsets: [1, 1], weight: 0.25 },
     ],
     gain: None,
     mirrored: false,
 };
 
-static CDF53: Lifting = Lifting { lifts: &[odd(1, -0.5), even(1, 0.25)], gain: None, mirrored: true };
+static CDF53: LiftingScheme = LiftingScheme { lifts: &[odd(1, -0.5), even(1, 0.25)], gain: None, mirrored: true };
 
 /// ISO/IEC 15444-1 annex F, table F.4.
-static CDF97: Lifting = Lifting {
+static CDF97: LiftingScheme = LiftingScheme {
     lifts: &[
         odd(1, -1.586_134_342_059_924),
         even(1, -0.052_980_118_572_961),
@@ -79,27 +80,27 @@ static CDF97: Lifting = Lifting {
     mirrored: true,
 };
 
-static SPLINE4: Lifting = Lifting {
+static SPLINE4: LiftingScheme = LiftingScheme {
     lifts: &[even(1, -0.25), odd(1, -1.0), even(1, 29.0 / 128.0), even(3, -5.0 / 128.0)],
     gain: Some([2.0, 0.5]),
     mirrored: true,
 };
 
-impl Lifting {
+impl LiftingScheme {
     /// The steps of a family; `None` for the semi-orthogonal ones.
-    pub(crate) fn of(family: Family) -> Option<&'static Self> {
+    pub(crate) fn of(family: WaveletFamily) -> Option<&'static Self> {
         match family {
-            Family::Haar => Some(&HAAR),
-            Family::Cdf53 => Some(&CDF53),
-            Family::Cdf97 => Some(&CDF97),
-            Family::Spline4 => Some(&SPLINE4),
-            Family::Bspline2 | Family::Bspline3 | Family::Bspline4 => None,
+            WaveletFamily::Haar => Some(&HAAR),
+            WaveletFamily::Cdf53 => Some(&CDF53),
+            WaveletFamily::Cdf97 => Some(&CDF97),
+            WaveletFamily::Spline4 => Some(&SPLINE4),
+            WaveletFamily::Bspline2 | WaveletFamily::Bspline3 | WaveletFamily::Bspline4 => None,
         }
     }
 
     /// Samples -> coefficients, in place, details at odd rows.
     #[inline(always)]
-    pub(crate) fn analyse<T: Sample>(&self, rows: &mut [Row<T>]) {
+    pub(crate) fn analyse<T: Real>(&self, rows: &mut [LineRow<T>]) {
         for lift in self.lifts {
             self.lift(rows, lift, lift.weight);
         }
@@ -110,7 +111,7 @@ impl Lifting {
 
     /// Coefficients -> samples.
     #[inline(always)]
-    pub(crate) fn synthesise<T: Sample>(&self, rows: &mut [Row<T>]) {
+    pub(crate) fn synthesise<T: Real>(&self, rows: &mut [LineRow<T>]) {
         if let Some(gain) = self.gain {
             scale(rows, gain.map(f64::recip));
         }
@@ -120,7 +121,7 @@ impl Lifting {
     }
 
     #[inline(always)]
-    fn lift<T: Sample>(&self, rows: &mut [Row<T>], lift: &Lift, weight: f64) {
+    fn lift<T: Real>(&self, rows: &mut [LineRow<T>], lift: &LiftingStep, weight: f64) {
         let weight = T::from_f64(weight);
         for i in (lift.parity..rows.len()).step_by(2) {
             let Some([a, b]) = self.neighbours(lift, i, rows.len()) else { continue };
@@ -133,17 +134,17 @@ impl Lifting {
     }
 
     #[inline(always)]
-    fn neighbours(&self, lift: &Lift, i: usize, n: usize) -> Option<[usize; 2]> {
+    fn neighbours(&self, lift: &LiftingStep, i: usize, n: usize) -> Option<[usize; 2]> {
         if !self.mirrored && i.checked_add_signed(lift.offsets[0]).is_none_or(|neighbour| neighbour >= n) {
             return None;
         }
         Some(lift.offsets.map(|offset| mirror(i as isize + offset, n)))
     }
 
-    /// One level of synthesis as a matrix: sample `i` as a weighted sum of coefficients, low ones first.
-    pub(crate) fn synthesis_taps(&self, n: usize) -> Taps {
+    /// One level of synthesis as a matrix: sample `i` as a weighted sum of coefficients, low-pass ones first.
+    pub(crate) fn synthesis_taps(&self, n: usize) -> TapRows {
         let n_low = n.div_ceil(2);
-        let mut taps = Taps::default();
+        let mut taps = TapRows::default();
         for i in 0..n {
             let mut row = BTreeMap::new();
             self.unfold(i, n, 1.0, self.lifts, &mut row);
@@ -156,7 +157,7 @@ impl Lifting {
     }
 
     /// Follows sample `i` back through the steps, the first of which synthesis undoes last.
-    fn unfold(&self, i: usize, n: usize, factor: f64, lifts: &[Lift], row: &mut BTreeMap<usize, f64>) {
+    fn unfold(&self, i: usize, n: usize, factor: f64, lifts: &[LiftingStep], row: &mut BTreeMap<usize, f64>) {
         let Some((lift, later)) = lifts.split_first() else {
             *row.entry(i).or_insert(0.0) += factor;
             return;
@@ -184,7 +185,7 @@ pub(crate) fn mirror(i: isize, n: usize) -> usize {
 }
 
 #[inline(always)]
-fn scale<T: Sample>(rows: &mut [Row<T>], gain: [f64; 2]) {
+fn scale<T: Real>(rows: &mut [LineRow<T>], gain: [f64; 2]) {
     let gain = gain.map(T::from_f64);
     for (i, row) in rows.iter_mut().enumerate() {
         for lane in 0..LANES {
@@ -193,7 +194,7 @@ fn scale<T: Sample>(rows: &mut [Row<T>], gain: [f64; 2]) {
     }
 }
 
-/// Rows of a line in which its coefficients are found, low ones first.
+/// Rows of a line in which its coefficients are found, low-pass ones first.
 pub(crate) fn order(n: usize) -> Vec<usize> {
     (0..n).step_by(2).chain((1..n).step_by(2)).collect()
 }

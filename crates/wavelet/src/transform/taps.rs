@@ -1,25 +1,25 @@
-//! Weighted sums: the rows of sparse matrices.
+//! Filter taps: the rows of sparse matrices.
 
-use crate::lines::{LANES, Row};
-use crate::sample::Sample;
+use super::lines::{LANES, LineRow};
+use super::real::Real;
 
 /// One term of a weighted sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tap {
-    /// Which number.
+    /// Position of the number that is weighted.
     pub index: usize,
-    /// By how much.
+    /// Its factor.
     pub weight: f64,
 }
 
 /// The rows of a sparse matrix.
 #[derive(Clone, Debug, Default)]
-pub struct Taps {
+pub struct TapRows {
     ends: Vec<usize>,
     taps: Vec<Tap>,
 }
 
-impl Taps {
+impl TapRows {
     pub fn push(&mut self, row: impl IntoIterator<Item = Tap>) {
         self.taps.extend(row);
         self.ends.push(self.taps.len());
@@ -49,7 +49,7 @@ impl Taps {
 
 /// `start − Σ weight · row`, or `+` where `weight_sign` is 1.
 #[inline(always)]
-pub fn accumulate<T: Sample>(start: Row<T>, weight_sign: f64, taps: &[Tap], rows: &[Row<T>]) -> Row<T> {
+pub fn accumulate<T: Real>(start: LineRow<T>, weight_sign: f64, taps: &[Tap], rows: &[LineRow<T>]) -> LineRow<T> {
     let mut sum = start;
     for tap in taps {
         let weight = T::from_f64(weight_sign * tap.weight);

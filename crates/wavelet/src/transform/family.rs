@@ -1,25 +1,25 @@
-//! The wavelet families by name.
+//! Wavelet families by name.
 
 /// A scaling function φ and a wavelet ψ, the same along all three axes. The crate's documentation compares them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// Piecewise constant, orthogonal; a last sample without a partner is kept as it is. By [lifting](crate::lifting).
+pub enum WaveletFamily {
+    /// Piecewise constant, orthogonal; a last sample without a partner is kept as it is. By lifting.
     Haar,
-    /// Le Gall 5/3: φ is the linear B-spline. By [lifting](crate::lifting).
+    /// Le Gall 5/3: φ is the linear B-spline. By lifting.
     Cdf53,
-    /// Daubechies 9/7 of JPEG 2000: smoother than 5/3, nearly orthogonal. By [lifting](crate::lifting).
+    /// Daubechies 9/7 of JPEG 2000: smoother than 5/3, nearly orthogonal. By lifting.
     Cdf97,
-    /// Cohen-Daubechies-Feauveau (4, 4): φ is the cubic B-spline. By [lifting](crate::lifting).
+    /// Cohen-Daubechies-Feauveau (4, 4): φ is the cubic B-spline. By lifting.
     Spline4,
-    /// Linear B-spline, [semi-orthogonal](crate::semi_orthogonal) on the interval.
+    /// Linear B-spline, semi-orthogonal on the interval.
     Bspline2,
-    /// Quadratic B-spline, [semi-orthogonal](crate::semi_orthogonal) on the interval.
+    /// Quadratic B-spline, semi-orthogonal on the interval.
     Bspline3,
-    /// Cubic B-spline, [semi-orthogonal](crate::semi_orthogonal) on the interval.
+    /// Cubic B-spline, semi-orthogonal on the interval.
     Bspline4,
 }
 
-impl Family {
+impl WaveletFamily {
     /// All families with their public names.
     pub const NAMES: [(&'static str, Self); 7] = [
         ("haar", Self::Haar),
@@ -51,7 +51,7 @@ impl Family {
         }
     }
 
-    /// Low coefficients that one level leaves of `n`; `n` itself where there is nothing left to split.
+    /// Low-pass coefficients that one level leaves of `n`; `n` itself where there is nothing left to split.
     ///
     /// By lifting ⌈n/2⌉. Splines of order m have n − m + 1 intervals between knots, of which ⌈(n − m + 1)/2⌉ stay.
     pub fn n_low(self, n: usize) -> usize {

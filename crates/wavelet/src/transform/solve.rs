@@ -1,27 +1,27 @@
-//! Banded systems: triangular factors with row exchanges, made once in f64 and applied to whole bundles of lines.
+//! Banded linear systems: LU factors with row exchanges, made once in f64 and applied to whole bundles of lines.
 //!
 //! Gaussian elimination with partial pivoting keeps the rows inside the band, as LAPACK's `gbtrf` does.
 
-use crate::lines::{Lines, Row};
-use crate::sample::Sample;
-use crate::spline::Column;
-use crate::taps::{Tap, Taps, accumulate};
+use super::lines::{LineBundle, LineRow};
+use super::real::Real;
+use super::spline::SparseColumn;
+use super::taps::{Tap, TapRows, accumulate};
 
 /// A square matrix factored into `P A = L U`.
 #[derive(Clone, Debug)]
-pub struct Solver {
+pub struct BandedSolver {
     /// Row `i` of the factors is row `source[i]` of the matrix.
     source: Vec<usize>,
     /// L without its diagonal of ones.
-    lower: Taps,
+    lower: TapRows,
     /// U without its diagonal.
-    upper: Taps,
+    upper: TapRows,
     reciprocal_pivots: Vec<f64>,
 }
 
-impl Solver {
+impl BandedSolver {
     /// Factors the matrix with the given columns. `None` where it is singular to 1e-12 of its largest entry.
-    pub fn new(columns: &[Column]) -> Option<Self> {
+    pub fn new(columns: &[SparseColumn]) -> Option<Self> {
         let n = columns.len();
         let mut rows = rows_of(columns);
         let largest = columns.iter().flat_map(|c| &c.values).fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -47,7 +47,7 @@ impl Solver {
             }
         }
         let reciprocal_pivots = (0..n).map(|j| rows[j].at(j).recip()).collect();
-        let (mut lower_taps, mut upper) = (Taps::default(), Taps::default());
+        let (mut lower_taps, mut upper) = (TapRows::default(), TapRows::default());
         for (i, row) in rows.iter().enumerate() {
             lower_taps.push(lower[i].iter().copied());
             let beyond = (i + 1..row.end()).map(|index| Tap { index, weight: row.at(index) });
@@ -58,13 +58,13 @@ impl Solver {
 
     /// Right-hand sides -> solutions, in place.
     #[inline(always)]
-    pub fn solve<T: Sample>(&self, lines: &mut Lines<T>) {
-        let Lines { rows, spare } = lines;
+    pub fn solve<T: Real>(&self, lines: &mut LineBundle<T>) {
+        let LineBundle { rows, spare } = lines;
         for i in 0..spare.len() {
             spare[i] = accumulate(rows[self.source[i]], -1.0, self.lower.row(i), spare);
         }
         for i in (0..rows.len()).rev() {
-            let sum: Row<T> = accumulate(spare[i], -1.0, self.upper.row(i), rows);
+            let sum: LineRow<T> = accumulate(spare[i], -1.0, self.upper.row(i), rows);
             let factor = T::from_f64(self.reciprocal_pivots[i]);
             rows[i] = sum.map(
                 #[inline(always)]
@@ -74,8 +74,8 @@ impl Solver {
     }
 }
 
-fn rows_of(columns: &[Column]) -> Vec<Column> {
-    let mut rows = vec![Column { first: 0, values: Vec::new() }; columns.len()];
+fn rows_of(columns: &[SparseColumn]) -> Vec<SparseColumn> {
+    let mut rows = vec![SparseColumn { first: 0, values: Vec::new() }; columns.len()];
     for (j, column) in columns.iter().enumerate() {
         for (i, &value) in (column.first..).zip(&column.values) {
             if value != 0.0 {
@@ -92,7 +92,7 @@ fn rows_of(columns: &[Column]) -> Vec<Column> {
 }
 
 /// Row `i` less `weight` times row `j` from column `j` on; its entry there becomes 0 exactly.
-fn subtract(rows: &mut [Column], i: usize, weight: f64, j: usize) {
+fn subtract(rows: &mut [SparseColumn], i: usize, weight: f64, j: usize) {
     let pivot_row = rows[j].clone();
     let row = &mut rows[i];
     let length = row.values.len().max(pivot_row.end() - row.first);

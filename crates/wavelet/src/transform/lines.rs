@@ -1,4 +1,4 @@
-//! Bundles of lines: how a transform of lines runs along x, y and z of a volume.
+//! Line bundles: how a 1-D transform runs along x, y and z of a volume, many lines at once.
 //!
 //! A transform along one axis works on many lines at once: row `i` of a bundle holds sample `i` of [`LANES`]
 //! neighbouring lines, so that every operation is one on whole vectors, whatever the axis. Along y and z the rows are
@@ -11,15 +11,15 @@ use wavesplat_compute::{parallel, simd};
 pub const LANES: usize = 32;
 
 /// One sample of each line of a bundle.
-pub type Row<T> = [T; LANES];
+pub type LineRow<T> = [T; LANES];
 
 /// A bundle, and room for another of its size.
-pub struct Lines<T> {
-    pub rows: Vec<Row<T>>,
-    pub spare: Vec<Row<T>>,
+pub struct LineBundle<T> {
+    pub rows: Vec<LineRow<T>>,
+    pub spare: Vec<LineRow<T>>,
 }
 
-impl<T: Copy + Default> Lines<T> {
+impl<T: Copy + Default> LineBundle<T> {
     pub fn new() -> Self {
         Self { rows: Vec::new(), spare: Vec::new() }
     }
@@ -31,40 +31,40 @@ impl<T: Copy + Default> Lines<T> {
     }
 }
 
-/// Which way a transform goes.
+/// Whether a transform analyses or synthesises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
+pub enum TransformDirection {
     /// Samples -> coefficients, along x, y, then z.
     Analysis,
     /// Coefficients -> samples, along z, y, then x.
     Synthesis,
 }
 
-/// The places of samples and coefficients in a bundle. Transforms work in place with low and detail coefficients
-/// interleaved; in the volume low coefficients come first.
+/// Row of the bundle of each sample or coefficient of a line. Transforms work in place with low-pass and detail
+/// coefficients interleaved; in the volume low-pass coefficients come first. `None`: in the order of the line.
 #[derive(Clone, Copy)]
-struct Places<'a> {
+struct RowOrders<'a> {
     load: Option<&'a [usize]>,
     store: Option<&'a [usize]>,
 }
 
-impl<'a> Places<'a> {
-    fn new(order: &'a [usize], direction: Direction) -> Self {
+impl<'a> RowOrders<'a> {
+    fn new(order: &'a [usize], direction: TransformDirection) -> Self {
         match direction {
-            Direction::Analysis => Self { load: None, store: Some(order) },
-            Direction::Synthesis => Self { load: Some(order), store: None },
+            TransformDirection::Analysis => Self { load: None, store: Some(order) },
+            TransformDirection::Synthesis => Self { load: Some(order), store: None },
         }
     }
 }
 
 #[inline(always)]
-fn place(order: Option<&[usize]>, i: usize) -> usize {
+fn row_of(order: Option<&[usize]>, i: usize) -> usize {
     order.map_or(i, |order| order[i])
 }
 
 /// The box of `size` at the first corner of a volume with rows of `pitch[0]` and slices of `pitch[1]` such rows.
 #[derive(Clone, Copy)]
-pub struct Corner {
+pub struct LowBox {
     pub pitch: [usize; 2],
     pub size: [usize; 3],
 }
@@ -73,40 +73,40 @@ pub struct Corner {
 /// axes that have an order: the row of the bundle in which each coefficient is found. Axes without one are left alone.
 pub fn transform<T: Copy + Default + Send + Sync>(
     data: &mut [T],
-    corner: Corner,
+    corner: LowBox,
     orders: [Option<&[usize]>; 3],
-    direction: Direction,
+    direction: TransformDirection,
     width: simd::Level,
-    analyse: impl Fn(usize, &mut Lines<T>) + Sync + Send,
-    synthesise: impl Fn(usize, &mut Lines<T>) + Sync + Send,
+    analyse: impl Fn(usize, &mut LineBundle<T>) + Sync + Send,
+    synthesise: impl Fn(usize, &mut LineBundle<T>) + Sync + Send,
 ) {
     // The direction is decided here, once, not for every bundle.
     match direction {
-        Direction::Analysis => on_lines(data, corner, orders, direction, width, analyse),
-        Direction::Synthesis => on_lines(data, corner, orders, direction, width, synthesise),
+        TransformDirection::Analysis => on_lines(data, corner, orders, direction, width, analyse),
+        TransformDirection::Synthesis => on_lines(data, corner, orders, direction, width, synthesise),
     }
 }
 
 /// One direction of [`transform`].
 fn on_lines<T: Copy + Default + Send + Sync>(
     data: &mut [T],
-    corner: Corner,
+    corner: LowBox,
     orders: [Option<&[usize]>; 3],
-    direction: Direction,
+    direction: TransformDirection,
     width: simd::Level,
-    work: impl Fn(usize, &mut Lines<T>) + Sync + Send,
+    work: impl Fn(usize, &mut LineBundle<T>) + Sync + Send,
 ) {
-    let Corner { pitch: [row_len, n_rows], size: [nx, ny, nz] } = corner;
+    let LowBox { pitch: [row_len, n_rows], size: [nx, ny, nz] } = corner;
     let slice_len = row_len * n_rows;
-    let places = orders.map(|order| order.map(|order| Places::new(order, direction)));
+    let row_orders = orders.map(|order| order.map(|order| RowOrders::new(order, direction)));
     let slices = &mut data[..nz * slice_len];
 
     let in_slice_axes = match direction {
-        Direction::Analysis => [0, 1],
-        Direction::Synthesis => [1, 0],
+        TransformDirection::Analysis => [0, 1],
+        TransformDirection::Synthesis => [1, 0],
     };
     let in_slices = |slices: &mut [T]| {
-        if places[0].is_none() && places[1].is_none() {
+        if row_orders[0].is_none() && row_orders[1].is_none() {
             return;
         }
         parallel::for_each_chunk(slices, slice_len, |_, slice| {
@@ -114,15 +114,15 @@ fn on_lines<T: Copy + Default + Send + Sync>(
                 #[inline(always)]
                 || {
                     let mut rows: Vec<&mut [T]> = slice.chunks_mut(row_len).take(ny).map(|r| &mut r[..nx]).collect();
-                    let lines = &mut Lines::new();
+                    let lines = &mut LineBundle::new();
                     for axis in in_slice_axes {
-                        match places[axis] {
-                            Some(places) if axis == 0 => {
+                        match row_orders[axis] {
+                            Some(orders) if axis == 0 => {
                                 for rows in rows.chunks_mut(LANES) {
-                                    along(rows, nx, places, lines, |lines| work(0, lines));
+                                    along(rows, nx, orders, lines, |lines| work(0, lines));
                                 }
                             }
-                            Some(places) => across(&mut rows, nx, places, lines, |lines| work(1, lines)),
+                            Some(orders) => across(&mut rows, nx, orders, lines, |lines| work(1, lines)),
                             None => {}
                         }
                     }
@@ -131,7 +131,7 @@ fn on_lines<T: Copy + Default + Send + Sync>(
         });
     };
     let across_slices = |slices: &mut [T]| {
-        let Some(places) = places[2] else { return };
+        let Some(orders) = row_orders[2] else { return };
         // The rows of all slices by their y: each list is a piece of work of its own.
         let mut rows_by_y: Vec<Vec<&mut [T]>> = (0..ny).map(|_| Vec::with_capacity(nz)).collect();
         for slice in slices.chunks_mut(slice_len) {
@@ -142,17 +142,17 @@ fn on_lines<T: Copy + Default + Send + Sync>(
         parallel::for_each_chunk(&mut rows_by_y, 1, |_, rows| {
             width.run(
                 #[inline(always)]
-                || across(&mut rows[0], nx, places, &mut Lines::new(), |lines| work(2, lines)),
+                || across(&mut rows[0], nx, orders, &mut LineBundle::new(), |lines| work(2, lines)),
             );
         });
     };
 
     match direction {
-        Direction::Analysis => {
+        TransformDirection::Analysis => {
             in_slices(slices);
             across_slices(slices);
         }
-        Direction::Synthesis => {
+        TransformDirection::Synthesis => {
             across_slices(slices);
             in_slices(slices);
         }
@@ -164,20 +164,20 @@ fn on_lines<T: Copy + Default + Send + Sync>(
 fn along<T: Copy + Default>(
     rows: &mut [&mut [T]],
     n: usize,
-    places: Places,
-    lines: &mut Lines<T>,
-    work: impl Fn(&mut Lines<T>),
+    orders: RowOrders,
+    lines: &mut LineBundle<T>,
+    work: impl Fn(&mut LineBundle<T>),
 ) {
     lines.resize(n);
     for (lane, row) in rows.iter().enumerate() {
         for (i, sample) in row.iter().enumerate() {
-            lines.rows[place(places.load, i)][lane] = *sample;
+            lines.rows[row_of(orders.load, i)][lane] = *sample;
         }
     }
     work(lines);
     for (lane, row) in rows.iter_mut().enumerate() {
         for (i, sample) in row.iter_mut().enumerate() {
-            *sample = lines.rows[place(places.store, i)][lane];
+            *sample = lines.rows[row_of(orders.store, i)][lane];
         }
     }
 }
@@ -187,19 +187,19 @@ fn along<T: Copy + Default>(
 fn across<T: Copy + Default>(
     rows: &mut [&mut [T]],
     n_lines: usize,
-    places: Places,
-    lines: &mut Lines<T>,
-    work: impl Fn(&mut Lines<T>),
+    orders: RowOrders,
+    lines: &mut LineBundle<T>,
+    work: impl Fn(&mut LineBundle<T>),
 ) {
     lines.resize(rows.len());
     for first in (0..n_lines).step_by(LANES) {
         let n_lanes = LANES.min(n_lines - first);
         for (i, row) in rows.iter().enumerate() {
-            lines.rows[place(places.load, i)][..n_lanes].copy_from_slice(&row[first..first + n_lanes]);
+            lines.rows[row_of(orders.load, i)][..n_lanes].copy_from_slice(&row[first..first + n_lanes]);
         }
         work(lines);
         for (i, row) in rows.iter_mut().enumerate() {
-            row[first..first + n_lanes].copy_from_slice(&lines.rows[place(places.store, i)][..n_lanes]);
+            row[first..first + n_lanes].copy_from_slice(&lines.rows[row_of(orders.store, i)][..n_lanes]);
         }
     }
 }

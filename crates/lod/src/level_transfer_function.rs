@@ -1,0 +1,171 @@
+//! Level of detail: transfer function of a coarser level.
+//!
+//! A thin wall between two cavities has a coarse sample near that of a cavity, and classified by it the wall vanishes:
+//! the picture of a coarser level gets darker, and with a hard function full of holes. So samples are classified before
+//! the mean is taken: the opacity of a coarse value `d` is the mean opacity of the samples `v` at the positions where
+//! the coarse volume, interpolated, has that value. With `P(v | d)` of the [`LevelHistogram`] and `a` the opacity of a
+//! length `s`,
+//!
+//! `A(d) = Σ P(v | d) a(v)`, `a(v) = 1 − (1 − α(v))^s`,
+//!
+//! the colour is the mean weighted by `a`, and `α` of the coarse value is `1 − (1 − A)^(1/s)`. The mean is taken of
+//! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` is the
+//! distance of the finest samples. It is a trimmed mean: of the `v` behind a `d`, the lowest and the highest few per
+//! cent do not count, since what is that rare is elsewhere as a rule, and would be drawn as a haze wherever there is a
+//! `d`.
+//!
+//! A mean over values knows neither what hides what nor how visible surfaces stand to the light: the extinction is then
+//! multiplied by the factor that makes rays through the level as bright as those through the samples
+//! (`level_brightness.rs`).
+//!
+//! Distributions of what a coarse sample stands for, in place of its mean: Younesy, Möller, Carr, "Improving the
+//! quality of multi-resolution volume rendering", Eurographics Symposium on Visualization 2006. Here all positions with
+//! the same coarse value share one.
+
+use wavesplat_core::{ColorNode, Joint, OpacityNode, Result, Shading, TransferFunction};
+
+use crate::level_brightness::GrayTable;
+use crate::level_histogram::{LevelHistogram, N_BINS};
+
+/// Share of what a coarse value stands for that the trimmed mean leaves out, at either end.
+const TRIMMED_SHARE: f32 = 0.02;
+
+/// Positions within a bin at which the function is looked up.
+const N_PER_BIN: usize = 4;
+
+/// Mean opacity below which nothing is drawn: a thousand coarse samples in a row would have an opacity of a tenth.
+const MIN_OPACITY: f64 = 1e-4;
+
+impl LevelHistogram {
+    /// The transfer function for the level. `spacing`: of the finest grid along each axis, in the function's
+    /// `opacity_unit`s. `shading`: that of the picture. `is_steep`: whether the function is (needs pre-integration), so
+    /// that the level is drawn with fewer sheets. Functions of two dimensions are only averaged.
+    pub fn filter(
+        &self,
+        tf: &TransferFunction,
+        spacing: [f64; 3],
+        shading: Option<&Shading>,
+        is_steep: bool,
+    ) -> Result<TransferFunction> {
+        let length = spacing.iter().product::<f64>().cbrt();
+        if tf.joint().is_some() || self.hi <= self.lo {
+            return self.average(tf, length);
+        }
+        let gray = |rgba: &[[f64; 4]]| -> GrayTable {
+            rgba.iter().map(|&[r, g, b, opacity]| [(r + g + b) / 3.0, opacity]).collect()
+        };
+        // The finest samples stand for themselves.
+        let own: Vec<_> = (0..N_BINS).map(|bin| separate(self.mean(&rgba_of(tf), bin, length), length)).collect();
+        let own = gray(&own);
+        let with = |rare: f32| {
+            let rgba = self.averages(rgba_of(tf), length, rare);
+            let tables = [&own, &gray(&rgba)];
+            let factors = self.rays.brightness_factors(tables, shading, spacing, is_steep);
+            let is_bright_enough = self.rays.is_bright_enough(tables, factors[0], spacing, is_steep);
+            (rgba, factors, is_bright_enough)
+        };
+        let (mut rgba, mut factors, is_bright_enough) = with(TRIMMED_SHARE);
+        // Where much of what is visible is rare.
+        if !is_bright_enough {
+            (rgba, factors, _) = with(0.0);
+        }
+        let [factor, gain] = factors;
+        for [color @ .., opacity] in &mut rgba {
+            *opacity = opacity_of(factor, *opacity);
+            *color = color.map(|c| (gain * c).min(1.0));
+        }
+        self.function(tf, &rgba)
+    }
+
+    /// The function with opacities averaged over a `length`, in its `opacity_unit`s; nothing is trimmed.
+    pub fn average(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
+        if self.hi <= self.lo {
+            return Ok(tf.clone());
+        }
+        // Gradients of coarse samples stand for themselves.
+        if let Some(joint) = tf.joint() {
+            let magnitudes = joint.magnitudes();
+            let rows = magnitudes.iter().map(|m| self.averages(|value| joint.rgba(value, *m), length, 0.0));
+            let rgba = rows.collect::<Vec<_>>().concat();
+            let joint = Joint::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
+            return TransferFunction::two_dimensional(joint, tf.opacity_unit());
+        }
+        self.function(tf, &self.averages(rgba_of(tf), length, 0.0))
+    }
+
+    /// The function with these colours and opacities in the middle of every bin.
+    fn function(&self, tf: &TransferFunction, rgba: &[[f64; 4]]) -> Result<TransferFunction> {
+        let nodes = self.values().zip(rgba);
+        let opacity = nodes.clone().map(|(value, rgba)| OpacityNode { value, opacity: rgba[3] });
+        let color = nodes.map(|(value, &[r, g, b, _])| ColorNode { value, rgb: [r, g, b] });
+        TransferFunction::new(opacity.collect(), color.collect(), tf.opacity_unit())?
+            .with_gradient_opacity(tf.gradient_nodes().to_vec())
+    }
+
+    /// Mean of associated colour and opacity of a `length` over a bin.
+    fn mean(&self, rgba: &impl Fn(f64) -> [f64; 4], bin: usize, length: f64) -> [f64; 4] {
+        let mut sum = [0.0_f64; 4];
+        for k in 0..N_PER_BIN {
+            let value = self.lo + (bin as f64 + (k as f64 + 0.5) / N_PER_BIN as f64) * self.step();
+            let [r, g, b, opacity] = rgba(value);
+            let opacity = opacity_of(length, opacity) / N_PER_BIN as f64;
+            [r, g, b, 1.0].into_iter().zip(&mut sum).for_each(|(c, sum)| *sum += c * opacity);
+        }
+        sum
+    }
+
+    /// Colour and opacity of every bin, averaged over the samples that its coarse values stand for, without the
+    /// `rare` share at either end. Opacities are averaged over a `length`.
+    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64, rare: f32) -> Vec<[f64; 4]> {
+        let own: Vec<_> = (0..N_BINS).map(|bin| self.mean(&rgba, bin, length)).collect();
+        let average = |(row, value): (&[f32], f64)| {
+            let mut sum = [0.0; 4];
+            for (share, own) in trimmed(row, rare).zip(&own).filter(|(share, _)| *share > 0.0) {
+                (0..4).for_each(|c| sum[c] += f64::from(share) * own[c]);
+            }
+            if sum[3] < MIN_OPACITY {
+                let [r, g, b, _] = rgba(value);
+                return [r, g, b, 0.0];
+            }
+            separate(sum, length)
+        };
+        self.shares.chunks_exact(N_BINS).zip(self.values()).map(average).collect()
+    }
+}
+
+/// Shares without a `rare` part at either end, as of a trimmed mean; they add up to one again.
+fn trimmed(shares: &[f32], rare: f32) -> impl Iterator<Item = f32> {
+    let mut left = [rare, 1.0 - 2.0 * rare];
+    shares.iter().map(move |share| {
+        let mut share = *share;
+        // First what is trimmed below, then what counts; the rest is trimmed above.
+        let [_, counted] = left.each_mut().map(|left| {
+            let taken = share.min(*left);
+            *left -= taken;
+            share -= taken;
+            taken
+        });
+        counted / (1.0 - 2.0 * rare)
+    })
+}
+
+/// Opacity correction: the opacity of a length, from that of a unit.
+fn opacity_of(length: f64, opacity: f64) -> f64 {
+    (-(length * (-opacity).ln_1p()).exp_m1()).clamp(0.0, 1.0)
+}
+
+/// Colour, and opacity of a unit, from associated colour and opacity of a length.
+fn separate([r, g, b, opacity]: [f64; 4], length: f64) -> [f64; 4] {
+    let [r, g, b] = [r, g, b].map(|c| if opacity > 0.0 { (c / opacity).clamp(0.0, 1.0) } else { 0.0 });
+    // Shares add up to one but for rounding, and what is opaque stays so.
+    let opacity = if opacity > 1.0 - 1e-6 { 1.0 } else { opacity };
+    [r, g, b, opacity_of(1.0 / length, opacity)]
+}
+
+/// Colour and opacity of a function's values.
+fn rgba_of(tf: &TransferFunction) -> impl Fn(f64) -> [f64; 4] {
+    |value| {
+        let [r, g, b] = tf.color(value);
+        [r, g, b, tf.opacity(value)]
+    }
+}

@@ -1,0 +1,41 @@
+//! Sample grid of a coarser level: where the low-pass coefficients of a level lie among the samples.
+//!
+//! A low-pass coefficient of a family by lifting lies on every second sample, one of [`WaveletFamily::Haar`] between
+//! two. Where the first or last one lies short of the volume's end, one more repeats it, as the mirrored boundary has
+//! it, so that every level fills the same box.
+
+use wavesplat_core::LevelGrid;
+
+use super::family::WaveletFamily;
+use super::plan::TransformPlan;
+
+impl TransformPlan {
+    /// The grid of a level; level 0 is the finest grid itself. `None` where low-pass coefficients are not samples: at
+    /// further levels of the semi-orthogonal families, where they are not evenly spaced either, and of
+    /// [`WaveletFamily::Spline4`], where they are those of a cubic spline.
+    ///
+    /// # Panics
+    /// Where `level` exceeds [`TransformPlan::n_levels`].
+    pub fn level_grid(&self, level: usize) -> Option<LevelGrid> {
+        let family = self.family();
+        if level > 0 && (family.semi_orthogonal_order().is_some() || family == WaveletFamily::Spline4) {
+            return None;
+        }
+        let size = self.low_size(level);
+        let mut grid = LevelGrid::finest(size);
+        for a in 0..3 {
+            for _ in (0..level).map(|k| self.step(k, a)).filter(|step| step.n_low < step.n) {
+                if family == WaveletFamily::Haar {
+                    grid.origin[a] += 0.5 * grid.spacing[a];
+                }
+                grid.spacing[a] *= 2.0;
+            }
+            let last = grid.origin[a] + grid.spacing[a] * (size[a] - 1) as f64;
+            let n_after = usize::from(last < (self.size()[a] - 1) as f64);
+            let n_before = usize::from(grid.origin[a] > 0.0);
+            grid.origin[a] -= grid.spacing[a] * n_before as f64;
+            grid.size[a] += n_before + n_after;
+        }
+        Some(grid)
+    }
+}

@@ -1,0 +1,120 @@
+//! Wavelet thresholding: which amplitude is the least that stays, by share or by PSNR.
+//!
+//! Coefficients whose amplitude ([`Norm`]) is below the threshold become 0 (hard thresholding).
+
+use wavesplat_compute::{extent, parallel};
+
+use crate::transform::norm::{Norm, for_each_row, for_each_row_of_slice};
+use crate::transform::plan::TransformPlan;
+use crate::transform::separable::synthesise;
+
+/// Bisection steps of the search for a threshold: from 17 in the logarithm to a thousandth.
+const N_BISECTIONS: usize = 14;
+
+/// Bits of half a number.
+const HALF: u32 = 16;
+
+/// Runs of slices that amplitudes are gathered in, all of which may run at once.
+const N_RUNS: usize = 16;
+
+/// Zeros in place of coefficients whose amplitude is below a threshold.
+pub fn drop_below(plan: &TransformPlan, norm: Norm, threshold: f64, coefficients: &mut [f32]) {
+    for_each_row(plan, norm, coefficients, |row, norms| {
+        for (c, norm) in row.iter_mut().zip(norms.iter()) {
+            if f64::from(amplitude(*c, norm)) < threshold {
+                *c = 0.0;
+            }
+        }
+    });
+}
+
+fn amplitude(coefficient: f32, norm: f64) -> f32 {
+    (coefficient * norm as f32).abs()
+}
+
+/// What `add` gathers of all amplitudes, for each of some runs of slices.
+fn over_amplitudes<T: Send>(
+    plan: &TransformPlan,
+    norm: Norm,
+    coefficients: &[f32],
+    zero: impl Fn() -> T + Sync + Send,
+    add: impl Fn(&mut T, f32) + Sync + Send,
+) -> Vec<T> {
+    let [nx, ny, nz] = plan.size();
+    let n_runs = nz.min(N_RUNS);
+    parallel::map(n_runs, |run| {
+        let mut sum = zero();
+        for z in run * nz / n_runs..(run + 1) * nz / n_runs {
+            let slice = &coefficients[z * nx * ny..][..nx * ny];
+            for_each_row_of_slice(plan, norm, z, |first, norms| {
+                slice[first..].iter().zip(norms.iter()).for_each(|(c, norm)| add(&mut sum, amplitude(*c, norm)));
+            });
+        }
+        sum
+    })
+}
+
+/// The amplitude that this share of the coefficients reaches. Amplitudes stand in the order of their bits: counting
+/// gives the upper half of them, and counting those with that half gives the lower.
+pub fn threshold_of_fraction(plan: &TransformPlan, norm: Norm, coefficients: &[f32], fraction: f64) -> f64 {
+    let n_kept = (fraction * coefficients.len() as f64).round() as usize;
+    if n_kept == 0 {
+        return f64::INFINITY;
+    }
+    let mut left = n_kept.min(coefficients.len());
+    let mut bits = 0;
+    for shift in [HALF, 0] {
+        let counts = over_amplitudes(
+            plan,
+            norm,
+            coefficients,
+            || vec![0_usize; 1 << HALF],
+            |counts, amplitude| {
+                let own = amplitude.to_bits();
+                if shift == HALF || own >> HALF == bits >> HALF {
+                    counts[(own >> shift) as usize & ((1 << HALF) - 1)] += 1;
+                }
+            },
+        );
+        for half in (0..1 << HALF).rev() {
+            let n: usize = counts.iter().map(|counts| counts[half]).sum();
+            if n >= left {
+                bits |= (half as u32) << shift;
+                break;
+            }
+            left -= n;
+        }
+    }
+    f64::from(f32::from_bits(bits))
+}
+
+/// The largest amplitude, to a thousandth, that may be dropped for a PSNR.
+pub fn threshold_of_psnr(plan: &TransformPlan, norm: Norm, coefficients: &[f32], samples: &[f32], psnr_db: f64) -> f64 {
+    let [lo, hi] = extent::of(samples);
+    let wanted = f64::from(hi - lo).powi(2) * 10.0_f64.powf(-psnr_db / 10.0);
+    let mut kept = coefficients.to_vec();
+    let mut reaches = |threshold: f64| {
+        kept.copy_from_slice(coefficients);
+        drop_below(plan, norm, threshold, &mut kept);
+        synthesise(plan, &mut kept);
+        let square: f64 = kept.iter().zip(samples).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+        square <= wanted * samples.len() as f64
+    };
+    let largest = over_amplitudes(plan, norm, coefficients, || 0.0_f32, |all, a| *all = all.max(a));
+    let largest = largest.into_iter().fold(0.0_f32, f32::max);
+    // In the logarithm, since amplitudes span many orders.
+    let (mut below, mut above) = (1e-7_f64.ln(), 2.0_f64.ln());
+    let threshold = |t: f64| f64::from(largest) * t.exp();
+    if !reaches(threshold(below)) {
+        return 0.0;
+    }
+    for _ in 0..N_BISECTIONS {
+        let middle = 0.5 * (below + above);
+        if reaches(threshold(middle)) {
+            below = middle;
+        } else {
+            above = middle;
+        }
+    }
+    threshold(below)
+}

@@ -37,14 +37,16 @@ def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
     heavy += ["skimage", "trimesh", "sklearn"]
-    modules = "wavesplat.rendering, wavesplat.slicing, wavesplat.readers, wavesplat.meshing"
+    modules = (
+        "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing"
+    )
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
 
 def test_the_command_line_starts_without_numpy():
-    code = "import sys, wavesplat.cli; print('numpy' in sys.modules)"
+    code = "import sys, wavesplat._cli; print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 
@@ -54,8 +56,8 @@ def test_options_are_read_without_large_libraries():
     code = """if True:
         import sys
         from typer.testing import CliRunner
-        import wavesplat.cli
-        result = CliRunner().invoke(wavesplat.cli.app, ["render", "none.nrrd", "-o", "none.png", "--size", "4x4"])
+        import wavesplat._cli
+        result = CliRunner().invoke(wavesplat._cli.app, ["render", "none.nrrd", "-o", "none.png", "--size", "4x4"])
         assert result.exit_code == 1, result.output
         print([m for m in ["pydantic", "SimpleITK", "nibabel", "zarr"] if m in sys.modules])
     """

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat import annotation
+from wavesplat._picture import annotation
 
 KERNELS = ("linear", "catmull-rom", "bspline2", "bspline3", "gaussian")
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wavesplat import _native, rendering
-from wavesplat.camera import Camera
-from wavesplat.crop import Crop
+from wavesplat import _native
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.materials import Materials
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.camera import Camera
+from wavesplat._model.crop import Crop
+from wavesplat._model.options import Kernel
+from wavesplat._model.volume import Volume
+from wavesplat._picture.picture import Picture
+from wavesplat._render import rendering
 from wavesplat.errors import ArgumentError
-from wavesplat.labels import Labels
-from wavesplat.materials import Materials
-from wavesplat.options import Kernel
-from wavesplat.picture import Picture
-from wavesplat.shading import Shading
-from wavesplat.transfer_function import TransferFunction
-from wavesplat.transfer_function_2d import TransferFunction2D
-from wavesplat.volume import Volume
 
 __all__ = ["raycast", "splat_literal"]
 

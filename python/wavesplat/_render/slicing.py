@@ -29,7 +29,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
-from wavesplat._render.rendering import checked_count, checked_size, chosen_transfer_function
+from wavesplat._render.arguments import checked_count, checked_size, chosen_transfer_function
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]

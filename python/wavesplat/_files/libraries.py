@@ -16,4 +16,6 @@ def library(name: str, *, extra: str) -> Any:
         return import_module(name)
     except ImportError as error:
         missing = (error.name or name).partition(".")[0]
-        raise LibraryError(f"{missing} is not installed: pip install 'wavesplat[{extra}]'") from error
+        raise LibraryError(
+            f'{missing} is not installed; in the checkout of Wavesplat, run: pip install ".[{extra}]"'
+        ) from error

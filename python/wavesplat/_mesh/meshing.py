@@ -147,7 +147,7 @@ def mesh(
     ArgumentError
         If no surface has this value; the message says the samples' range. If an argument cannot work.
     LibraryError
-        If scikit-image is not installed (`pip install wavesplat[mesh]`).
+        If scikit-image is not installed (`pip install ".[mesh]"` in the checkout).
 
     Examples
     --------

@@ -110,7 +110,8 @@ def slice(
     ArgumentError
         If an argument cannot work, or the plane lies outside the volume; the message has the range.
     LibraryError
-        If letters or a scale bar are wanted and Pillow is not installed (`pip install wavesplat[annotation]`).
+        If letters or a scale bar are wanted and Pillow is not installed (`pip install ".[annotation]"` in the
+        checkout).
 
     Examples
     --------

@@ -27,7 +27,9 @@ class Volume(Grid):
     samples : array, shape (z, y, x)
         Any real dtype.
         8, 16 and 32-bit integers and 32 and 64-bit floats keep their type.
-        A C-contiguous array is shared, not copied: do not write to it while the volume is in use.
+        A C-contiguous array of these types is shared, not copied, and `samples` is a read-only view of it. After
+        writing to your own array call `changed`: what was prepared for earlier pictures would make wrong ones.
+        Do not write to it while a picture is drawn. Any other array is copied.
         NaN and infinity are drawn as empty.
     spacing : three numbers (x, y, z), optional
         Distances between neighbouring samples, in world units (millimetres for medical data).
@@ -65,7 +67,32 @@ class Volume(Grid):
         n_z, n_y, n_x = self._samples.shape
         super().__init__(name, (n_z, n_y, n_x), _checked_affine(spacing, world_from_index, name))
         # Built at once, so that what is wrong with a volume is said where the volume is made.
-        self._core = _native.Volume(self._samples, self._world_from_index, self._name)
+        self._core = self._built()
+
+    def changed(self) -> None:
+        """Say that the shared array was written to: range of values and all that was prepared are made anew.
+
+        Of a volume whose array was copied (see `Volume`) the samples stay what they were: make a new one.
+
+        Raises
+        ------
+        ArgumentError
+            If no sample is finite any more.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> array = np.zeros((20, 30, 40), np.uint8)
+        >>> volume = ws.Volume(array)
+        >>> array[5:15] = 200
+        >>> volume.changed()
+        >>> volume.value_range
+        (0.0, 200.0)
+        """
+        self._core = self._built()
+
+    def _built(self) -> _native.Volume:
+        return _native.Volume(self._samples, self._world_from_index, self._name)
 
     @property
     def samples(self) -> NDArray[Any]:

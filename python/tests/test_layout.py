@@ -14,6 +14,7 @@ ROOMS = {
     "python/wavesplat": [
         "_native",
         "errors",
+        "_public",
         "_files",
         "_model",
         "_readers",

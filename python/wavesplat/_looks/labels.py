@@ -8,6 +8,7 @@ from __future__ import annotations
 import colorsys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from os import PathLike
 from typing import Any
 
@@ -18,6 +19,7 @@ from wavesplat import _native
 from wavesplat._looks import colors, label_names
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
+from wavesplat._public import public
 from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
 
@@ -29,6 +31,7 @@ MAX_LABELS = 65_535
 TOLERANCE = 1e-3
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Label:
     """How a label looks.
@@ -90,6 +93,7 @@ class Label:
         object.__setattr__(self, "tint", _share(tint, name, "tint"))
 
 
+@public
 @dataclass(frozen=True, init=False, eq=False)
 class Labels:
     """A segmentation and the looks of its labels.
@@ -224,11 +228,7 @@ class Labels:
         whole: Any = samples
         if self.world_from_index is not None:
             whole = Volume(samples, world_from_index=self.world_from_index, name="labels")
-        return _rebuild, (whole, self.labels, self.smooth)
-
-
-def _rebuild(segmentation: Any, labels: dict[int, Label], smooth: bool) -> Labels:
-    return Labels(segmentation, labels, smooth=smooth)
+        return partial(type(self), smooth=self.smooth), (whole, self.labels)
 
 
 def _share(number: float, name: str, what: str) -> float:

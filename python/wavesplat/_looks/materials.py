@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._looks import colors
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ TOLERANCE = 5e-4
 ROUNDING = 1e-9
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Material:
     """A material: which sample values are it, and how it looks.
@@ -96,6 +98,7 @@ class Material:
         object.__setattr__(self, "density", None if density is None else _number(name, "density", density))
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Materials:
     """Materials that may share a place; a transfer function made of their mixture.

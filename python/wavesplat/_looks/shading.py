@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Literal
 
 from wavesplat import _native
 from wavesplat._model.vectors import Vector, vector
+from wavesplat._public import public
 
 __all__ = ["Light", "Shading"]
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Light:
     """A directional light.
@@ -47,6 +50,7 @@ class Light:
         object.__setattr__(self, "frame", frame)
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Shading:
     """How surfaces answer to light: colour * (ambient + diffuse) + specular highlight.
@@ -121,8 +125,4 @@ class Shading:
 
     def __reduce__(self) -> tuple[Any, ...]:
         settings = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "_core"}
-        return _rebuild, (settings,)
-
-
-def _rebuild(settings: dict[str, Any]) -> Shading:
-    return Shading(**settings)
+        return partial(type(self), **settings), ()

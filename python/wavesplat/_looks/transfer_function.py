@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["TransferFunction"]
 
 
+@public
 @dataclass(frozen=True, init=False)
 class TransferFunction:
     """Opacity and colour of each sample value.

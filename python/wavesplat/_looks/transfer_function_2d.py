@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["TransferFunction2D"]
@@ -28,6 +29,7 @@ WHAT = "two-dimensional transfer function"
 FADE = 1.5
 
 
+@public
 @dataclass(frozen=True, init=False, eq=False)
 class TransferFunction2D:
     """Opacity and colour by sample value and magnitude of the gradient: a table, bilinear between its nodes.

@@ -21,6 +21,7 @@ from wavesplat._mesh.isosurface import Isosurface, isosurface
 from wavesplat._model.crop import Crop
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ __all__ = ["Mesh", "mesh"]
 Floats = NDArray[np.float64]
 
 
+@public
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """A triangle mesh in world units; made by `mesh`.
@@ -114,6 +116,7 @@ class Mesh:
         return f"<Mesh: {len(self.vertices)} vertices, {len(self.faces)} faces>"
 
 
+@public
 def mesh(
     volume: Volume | WaveletVolume,
     iso_value: float,

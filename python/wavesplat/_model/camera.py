@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from math import atan, cos, degrees, isfinite, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from wavesplat import _native
 from wavesplat._model import affine
 from wavesplat._model.options import VIEWS
 from wavesplat._model.vectors import Vector, vector
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["Camera"]
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Camera:
     """An eye in world space, orthographic or in perspective.
@@ -168,13 +171,8 @@ class Camera:
         return cls.orbit(volume, azimuth, elevation, zoom=zoom, view_angle=view_angle, aspect=aspect)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.position, self.focal_point, self.view_up, self.parallel_scale, self.view_angle)
-
-
-def _rebuild(
-    position: Vector, focal_point: Vector, view_up: Vector, parallel_scale: float | None, view_angle: float | None
-) -> Camera:
-    return Camera(position, focal_point, view_up, parallel_scale=parallel_scale, view_angle=view_angle)
+        lens = partial(type(self), parallel_scale=self.parallel_scale, view_angle=self.view_angle)
+        return lens, (self.position, self.focal_point, self.view_up)
 
 
 def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from wavesplat._model.vectors import Vector, vector
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Crop"]
 
 
+@public
 @dataclass(frozen=True, init=False)
 class Crop:
     """The part of the volume between two corners; the rest is empty.

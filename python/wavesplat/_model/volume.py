@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._model import affine
 from wavesplat._model.grid import Grid
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Volume"]
@@ -19,6 +21,7 @@ __all__ = ["Volume"]
 NATIVE_DTYPES = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
 
 
+@public
 class Volume(Grid):
     """A 3-D grid of scalar samples and its place in the world.
 
@@ -127,11 +130,7 @@ class Volume(Grid):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self._samples, self._world_from_index, self._name)
-
-
-def _rebuild(samples: NDArray[Any], world_from_index: NDArray[np.float64], name: str) -> Volume:
-    return Volume(samples, world_from_index=world_from_index, name=name)
+        return partial(type(self), world_from_index=self._world_from_index, name=self._name), (self._samples,)
 
 
 def _as_array(samples: ArrayLike) -> NDArray[Any]:

@@ -20,6 +20,7 @@ from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.reading import reading
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["WaveletVolume"]
@@ -43,6 +44,7 @@ LARGEST = 1e35
 FORMAT, FORMAT_VERSION = "wavesplat wavelets", 1
 
 
+@public
 class WaveletVolume(Grid):
     """A volume as its wavelet coefficients of large amplitude; made by `WaveletVolume.from_volume`, or loaded.
 
@@ -369,21 +371,26 @@ class WaveletVolume(Grid):
 
     def __reduce__(self) -> tuple[Any, ...]:
         how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
-        return _rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
+        return self._rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
+
+    @classmethod
+    def _rebuild(
+        cls,
+        how: tuple[Any, ...],
+        name: str,
+        world_from_index: NDArray[np.float64],
+        weights: Sequence[float],
+        cache_bytes: int,
+    ) -> WaveletVolume:
+        rebuilt = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1]).bands(weights)
+        rebuilt.cache_bytes = cache_bytes
+        return rebuilt
 
     def __repr__(self) -> str:
         return (
             f"<WaveletVolume {self._name!r}: z, y, x {' x '.join(map(str, self._shape))}, {self._family}, "
             f"{self.n_levels} levels, {100 * self.kept_fraction:.3g} % of the coefficients in {self.nbytes} bytes>"
         )
-
-
-def _rebuild(
-    how: tuple[Any, ...], name: str, world_from_index: NDArray[np.float64], weights: Sequence[float], cache_bytes: int
-) -> WaveletVolume:
-    rebuilt = WaveletVolume(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1]).bands(weights)
-    rebuilt.cache_bytes = cache_bytes
-    return rebuilt
 
 
 def _whole(number: int, name: str) -> int:

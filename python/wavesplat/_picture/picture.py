@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Picture", "check_bits"]
 
 
+@public
 @dataclass(frozen=True, eq=False)
 class Picture:
     """What `render` and `slice` give; it shows itself in a notebook.

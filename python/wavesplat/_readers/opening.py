@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal
 from wavesplat._files import payload
 from wavesplat._model import affine
 from wavesplat._model.volume import Volume
+from wavesplat._public import public
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
 
@@ -76,6 +77,7 @@ OPTIONS = {
 KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
 
 
+@public
 def open(
     path: str | PathLike[str],
     *,

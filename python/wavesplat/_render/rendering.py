@@ -18,6 +18,7 @@ from wavesplat._model.options import BY_VIEW, Composite, Kernel, Method, Quality
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
+from wavesplat._public import public
 from wavesplat._render import projection
 from wavesplat._render.arguments import (
     DEFAULT_SHADING,
@@ -36,6 +37,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["render"]
 
 
+@public
 def render(
     volume: Volume | WaveletVolume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,

@@ -29,6 +29,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
+from wavesplat._public import public
 from wavesplat._render.arguments import checked_count, checked_size, chosen_transfer_function
 from wavesplat.errors import ArgumentError
 
@@ -42,6 +43,7 @@ PLANES_PER_SAMPLE = 2
 ON_SAMPLE = 1e-6
 
 
+@public
 def slice(
     volume: Volume | WaveletVolume,
     plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",

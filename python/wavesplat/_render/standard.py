@@ -9,11 +9,13 @@ from typing import Any, get_args
 from wavesplat import _native
 from wavesplat._model.options import Buffer, Kernel, Method
 from wavesplat._picture.picture import Picture
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["StandardSplatting"]
 
 
+@public
 @dataclass(frozen=True)
 class StandardSplatting:
     """Where standard splatting has its sheet buffers, and how thick it takes their slabs to be.

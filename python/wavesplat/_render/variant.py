@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from operator import index
 from typing import Any, Literal, TypeAlias
 
 from wavesplat import _native
+from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Variant"]
@@ -15,6 +17,7 @@ GradientScheme: TypeAlias = Literal["footprint", "footprint-forward", "sheet-cen
 Footprint: TypeAlias = Literal["exact", "nearest", "nearest-noise"]
 
 
+@public
 @dataclass(frozen=True, kw_only=True)
 class Variant:
     """How splatting is carried out. The default is the renderer as it is; each switch shows what one part of it buys.
@@ -80,8 +83,4 @@ class Variant:
 
     def __reduce__(self) -> tuple[Any, ...]:
         settings = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "_core"}
-        return _rebuild, (settings,)
-
-
-def _rebuild(settings: dict[str, Any]) -> Variant:
-    return Variant(**settings)
+        return partial(type(self), **settings), ()

@@ -1,6 +1,7 @@
 """The package as a whole: its names, its cost to import, its docstrings."""
 
 import doctest
+import inspect
 import pickle
 import pkgutil
 import re
@@ -112,3 +113,14 @@ def test_extras_are_installed_from_the_checkout():
     extras = {name for pair in named for name in pair if name}
     assert extras == {"annotation", "fit", "mesh"}
     assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
+
+
+def test_the_page_of_what_is_public_names_all_modules_and_commands():
+    from wavesplat._cli import app
+
+    page = (Path(__file__).parents[2] / "docs" / "public_api.md").read_text(encoding="utf-8")
+    modules = [f"`wavesplat.{name}`" for name in ws.__all__ if inspect.ismodule(getattr(ws, name))]
+    commands = [f"`{command.callback.__name__}`" for command in app.registered_commands]
+    assert len(modules) == 3
+    assert len(commands) == 6
+    assert [name for name in [*modules, *commands] if name not in page] == []

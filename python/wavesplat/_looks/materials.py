@@ -6,12 +6,7 @@ claims is clear.
 The mixture's associated colour is sum p_i alpha_i rgb_i, its opacity sum p_i alpha_i.
 Source: Drebin, Carpenter and Hanrahan, Volume Rendering, SIGGRAPH 1988.
 There the percentages are a volume of their own; here they are a function of the reconstructed value, as all colour is.
-
-Between two nodes, opacity and colour of the mixture are quotients of linear functions, N(t) / D(t): of the sum of the
-claims where it exceeds 1, and of the opacity.
-Such a curve is A + B / D.
-A chord over a stretch where D grows from d by a factor q is wrong by |B| (1/d - 1/(q d)) (r - 1) / (r + 1) at most,
-with r = sqrt(q), so nodes at equal factors of D make the error of the associated colour the same on all stretches.
+`materials_mixture` makes curves of them.
 """
 
 from __future__ import annotations
@@ -20,12 +15,12 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wavesplat._looks import colors
+from wavesplat._looks import colors, materials_mixture
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -36,11 +31,6 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["Material", "Materials"]
-
-#: Error of the transfer function's colour, and of its opacity, each: together they stay below 1e-3.
-TOLERANCE = 5e-4
-#: Differences below this are rounding, and make no nodes.
-ROUNDING = 1e-9
 
 
 @public
@@ -173,16 +163,13 @@ class Materials:
         TransferFunction
             Opacity and associated colour are the mixture's to 1e-3, at every value.
         """
-        opacity: list[tuple[float, float]] = []
-        color: list[tuple[float, ...]] = []
-        points = self._points()
-        # A single point stands for itself.
-        for start, end in zip(points, [*points[1:], points[-1]], strict=True):
-            opacity += _opacity_nodes(start, end)
-            color += _color_nodes(start, end)
-        unit = self.opacity_unit if opacity_unit is None else opacity_unit
-        # Where everything is clear, no colour is as good as another; black adds nothing.
-        return TransferFunction(_once(opacity), _once(color) or [(points[0].value, 0.0, 0.0, 0.0)], unit)
+        values = np.unique([value for material in self.materials for value, _ in material.probability])
+        below, above = (self._claims(values, side) for side in ("left", "right"))
+        claims = np.stack([below, above], axis=1).reshape(-1, len(self.materials))
+        looks = np.array([(*material.color, 1.0) for material in self.materials])
+        looks *= [[material.opacity] for material in self.materials]
+        opacity, color = materials_mixture.curves(np.repeat(values, 2), claims.sum(axis=1), claims @ looks)
+        return TransferFunction(opacity, color, self.opacity_unit if opacity_unit is None else opacity_unit)
 
     def surfaces(self, share: float = 1.0, *, thickness: float = 4.0) -> TransferFunction2D:
         """The mixture with the surfaces between materials strengthened by the gradient, and their insides fainter.
@@ -332,93 +319,6 @@ class Materials:
         """What the curves say of values, or, from the left, of values just below them, [n, material]."""
         return np.stack([_interpolate(material.probability, values, side) for material in self.materials], axis=1)
 
-    def _points(self) -> list[_Point]:
-        """The mixture at every node, from below and from above, and where the claims begin to exceed 1."""
-        values = np.unique([value for material in self.materials for value, _ in material.probability])
-        below, above = (self._claims(values, side) for side in ("left", "right"))
-        claims = np.stack([below, above], axis=1).reshape(-1, len(self.materials))
-        rgba = np.array([(*material.color, 1.0) for material in self.materials])
-        parts = claims @ (rgba * [[material.opacity] for material in self.materials])
-        points: list[_Point] = []
-        for value, total, part in zip(np.repeat(values, 2), claims.sum(axis=1), parts, strict=True):
-            if points and (share := _crossing(points[-1].total, total)) is not None:
-                before = points[-1]
-                crossing = before.value + share * (value - before.value)
-                points.append(_Point(crossing, 1.0, before.part + share * (part - before.part)))
-            points.append(_Point(float(value), float(total), part))
-        return [_Point(value, max(total, 1.0), part) for value, total, part in points]
-
-
-class _Point(NamedTuple):
-    """The mixture at a value, before it is divided by the claims' sum: linear from point to point."""
-
-    value: float
-    total: float
-    part: NDArray[np.float64]
-    """Associated red, green, blue, and opacity."""
-
-    @property
-    def opacity(self) -> float:
-        return min(float(self.part[3]) / self.total, 1.0)
-
-    @property
-    def color(self) -> NDArray[np.float64]:
-        clipped: NDArray[np.float64] = np.clip(self.part[:3] / self.part[3], 0.0, 1.0)
-        return clipped
-
-
-def _opacity_nodes(start: _Point, end: _Point) -> list[tuple[float, float]]:
-    """Nodes of the opacity curve between two points: relative errors count, since thin fog adds up."""
-    change = abs(end.opacity - start.opacity)
-    ratio = max(start.total, end.total) / min(start.total, end.total)
-    tolerance = TOLERANCE * max(start.opacity, end.opacity) / ratio
-    points = _between(start, end, (start.total, end.total), change, tolerance)
-    return [(point.value, point.opacity) for point in points]
-
-
-def _color_nodes(start: _Point, end: _Point) -> list[tuple[float, ...]]:
-    """Nodes of the colour curve between two points: errors count as much as the opacity shows."""
-    least, most = sorted((float(start.part[3]), float(end.part[3])))
-    if most == 0.0:
-        return []
-    if least <= ROUNDING * most:
-        # All opacities begin or end here, so their shares, and with them the colour, do not change.
-        color = (end if end.part[3] > start.part[3] else start).color
-        return [(start.value, *color), (end.value, *color)]
-    change = float(np.abs(end.color - start.color).max())
-    points = _between(start, end, (float(start.part[3]), float(end.part[3])), change, TOLERANCE / most)
-    return [(point.value, *point.color) for point in points]
-
-
-def _between(
-    start: _Point, end: _Point, divisors: tuple[float, float], change: float, tolerance: float
-) -> list[_Point]:
-    """Both points, and those between them at equal factors of D that keep chords within the tolerance where D is most.
-
-    The quotient changes by `change`, and `divisors` are D at the points; see the head of the file.
-    """
-    d0, d1 = divisors
-    ratio = max(d0, d1) / min(d0, d1)
-    pieces = 1
-    if change > tolerance and ratio > 1.0 and start.value < end.value:
-        while change / (ratio - 1.0) * _bend(ratio ** (1.0 / pieces)) > tolerance:
-            pieces += 1
-    shares = ((d0 * (d1 / d0) ** (piece / pieces) - d0) / (d1 - d0) for piece in range(1, pieces))
-    inner = (_Point(*((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))) for share in shares)
-    return [start, *inner, end]
-
-
-def _bend(factor: float) -> float:
-    """How much 1 / D leaves its chord, in the unit of its change, where D grows by the factor to 1."""
-    root = math.sqrt(factor)
-    return (factor - 1.0) * (root - 1.0) / (root + 1.0)
-
-
-def _crossing(before: float, after: float) -> float | None:
-    """Where between two points the sum of the claims passes 1, as a share of the way."""
-    apart = min(abs(before - 1.0), abs(after - 1.0)) > ROUNDING
-    return (1.0 - before) / (after - before) if apart and (before < 1.0) != (after < 1.0) else None
-
 
 def _interpolate(
     nodes: tuple[tuple[float, float], ...], values: NDArray[np.float64], side: Literal["left", "right"]
@@ -430,11 +330,6 @@ def _interpolate(
     share = np.divide(values - at[a], width, out=np.zeros_like(values), where=width > 0)
     found: NDArray[np.float64] = p[a] + (p[b] - p[a]) * share
     return found
-
-
-def _once(nodes: list[Any]) -> list[Any]:
-    """The nodes, without those that repeat the one before."""
-    return [node for number, node in enumerate(nodes) if number == 0 or node != nodes[number - 1]]
 
 
 def _listed(materials: object) -> tuple[Material, ...]:

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wavesplat as ws
+from wavesplat._model.options import VIEWS
 from wavesplat.errors import ArgumentError
-from wavesplat.options import VIEWS
 
 VOLUME = ws.Volume(np.zeros((11, 21, 31), np.uint8), spacing=(1, 2, 3))  # 30 x 40 x 30 world units
 

@@ -113,7 +113,7 @@ def test_the_command_line_draws_labels_and_light(tmp_path, scan):
     import nibabel
     from typer.testing import CliRunner
 
-    from wavesplat.cli import app
+    from wavesplat._cli import app
 
     def written(samples, name):
         image = nibabel.Nifti1Image(np.transpose(samples, (2, 1, 0)), scan.world_from_index)

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wavesplat as ws
+from wavesplat._looks.materials_json import preset_names
 from wavesplat.errors import ArgumentError, FileError, LibraryError
-from wavesplat.materials_json import preset_names
 
 unit = st.floats(0, 1)
 curves = st.lists(st.tuples(st.integers(-50, 50), unit), min_size=1, max_size=5).map(sorted)
@@ -226,7 +226,7 @@ def even(materials):
 @pytest.mark.parametrize("scale", [1, 1e-6, 1e6])
 @pytest.mark.parametrize("noise", [2, 10, 20])
 def test_a_fit_finds_the_materials_of_a_phantom(noise, scale):
-    from wavesplat import materials_fit
+    from wavesplat._looks import materials_fit
 
     volume = phantom(noise, scale)
     mixture = materials_fit._mixture(materials_fit._quantiles(volume, 3), 3)
@@ -288,7 +288,7 @@ def test_one_material_is_clear():
 
 def test_a_fit_without_scikit_learn_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "sklearn.mixture", None)
-    with pytest.raises(LibraryError, match=r"sklearn is not installed: pip install 'wavesplat\[fit\]'"):
+    with pytest.raises(LibraryError, match=r'sklearn is not installed; .*: pip install "\.\[fit\]"'):
         ws.Materials.fit(phantom(10))
 
 

@@ -1,11 +1,16 @@
 """The package as a whole: its names, its cost to import, its docstrings."""
 
 import doctest
+import inspect
+import pickle
 import pkgutil
+import re
 import subprocess
 import sys
 from importlib import import_module
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import wavesplat as ws
@@ -34,17 +39,50 @@ def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
     assert doctest.testmod(import_module(name)).failed == 0
 
 
+@pytest.mark.parametrize("name", [name for name in ws.__all__ if callable(getattr(ws, name))])
+def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
+    # They say that they are of `wavesplat`, so that `testmod` does not find them in the module that defines them.
+    monkeypatch.chdir(tmp_path)
+    tests = doctest.DocTestFinder().find(getattr(ws, name), name, module=False, globs={})
+    assert any(test.examples for test in tests) or name == "Mesh"  # made by `mesh`, which has one
+    runner = doctest.DocTestRunner()
+    for test in tests:
+        assert runner.run(test).failed == 0
+
+
+def test_public_names_say_where_to_import_them_from():
+    things = [getattr(ws, name) for name in ws.__all__]
+    things = [thing for thing in things if callable(thing)]
+    assert len(things) == 20
+    assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
+
+
+def test_pickles_hold_no_private_place():
+    volume = ws.examples.ripples(8)
+    curves = ws.TransferFunction.diverging(10)
+    table = ws.TransferFunction2D([0, 1], [0, 1], np.ones((2, 2, 4)))
+    things = [volume, ws.WaveletVolume.from_volume(volume), ws.Camera.view(volume, "left"), curves, table, ws.Shading()]
+    things += [ws.Light((0, 0, 1)), ws.Crop((0, 0, 0), (1, 1, 1)), ws.Materials.preset("ct"), ws.Variant()]
+    things += [ws.Labels(np.eye(3, dtype=np.uint8)[None]), ws.StandardSplatting(), ws.Picture(np.zeros((2, 2, 4)))]
+    for thing in things:
+        data = pickle.dumps(thing)
+        assert b"wavesplat._" not in data
+        assert type(pickle.loads(data)) is type(thing)  # noqa: S301 - our own bytes
+
+
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
     heavy += ["skimage", "trimesh", "sklearn"]
-    modules = "wavesplat.rendering, wavesplat.slicing, wavesplat.readers, wavesplat.meshing"
+    modules = (
+        "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing"
+    )
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
 
 def test_the_command_line_starts_without_numpy():
-    code = "import sys, wavesplat.cli; print('numpy' in sys.modules)"
+    code = "import sys, wavesplat._cli; print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 
@@ -54,10 +92,35 @@ def test_options_are_read_without_large_libraries():
     code = """if True:
         import sys
         from typer.testing import CliRunner
-        import wavesplat.cli
-        result = CliRunner().invoke(wavesplat.cli.app, ["render", "none.nrrd", "-o", "none.png", "--size", "4x4"])
+        import wavesplat._cli
+        result = CliRunner().invoke(wavesplat._cli.app, ["render", "none.nrrd", "-o", "none.png", "--size", "4x4"])
         assert result.exit_code == 1, result.output
         print([m for m in ["pydantic", "SimpleITK", "nibabel", "zarr"] if m in sys.modules])
     """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_extras_are_installed_from_the_checkout():
+    # Nothing is released, and somebody else may take the name.
+    root = Path(__file__).parents[2]
+    files = [root / "README.md", *(root / "changes").glob("*.md"), *(root / "docs").rglob("*.md")]
+    files += (root / "python" / "wavesplat").rglob("*.py")
+    texts = [path.read_text(encoding="utf-8") for path in files]
+    assert [path for path, text in zip(files, texts, strict=True) if re.search(r"pip install\W+wavesplat", text)] == []
+    named = {extra for text in texts for extra in re.findall(r'extra="(\w+)"|pip install "\.\[(\w+)\]"', text)}
+    project = (root / "pyproject.toml").read_text(encoding="utf-8")
+    extras = {name for pair in named for name in pair if name}
+    assert extras == {"annotation", "fit", "mesh"}
+    assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
+
+
+def test_the_page_of_what_is_public_names_all_modules_and_commands():
+    from wavesplat._cli import app
+
+    page = (Path(__file__).parents[2] / "docs" / "public_api.md").read_text(encoding="utf-8")
+    modules = [f"`wavesplat.{name}`" for name in ws.__all__ if inspect.ismodule(getattr(ws, name))]
+    commands = [f"`{command.callback.__name__}`" for command in app.registered_commands]
+    assert len(modules) == 3
+    assert len(commands) == 6
+    assert [name for name in [*modules, *commands] if name not in page] == []

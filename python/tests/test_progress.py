@@ -9,7 +9,7 @@ import time
 import pytest
 
 import wavesplat as ws
-from wavesplat import progress
+from wavesplat._cli import progress
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ def test_ctrl_c_waits_until_the_work_has_stopped(shown):
 def test_a_second_ctrl_c_does_not_wait():
     script = """
 import signal, threading, time
-from wavesplat import progress
+from wavesplat._cli import progress
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._looks.histogram import HOUNSFIELD_ATTENUATION
+from wavesplat._model.options import Composite
 from wavesplat.errors import ArgumentError
-from wavesplat.histogram import HOUNSFIELD_ATTENUATION
-from wavesplat.options import Composite
 
 PROJECTIONS = [name for name in get_args(Composite) if name not in ("over", "first-hit")]
 GREY = ws.TransferFunction([(0, 1)], [(0, 0, 0, 0), (1, 1, 1, 1)])

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wavesplat as ws
-from wavesplat import presets
+from wavesplat._looks import presets
 from wavesplat.errors import ArgumentError, FileError
 
 unit = st.floats(0, 1)

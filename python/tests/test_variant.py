@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._model.options import Composite
 from wavesplat.errors import ArgumentError
-from wavesplat.options import Composite
 
 SIZE = (96, 96)
 SOFT = ws.TransferFunction(

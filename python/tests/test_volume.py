@@ -68,6 +68,35 @@ def test_contiguous_samples_are_shared_and_protected():
     samples[0, 0, 0] = 1  # the caller's own array stays writable
 
 
+@pytest.mark.parametrize("kernel", ["linear", "bspline3"])
+def test_a_changed_array_is_drawn_as_a_new_volume_is(kernel):
+    def drawn(volume):
+        # The histogram, the bricks that a function shows, and what the kernel prepares, all follow the samples.
+        picture = ws.render(volume, kernel=kernel, size=(24, 24))
+        return picture.rgba, ws.slice(volume, size=(24, 24), kernel=kernel).rgba
+
+    samples = np.zeros((16, 16, 16), np.float32)
+    samples[2:9, 2:6, 2:6] = 10
+    volume = ws.Volume(samples)
+    before = drawn(volume)
+    samples[2:9, 2:6, 2:6] = 0
+    samples[9:14, 8:15, 9:13] = 300
+    samples[0, 0, 0] = np.nan
+    volume.changed()
+    assert (volume.value_range, volume.n_nonfinite) == ((0, 300), 1)
+    for now, wanted, then in zip(drawn(volume), drawn(ws.Volume(samples.copy())), before, strict=True):
+        np.testing.assert_array_equal(now, wanted)
+        assert not np.array_equal(now, then)
+
+
+def test_a_change_that_leaves_no_volume_is_refused():
+    samples = np.ones((2, 2, 2), np.float32)
+    volume = ws.Volume(samples, name="scan")
+    samples[:] = np.nan
+    with pytest.raises(ArgumentError, match='"scan".*none of its 8 samples is finite'):
+        volume.changed()
+
+
 def test_a_view_with_strides_is_copied_right():
     samples = np.arange(4 * 6 * 8, dtype=np.int16).reshape(4, 6, 8)
     np.testing.assert_array_equal(ws.Volume(samples[::2, ::-1, ::4]).samples, samples[::2, ::-1, ::4])

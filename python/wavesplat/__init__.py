@@ -5,6 +5,14 @@
 >>> picture = ws.render(volume, size=(64, 64))
 >>> picture.rgba.shape
 (64, 64, 4)
+
+Public are the names in `__all__`, and what the modules `wavesplat.errors`, `wavesplat.examples` and
+`wavesplat.reference` list in theirs. Whatever has a name that begins with an underscore is private, the modules that
+public names are defined in included: import `wavesplat.Volume`, from nowhere else. `docs/public_api.md` says how long
+public names stay.
+
+Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
+`_render`, `_mesh`, `reference`, `examples`, `_cli`.
 """
 
 from __future__ import annotations
@@ -14,23 +22,23 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wavesplat import errors, examples, reference
+    from wavesplat._looks.labels import Label, Labels
+    from wavesplat._looks.materials import Material, Materials
+    from wavesplat._looks.shading import Light, Shading
+    from wavesplat._looks.transfer_function import TransferFunction
+    from wavesplat._looks.transfer_function_2d import TransferFunction2D
+    from wavesplat._mesh.meshing import Mesh, mesh
+    from wavesplat._model.camera import Camera
+    from wavesplat._model.crop import Crop
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._native import __version__
-    from wavesplat.camera import Camera
-    from wavesplat.crop import Crop
-    from wavesplat.labels import Label, Labels
-    from wavesplat.materials import Material, Materials
-    from wavesplat.meshing import Mesh, mesh
-    from wavesplat.picture import Picture
-    from wavesplat.readers import open
-    from wavesplat.rendering import render
-    from wavesplat.shading import Light, Shading
-    from wavesplat.slicing import slice
-    from wavesplat.standard import StandardSplatting
-    from wavesplat.transfer_function import TransferFunction
-    from wavesplat.transfer_function_2d import TransferFunction2D
-    from wavesplat.variant import Variant
-    from wavesplat.volume import Volume
-    from wavesplat.wavelet_volume import WaveletVolume
+    from wavesplat._picture.picture import Picture
+    from wavesplat._readers.opening import open
+    from wavesplat._render.rendering import render
+    from wavesplat._render.slicing import slice
+    from wavesplat._render.standard import StandardSplatting
+    from wavesplat._render.variant import Variant
 
 __all__ = [
     "Camera",
@@ -61,27 +69,27 @@ __all__ = [
 
 #: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
 _HOMES = {
-    "Camera": "camera",
-    "Crop": "crop",
-    "Label": "labels",
-    "Labels": "labels",
-    "Light": "shading",
-    "Material": "materials",
-    "Materials": "materials",
-    "Mesh": "meshing",
-    "Picture": "picture",
-    "Shading": "shading",
-    "StandardSplatting": "standard",
-    "TransferFunction": "transfer_function",
-    "TransferFunction2D": "transfer_function_2d",
-    "Variant": "variant",
-    "Volume": "volume",
-    "WaveletVolume": "wavelet_volume",
+    "Camera": "_model.camera",
+    "Crop": "_model.crop",
+    "Label": "_looks.labels",
+    "Labels": "_looks.labels",
+    "Light": "_looks.shading",
+    "Material": "_looks.materials",
+    "Materials": "_looks.materials",
+    "Mesh": "_mesh.meshing",
+    "Picture": "_picture.picture",
+    "Shading": "_looks.shading",
+    "StandardSplatting": "_render.standard",
+    "TransferFunction": "_looks.transfer_function",
+    "TransferFunction2D": "_looks.transfer_function_2d",
+    "Variant": "_render.variant",
+    "Volume": "_model.volume",
+    "WaveletVolume": "_model.wavelet_volume",
     "__version__": "_native",
-    "mesh": "meshing",
-    "open": "readers",
-    "render": "rendering",
-    "slice": "slicing",
+    "mesh": "_mesh.meshing",
+    "open": "_readers.opening",
+    "render": "_render.rendering",
+    "slice": "_render.slicing",
 }
 _MODULES = {"errors", "examples", "reference"}
 

@@ -1,6 +1,6 @@
 """`python -m wavesplat` is the command line."""
 
-from wavesplat.cli import main
+from wavesplat._cli import main
 
 if __name__ == "__main__":
     main()

@@ -9,8 +9,9 @@ from importlib.resources import as_file, files
 
 import numpy as np
 
+from wavesplat._model.volume import Volume
+from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
-from wavesplat.volume import Volume
 
 __all__ = ["ct_pelvis", "mri_head", "ripples"]
 
@@ -78,7 +79,5 @@ def ripples(n: int = 32) -> Volume:
 
 
 def _bundled(name: str) -> Volume:
-    from wavesplat import readers
-
     with as_file(files("wavesplat") / "data" / name / f"{name}.nii.gz") as path:
-        return readers.open(path)
+        return open_volume(path)

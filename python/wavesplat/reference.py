@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wavesplat import _native, rendering
-from wavesplat.camera import Camera
-from wavesplat.crop import Crop
+from wavesplat import _native
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.materials import Materials
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.camera import Camera
+from wavesplat._model.crop import Crop
+from wavesplat._model.options import Kernel
+from wavesplat._model.volume import Volume
+from wavesplat._picture.picture import Picture
+from wavesplat._render import arguments
 from wavesplat.errors import ArgumentError
-from wavesplat.labels import Labels
-from wavesplat.materials import Materials
-from wavesplat.options import Kernel
-from wavesplat.picture import Picture
-from wavesplat.shading import Shading
-from wavesplat.transfer_function import TransferFunction
-from wavesplat.transfer_function_2d import TransferFunction2D
-from wavesplat.volume import Volume
 
 __all__ = ["raycast", "splat_literal"]
 
@@ -30,9 +31,9 @@ def raycast(
     step: float = 0.05,
     rays_per_pixel: int = 1,
     kernel: Kernel = "linear",
-    shading: Shading | None = rendering.DEFAULT_SHADING,
+    shading: Shading | None = arguments.DEFAULT_SHADING,
     crop: Crop | None = None,
-    clip_planes: Sequence[rendering.ClipPlane] = (),
+    clip_planes: Sequence[arguments.ClipPlane] = (),
     threads: int | None = None,
 ) -> Picture:
     """The converged picture, by casting rays in small steps (emission and absorption, "over").
@@ -65,20 +66,20 @@ def raycast(
     _check_samples(volume)
     if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
         raise ArgumentError("the reference knows no ambient_occlusion and no shadow; give a Shading without them")
-    width, height = rendering.checked_size(size)
+    width, height = arguments.checked_size(size)
     rgba = _native.raycast(
         volume._core,
-        rendering.chosen_transfer_function(transfer_function, volume)._core,
-        rendering.chosen_camera(camera, volume, width / max(height, 1))._core,
-        labels=rendering.chosen_labels(labels, volume),
+        arguments.chosen_transfer_function(transfer_function, volume)._core,
+        arguments.chosen_camera(camera, volume, width / max(height, 1))._core,
+        labels=arguments.chosen_labels(labels, volume),
         width=width,
         height=height,
         kernel=kernel,
         shading=None if shading is None else shading._core,
         step=float(step),
-        rays_per_pixel=rendering.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
-        **rendering.region(crop, clip_planes),
-        threads=rendering.checked_count(threads, "threads"),
+        rays_per_pixel=arguments.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
+        **arguments.region(crop, clip_planes),
+        threads=arguments.checked_count(threads, "threads"),
     )
     return Picture(rgba)
 
@@ -90,7 +91,7 @@ def splat_literal(
     *,
     size: tuple[int, int] = (512, 512),
     kernel: Kernel = "linear",
-    shading: Shading | None = rendering.DEFAULT_SHADING,
+    shading: Shading | None = arguments.DEFAULT_SHADING,
     sheets_per_slice: float = 1.0,
     threads: int | None = None,
 ) -> Picture:
@@ -120,17 +121,17 @@ def splat_literal(
     (8, 8, 4)
     """
     _check_samples(volume)
-    width, height = rendering.checked_size(size)
+    width, height = arguments.checked_size(size)
     rgba = _native.splat_literal(
         volume._core,
-        rendering.chosen_transfer_function(transfer_function, volume)._core,
-        rendering.chosen_camera(camera, volume, width / max(height, 1))._core,
+        arguments.chosen_transfer_function(transfer_function, volume)._core,
+        arguments.chosen_camera(camera, volume, width / max(height, 1))._core,
         width=width,
         height=height,
         kernel=kernel,
         shading=None if shading is None else shading._core,
         sheets_per_slice=float(sheets_per_slice),
-        threads=rendering.checked_count(threads, "threads"),
+        threads=arguments.checked_count(threads, "threads"),
     )
     return Picture(rgba)
 

@@ -1,0 +1,85 @@
+"""The command line: `wavesplat` render, slice, info, wavelet, mesh, demo, each in a file of its name.
+
+Results go to stdout; messages, errors and the progress bar to stderr.
+Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+from wavesplat._cli import demo, info, mesh, render, slice, wavelet
+from wavesplat._cli.printing import message
+from wavesplat.errors import ArgumentError, WavesplatError
+
+__all__ = ["app", "main"]
+
+EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 0, 1, 2, 130
+
+#: What Typer raises for wrong arguments: it does not export its name, only that of one of its children.
+CommandLineError: Any = typer.BadParameter.__mro__[2]
+
+EPILOG = (
+    "Exit codes: 0 it worked; 1 the file, the data or the machine failed; 2 wrong arguments; 130 interrupted. "
+    "Results go to stdout, messages to stderr. NO_COLOR switches colours off."
+)
+
+app = typer.Typer(
+    name="wavesplat",
+    help="Pictures of volumes, by high-resolution splatting.",
+    epilog=EPILOG,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+for command in (render.render, slice.slice, info.info, wavelet.wavelet, mesh.mesh, demo.demo):
+    app.command(epilog=EPILOG)(command)
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
+) -> None:
+    if version:
+        from wavesplat._native import __version__
+
+        print(f"wavesplat {__version__}")
+        raise typer.Exit(EXIT_OK)
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+        raise typer.Exit(EXIT_USAGE)
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and leave with its exit code; every failure is one line on stderr."""
+    try:
+        code = app(args=arguments, standalone_mode=False)
+    except (KeyboardInterrupt, typer.Abort):
+        code = EXIT_INTERRUPTED
+    except ArgumentError as error:
+        _fail(str(error), EXIT_USAGE)
+    except WavesplatError as error:
+        _fail(str(error), EXIT_FAILED)
+    except CommandLineError as error:
+        _fail(error.format_message().rstrip(".") + "; see wavesplat --help", EXIT_USAGE)
+    except MemoryError:
+        _fail("not enough memory; use a smaller picture, a coarser level or a smaller volume", EXIT_FAILED)
+    except BrokenPipeError:
+        # The reader of our output has gone, as in `wavesplat info x | head -1`.
+        sys.stderr.close()
+        sys.exit(EXIT_OK)
+    if code == EXIT_INTERRUPTED:  # some releases of Typer return it, some raise
+        message("interrupted; nothing was written")
+    sys.exit(code if isinstance(code, int) else EXIT_OK)
+
+
+def _fail(text: str, code: int) -> NoReturn:
+    message("error: " + " ".join(text.split()))
+    sys.exit(code)

@@ -1,0 +1,29 @@
+"""Where results go: checked before the work, so that nothing is made that cannot be kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._files.output import Kind
+
+__all__ = ["check_outputs"]
+
+
+def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = None) -> None:
+    """Raise if a result cannot be written, or would replace the input or another result."""
+    from wavesplat._files.output import check_output, check_writable
+
+    check_output(output, kind)
+    places = {"INPUT": Path(input).expanduser(), "--output": output}
+    if report is not None:
+        check_writable(report)
+        places["--report"] = report
+    owners: dict[Path, str] = {}
+    for name, path in places.items():
+        owner = owners.setdefault(path.resolve(), name)
+        if owner != name:
+            raise ArgumentError(f"{owner} and {name} are the same file, which would be lost; change a name: {path}")

@@ -1,0 +1,86 @@
+"""The numbers and names that people write on a command line, and pairs of options that exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import typer
+
+from wavesplat.errors import ArgumentError
+
+__all__ = ["choice", "color", "numbers", "one_of", "refuse_pairs", "size", "weights", "whole_numbers"]
+
+
+def choice(names: Sequence[str]) -> Any:
+    """An option that takes one of these names; its help lists them."""
+    return typer.Option(metavar="NAME", parser=one_of(names), help=f"{', '.join(names)}.")
+
+
+def one_of(names: Sequence[str]) -> Callable[[str], str]:
+    """A parser that takes one of these names."""
+
+    def parse(text: str) -> str:
+        if text not in names:
+            raise typer.BadParameter(f"{text!r} is not one of: {', '.join(names)}")
+        return text
+
+    return parse
+
+
+def size(text: str) -> tuple[int, int]:
+    """Width and height of "800x600"."""
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not WIDTHxHEIGHT, such as 800x600") from None
+    return width, height
+
+
+def numbers(count: int, example: str) -> Callable[[str], tuple[float, ...]]:
+    """A parser that takes so many numbers; `example` shows how they are written."""
+
+    def parse(text: str) -> tuple[float, ...]:
+        try:
+            parsed = tuple(float(part) for part in text.split(","))
+        except ValueError:
+            parsed = ()
+        if len(parsed) != count:
+            raise typer.BadParameter(f"{text!r} is not {count} numbers with commas between, such as {example}")
+        return parsed
+
+    return parse
+
+
+def whole_numbers(text: str) -> tuple[int, ...]:
+    """Whole numbers, however many."""
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not whole numbers with commas between, such as 64,128,128") from None
+
+
+def weights(text: str) -> tuple[float, ...]:
+    """Numbers, however many."""
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not numbers with commas between, such as 1,1,0") from None
+
+
+def color(text: str) -> tuple[float, ...] | None:
+    """A colour as `wavesplat.colors` reads it."""
+    from wavesplat._looks import colors
+
+    try:
+        return colors.parse(text)
+    except ArgumentError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+def refuse_pairs(**given: object) -> None:
+    """An `ArgumentError` if both of two options are given: neither is None."""
+    first, second = given
+    if given[first] is not None and given[second] is not None:
+        names = " and ".join("--" + name.replace("_", "-") for name in given)
+        raise ArgumentError(f"{names} say the same thing twice; give one of them")

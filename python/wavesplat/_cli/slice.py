@@ -1,0 +1,112 @@
+"""`wavesplat slice`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, get_args
+
+import typer
+
+from wavesplat._cli import parsers
+from wavesplat._cli.outputs import check_outputs
+from wavesplat._cli.printing import print_result
+from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Threads, Zoom
+from wavesplat._cli.transfer_function_options import TransferFunctionFile, chosen_transfer_function
+from wavesplat._model.options import PLANES, Slab
+from wavesplat.errors import ArgumentError
+
+__all__ = ["slice"]
+
+
+@takes_reader_options
+def slice(
+    input: Input,
+    output: PictureOutput,
+    *,
+    plane: Annotated[
+        Any,
+        typer.Option(metavar="NAME", parser=parsers.one_of(tuple(PLANES)), help=f"{', '.join(PLANES)}; else axial."),
+    ] = None,
+    position: Annotated[
+        float | None,
+        typer.Option(metavar="MM", help="Where the plane crosses its axis, or how far from the point; world units."),
+    ] = None,
+    point: Annotated[
+        Any,
+        typer.Option(
+            metavar="X,Y,Z", parser=parsers.numbers(3, "0,0,50"), help="Any plane: a point on it, world units."
+        ),
+    ] = None,
+    normal: Annotated[
+        Any,
+        typer.Option(metavar="X,Y,Z", parser=parsers.numbers(3, "0,0.3,1"), help="Any plane: at right angles to this."),
+    ] = None,
+    size: Annotated[
+        Any,
+        typer.Option(metavar="WxH", parser=parsers.size, help="Pixels; those of the finest spacing if not given."),
+    ] = None,
+    zoom: Zoom = 1.0,
+    center: Annotated[
+        Any,
+        typer.Option(
+            metavar="X,Y,Z", parser=parsers.numbers(3, "0,0,50"), help="World position in the picture's middle."
+        ),
+    ] = None,
+    kernel: Kernel = "linear",
+    thickness: Annotated[float, typer.Option(metavar="MM", help="Of a slab around the plane, world units.")] = 0.0,
+    slab: Annotated[
+        Any,
+        typer.Option(
+            metavar="NAME",
+            parser=parsers.one_of(get_args(Slab)),
+            help=f"What is kept across it: {', '.join(get_args(Slab))}.",
+        ),
+    ] = "maximum",
+    window: Annotated[
+        Any,
+        typer.Option(
+            metavar="LOW,HIGH", parser=parsers.numbers(2, "-150,250"), help="Values shown as black and white."
+        ),
+    ] = None,
+    preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
+    tf: TransferFunctionFile = None,
+    letters: Annotated[bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges.")] = False,
+    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of a round length.")] = False,
+    background: Background = "black",
+    bits: Bits = 8,
+    threads: Threads = None,
+    reader: ReaderOptions,
+    json: Json = False,
+) -> None:
+    """Draw a slice through a volume, thin or thick, and print the picture's path."""
+    parsers.refuse_pairs(preset=preset, tf=tf)
+    parsers.refuse_pairs(plane=plane, normal=normal)
+    if (point is None) != (normal is None):
+        raise ArgumentError("--point and --normal belong together; give both, or a --plane")
+    check_outputs(input, output, "pictures")
+    from wavesplat._picture.picture import check_bits
+    from wavesplat._render.slicing import slice as cut
+
+    check_bits(bits)
+    volume = open_any(input, reader)
+    is_colored = preset is not None or tf is not None
+    picture = cut(
+        volume,
+        (plane or "axial") if normal is None else (point, normal),
+        position,
+        size=size,
+        zoom=zoom,
+        center=center,
+        kernel=kernel,
+        thickness=thickness,
+        slab=slab,
+        window=window,
+        transfer_function=chosen_transfer_function(volume, input, preset=preset, tf=tf) if is_colored else None,
+        letters=letters,
+        scale_bar=scale_bar,
+        background=background,
+        threads=threads,
+    )
+    picture.save(output, bits=bits)
+    facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
+    print_result(facts, output, as_json=json)

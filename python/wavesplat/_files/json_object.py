@@ -1,0 +1,90 @@
+"""What our JSON texts share: one object, with a version, whose errors name the file and the field.
+
+Transfer functions and materials are such texts; presets are files of them in a folder of the package.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeVar
+
+from wavesplat._files.output import write_atomically
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["check_fields", "check_list", "load", "names_in", "optional_number", "parse", "save", "write"]
+
+T = TypeVar("T")
+
+VERSION = 1
+
+
+def write(fields: dict[str, Any]) -> str:
+    """JSON text of an object with these fields and the version; numbers read back exactly."""
+    return json.dumps({"version": VERSION, **fields}, indent=2, ensure_ascii=False) + "\n"
+
+
+def save(path: str | PathLike[str], text: str) -> None:
+    """Write a JSON text to a file, or raise a `FileError` and leave nothing behind."""
+    write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+
+def load(path: str | PathLike[str], what: str, build: Callable[[str], T]) -> T:
+    """What `build` makes of a file's text; its errors get the path. `what`: such as "transfer function"."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise FileError(f"cannot read the {what}: {error.strerror or error}; check the name: {path}") from None
+    except UnicodeDecodeError:
+        raise FileError(f"the {what} is not text; give a JSON file: {path}") from None
+    try:
+        return build(text)
+    except ArgumentError as error:
+        raise ArgumentError(f"{error}: {path}") from None
+
+
+def parse(text: str, what: str, contents: str) -> dict[str, Any]:
+    """The object of a JSON text. `contents`: what must be in it, for the message."""
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ArgumentError(f"{what}: not JSON: {error}") from None
+    if not isinstance(document, dict):
+        raise ArgumentError(f"{what}: the JSON text is not an object; it must be {{...}} with {contents}")
+    return document
+
+
+def check_fields(
+    document: dict[str, Any], what: str, *, needed: Collection[str], known: Collection[str], hint: str
+) -> None:
+    """Refuse an object that lacks a field or has one too many. `hint`: where its form is described."""
+    for name in needed:
+        if name not in document:
+            raise ArgumentError(f"{what}: field {name!r} is missing; see {hint} for the form")
+    version = document.get("version", VERSION)
+    if version != VERSION:
+        raise ArgumentError(f"{what}: field 'version' is {version!r}; this release reads version {VERSION}")
+    unknown = sorted(set(document) - set(known))
+    if unknown:
+        raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(known))}")
+
+
+def check_list(document: dict[str, Any], what: str, name: str, form: str) -> None:
+    """Refuse a field that is there and no list. `form`: how such a list is written."""
+    if not isinstance(document.get(name, []), list):
+        raise ArgumentError(f"{what}: field {name!r} is not a list; write {form}")
+
+
+def optional_number(document: dict[str, Any], what: str, name: str) -> float | None:
+    """The number in a field; None if it is null or not there."""
+    number: Any = document.get(name)
+    if number is not None and (isinstance(number, bool) or not isinstance(number, int | float)):
+        raise ArgumentError(f"{what}: field {name!r} is {number!r}; it must be a number or null")
+    return number
+
+
+def names_in(folder: Any) -> list[str]:
+    """Names of the JSON files in a folder of the package, without the suffix, in alphabetical order."""
+    return sorted(entry.name.removesuffix(".json") for entry in folder.iterdir() if entry.name.endswith(".json"))

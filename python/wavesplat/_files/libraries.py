@@ -1,0 +1,21 @@
+"""Libraries that only some tasks need, so that they need not be installed."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from wavesplat.errors import LibraryError
+
+__all__ = ["library"]
+
+
+def library(name: str, *, extra: str) -> Any:
+    """The module, or a `LibraryError` that says which extra of the package brings it."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        missing = (error.name or name).partition(".")[0]
+        raise LibraryError(
+            f'{missing} is not installed; in the checkout of Wavesplat, run: pip install ".[{extra}]"'
+        ) from error

@@ -1,0 +1,50 @@
+"""Errors of the libraries that read files, as one line that a user can act on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from wavesplat.errors import FileError, WavesplatError
+
+__all__ = ["reading"]
+
+#: What ITK adds to every failure: the last error of the system, which is of some earlier call where the file exists.
+OLD_REASON = "Reason: No such file or directory"
+
+#: A file of ITK's source, and what stands before its words: "itk::ERROR: Class(0x5555): ", "[nrrd] _function: ".
+ITK_SOURCE = ".cxx:"
+ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |\[\w+\] \w+: )")
+
+#: And the file, which we name ourselves.
+ITK_FILE = re.compile(r": \S.* for reading$")
+
+
+@contextmanager
+def reading(kind: str, path: object) -> Iterator[None]:
+    """Turn whatever a library raises while it reads into one line that names the kind and the path.
+
+    Parsers of damaged files raise nearly anything (KeyError, struct.error, zlib.error, MemoryError, ...), so this is
+    the one place that catches everything.
+    """
+    try:
+        yield
+    except WavesplatError:
+        raise
+    except Exception as error:
+        raise FileError(
+            f"cannot read as {kind}: {_telling_line(error)}; the file is truncated, damaged or not {kind}: {path}"
+        ) from error
+
+
+def _telling_line(error: BaseException) -> str:
+    """The first line of an error's message that says something, or its type.
+
+    ITK begins with a line of its own source and goes from the general to the particular: of it, the last.
+    """
+    lines = [line.strip().rstrip(".;") for line in str(error).splitlines() if line.strip()]
+    lines = [line for line in lines if line != OLD_REASON] or lines
+    if len(lines) > 1 and ITK_SOURCE in lines[0]:
+        return ITK_FILE.sub("", ITK_PLACE.sub("", lines[-1]))
+    return lines[0] if lines else type(error).__name__

@@ -1,0 +1,1 @@
+"""How samples look: transfer functions, materials, labels, colours and light."""

@@ -1,0 +1,235 @@
+"""Transfer functions from a volume's histogram.
+
+Otsu's threshold (1979) parts the background (air, empty field) from the object: it maximises the variance between the
+two classes.
+It is taken on the square roots, so that a few very bright spots (tracer in a bladder, vessels) do not become the object
+and everything else its background.
+The object's own percentiles then place the curves: its faint half stays a veil, its brightest part becomes solid.
+Percentiles stand in for smallest and largest so that a hot pixel or a metal implant cannot flatten the curves.
+
+Projections get a grey ramp over the values that they project to, along the three index axes or in a view.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.volume import Volume
+
+__all__ = ["auto", "robust_range"]
+
+#: Samples looked at, at most: enough for steady percentiles, and a fraction of a second on any volume.
+N_SAMPLES_MAX = 2_000_000
+N_BINS = 512
+#: Percentiles that count as the smallest and largest value.
+ROBUST = (0.1, 99.9)
+#: What is below this share of a window counts as empty.
+CLEAR = 0.05
+#: Windows are at least as wide as this share of the volume's range, so that noise in what is even stays dark.
+LEAST_WINDOW = 0.05
+#: Grey of the median of a radiograph, and the number of its nodes, which are even in the logarithm of the light.
+MIDDLE_GREY = 0.45
+N_RADIOGRAPH = 65
+#: Grey of the median of what a mean or a sum shows, at most.
+BRIGHTEST_MEDIAN = 0.6
+#: Projections whose values do not depend much on where the volume is seen from.
+MAXIMA = ("maximum", "depth-shaded-maximum", "local-maximum")
+#: How each projection reduces a ray; a sum is a mean times the ray's length.
+PROJECTIONS: dict[str, Callable[..., Any]] = {
+    "maximum": np.nanmax,
+    "depth-shaded-maximum": np.nanmax,
+    "local-maximum": np.nanmax,
+    "minimum": np.nanmin,
+    "mean": np.nanmean,
+    "sum": np.nanmean,
+    "x-ray": np.nanmean,
+}
+#: What absorbs nothing, air, in Hounsfield units, and absorption per millimetre and unit above it: a thousandth of that
+#: of water for photons of 60 keV, about the mean of a radiograph at 120 kV: 0.2059 per cm (Hubbell and Seltzer, NIST).
+HOUNSFIELD_ATTENUATION = (-1000.0, 2.059e-5)
+#: Optical depth that the most absorbing rays get where the units of absorption are not known: a 150th comes through.
+UNKNOWN_DEPTH = 5.0
+
+
+def auto(volume: Volume | WaveletVolume, composite: str) -> TransferFunction:
+    """See `TransferFunction.auto`."""
+    low, high = volume.value_range
+    if not low < high:
+        raise ArgumentError(
+            f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
+            "pass a transfer function, or check the file"
+        )
+    if composite == "x-ray":
+        clear, per_unit = attenuation(volume)
+        return exposed(volume, composite, np.exp(-per_unit * _projected(volume, composite, clear)))
+    if composite in PROJECTIONS:
+        return exposed(volume, composite, _projected(volume, composite))
+    if isinstance(volume, WaveletVolume) and volume.is_detail:
+        return _signed(volume)
+    return _veil_and_solid(_finite(_subsampled(volume)))
+
+
+def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.floating[Any]]) -> TransferFunction:
+    """Greys for the values that a projection of a volume has, any number of them."""
+    if composite == "x-ray":
+        return _radiograph(-np.log(np.maximum(values, np.finfo(np.float32).tiny)))
+    if composite in MAXIMA:
+        return _of_maxima(values, hides_half=composite != "maximum")
+    low, high = robust_range(volume)
+    return _grey_ramp(values, least=LEAST_WINDOW * (high - low))
+
+
+def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
+    """Values that count as smallest and largest: the 0.1 and 99.9 percentiles, or the extremes if those are equal."""
+    return _robust_range(_finite(_subsampled(volume)))
+
+
+def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
+    """The value that absorbs no x-rays, and absorption per world unit and sample unit above it.
+
+    Those of Hounsfield units where the values look like them; else the range of values decides.
+    """
+    values = _finite(_subsampled(volume))
+    # A CT has air and soft tissue, at the two fixed points of its scale.
+    air, soft_tissue = (np.mean(np.abs(values - value) < 200) for value in (-1000, 0))
+    if air > 0.02 and soft_tissue > 0.02:
+        return HOUNSFIELD_ATTENUATION
+    clear, _ = _robust_range(values)
+    most = float(np.percentile(_projected(volume, "x-ray", clear), 99.5))
+    return clear, UNKNOWN_DEPTH / most if most > 0 else 1.0
+
+
+def _robust_range(values: NDArray[np.float64]) -> tuple[float, float]:
+    low, high = np.percentile(values, ROBUST)
+    if not low < high:
+        low, high = values.min(), values.max()
+    return float(low), float(high)
+
+
+def _subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
+    """Every n-th sample along each axis, [z, y, x]."""
+    return volume._every(max(1, int(np.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))))
+
+
+def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
+    values = samples.astype(np.float64).ravel()
+    return values[np.isfinite(values)]
+
+
+def _veil_and_solid(values: NDArray[np.float64]) -> TransferFunction:
+    low, high = _robust_range(values)
+    threshold = _otsu(values, low, high)
+    inside = values[values > threshold]
+    middle, upper, top = np.percentile(inside, (50, 90, 99.5))
+    # Equal percentiles would make steps; keep a small distance, relative to the whole range.
+    least = (high - low) * 1e-3
+    middle = max(middle, threshold + least)
+    upper = max(upper, middle + least)
+    top = max(top, upper + least)
+    opacity = [(threshold, 0.0), (middle, 0.04), (upper, 0.25), (top, 0.7)]
+    color = [
+        (threshold, 0.72, 0.36, 0.22),
+        (middle, 0.95, 0.64, 0.44),
+        (upper, 1.00, 0.88, 0.68),
+        (top, 1.00, 0.99, 0.95),
+    ]
+    return TransferFunction(opacity, color)
+
+
+def _signed(volume: WaveletVolume) -> TransferFunction:
+    """Details: what is as large as the largest thousandth is solid."""
+    return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
+
+
+def _otsu(values: NDArray[np.float64], low: float, high: float) -> float:
+    """The threshold that parts the values into the two classes with the largest variance between their square roots."""
+    roots = np.sqrt(np.clip((values - low) / (high - low), 0.0, 1.0))
+    counts, edges = np.histogram(roots, bins=N_BINS, range=(0.0, 1.0))
+    centers = (edges[:-1] + edges[1:]) / 2
+    below = np.cumsum(counts)[:-1]
+    above = values.size - below
+    sum_below = np.cumsum(counts * centers)[:-1]
+    sum_above = (counts * centers).sum() - sum_below
+    with np.errstate(divide="ignore", invalid="ignore"):
+        between = below * above * (sum_below / below - sum_above / above) ** 2
+    # An empty gap between the classes makes a plateau; its middle is the steadiest choice.
+    best = np.flatnonzero(np.nan_to_num(between) >= np.nanmax(between) * (1 - 1e-9))
+    return float(low + edges[1:-1][best[len(best) // 2]] ** 2 * (high - low))
+
+
+def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.0) -> NDArray[np.float64]:
+    """What a projection along each of the three index axes gives, all pixels together.
+
+    Of an x-ray the integral of what is above `clear`.
+    """
+    samples = _subsampled(volume).astype(np.float64)
+    samples[~np.isfinite(samples)] = np.nan
+    if composite == "x-ray":
+        samples = np.maximum(samples - clear, 0.0)
+    reduce = PROJECTIONS[composite]
+    pixels = []
+    for axis, spacing in enumerate(reversed(volume.spacing)):
+        length = spacing * (volume.shape[axis] - 1) if composite in ("sum", "x-ray") else 1.0
+        rays = np.isfinite(samples).any(axis=axis)
+        pixels.append(reduce(np.where(np.expand_dims(rays, axis), samples, 0.0), axis=axis)[rays] * length)
+    return np.concatenate(pixels)
+
+
+def _grey_ramp(values: NDArray[np.floating[Any]], least: float) -> TransferFunction:
+    """Black to white, at least so many values; the darkest is transparent, so that the volume's box does not show.
+
+    Black is higher where the object would be nearly white: a body's mean is, and its rim would take half of the greys.
+    """
+    low, high = (float(value) for value in np.percentile(values, (1.0, 99.8)))
+    high = max(high, low + (least or 1.0))
+    inside = values[values > low + CLEAR * (high - low)]
+    middle = float(np.median(inside)) if inside.size else low
+    black = (middle - BRIGHTEST_MEDIAN * high) / (1.0 - BRIGHTEST_MEDIAN)
+    return _greys(low, min(max(black, low), low + 0.9 * (high - low)), high)
+
+
+def _of_maxima(values: NDArray[np.floating[Any]], *, hides_half: bool) -> TransferFunction:
+    """White is near what a fiftieth of the pixels exceeds, so that metal or a bladder full of tracer dims nothing else.
+
+    Where that fiftieth is all there is, such as a single vessel, a third of its range is left for what is around it.
+    `hides_half`: black is not the background but what a quarter of the object does not exceed; else white is a quarter
+    higher, so that vessels stand out from a brain.
+    """
+    low, white, high = (float(value) for value in np.percentile(values, (1.0, 98.0, 99.8)))
+    reach = 1.0 if hides_half else 1.25
+    high = max(min(low + reach * (white - low), high), low + 0.3 * (high - low))
+    high = high if low < high else low + 1.0
+    inside = values[values > low + CLEAR * (high - low)]
+    black = float(np.percentile(inside, 25.0)) if hides_half and inside.size else low
+    return _greys(low, min(black, low + 0.9 * (high - low)), high)
+
+
+def _greys(low: float, black: float, white: float) -> TransferFunction:
+    clear = low + CLEAR * (white - low)
+    return TransferFunction([(low, 0.0), (clear, 1.0)], [(black, 0.0, 0.0, 0.0), (white, 1.0, 1.0, 1.0)])
+
+
+def _radiograph(depths: NDArray[np.floating[Any]]) -> TransferFunction:
+    """Grey by the optical depth, as a digital radiograph shows it: bone is bright.
+
+    Its median over the object becomes a middle grey, whatever the exponent that it takes, so that a thick object keeps
+    its contrast. What absorbs next to nothing is transparent.
+    """
+    white = max(float(np.percentile(depths, 99.8)), 1e-3)
+    inside = depths[depths > CLEAR * white]
+    middle = float(np.median(inside)) / white if inside.size else 0.5
+    exponent = np.clip(np.log(MIDDLE_GREY) / np.log(min(middle, 0.99)), 0.7, 2.5)
+    steps = np.linspace(1.0, 0.0, N_RADIOGRAPH)
+    through = np.exp(-white * steps)
+    colors = [(float(t), g, g, g) for t, g in zip(through, steps**exponent, strict=True)]
+    return TransferFunction([(float(np.exp(-CLEAR * white)), 1.0), (1.0, 0.0)], colors)

@@ -1,0 +1,256 @@
+"""Transfer functions: sample value -> opacity and colour.
+
+Two piecewise-linear curves, looked up after reconstruction; constant beyond their first and last node.
+Two nodes at the same value make a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wavesplat import _native
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["TransferFunction"]
+
+
+@public
+@dataclass(frozen=True, init=False)
+class TransferFunction:
+    """Opacity and colour of each sample value.
+
+    Parameters
+    ----------
+    opacity : sequence of (value, alpha)
+        Nodes in order of value. `alpha`, 0..1, is the opacity of a slab one `opacity_unit` thick; 1 is opaque at any
+        thickness.
+    color : sequence of (value, red, green, blue)
+        Nodes in order of value; 0..1, used as given (no gamma).
+    opacity_unit : float, optional
+        Thickness that the opacities belong to, world units.
+        None takes the geometric mean of the volume's spacings.
+    gradient_opacity : sequence of (magnitude, factor), optional
+        Nodes in order of the gradient's magnitude, sample units per world unit. The factor, 0..1, scales the
+        extinction: opacity alpha becomes 1 - (1 - alpha) ** factor, nearly factor * alpha where it is faint.
+        Boundaries stand out where the curve rises from 0. Without nodes the gradient does not matter.
+
+    Raises
+    ------
+    ArgumentError
+        If a curve is empty or not in order, or an opacity, colour or factor is outside 0..1.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> tf = ws.TransferFunction(opacity=[(0, 0.0), (100, 1.0)], color=[(0, 1, 0, 0), (100, 1, 1, 1)])
+    >>> tf([50]).tolist()  # red, green, blue, opacity
+    [[1.0, 0.5, 0.5, 0.5]]
+    """
+
+    opacity: tuple[tuple[float, float], ...]
+    color: tuple[tuple[float, float, float, float], ...]
+    opacity_unit: float | None
+    gradient_opacity: tuple[tuple[float, float], ...]
+    _core: _native.TransferFunction = field(repr=False, compare=False)
+
+    def __init__(
+        self,
+        opacity: Iterable[Iterable[float]],
+        color: Iterable[Iterable[float]],
+        opacity_unit: float | None = None,
+        gradient_opacity: Iterable[Iterable[float]] = (),
+    ) -> None:
+        # Checked at once, so that an error points at the line that made it.
+        unit = None if opacity_unit is None else float(opacity_unit)
+        opacity_nodes = _nodes(opacity, "opacity", ("value", "alpha"))
+        color_nodes = _nodes(color, "color", ("value", "red", "green", "blue"))
+        gradient_nodes = _nodes(gradient_opacity, "gradient_opacity", ("magnitude", "factor"))
+        object.__setattr__(self, "gradient_opacity", gradient_nodes)
+        object.__setattr__(self, "opacity", opacity_nodes)
+        object.__setattr__(self, "color", color_nodes)
+        object.__setattr__(self, "opacity_unit", unit)
+        object.__setattr__(self, "_core", _native.TransferFunction(opacity_nodes, color_nodes, unit, gradient_nodes))
+
+    def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
+        return self._core.evaluate(np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64).ravel())
+
+    @classmethod
+    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
+        """A transfer function by name: what usually looks good on that kind of data.
+
+        Parameters
+        ----------
+        name : str
+            CT in Hounsfield units: "ct-bone", "ct-soft-tissue", "ct-lung", "ct-vessels".
+            Any units, fitted to the volume's values: "mr-head", "mr-vessels", "grey", and "auto" (see `auto`).
+        volume : Volume, optional
+            Needed for the presets that are fitted to the volume's values.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no preset of that name, or it needs a volume.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.TransferFunction.preset("ct-bone").opacity_unit
+        1.0
+        """
+        from wavesplat._looks import presets
+
+        return presets.preset(name, volume)
+
+    @classmethod
+    def auto(cls, volume: Volume | WaveletVolume, composite: str = "over") -> TransferFunction:
+        """A transfer function from the volume's histogram, for a first look at any kind of data.
+
+        Parameters
+        ----------
+        volume : Volume or WaveletVolume
+            CT, MR, microscopy, simulation: any range, any units. Details alone get `diverging`.
+        composite : str, default "over"
+            The operator it is for; projections, such as "maximum", get greys for the values that they project to along
+            the three index axes.
+
+        Raises
+        ------
+        ArgumentError
+            If all samples are equal: there is nothing to tell apart.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.TransferFunction.auto(ws.examples.ripples(16)).opacity[0][1]
+        0.0
+        """
+        from wavesplat._looks import histogram
+
+        return histogram.auto(volume, composite)
+
+    @classmethod
+    def diverging(cls, limit: float, *, opacity: float = 0.5) -> TransferFunction:
+        """Colours for signed values: blue below 0, red above, nothing near it.
+
+        Parameters
+        ----------
+        limit : float
+            Value, and minus it, of full colour and opacity.
+        opacity : float, default 0.5
+            Opacity there; from a tenth of the limit it rises evenly.
+
+        Raises
+        ------
+        ArgumentError
+            If the limit is not a positive finite number.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.TransferFunction.diverging(10).opacity
+        ((-10.0, 0.5), (-1.0, 0.0), (1.0, 0.0), (10.0, 0.5))
+        """
+        if not 0 < limit < float("inf"):
+            raise ArgumentError(f"limit is {limit}; give the value that gets full colour, a positive number")
+        near = 0.1 * limit
+        # Endpoints of Moreland's diverging map (2009), which keep their hue to the middle: pale colours hide in white.
+        blue, red = (0.23, 0.30, 0.75), (0.71, 0.02, 0.15)
+        return cls(
+            [(-limit, opacity), (-near, 0.0), (near, 0.0), (limit, opacity)],
+            [(-limit, *blue), (-near, 0.55, 0.69, 1.0), (near, 0.96, 0.6, 0.48), (limit, *red)],
+        )
+
+    @classmethod
+    def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
+        """The transfer function that a JSON text describes, as `to_json` writes it.
+
+        Parameters
+        ----------
+        text : str
+            An object with `version` 1, `opacity`, `color` and, optionally, `opacity_unit`.
+            With `"values": "fraction"` its values are fractions of the volume's robust range, 0..1.
+        volume : Volume, optional
+            Needed when the values are fractions.
+
+        Raises
+        ------
+        ArgumentError
+            If it is not such a text; the message names the field.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> tf = ws.TransferFunction([(0, 0), (1, 1)], [(0, 1, 1, 1)])
+        >>> ws.TransferFunction.from_json(tf.to_json()) == tf
+        True
+        """
+        from wavesplat._looks import transfer_function_json
+
+        return transfer_function_json.parse(text, volume)
+
+    def to_json(self) -> str:
+        """The transfer function as a JSON text, which `from_json` reads back exactly."""
+        from wavesplat._looks import transfer_function_json
+
+        return transfer_function_json.write(self)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str], volume: Volume | WaveletVolume | None = None) -> TransferFunction:
+        """The transfer function in a JSON file; see `from_json`.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        ArgumentError
+            If it does not describe a transfer function.
+        """
+        from wavesplat._looks import transfer_function_json
+
+        return transfer_function_json.load(path, volume)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the transfer function to a JSON file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; nothing is left behind.
+        """
+        from wavesplat._files import json_object
+
+        json_object.save(path, self.to_json())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.opacity, self.color, self.opacity_unit, self.gradient_opacity)
+
+
+def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -> tuple[Any, ...]:
+    """Tuples of floats from any nested sequence or array."""
+    if not isinstance(nodes, Iterable):
+        raise ArgumentError(f"transfer function: {curve} is {nodes!r}; it must be nodes ({', '.join(names)})")
+    checked = []
+    for index, node in enumerate(nodes):
+        try:
+            numbers = tuple(float(number) for number in node)
+        except (TypeError, ValueError, OverflowError):
+            numbers = ()
+        if len(numbers) != len(names):
+            raise ArgumentError(
+                f"transfer function: {curve} node {index} is {node!r}; "
+                f"it must be {len(names)} numbers ({', '.join(names)})"
+            )
+        checked.append(numbers)
+    return tuple(checked)

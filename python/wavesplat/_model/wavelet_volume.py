@@ -1,0 +1,421 @@
+"""A volume as the wavelet coefficients that matter."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from itertools import accumulate
+from operator import index
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+from wavesplat._files import payload
+from wavesplat._files.output import check_output, write_atomically
+from wavesplat._files.reading import reading
+from wavesplat._model.grid import Grid
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["WaveletVolume"]
+
+#: What counts as the size of a coefficient.
+NORMALISATIONS = ("l2", "peak")
+
+#: Bytes of decoded samples that are kept for the next picture, unless something else is asked for.
+CACHE_BYTES = 1 << 29
+
+#: Levels and bands that are kept at a time, if so many fit into the cache.
+MOST_DECODED = 6
+
+#: None of them takes more than this part of the cache.
+LARGEST_SHARE = 2
+
+#: Samples may not be larger: sums of a few hundred of them must not leave float32.
+LARGEST = 1e35
+
+#: What a file of coefficients says of itself.
+FORMAT, FORMAT_VERSION = "wavesplat wavelets", 1
+
+
+@public
+class WaveletVolume(Grid):
+    """A volume as its wavelet coefficients of large amplitude; made by `WaveletVolume.from_volume`, or loaded.
+
+    `render` draws it like a volume, all of it, only its coarse levels, or only details of chosen sizes; it decodes what
+    it looks at, and keeps at most `cache_bytes` of that.
+    Level 0 holds the finest details, each further one details twice as large.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(32), family="cdf53", threshold=12)
+    >>> round(100 * wavelets.kept_fraction, 1)
+    20.0
+    """
+
+    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_weights")
+
+    def __init__(
+        self, core: _native.WaveletVolume, name: str, world_from_index: NDArray[np.float64], family: str
+    ) -> None:
+        super().__init__(name, core.shape, world_from_index)
+        self._core = core
+        self._family = family
+        #: A factor for each level's details, and for the coarsest samples.
+        self._weights = (1.0,) * (core.n_levels + 1)
+        self._cache_bytes = CACHE_BYTES
+        #: What was drawn last, by levels left out and weights.
+        self._decoded_levels: dict[tuple[int, tuple[float, ...]], _native.DecodedVolume] = {}
+
+    @classmethod
+    def from_volume(
+        cls,
+        volume: Volume,
+        family: str = "cdf97",
+        *,
+        threshold: float | None = None,
+        keep: float | None = None,
+        psnr: float | None = None,
+        levels: int | None = None,
+        normalisation: str = "l2",
+    ) -> WaveletVolume:
+        """The coefficients of a volume that matter.
+
+        Parameters
+        ----------
+        volume : Volume
+            All samples finite; they are taken as float32.
+        family : str
+            Biorthogonal, by lifting: "cdf97" (the best picture per coefficient), "cdf53" (linear B-spline), "haar",
+            "spline4" (cubic B-spline). Semi-orthogonal on the interval: "bspline2", "bspline3", "bspline4", by order.
+        threshold : float, optional
+            Drop coefficients of less amplitude, in the units of the samples; 0, the default, drops nothing.
+        keep : float, optional
+            Keep this share of the coefficients instead, 0 to 1.
+        psnr : float, optional
+            Keep as few as give the samples back with this PSNR, in dB, its peak the range of the samples.
+        levels : int, optional
+            Levels of details; None is as many as there are.
+        normalisation : str
+            An amplitude is the coefficient times the norm of its basis function: "l2" (finest spacing 1), or "peak".
+
+        Raises
+        ------
+        ArgumentError
+            If a name is unknown, more than one of threshold, keep and psnr is given, a number is out of range, or
+            samples are NaN or infinite.
+        """
+        if not isinstance(volume, Volume):
+            raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume")
+        families = _native.WaveletVolume.families()
+        if family not in families:
+            raise ArgumentError(f"there is no wavelet family {family!r}; the families are {', '.join(families)}")
+        if normalisation not in NORMALISATIONS:
+            raise ArgumentError(f"normalisation is {normalisation!r}; it is one of {', '.join(NORMALISATIONS)}")
+        if volume.n_nonfinite:
+            raise ArgumentError(
+                f"volume {volume.name!r} has {volume.n_nonfinite} samples that are NaN or infinite, which wavelets "
+                "would spread over the volume; replace them first, as with numpy.nan_to_num"
+            )
+        if levels is not None and _whole(levels, "levels") < 0:
+            raise ArgumentError(f"levels is {levels}; give 0 or more, or nothing for as many as there are")
+        if max(map(abs, volume.value_range)) > LARGEST:
+            raise ArgumentError(
+                f"volume {volume.name!r} has samples from {volume.value_range[0]:g} to {volume.value_range[1]:g}, too "
+                f"large for coefficients in float32; scale them to less than {LARGEST:g}"
+            )
+        how, amount = _what_stays(threshold, keep, psnr)
+        peak = normalisation == "peak"
+        core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
+        return cls(core, volume.name, volume.world_from_index, family)
+
+    @property
+    def family(self) -> str:
+        """The wavelets."""
+        return self._family
+
+    @property
+    def n_levels(self) -> int:
+        """Levels of details."""
+        return self._core.n_levels
+
+    @property
+    def threshold(self) -> float:
+        """Coefficients of less amplitude were dropped."""
+        return self._core.threshold
+
+    @property
+    def kept_by_level(self) -> tuple[int, ...]:
+        """Coefficients that are kept of each level's details, the finest first, and of the coarsest samples."""
+        return tuple(self._core.n_kept_by_level)
+
+    @property
+    def kept_fraction(self) -> float:
+        """Share of the coefficients that is kept."""
+        return sum(self._core.n_kept_by_level) / math.prod(self._shape)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes held for the coefficients and their places."""
+        return self._core.n_bytes
+
+    @property
+    def cache_bytes(self) -> int:
+        """Bytes of decoded samples that are kept for the next picture; a smaller number takes longer to draw.
+
+        Levels and bands that were drawn share it, so that drawing coarse to fine decodes each level once. A coarser
+        level takes about 10 MB more, for what tells how bright the finer ones were.
+        """
+        return self._cache_bytes
+
+    @cache_bytes.setter
+    def cache_bytes(self, n_bytes: int) -> None:
+        # A float will do, as 2e9 is easier to read.
+        if not 0 <= _number(n_bytes, "cache_bytes") < math.inf:
+            raise ArgumentError(f"cache_bytes is {n_bytes}; give 0 or more")
+        self._cache_bytes = min(int(n_bytes), sys.maxsize)
+        self._decoded_levels.clear()
+
+    @property
+    def is_detail(self) -> bool:
+        """Whether the coarsest samples are left out, so that values are details of both signs."""
+        return self._weights[-1] == 0
+
+    @property
+    def n_nonfinite(self) -> int:
+        """How many samples are NaN or infinite: none, they are refused."""
+        return 0
+
+    @property
+    def value_range(self) -> tuple[float, float]:
+        """Smallest and largest sample."""
+        return self._decoded().value_range
+
+    def to_volume(self, *, drop_levels: int = 0, band_weights: Sequence[float] | None = None) -> Volume:
+        """The volume that the coefficients stand for, float32, on the grid it was made from.
+
+        Parameters
+        ----------
+        drop_levels : int
+            Leave out the details of this many levels, the finest first.
+        band_weights : sequence of float, optional
+            A factor for each level's details, the finest first, and as number `n_levels` for the coarsest
+            samples; those not given are 1.
+
+        Raises
+        ------
+        ArgumentError
+            If there are not as many levels, or a weight is not finite.
+        """
+        self._check_levels(drop_levels)
+        weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
+        return Volume(self._core.samples(weights), world_from_index=self._world_from_index, name=self._name)
+
+    def bands(self, weights: Sequence[float] | None) -> WaveletVolume:
+        """The same coefficients with a factor for each level's details, the finest first, and for the coarsest samples.
+
+        Parameters
+        ----------
+        weights : sequence of float, or None
+            Those not given are 1. Weights that end in 0 for the coarsest samples leave signed details.
+
+        Raises
+        ------
+        ArgumentError
+            If there are more weights than levels and one, or a weight is not finite.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16), levels=2)
+        >>> wavelets.bands([0, 1, 0]).is_detail  # only details of the second size
+        True
+        """
+        if weights is None:
+            return self
+        try:
+            given = [float(weight) for weight in weights]
+        except (TypeError, ValueError):
+            raise ArgumentError(f"band_weights is {weights!r}; give numbers, the finest level first") from None
+        n = self.n_levels
+        if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):
+            raise ArgumentError(
+                f"band_weights is {given}; give at most {n + 1} finite numbers: one for each of the {n} levels of "
+                f"{self._name!r}, the finest first, and one for the coarsest samples"
+            )
+        given += [1.0] * (n + 1 - len(given))
+        weighted = WaveletVolume(self._core, self._name, self._world_from_index, self._family)
+        weighted._weights = tuple(a * b for a, b in zip(self._weights, given, strict=True))
+        weighted._cache_bytes = self._cache_bytes
+        weighted._decoded_levels = self._decoded_levels
+        return weighted
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the coefficients to a file, `.wavelets`: a NumPy archive of what `load` needs.
+
+        The range of the samples that they stand for goes with them; where nothing was drawn yet, everything is
+        decoded once to find it.
+
+        Raises
+        ------
+        FileError
+            If the name has another suffix or the file cannot be written.
+        """
+        check_output(path, "wavelet coefficients")
+        has_block, masks, values, _ = self._core.parts()
+        arrays: dict[str, Any] = {
+            "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
+            "shape": np.array(self._shape),
+            "levels_and_threshold": np.array([self.n_levels, self.threshold]),
+            "weights": np.array(self._weights),
+            "world_from_index": self._world_from_index,
+            "has_block": np.packbits(has_block),
+            "n_blocks": np.array([has_block.size]),
+            "masks": masks,
+            "values": values,
+        }
+        # Found by decoding everything: once here, not before the first picture of each program.
+        value_range = np.array(self._core.value_range, np.float32)
+        if np.isfinite(value_range).all():
+            arrays["value_range"] = value_range
+
+        def write(part: Path) -> None:
+            with part.open("wb") as file:
+                np.savez_compressed(file, allow_pickle=False, **arrays)
+
+        write_atomically(path, write)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> WaveletVolume:
+        """Coefficients that `save` wrote.
+
+        Raises
+        ------
+        FileError
+            If the file is not there, is not one of coefficients, or is damaged.
+        """
+        payload.check_readable(Path(path))
+        # Opened here, since NumPy leaves files open that are no archives.
+        with (
+            reading("wavelet coefficients", path),
+            Path(path).open("rb") as file,
+            np.load(file, allow_pickle=False) as archive,
+        ):
+            return cls._from_arrays({name: archive[name] for name in archive.files}, path)
+
+    @classmethod
+    def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
+        """What `save` put into the archive; raises nearly anything where that does not fit together."""
+        kind, version, family, name = (str(text) for text in arrays["format"])
+        if (kind, version) != (FORMAT, str(FORMAT_VERSION)):
+            raise FileError(
+                f"this is {kind!r} version {version}; this program reads {FORMAT!r} version {FORMAT_VERSION}: {path}"
+            )
+        levels, threshold = arrays["levels_and_threshold"]
+        n_z, n_y, n_x = (int(n) for n in arrays["shape"])
+        packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
+        if not 0 <= n_blocks <= 8 * packed.size:
+            raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
+        # Files of before have none.
+        lo_hi = arrays.get("value_range")
+        core = _native.WaveletVolume.from_parts(
+            (n_z, n_y, n_x),
+            family,
+            int(levels),
+            float(threshold),
+            np.unpackbits(packed, count=n_blocks),
+            arrays["masks"],
+            arrays["values"],
+            None if lo_hi is None else tuple(lo_hi.tolist()),
+        )
+        try:
+            # A volume of any samples, for the sake of its checks.
+            place = Volume(np.zeros((2, 2, 2), np.uint8), world_from_index=arrays["world_from_index"], name=name)
+            return cls(core, name, place.world_from_index, family).bands(arrays["weights"].tolist())
+        except ArgumentError as error:
+            raise ValueError(str(error)) from None
+
+    def _every(self, step: int) -> NDArray[Any]:
+        """Every n-th sample along each axis, [z, y, x]."""
+        return self._decoded().every(step)
+
+    def _check_levels(self, drop_levels: int) -> None:
+        if not 0 <= _whole(drop_levels, "drop_levels") <= self.n_levels:
+            raise ArgumentError(
+                f"drop_levels is {drop_levels}; {self._name!r} has {self.n_levels} levels, so give 0 to {self.n_levels}"
+            )
+
+    def _decoded(self, drop_levels: int = 0) -> _native.DecodedVolume:
+        """A level, to be drawn; those drawn last are kept."""
+        self._check_levels(drop_levels)
+        key = drop_levels, self._weights
+        decoded = self._decoded_levels.pop(key, None)
+        if decoded is None:
+            share = self._cache_bytes // LARGEST_SHARE
+            decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
+        self._decoded_levels[key] = decoded
+        # The latest first. Other threads may draw from the same coefficients, and drop the same ones.
+        latest = list(self._decoded_levels.items())[::-1]
+        taken = list(accumulate(level.cache_bytes for _, level in latest))
+        for k, (oldest, _) in enumerate(latest):
+            if k >= MOST_DECODED or taken[k] > self._cache_bytes:
+                self._decoded_levels.pop(oldest, None)
+        return decoded
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
+        return self._rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
+
+    @classmethod
+    def _rebuild(
+        cls,
+        how: tuple[Any, ...],
+        name: str,
+        world_from_index: NDArray[np.float64],
+        weights: Sequence[float],
+        cache_bytes: int,
+    ) -> WaveletVolume:
+        rebuilt = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1]).bands(weights)
+        rebuilt.cache_bytes = cache_bytes
+        return rebuilt
+
+    def __repr__(self) -> str:
+        return (
+            f"<WaveletVolume {self._name!r}: z, y, x {' x '.join(map(str, self._shape))}, {self._family}, "
+            f"{self.n_levels} levels, {100 * self.kept_fraction:.3g} % of the coefficients in {self.nbytes} bytes>"
+        )
+
+
+def _whole(number: int, name: str) -> int:
+    try:
+        return index(number)
+    except TypeError:
+        raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
+
+
+def _number(number: float, name: str) -> float:
+    try:
+        return float(number)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{name} is {number!r}; give a number") from None
+
+
+def _what_stays(threshold: float | None, keep: float | None, psnr: float | None) -> tuple[str, float]:
+    given = {
+        name: value for name, value in (("threshold", threshold), ("keep", keep), ("psnr", psnr)) if value is not None
+    }
+    if len(given) > 1:
+        raise ArgumentError(f"got {' and '.join(given)}; give one of threshold, keep and psnr")
+    name, value = next(iter(given.items()), ("threshold", 0.0))
+    value = _number(value, name)
+    bounds = {"threshold": (0, math.inf), "keep": (0, 1), "psnr": (0, 200)}[name]
+    if not bounds[0] <= value <= bounds[1]:
+        raise ArgumentError(f"{name} is {value}; give a number from {bounds[0]} to {bounds[1]}")
+    return name, value

@@ -1,0 +1,70 @@
+"""NumPy's own files: .npy, and .npz with one or more named arrays; spacing 1, since they say nothing of it."""
+
+from __future__ import annotations
+
+import zipfile
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["read"]
+
+
+def read(request: Request) -> Grid:
+    """The array in a .npy or .npz file."""
+    path = request.file
+    with reading("a NumPy file", path):
+        array = _from_npz(request) if zipfile.is_zipfile(path) else _from_npy(request)
+        samples = array[index_unnamed_axes(array.shape, request)]
+        return Grid(samples, np.eye(4))
+
+
+def _from_npy(request: Request) -> NDArray[Any]:
+    path = request.file
+    if request.dataset is not None:
+        raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
+    with path.open("rb") as file:
+        shape, dtype = _npy_header(file)
+        payload.check_stored(shape, dtype, path.stat().st_size - file.tell(), path)
+    array: NDArray[Any] = np.load(path, allow_pickle=False)
+    return array
+
+
+def _from_npz(request: Request) -> NDArray[Any]:
+    path = request.file
+    with zipfile.ZipFile(path) as archive:
+        names = [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
+        name = _chosen(names, request)
+        member = f"{name}.npy"
+        with archive.open(member) as file:
+            shape, dtype = _npy_header(file)
+        payload.check_stored(shape, dtype, archive.getinfo(member).file_size, path)
+    with np.load(path, allow_pickle=False) as arrays:
+        array: NDArray[Any] = arrays[name]
+    return array
+
+
+def _chosen(names: list[str], request: Request) -> str:
+    if request.dataset is not None:
+        if request.dataset not in names:
+            raise ArgumentError(f"no array {request.dataset!r}; the file holds {', '.join(names)}: {request.path}")
+        return request.dataset
+    if len(names) != 1:
+        listed = ", ".join(names) or "none"
+        raise FileError(
+            f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
+        )
+    return names[0]
+
+
+def _npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    version = np.lib.format.read_magic(file)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(file)
+    return shape, dtype

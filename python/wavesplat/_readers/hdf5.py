@@ -1,0 +1,64 @@
+"""HDF5, by h5py: a dataset with three or more axes. Spacing from the attribute `element_size_um` (z, y, x), else 1."""
+
+from __future__ import annotations
+
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._model import affine
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    import h5py
+
+__all__ = ["read"]
+
+
+def read(request: Request) -> Grid:
+    """The samples of a dataset in an HDF5 file."""
+    import h5py
+
+    with reading("HDF5", request.path), h5py.File(request.file, "r") as file:
+        dataset = _dataset(file, request)
+        index = index_unnamed_axes(dataset.shape, request)
+        n_samples = prod(sorted(dataset.shape)[-3:]) if len(index) > 1 else prod(dataset.shape)
+        payload.check_memory(n_samples * dataset.dtype.itemsize, request.path)
+        return Grid(dataset[index], _world_from_index(dataset))
+
+
+def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
+    import h5py
+
+    found: dict[str, h5py.Dataset] = {}
+
+    def visit(name: str, node: Any) -> None:
+        if isinstance(node, h5py.Dataset) and node.ndim >= 3 and node.dtype.kind in "biuf":
+            found[name] = node
+
+    file.visititems(visit)
+    listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
+    if request.dataset is not None:
+        node = file.get(request.dataset)
+        if not isinstance(node, h5py.Dataset):
+            raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
+        return node
+    if len(found) != 1:
+        raise FileError(
+            f"the file holds {len(found)} datasets with three or more axes; choose one with dataset= (--dataset): "
+            f"{listed}: {request.path}"
+        )
+    return next(iter(found.values()))
+
+
+def _world_from_index(dataset: h5py.Dataset) -> NDArray[np.float64]:
+    sizes = dataset.attrs.get("element_size_um")
+    if sizes is None or np.size(sizes) != 3:
+        return np.eye(4)
+    z, y, x = (float(size) for size in np.ravel(sizes))
+    return affine.from_spacing((x, y, z))

@@ -1,0 +1,148 @@
+"""NRRD, MetaImage and legacy VTK images, by SimpleITK.
+
+ITK's world is LPS; it is turned into RAS here, once.
+A VTK file, or an NRRD file without a `space`, says nothing of a patient: its axes are kept as they are.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._model import affine
+from wavesplat._readers.request import Grid, Request, choose
+from wavesplat.errors import FileError
+
+if TYPE_CHECKING:
+    import SimpleITK
+
+__all__ = ["affine_of", "read", "silenced", "simple_itk"]
+
+
+def read(request: Request) -> Grid:
+    """The volume in an NRRD, MetaImage or VTK file, or one of its time points or channels."""
+    sitk = simple_itk()
+    path = request.file
+    with reading("an image", path), silenced():
+        reader = sitk.ImageFileReader()
+        reader.SetFileName(str(path))
+        reader.ReadImageInformation()
+        size = reader.GetSize()
+        dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
+        _check_payload(path, (*size, reader.GetNumberOfComponents()), dtype)
+        if len(size) == 4:
+            time = choose("time", size[3], request.time, path)
+            reader.SetExtractSize([*size[:3], 0])
+            reader.SetExtractIndex([0, 0, 0, time])
+        else:
+            choose("time", 1, request.time, path)
+        image = reader.Execute()
+        samples = sitk.GetArrayFromImage(image)
+        channel = choose("channel", image.GetNumberOfComponentsPerPixel(), request.channel, path)
+        if image.GetNumberOfComponentsPerPixel() > 1:
+            samples = samples[..., channel]
+        return Grid(samples, _world_from_index(image, path))
+
+
+def simple_itk() -> Any:
+    """The SimpleITK module, its warnings on stderr switched off: errors reach us as exceptions."""
+    import SimpleITK
+
+    SimpleITK.ProcessObject.SetGlobalWarningDisplay(False)
+    return SimpleITK
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """Hide what C libraries under ITK print to the standard streams, past Python and past ITK's own switch."""
+    saved = [(number, os.dup(number)) for number in (1, 2)]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        for number, _ in saved:
+            os.dup2(nowhere, number)
+        yield
+    finally:
+        os.close(nowhere)
+        for number, copy in saved:
+            os.dup2(copy, number)
+            os.close(copy)
+
+
+def affine_of(image: SimpleITK.Image) -> NDArray[np.float64]:
+    """World (LPS) from index of a 3-D ITK image."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(image.GetDirection(), (3, 3)) * np.asarray(image.GetSpacing())
+    matrix[:3, 3] = image.GetOrigin()
+    return matrix
+
+
+def _world_from_index(image: SimpleITK.Image, path: Path) -> NDArray[np.float64]:
+    if image.GetDimension() != 3:
+        return np.eye(4)  # a 2-D image; the volume's own check says so
+    suffix = path.suffix.lower()
+    has_no_patient = suffix == ".vtk" or (suffix in (".nrrd", ".nhdr") and "space" not in _nrrd_fields(path))
+    return affine_of(image) if has_no_patient else affine.RAS_FROM_LPS @ affine_of(image)
+
+
+def _dtype_of(sitk: Any, pixel_id: int) -> str:
+    """NumPy's name of an ITK pixel type: "vector of 16-bit signed integer" -> "int16"."""
+    words = sitk.GetPixelIDValueAsString(pixel_id)
+    bits = next((word.removesuffix("-bit") for word in words.split() if word.endswith("-bit")), "8")
+    kind = (
+        "complex" if "complex" in words else "float" if "float" in words else "uint" if "unsigned" in words else "int"
+    )
+    return kind + (str(2 * int(bits)) if kind == "complex" else bits)
+
+
+def _check_payload(path: Path, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
+    """Compare the promised size with the size of the file that holds the samples, if the header names one."""
+    header = _meta_fields(path) if path.suffix.lower() in (".mha", ".mhd") else _nrrd_fields(path)
+    name = header.get("elementdatafile") or header.get("data file") or header.get("datafile") or "LOCAL"
+    if name.upper().startswith("LIST") or "%" in name:
+        payload.check_memory(payload.n_bytes(shape, dtype), path)
+        return
+    data = path if name.upper() == "LOCAL" else path.parent / name
+    if not data.is_file():
+        raise FileError(f"the header names a data file that is not there, {name!r}; put it beside the header: {path}")
+    encoding = header.get("encoding", "raw").lower()
+    if header.get("compresseddata", "").lower() == "true" or encoding in ("gzip", "gz"):
+        ratio = payload.DEFLATE_RATIO
+    else:
+        ratio = payload.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
+    if encoding not in ("ascii", "text", "txt", "hex"):
+        payload.check_stored(shape, dtype, data.stat().st_size, path, ratio=ratio)
+
+
+def _meta_fields(path: Path) -> dict[str, str]:
+    """Header of a MetaImage: lines `Name = value` up to ElementDataFile."""
+    fields = {}
+    for line in _header_lines(path):
+        name, _, value = line.partition("=")
+        fields[name.strip().lower()] = value.strip()
+        if "elementdatafile" in fields:
+            break
+    return fields
+
+
+def _nrrd_fields(path: Path) -> dict[str, str]:
+    """Header of an NRRD file: lines `name: value` up to an empty line."""
+    fields = {}
+    for line in _header_lines(path):
+        if not line.strip():
+            break
+        name, _, value = line.partition(":")
+        fields[name.strip().lower()] = value.strip()
+    return fields
+
+
+def _header_lines(path: Path) -> list[str]:
+    with path.open("rb") as file:
+        return file.read(2**16).decode("latin-1").splitlines()

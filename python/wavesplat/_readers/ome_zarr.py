@@ -1,0 +1,159 @@
+"""OME-Zarr 0.4 (Zarr v2), 0.5 (Zarr v3) and 0.6 drafts, and plain Zarr arrays, by zarr; also under a URL (fsspec).
+
+Axes may come in any order; time and channel are picked by number.
+World units are those of the file, usually micrometres, and the world's axes are the file's x, y, z.
+"""
+
+from __future__ import annotations
+
+from os import fspath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["read"]
+
+
+def read(request: Request) -> Grid:
+    """One level of a multi-scale image, or a plain array."""
+    with reading("Zarr", request.path):
+        node = _open(request)
+        multiscales = _multiscales(node)
+        if multiscales is not None:
+            return _read_level(node, multiscales, request)
+        if not hasattr(node, "shape"):
+            raise FileError(
+                f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
+                f"{_listed(node)}: {request.path}"
+            )
+        _check_level(1, request)
+        index = index_unnamed_axes(node.shape, request)
+        payload.check_memory(payload.n_bytes(sorted(node.shape)[-3:], node.dtype), request.path)
+        return Grid(np.asarray(node[index]), np.eye(4))
+
+
+def _open(request: Request) -> Any:
+    import zarr
+
+    location = fspath(request.path) if request.is_url else str(request.file)
+    node: Any = zarr.open(location, mode="r")
+    if request.dataset is None:
+        return node
+    try:
+        return node[request.dataset]
+    except (KeyError, IndexError, TypeError):
+        raise ArgumentError(
+            f"no array or group {request.dataset!r}; there is: {_listed(node)}: {request.path}"
+        ) from None
+
+
+def _listed(node: Any) -> str:
+    names = sorted(node.keys()) if hasattr(node, "keys") else []
+    return ", ".join(names) or "none"
+
+
+def _multiscales(node: Any) -> dict[str, Any] | None:
+    attributes = dict(node.attrs)
+    images = attributes.get("ome", attributes).get("multiscales")
+    return images[0] if images else None
+
+
+def _check_level(n_levels: int, request: Request) -> int:
+    level = request.level or 0
+    if not 0 <= level < n_levels:
+        raise ArgumentError(
+            f"level={level}, but there are {n_levels} levels, 0..{n_levels - 1}; 0 is the finest: {request.path}"
+        )
+    return level
+
+
+def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
+    datasets = multiscales["datasets"]
+    dataset = datasets[_check_level(len(datasets), request)]
+    array = group[dataset["path"]]
+    axes = _axis_names(multiscales)
+    if len(axes) != array.ndim:
+        raise FileError(
+            f"the metadata name {len(axes)} axes, the array has {array.ndim}; mend the metadata: {request.path}"
+        )
+    spatial = _spatial_axes(axes, request)
+    picked = tuple(_picked(name, n, spatial, request) for name, n in zip(axes, array.shape, strict=True))
+    n_samples = [n for n, part in zip(array.shape, picked, strict=True) if isinstance(part, slice)]
+    payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
+    samples = np.asarray(array[picked])
+    kept = [name for name in axes if name in spatial]
+    samples = np.transpose(samples, [kept.index(name) for name in spatial])
+    matrix = _composed(dataset, multiscales, len(axes), request)
+    return Grid(samples, _spatial_part(matrix, [axes.index(name) for name in reversed(spatial)]))
+
+
+def _axis_names(multiscales: dict[str, Any]) -> list[str]:
+    axes = multiscales.get("axes")
+    if axes is None and multiscales.get("coordinateSystems"):
+        axes = multiscales["coordinateSystems"][0]["axes"]
+    if axes is None:  # OME-Zarr before 0.3
+        return ["t", "c", "z", "y", "x"]
+    return [axis if isinstance(axis, str) else axis["name"] for axis in axes]
+
+
+def _spatial_axes(axes: list[str], request: Request) -> list[str]:
+    """Names of the axes that become z, y, x."""
+    if not {"z", "y", "x"} <= set(axes):
+        raise FileError(
+            f"the axes are {', '.join(axes)}, so the image is 2-D; a volume needs z, y and x: {request.path}"
+        )
+    return ["z", "y", "x"]
+
+
+def _picked(name: str, count: int, spatial: list[str], request: Request) -> slice | int:
+    if name in spatial:
+        return slice(None)
+    option = "time" if name.startswith("t") else "channel"
+    return choose(option, count, getattr(request, option), request.path)
+
+
+def _composed(
+    dataset: dict[str, Any], multiscales: dict[str, Any], n_axes: int, request: Request
+) -> NDArray[np.float64]:
+    """World from index in the order of the array's axes: the level's own transforms, then those of the image."""
+    steps = [*dataset.get("coordinateTransformations", ()), *multiscales.get("coordinateTransformations", ())]
+    matrix = np.eye(n_axes + 1)
+    for step in steps:
+        matrix = _matrix(step, n_axes, request) @ matrix
+    return matrix
+
+
+def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.float64]:
+    kind = step["type"]
+    matrix = np.eye(n_axes + 1)
+    if kind == "sequence":
+        for part in step["transformations"]:
+            matrix = _matrix(part, n_axes, request) @ matrix
+    elif kind == "scale":
+        matrix[:-1, :-1] = np.diag(np.asarray(step["scale"], dtype=np.float64))
+    elif kind == "translation":
+        matrix[:-1, -1] = step["translation"]
+    elif kind == "rotation":
+        matrix[:-1, :-1] = step["rotation"]
+    elif kind == "affine":
+        matrix[:-1] = step["affine"]
+    elif kind != "identity":
+        raise FileError(
+            f"coordinate transformation of type {kind!r} is not supported; "
+            f"export with a scale or affine: {request.path}"
+        )
+    return matrix
+
+
+def _spatial_part(matrix: NDArray[np.float64], xyz: list[int]) -> NDArray[np.float64]:
+    """Rows and columns of x, y, z out of an affine over all axes."""
+    part = np.eye(4)
+    part[:3, :3] = matrix[np.ix_(xyz, xyz)]
+    part[:3, 3] = matrix[xyz, -1]
+    return part

@@ -1,0 +1,210 @@
+"""Readers: from a file or folder to a `Volume`, orientation and spacing kept, samples in the type of the file.
+
+One module per family of formats, each with `read(request) -> Grid`; this one finds out which is asked.
+The formats themselves are read by well-kept libraries, loaded only when needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from wavesplat._files import payload
+from wavesplat._model import affine
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat._readers.request import Grid, Request
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["open"]
+
+#: Suffix -> module. Longer suffixes come first where one ends with another.
+SUFFIXES = {
+    ".nii.gz": "nifti",
+    ".nii": "nifti",
+    ".img.gz": "nifti",
+    ".img": "nifti",
+    ".hdr": "nifti",
+    ".mgz": "nifti",
+    ".mgh": "nifti",
+    ".nrrd": "itk",
+    ".nhdr": "itk",
+    ".mha": "itk",
+    ".mhd": "itk",
+    ".vtk": "itk",
+    ".vti": "vti",
+    ".dcm": "dicom",
+    ".ima": "dicom",
+    ".tiff": "tiff",
+    ".tif": "tiff",
+    ".btf": "tiff",
+    ".npy": "arrays",
+    ".npz": "arrays",
+    ".raw": "raw",
+    ".bin": "raw",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".hdf": "hdf5",
+    ".zarr": "ome_zarr",
+}
+#: First bytes -> module, for files under other names: (offset, bytes). (nibabel insists on its suffixes.)
+MAGIC = {
+    (128, b"DICM"): "dicom",
+    (0, b"NRRD"): "itk",
+    (0, b"II*\0"): "tiff",
+    (0, b"MM\0*"): "tiff",
+    (0, b"\x93NUMPY"): "arrays",
+    (0, b"\x89HDF\r\n\x1a\n"): "hdf5",
+}
+#: Which options mean something to which module; `spacing` does to all.
+OPTIONS = {
+    "nifti": {"time", "channel"},
+    "itk": {"time", "channel"},
+    "vti": {"channel", "dataset"},
+    "dicom": {"series", "time", "channel"},
+    "tiff": {"time", "channel"},
+    "arrays": {"time", "channel", "dataset"},
+    "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
+    "hdf5": {"time", "channel", "dataset"},
+    "ome_zarr": {"time", "channel", "dataset", "level"},
+}
+KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
+
+
+@public
+def open(
+    path: str | PathLike[str],
+    *,
+    series: str | None = None,
+    time: int | None = None,
+    channel: int | None = None,
+    dataset: str | None = None,
+    level: int | None = None,
+    shape: Sequence[int] | None = None,
+    dtype: np.typing.DTypeLike | None = None,
+    spacing: Sequence[float] | None = None,
+    byte_order: Literal["little", "big"] | None = None,
+    offset: int = 0,
+) -> Volume:
+    """The volume in a file or folder, in the RAS world frame if the format has one.
+
+    Parameters
+    ----------
+    path : path or URL
+        NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
+        of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
+        under a URL).
+    series : str, optional
+        DICOM: the Series Instance UID, if the folder holds several series.
+    time, channel : int, optional
+        Which time point and which channel, from 0, if the file holds several.
+        In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
+    dataset : str, optional
+        HDF5, .npz, .vti, Zarr: the name of the array, if there are several.
+    level : int, optional
+        OME-Zarr: the level of detail; 0, the default, is the finest.
+    shape, dtype : optional
+        Raw: number of samples (z, y, x) and their type, such as "uint8".
+    spacing : three numbers (x, y, z), optional
+        Distances between neighbouring samples, instead of what the file says.
+    byte_order : "little" or "big", optional
+        Raw: of samples wider than a byte; little by default.
+    offset : int, default 0
+        Raw: bytes before the first sample.
+
+    Returns
+    -------
+    Volume
+        Samples keep the type of the file. World units are millimetres for medical formats, else those of the file.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is unreadable, truncated, of an unknown kind or not a volume.
+    ArgumentError
+        If an option has no meaning for that format or is out of range.
+    LimitError
+        If the samples cannot fit into this machine's memory.
+
+    Examples
+    --------
+    >>> import numpy as np, os, tempfile, wavesplat as ws
+    >>> path = os.path.join(tempfile.mkdtemp(), "ramp.raw")
+    >>> np.arange(24, dtype=np.uint8).tofile(path)
+    >>> ws.open(path, shape=(2, 3, 4), dtype="uint8", spacing=(1, 1, 2)).shape
+    (2, 3, 4)
+    """
+    request = Request(path, series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset)
+    if str(path).lower().endswith(".wavelets"):
+        raise ArgumentError(
+            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
+        )
+    family = _family(request)
+    _check_options(request, family)
+    module = import_module(f"wavesplat._readers.{family}")
+    grid: Grid = module.read(request)
+    return _volume(grid, request)
+
+
+def _volume(grid: Grid, request: Request) -> Volume:
+    world_from_index = grid.world_from_index
+    if request.spacing is not None:
+        world_from_index = affine.with_spacing(world_from_index, request.spacing)
+    try:
+        return Volume(grid.samples, world_from_index=world_from_index, name=request.name)
+    except ArgumentError as error:
+        # The array came from the file, so the file is to blame, not the caller.
+        raise FileError(f"{error}: {request.path}") from None
+
+
+def _family(request: Request) -> str:
+    """The module that reads what the path names."""
+    if request.shape is not None or request.dtype is not None:
+        return "raw"
+    if request.is_url:
+        return "ome_zarr"
+    path = request.file
+    if path.is_dir():
+        return _family_of_folder(path)
+    payload.check_readable(path)
+    suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
+    family = SUFFIXES.get(suffix or "") or _family_by_magic(path)
+    if family is None:
+        raise FileError(
+            f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
+        )
+    return family
+
+
+def _family_of_folder(folder: Path) -> str:
+    names = sorted(entry.name for entry in folder.iterdir())
+    if not names:
+        raise FileError(f"the folder is empty; name the folder that holds the slices: {folder}")
+    if {"zarr.json", ".zattrs", ".zgroup", ".zarray"} & set(names):
+        return "ome_zarr"
+    if any(name.lower().endswith((".tif", ".tiff")) for name in names):
+        return "tiff"
+    return "dicom"
+
+
+def _family_by_magic(path: Path) -> str | None:
+    with path.open("rb") as file:
+        head = file.read(352)
+    for (offset, magic), family in MAGIC.items():
+        if head[offset:].startswith(magic):
+            return family
+    return None
+
+
+def _check_options(request: Request, family: str) -> None:
+    for option in sorted(request.given() - OPTIONS[family] - {"spacing"}):
+        users = ", ".join(name for name, options in OPTIONS.items() if option in options)
+        raise ArgumentError(
+            f"{option}= has no meaning for this kind of file (only for: {users}); leave it out: {request.path}"
+        )

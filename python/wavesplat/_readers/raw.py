@@ -1,0 +1,64 @@
+"""Raw samples without a header: shape, type, byte order and offset come from the caller."""
+
+from __future__ import annotations
+
+from operator import index
+
+import numpy as np
+
+from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["read"]
+
+
+def read(request: Request) -> Grid:
+    """The samples in a raw file."""
+    shape, dtype = _shape(request), _dtype(request)
+    path = request.file
+    if path.is_dir():
+        raise FileError(f"this is a folder; raw samples are read from one file: {path}")
+    payload.check_readable(path)
+    if request.offset < 0:
+        raise ArgumentError(f"offset={request.offset}; give the bytes before the first sample, 0 or more")
+    stored = path.stat().st_size - request.offset
+    payload.check_stored(shape, dtype, max(stored, 0), path)
+    needed = payload.n_bytes(shape, dtype)
+    if stored > needed:
+        raise FileError(
+            f"shape {shape} of {dtype} needs {needed} bytes, the file holds {stored} after offset {request.offset}; "
+            f"check shape and dtype, or pass offset={path.stat().st_size - needed} to skip a header: {path}"
+        )
+    with reading("raw samples", path):
+        array = np.fromfile(path, dtype, offset=request.offset).reshape(shape)
+    return Grid(array[index_unnamed_axes(shape, request)], np.eye(4))
+
+
+def _shape(request: Request) -> tuple[int, ...]:
+    if request.shape is None:
+        raise ArgumentError(f'raw samples need shape=(z, y, x) and dtype=, such as "uint8"; pass both: {request.path}')
+    try:
+        shape = tuple(index(n) for n in request.shape)
+    except TypeError:
+        raise ArgumentError(f"shape is {request.shape!r}; give whole numbers (z, y, x)") from None
+    if len(shape) < 3 or min(shape) < 1:
+        raise ArgumentError(f"shape is {shape}; give at least three positive numbers (z, y, x)")
+    return shape
+
+
+def _dtype(request: Request) -> np.dtype[np.generic]:
+    if request.dtype is None:
+        raise ArgumentError(f'raw samples need dtype=, such as "uint8" or "int16"; pass it: {request.path}')
+    try:
+        dtype = np.dtype(request.dtype)
+    except TypeError:
+        raise ArgumentError(
+            f'dtype is {request.dtype!r}; give a NumPy type, such as "uint8", "int16" or "float32"'
+        ) from None
+    if request.byte_order not in (None, "little", "big"):
+        raise ArgumentError(f'byte_order is {request.byte_order!r}; it is "little" or "big"')
+    if request.byte_order is None:
+        return dtype.newbyteorder("<") if dtype.byteorder == "=" else dtype
+    return dtype.newbyteorder("<" if request.byte_order == "little" else ">")

@@ -1,0 +1,110 @@
+"""What a reader is asked for, and what it gives."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
+__all__ = ["Grid", "Request", "choose", "index_unnamed_axes", "quiet"]
+
+
+class Grid(NamedTuple):
+    """Samples [z, y, x] and the affine from their index (x, y, z) to the world."""
+
+    samples: NDArray[Any]
+    world_from_index: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Request:
+    """The arguments of `wavesplat.open`."""
+
+    path: str | PathLike[str]
+    series: str | None = None
+    time: int | None = None
+    channel: int | None = None
+    dataset: str | None = None
+    level: int | None = None
+    shape: Sequence[int] | None = None
+    dtype: DTypeLike | None = None
+    spacing: Sequence[float] | None = None
+    byte_order: str | None = None
+    offset: int = 0
+
+    @property
+    def file(self) -> Path:
+        """The path, with ~ resolved."""
+        return Path(self.path).expanduser()
+
+    @property
+    def is_url(self) -> bool:
+        """Whether the path names something on the net, or behind another fsspec protocol."""
+        return "://" in fspath(self.path)
+
+    @property
+    def name(self) -> str:
+        """The last part of the path."""
+        return fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path)
+
+    def given(self) -> set[str]:
+        """Names of the options that were set."""
+        return {f.name for f in fields(self) if f.name != "path" and getattr(self, f.name) != f.default}
+
+
+@contextmanager
+def quiet(library: str) -> Iterator[None]:
+    """Keep a library from logging about what we report ourselves."""
+    logger = logging.getLogger(library)
+    before, logger.disabled = logger.disabled, True
+    try:
+        yield
+    finally:
+        logger.disabled = before
+
+
+WHAT = {"time": "time points", "channel": "channels"}
+
+
+def choose(option: str, count: int, number: int | None, path: object) -> int:
+    """The index of a time point or channel: what was asked for, or 0 if there is only one."""
+    if number is None:
+        if count == 1:
+            return 0
+        raise FileError(
+            f"the file holds {count} {WHAT[option]}; choose one with {option}=0..{count - 1} "
+            f"(on the command line --{option} N): {path}"
+        )
+    if not 0 <= number < count:
+        raise ArgumentError(f"{option}={number}, but the file holds {count} {WHAT[option]}, 0..{count - 1}: {path}")
+    return number
+
+
+def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...]:
+    """Index of one volume in an array whose axes have no names: time is the first axis, channel the last."""
+    n_extra = len(shape) - 3
+    wanted = (request.time is not None) + (request.channel is not None)
+    if n_extra > 0 and wanted < n_extra:
+        raise FileError(
+            f"the array is {len(shape)}-D, shape {tuple(shape)}; choose one volume with "
+            f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.path}"
+        )
+    if wanted > max(n_extra, 0):
+        raise ArgumentError(
+            f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.path}"
+        )
+    first = () if request.time is None else (choose("time", shape[0], request.time, request.path),)
+    last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.path),)
+    return (*first, ..., *last)

@@ -1,0 +1,244 @@
+"""VTK's XML images (.vti): one array of points or cells, in one piece or several.
+
+No library but VTK itself reads them, and it is large.
+Format: "XML File Formats", https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html, and for the bytes
+before the samples "VTK XML Formats", https://itk.org/Wiki/VTK_XML_Formats.
+The file says nothing of a patient: its axes are kept as they are.
+"""
+
+from __future__ import annotations
+
+import base64
+import lzma
+import mmap
+import xml.etree.ElementTree as ET
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._readers.request import Grid, Request, choose
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["read"]
+
+#: VTK's name of a type -> NumPy's.
+TYPES = {"Float32": "f4", "Float64": "f8"} | {
+    f"{kind}{8 * n}": f"{name}{n}" for kind, name in (("Int", "i"), ("UInt", "u")) for n in (1, 2, 4, 8)
+}
+
+#: How blocks are unpacked, at most to a number of bytes, and what the codec shrinks data by at most.
+CODECS: dict[str, tuple[Callable[[bytes, int], bytes], int]] = {
+    "vtkZLibDataCompressor": (lambda data, n: zlib.decompressobj().decompress(data, n), payload.DEFLATE_RATIO),
+    "vtkLZMADataCompressor": (lambda data, n: lzma.LZMADecompressor().decompress(data, n), payload.ANY_RATIO),
+}
+
+
+def read(request: Request) -> Grid:
+    """The volume in a .vti file: the array that it names as its scalars, or the one that `dataset` names."""
+    path = request.file
+    with (
+        reading("a VTK image", path),
+        path.open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
+        return _read(request, _Stored.of(content, path))
+
+
+def _read(request: Request, stored: _Stored) -> Grid:
+    path = request.path
+    image = stored.header.find("ImageData")
+    if image is None:
+        kind = stored.header.get("type", "something else")
+        raise FileError(f"the file holds {kind}, not ImageData; resample it to an image: {path}")
+    whole = _extent(image.get("WholeExtent", ""))
+    of_cells, name, n_components = _chosen(image, request)
+    channel = choose("channel", n_components, request.channel, path)
+    size = _size(whole, of_cells)
+    samples: NDArray[Any] | None = None
+    n_cells = 0
+    for piece in image.iter("Piece"):
+        extent = _extent(piece.get("Extent", ""))
+        if (extent[:, 0] < whole[:, 0]).any() or (extent[:, 1] > whole[:, 1]).any():
+            raise ValueError("a piece beyond the extent")
+        for array in piece.findall("CellData/DataArray" if of_cells else "PointData/DataArray"):
+            if array.get("Name", "") == name:
+                part = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))[..., channel]
+                if samples is None:
+                    payload.check_memory(payload.n_bytes(size, part.dtype), path)
+                    samples = np.zeros(size[::-1], part.dtype)
+                first = extent[:, 0] - whole[:, 0]
+                samples[tuple(slice(i, i + n) for i, n in zip(first[::-1], part.shape, strict=True))] = part
+                n_cells += _n_cells(extent)
+    # Pieces share points, but no cells.
+    if samples is None or n_cells != _n_cells(whole):
+        raise FileError(f"the pieces of {name!r} do not fill the file's extent; write them all into one file: {path}")
+    return Grid(samples, _world_from_index(image, whole, of_cells))
+
+
+def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
+    """Whether the samples are of cells, their name, and how many there are at each place."""
+    piece = image.find("Piece")
+    points, cells = ([], []) if piece is None else (piece.findall("PointData"), piece.findall("CellData"))
+    arrays = [(array, part in cells) for part in (*points, *cells) for array in part.findall("DataArray")]
+    names = [array.get("Name", "") for array, _ in arrays]
+    named = [name for part in (*points, *cells) if (name := part.get("Scalars", "")) in names]
+    if request.dataset is not None:
+        if request.dataset not in names:
+            listed = ", ".join(names) or "none"
+            raise ArgumentError(f"no array {request.dataset!r}; the file holds {listed}: {request.path}")
+        place = names.index(request.dataset)
+    elif named or len(names) == 1:
+        place = names.index(named[0]) if named else 0
+    else:
+        listed = ", ".join(names) or "none"
+        raise FileError(
+            f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
+        )
+    array, of_cells = arrays[place]
+    return of_cells, names[place], int(array.get("NumberOfComponents") or 1)
+
+
+def _extent(text: str) -> NDArray[np.int64]:
+    """First and last point along x, y, z."""
+    extent = np.array(text.split(), np.int64).reshape(3, 2)
+    if (extent[:, 1] < extent[:, 0]).any():
+        raise ValueError(f"an extent of {text}")
+    return extent
+
+
+def _size(extent: NDArray[np.int64], of_cells: bool) -> tuple[int, int, int]:
+    """Samples along x, y, z."""
+    nx, ny, nz = (int(n) for n in extent[:, 1] - extent[:, 0] + (0 if of_cells else 1))
+    return nx, ny, nz
+
+
+def _n_cells(extent: NDArray[np.int64]) -> int:
+    """A layer of points counts as one of cells."""
+    nx, ny, nz = (max(n, 1) for n in _size(extent, of_cells=True))
+    return nx * ny * nz
+
+
+def _world_from_index(image: ET.Element, whole: NDArray[np.int64], of_cells: bool) -> NDArray[np.float64]:
+    """Cells have their samples in their middles."""
+
+    def numbers(name: str, default: str) -> NDArray[np.float64]:
+        return np.array((image.get(name) or default).split(), np.float64)
+
+    matrix = np.eye(4)
+    matrix[:3, :3] = numbers("Direction", "1 0 0 0 1 0 0 0 1").reshape(3, 3) * numbers("Spacing", "1 1 1")
+    first = whole[:, 0] + (0.5 if of_cells else 0.0)
+    matrix[:3, 3] = numbers("Origin", "0 0 0") + matrix[:3, :3] @ first
+    return matrix
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """A file: its XML, and the appended data behind it."""
+
+    header: ET.Element
+    path: Path
+    content: mmap.mmap
+    #: Where appended data begin; `None` without any.
+    appended: int | None
+    is_base64: bool
+
+    @classmethod
+    def of(cls, content: mmap.mmap, path: Path) -> _Stored:
+        """Appended data are no XML: the parser is not shown them."""
+        at = content.find(b"<AppendedData")
+        if at < 0:
+            return cls(_parsed(content[:]), path, content, None, is_base64=True)
+        begin = content.find(b"_", content.find(b">", at))
+        header = _parsed(content[:at] + b"</VTKFile>")
+        return cls(header, path, content, begin + 1, is_base64=b"base64" in content[at:begin])
+
+    def samples(self, array: ET.Element, shape: tuple[int, ...]) -> NDArray[Any]:
+        """The numbers of an array."""
+        kind = array.get("type", "")
+        if kind not in TYPES:
+            raise FileError(f"samples of type {kind!r} cannot be drawn; write them as numbers: {self.path}")
+        dtype = np.dtype(TYPES[kind]).newbyteorder(self.byte_order)
+        form, text = array.get("format", "ascii"), array.text or ""
+        if form == "ascii":
+            # A digit and a space for each.
+            payload.check_stored(shape, np.dtype("u1"), (len(text) + 1) // 2, self.path)
+            return np.array(text.split(), dtype.newbyteorder("=")).reshape(shape)
+        if form == "binary":
+            encoded = _Encoded("".join(text.split()).encode(), is_base64=True)
+        elif self.appended is not None:
+            begin = self.appended + int(array.get("offset", "0"))
+            encoded = _Encoded(self.content, self.is_base64, begin)
+        else:
+            raise FileError(f"the appended data are not there; copy or export the file again: {self.path}")
+        unpacked = self.unpacked(encoded, shape, dtype)
+        return np.frombuffer(unpacked, dtype).reshape(shape).astype(dtype.newbyteorder("="), copy=False)
+
+    @property
+    def byte_order(self) -> Literal["big", "little"]:
+        return "big" if self.header.get("byte_order") == "BigEndian" else "little"
+
+    def unpacked(self, encoded: _Encoded, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bytes:
+        """The bytes of an array."""
+        needed = payload.n_bytes(shape, dtype)
+        width = 8 if self.header.get("header_type") == "UInt64" else 4
+
+        def integers(data: bytes) -> list[int]:
+            return [int.from_bytes(data[i : i + width], self.byte_order) for i in range(0, len(data), width)]
+
+        compressor = self.header.get("compressor")
+        if compressor is None:
+            payload.check_stored(shape, dtype, encoded.most_bytes(), self.path)
+            data = encoded.take(width + needed)
+            if len(data) != width + needed or integers(data[:width]) != [needed]:
+                raise ValueError("not as many samples as the extent has")
+            return data[width:]
+        if compressor not in CODECS:
+            raise FileError(f"compressed by {compressor}; write it with zlib, or not compressed: {self.path}")
+        unpack, ratio = CODECS[compressor]
+        payload.check_stored(shape, dtype, encoded.most_bytes(), self.path, ratio=ratio)
+        n_blocks, whole, last = integers(_Encoded(encoded.text, encoded.is_base64, encoded.begin).take(3 * width))
+        unpacked = [whole] * (n_blocks - 1 if 0 < n_blocks <= needed else 0) + [last or whole]
+        if sum(unpacked) != needed:
+            raise ValueError("not as many samples as the extent has")
+        # The header is encoded on its own, all blocks together.
+        packed = integers(encoded.take((3 + n_blocks) * width))[3:]
+        ends = np.cumsum([0, *packed])
+        data = encoded.take(int(ends[-1]))
+        blocks = [unpack(data[a:b], n) for a, b, n in zip(ends[:-1], ends[1:], unpacked, strict=True)]
+        if [len(block) for block in blocks] != unpacked:
+            raise ValueError("a block that is cut")
+        return b"".join(blocks)
+
+
+def _parsed(text: bytes) -> ET.Element:
+    """Without a document type, there are no entities that could grow."""
+    if b"<!DOCTYPE" in text or b"\0" in text:  # a zero byte: of UTF-16, in which it looks otherwise
+        raise ValueError("a document type, which VTK does not write")
+    return ET.fromstring(text)  # noqa: S314 - see above
+
+
+@dataclass
+class _Encoded:
+    """Bytes as they are, or in base64, taken one after the other; those taken at once have been encoded at once."""
+
+    text: bytes | mmap.mmap
+    is_base64: bool
+    begin: int = 0
+
+    def most_bytes(self) -> int:
+        """How many there may be."""
+        n = len(self.text) - self.begin
+        return n * 3 // 4 if self.is_base64 else n
+
+    def take(self, n: int) -> bytes:
+        """The next ones; fewer where the file ends."""
+        begin, self.begin = self.begin, self.begin + (-(-n // 3) * 4 if self.is_base64 else n)
+        part = self.text[begin : self.begin]
+        return base64.b64decode(part)[:n] if self.is_base64 else part

@@ -1,0 +1,118 @@
+"""Arguments that several renderers take: as users give them, checked, and as the compiled module takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from operator import index
+from typing import Any, TypeAlias
+
+from wavesplat import _native
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.materials import Materials
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.camera import Camera
+from wavesplat._model.crop import Crop
+from wavesplat._model.grid import Grid
+from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat.errors import ArgumentError
+
+__all__ = [
+    "DEFAULT_SHADING",
+    "ClipPlane",
+    "checked_count",
+    "checked_size",
+    "chosen_camera",
+    "chosen_labels",
+    "chosen_transfer_function",
+    "region",
+]
+
+#: A point and a normal; the side that the normal points to is kept.
+ClipPlane: TypeAlias = tuple[Iterable[float], Iterable[float]]
+
+DEFAULT_SHADING = Shading()
+
+
+def chosen_transfer_function(
+    given: TransferFunction | TransferFunction2D | Materials | str | None,
+    volume: Volume | WaveletVolume,
+    composite: str = "over",
+) -> TransferFunction | TransferFunction2D:
+    """The transfer function itself, or the one that materials, a preset name or None stand for."""
+    if isinstance(given, TransferFunction | TransferFunction2D):
+        return given
+    if isinstance(given, Materials):
+        return given.transfer_function()
+    if given is None or given == "auto":
+        return TransferFunction.auto(volume, composite)
+    if isinstance(given, str):
+        return TransferFunction.preset(given, volume)
+    raise ArgumentError(
+        f"transfer_function is a {type(given).__name__}; give a TransferFunction, Materials or the name of a preset"
+    )
+
+
+def chosen_labels(given: Labels | None, volume: Grid) -> _native.Labels | None:
+    """The labels as the compiled module takes them, if they lie on the volume's samples."""
+    if given is None:
+        return None
+    if not isinstance(given, Labels):
+        raise ArgumentError(f"labels is a {type(given).__name__}; give a wavesplat.Labels(segmentation, ...)")
+    return given.beside(volume)
+
+
+def chosen_camera(given: Camera | str | None, volume: Grid, aspect: float) -> Camera:
+    """The camera itself, or the one that a view's name or None stands for."""
+    if isinstance(given, Camera):
+        return given
+    if given is None or isinstance(given, str):
+        # A picture without pixels has no aspect; the compiled module refuses it.
+        return Camera.view(volume, given or "anterior", aspect=aspect if aspect > 0 else 1.0)
+    raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
+
+
+def checked_size(size: Sequence[int]) -> tuple[int, int]:
+    """Width and height as plain integers, 0 or more."""
+    try:
+        width, height = (index(number) for number in size)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"size is {size!r}; give (width, height), two whole numbers of pixels") from None
+    if width < 0 or height < 0:
+        raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
+    return width, height
+
+
+def checked_count(number: int | None, name: str) -> int | None:
+    """The number as a plain integer, 0 or more, or None."""
+    if number is None:
+        return None
+    try:
+        count = index(number)
+    except TypeError:
+        raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
+    if count < 0:
+        raise ArgumentError(f"{name} is {count}; give a whole number of at least 1")
+    return count
+
+
+def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:
+    """Crop and clip planes as the compiled module takes them."""
+    if crop is not None and not isinstance(crop, Crop):
+        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
+    return {
+        "crop_index": crop.corners_in("index") if crop else None,
+        "crop_world": crop.corners_in("world") if crop else None,
+        "clip_planes": [_plane(plane, number) for number, plane in enumerate(clip_planes)],
+    }
+
+
+def _plane(plane: ClipPlane, number: int) -> tuple[Vector, Vector]:
+    try:
+        point, normal = plane
+    except (TypeError, ValueError):
+        raise ArgumentError(f"clip plane {number} is {plane!r}; give (point, normal), three numbers each") from None
+    return vector(point, f"point of clip plane {number}"), vector(normal, f"normal of clip plane {number}")

@@ -1,0 +1,109 @@
+"""What projections need and the caller did not give: numbers, and greys for what a view shows.
+
+Maxima are much the same wherever a volume is seen from. What a ray sums up, or misses nowhere, depends on its way, so
+that the greys are chosen as a radiograph is exposed: by a small picture of the same view.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypedDict
+
+import numpy as np
+
+from wavesplat._looks import histogram
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._picture.picture import Picture
+from wavesplat.errors import ArgumentError
+
+__all__ = ["ANY_CURVES", "Numbers", "absorption", "check_owners", "exposed", "numbers", "overview_size"]
+
+#: The one operator that each of these options of `render` belongs to.
+OWNERS = {
+    "iso_value": "first-hit",
+    "local_threshold": "local-maximum",
+    "depth_shading": "depth-shaded-maximum",
+    "attenuation": "x-ray",
+}
+
+#: For a picture whose values are all that is wanted of it, and its longer side.
+ANY_CURVES = TransferFunction([(0.0, 1.0)], [(0.0, 1.0, 1.0, 1.0)])
+OVERVIEW_PX = 128
+
+#: Where a local maximum begins to count, as a share of the way from the first to the last colour.
+LOCAL_THRESHOLD = 0.25
+
+#: How much the farthest point is dimmed.
+DEPTH_SHADING = 0.6
+
+
+class Numbers(TypedDict, total=False):
+    """Arguments of the compiled renderer, and of no operator but their own."""
+
+    local_threshold: float
+    depth_shading: tuple[float, float]
+    attenuation: tuple[float, float]
+
+
+def check_owners(composite: str, **options: object) -> None:
+    """Refuse options of other operators than the one that is drawn; `options` are those of `OWNERS`."""
+    for name, value in options.items():
+        if value is not None and composite != OWNERS[name]:
+            raise ArgumentError(
+                f'{name} is for composite="{OWNERS[name]}", not for "{composite}"; give that, or leave out {name}'
+            )
+
+
+def overview_size(width: int, height: int) -> tuple[int, int]:
+    """Of the small picture."""
+    scale = min(1.0, OVERVIEW_PX / max(width, height, 1))
+    return max(1, round(width * scale)), max(1, round(height * scale))
+
+
+def exposed(volume: Volume | WaveletVolume, composite: str, overview: Picture) -> TransferFunction | None:
+    """Greys for what a small picture shows; None where it shows nothing."""
+    if overview.value is None:
+        return None
+    values = overview.value[np.isfinite(overview.value)]
+    return histogram.exposed(volume, composite, values) if values.size else None
+
+
+def absorption(
+    composite: str, attenuation: Iterable[float] | None, volume: Volume | WaveletVolume
+) -> tuple[float, float] | None:
+    """What an x-ray is drawn with, (clear, attenuation); None for other operators."""
+    if composite != "x-ray":
+        return None
+    if attenuation is None:
+        return histogram.attenuation(volume)
+    try:
+        clear, per_unit = (float(number) for number in attenuation)
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            f"attenuation is {attenuation!r}; give (clear, attenuation): a sample value that absorbs nothing, and "
+            "absorption per world unit and sample unit above it"
+        ) from None
+    return clear, per_unit
+
+
+def numbers(
+    composite: str,
+    curves: TransferFunction | TransferFunction2D,
+    local_threshold: float | None,
+    depth_shading: float | None,
+    absorbs: tuple[float, float] | None,
+) -> Numbers:
+    """The numbers of one operator; where nothing is given they follow the colours, so that they fit what is shown."""
+    if isinstance(curves, TransferFunction2D):
+        first, last = curves.values[0], curves.values[-1]
+    else:
+        first, last = curves.color[0][0], curves.color[-1][0]
+    if composite == "local-maximum":
+        between = first + LOCAL_THRESHOLD * (last - first)
+        return {"local_threshold": between if local_threshold is None else float(local_threshold)}
+    if composite == "depth-shaded-maximum":
+        return {"depth_shading": (DEPTH_SHADING if depth_shading is None else float(depth_shading), first)}
+    return {} if absorbs is None else {"attenuation": absorbs}

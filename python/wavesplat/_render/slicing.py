@@ -1,0 +1,338 @@
+"""Slices through a volume, thin or thick, as grey values or in the colours of a transfer function.
+
+The world of medical data is RAS: x grows to the patient's right, y to the front, z upwards.
+Planes are shown as radiologists look at them: axial from the feet, coronal from the front, sagittal from the patient's
+left, so axial and coronal slices have the patient's right at the left of the picture.
+An oblique plane is shown as the nearest of these three is, whichever way its normal points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import ceil, floor, isfinite
+from typing import Any, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+from wavesplat._looks import colors
+from wavesplat._looks.histogram import robust_range
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model import affine
+from wavesplat._model.grid import Grid
+from wavesplat._model.options import PLANES, Kernel, Plane, Slab
+from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._picture import annotation
+from wavesplat._picture.picture import Picture
+from wavesplat._public import public
+from wavesplat._render.arguments import checked_count, checked_size, chosen_transfer_function
+from wavesplat.errors import ArgumentError
+
+__all__ = ["slice"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+#: Planes of a slab per sample along its normal, so that no sample lies further than a quarter from a plane.
+PLANES_PER_SAMPLE = 2
+#: What is as near as this to the edge is not outside, in samples: affines in files are rounded to float32.
+ON_SAMPLE = 1e-6
+
+
+@public
+def slice(
+    volume: Volume | WaveletVolume,
+    plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
+    position: float | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    zoom: float = 1.0,
+    center: Iterable[float] | None = None,
+    kernel: Kernel = "linear",
+    thickness: float = 0.0,
+    slab: Slab = "maximum",
+    window: tuple[float, float] | None = None,
+    transfer_function: TransferFunction | str | None = None,
+    letters: bool = False,
+    scale_bar: bool | str = False,
+    background: str | Sequence[float] | None = "black",
+    threads: int | None = None,
+) -> Picture:
+    """A picture of a plane through the volume, or of a slab around it.
+
+    Parameters
+    ----------
+    volume : Volume or WaveletVolume
+        What to cut.
+    plane : str or (point, normal), default "axial"
+        "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
+    position : float, optional
+        Where the plane crosses that axis, world units; None is the middle of the volume. Of (point, normal): how far
+        to move from the point along the normal; None is not at all.
+    size : (width, height), optional
+        Pixels, into which the volume fits; None gives square pixels of the volume's finest spacing, on its samples
+        where these lie along the picture.
+    zoom : float, default 1
+        Magnification about `center`.
+    center : three numbers (x, y, z), optional
+        World position in the middle of the picture, moved at right angles onto the plane; None is the middle of the
+        volume's box.
+    kernel : str
+        Reconstruction between samples, as for `render`.
+    thickness : float, default 0
+        Of a slab with the plane in its middle, world units. Two planes for every sample across it, and both its faces.
+    slab : str
+        "maximum", "minimum" or "mean" of the values across the slab.
+    window : (low, high), optional
+        Values shown as black and as white; None takes those that count as the volume's smallest and largest.
+    transfer_function : TransferFunction or str, optional
+        Instead of a window: the colours, opaque, of all values that are not transparent.
+    letters : bool
+        Write at the edges where they lie: R, L, A, P, S, I, and the sum of these for oblique planes. Needs Pillow.
+    scale_bar : bool or str
+        Draw a bar of a round length; a text is the name of the world's unit, True is "mm". Needs Pillow.
+    background : colour, optional
+        As for `render`; shows where there are no values.
+    threads : int, optional
+        Worker threads; None uses all cores.
+
+    Returns
+    -------
+    Picture
+        `value` holds the values, float32, shape (height, width), NaN outside the volume.
+        `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
+        `pixel`), the letters of the four edges, and the window.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work, or the plane lies outside the volume; the message has the range.
+    LibraryError
+        If letters or a scale bar are wanted and Pillow is not installed (`pip install ".[annotation]"` in the
+        checkout).
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> volume = ws.examples.ripples(16)
+    >>> ws.slice(volume, "coronal").value.shape
+    (16, 16)
+    >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
+    (64, 48)
+    """
+    cut = _cut(volume, plane, position)
+    frame = _frame(volume, cut, size, zoom, center)
+    offsets = _offsets(volume, cut, float(thickness))
+    if slab not in get_args(Slab):
+        raise ArgumentError(f"slab is {slab!r}; use one of: {', '.join(get_args(Slab))}")
+    if window is not None and transfer_function is not None:
+        raise ArgumentError("window and transfer_function both say how values look; give one of them")
+    window = None if window is None else checked_window(window)
+    drawn = volume._decoded() if isinstance(volume, WaveletVolume) else volume._core
+    first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
+    values = _native.plane(
+        drawn,
+        origin=_triple(frame.origin + first * cut.normal),
+        across=_triple(frame.pixel * cut.right),
+        down=_triple(-frame.pixel * cut.up),
+        width=frame.size[0],
+        height=frame.size[1],
+        kernel=kernel,
+        slab=slab,
+        n_planes=len(offsets),
+        step=_triple(step * cut.normal),
+        threads=checked_count(threads, "threads"),
+    )
+    report: dict[str, Any] = {
+        "position": cut.position,
+        "normal": cut.normal.tolist(),
+        "origin": frame.origin.tolist(),
+        "right": cut.right.tolist(),
+        "down": (-cut.up + 0.0).tolist(),
+        "pixel": frame.pixel,
+        "letters": annotation.edge_letters(cut.right, cut.up),
+        "n_planes": len(offsets),
+        "kernel": kernel,
+    }
+    if transfer_function is None:
+        low, high = report["window"] = window or _whole_range(volume)
+        rgb = np.repeat(np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None], 3, axis=2)
+        shown = np.isfinite(values)
+    else:
+        curves = chosen_transfer_function(transfer_function, volume)
+        if isinstance(curves, TransferFunction2D):
+            raise ArgumentError("a slice shows values, not gradients; give a TransferFunction, or none for grey")
+        rgba = curves(values.ravel()).reshape(*values.shape, 4)
+        rgb, shown = rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0)
+    picture = _on_background(rgb, shown, background)
+    if letters:
+        picture = annotation.with_letters(picture, report["letters"])
+    if scale_bar:
+        unit = scale_bar if isinstance(scale_bar, str) else "mm"
+        picture, report["scale_bar"] = annotation.with_scale_bar(picture, frame.pixel, unit)
+    return Picture(picture, value=values, report=report)
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """A plane and how it is shown: unit vectors in the world, `right` and `up` of the picture."""
+
+    normal: Array
+    right: Array
+    up: Array
+    offset: float  # of the plane along the normal
+    position: float  # as the user counts it
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """Where the pixels lie: the centre of the first one, and the distance of neighbours, in the world."""
+
+    origin: Array
+    pixel: float
+    size: tuple[int, int]
+
+
+def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]], position: float | None) -> _Cut:
+    if position is not None and not isfinite(position):
+        raise ArgumentError(f"position is {position}; give a finite number, world units, or None for the middle")
+    if isinstance(plane, str):
+        if plane not in PLANES:
+            raise ArgumentError(f"unknown plane {plane!r}; use one of: {', '.join(PLANES)}, or (point, normal)")
+        axis = "xyz".index(PLANES[plane][0])
+        normal = np.eye(3)[axis]
+        if position is None:
+            # A sample, and not what lies half way between two.
+            position = float(_middle_sample(volume)[axis])
+        offset, what = float(position), f"position of the {plane} plane is {position:g}"
+    else:
+        point, normal = _point_and_normal(plane)
+        position = 0.0 if position is None else float(position)
+        offset = float(normal @ point) + position
+        what = f"the oblique plane lies at {offset:g} along its normal from the world's origin"
+    least, most = _extent(volume, normal)
+    tolerance = ON_SAMPLE * _sample_step(volume, normal)
+    if not least - tolerance <= offset <= most + tolerance:
+        raise ArgumentError(
+            f"{what}, which is outside the volume {volume.name!r}; it reaches from {least:g} to {most:g}"
+        )
+    return _Cut(normal, *_shown(normal), offset, float(position))
+
+
+def _point_and_normal(plane: Any) -> tuple[Array, Array]:
+    try:
+        point, normal = plane
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            f"plane is {plane!r}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
+        ) from None
+    point, normal = np.array(vector(point, "point of the plane")), np.array(vector(normal, "normal of the plane"))
+    length = np.linalg.norm(normal)
+    if not (np.isfinite(point).all() and isfinite(length) and length > 0):
+        raise ArgumentError(
+            f"plane has the point {tuple(point.tolist())} and the normal {tuple(normal.tolist())}; "
+            "give finite numbers, and a normal that is not zero"
+        )
+    return point, normal / length
+
+
+def _shown(normal: Array) -> tuple[Array, Array]:
+    """Right and up of the picture: those of the nearest named plane, turned with the plane."""
+    # Of equally near ones, axial goes before coronal and coronal before sagittal.
+    axis = max((2, 1, 0), key=lambda a: round(abs(float(normal[a])), 9))
+    _, up_name, eye = next(how for how in PLANES.values() if how[0] == "xyz"[axis])
+    to_eye = normal if normal[axis] * eye > 0 else -normal
+    up = np.eye(3)["xyz".index(up_name)]
+    up = up - (up @ to_eye) * to_eye
+    up /= np.linalg.norm(up)
+    # Adding 0.0 turns -0.0 into 0.0, which prints better.
+    return np.cross(up, to_eye) + 0.0, up + 0.0
+
+
+def _middle_sample(volume: Grid) -> Array:
+    index = np.array([n // 2 for n in reversed(volume.shape)], dtype=np.float64)
+    matrix = volume.world_from_index
+    middle: Array = matrix[:3, :3] @ index + matrix[:3, 3]
+    return middle
+
+
+def _extent(volume: Grid, direction: Array) -> tuple[float, float]:
+    """How far the outermost samples reach along a direction."""
+    along = affine.box_corners(volume.world_from_index, volume.shape) @ direction
+    return float(along.min()), float(along.max())
+
+
+def _sample_step(volume: Grid, direction: Array) -> float:
+    """How far one may go along a direction until some index has changed by 1, world units."""
+    return float(1 / np.abs(np.linalg.solve(volume.world_from_index[:3, :3], direction)).max())
+
+
+def _frame(
+    volume: Grid, cut: _Cut, size: tuple[int, int] | None, zoom: float, center: Iterable[float] | None
+) -> _Frame:
+    if not (isfinite(zoom) and zoom > 0):
+        raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
+    ends = np.array([_extent(volume, cut.right), _extent(volume, cut.up)])
+    lengths = ends[:, 1] - ends[:, 0]
+    if size is None:
+        pixel = min(volume.spacing)
+        width, height = (floor(length / pixel + ON_SAMPLE) + 1 for length in lengths)
+    else:
+        width, height = checked_size(size)
+        # The outermost pixels lie on the outermost samples.
+        pixel = float((lengths / (np.maximum((width, height), 2) - 1)).max())
+    pixel /= zoom
+    middle = ends.mean(axis=1)
+    if center is not None:
+        point = np.array(vector(center, "center of the slice"))
+        middle = np.array([cut.right @ point, cut.up @ point])
+    left, top = middle[0] - (width - 1) / 2 * pixel, middle[1] + (height - 1) / 2 * pixel
+    return _Frame(left * cut.right + top * cut.up + cut.offset * cut.normal, pixel, (width, height))
+
+
+def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
+    """Where the planes of the slab lie, from the middle one; those outside the volume are left out."""
+    if not (isfinite(thickness) and thickness >= 0):
+        raise ArgumentError(f"thickness is {thickness}; give 0 for a plane, or a positive number, world units")
+    if thickness == 0:
+        return np.zeros(1)
+    n_steps = max(1, ceil(PLANES_PER_SAMPLE / 2 * thickness / _sample_step(volume, cut.normal) - ON_SAMPLE))
+    step = thickness / (2 * n_steps)
+    least, most = (np.array(_extent(volume, cut.normal)) - cut.offset) / step
+    return np.arange(max(-n_steps, ceil(least - ON_SAMPLE)), min(n_steps, floor(most + ON_SAMPLE)) + 1) * step
+
+
+def _triple(numbers: Array) -> Vector:
+    x, y, z = numbers.tolist()
+    return x, y, z
+
+
+def checked_window(window: Iterable[float]) -> tuple[float, float]:
+    """Low and high, or an `ArgumentError` that says what was given."""
+    try:
+        low, high = (float(value) for value in window)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"window is {window!r}; give (low, high), the values shown as black and white") from None
+    if not (isfinite(low) and isfinite(high) and low < high):
+        hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
+        raise ArgumentError(f"window is ({low:g}, {high:g}); low must be less than high{hint}")
+    return low, high
+
+
+def _whole_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
+    """The window of a volume: one that is the same everywhere is black."""
+    low, high = robust_range(volume)
+    return (low, high) if low < high else (low, low + 1.0)
+
+
+def _on_background(
+    rgb: NDArray[np.float64], shown: NDArray[np.bool_], background: str | Sequence[float] | None
+) -> NDArray[np.float32]:
+    red, green, blue, alpha = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
+    below = np.array([red * alpha, green * alpha, blue * alpha, alpha])
+    opaque = np.concatenate([rgb, np.ones((*shown.shape, 1))], axis=2)
+    return np.where(shown[..., None], opaque, below).astype(np.float32)

@@ -1,4 +1,4 @@
-//! The smallest and the largest of many numbers.
+//! Range of an array: its smallest and largest number.
 
 use crate::simd::LANES;
 

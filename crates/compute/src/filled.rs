@@ -1,4 +1,4 @@
-//! Arrays that are filled piece by piece, each just before it is worked on, while it is in the cache.
+//! Arrays filled chunk by chunk, each just before it is worked on, while it is in the cache.
 //!
 //! Filled as a whole first, a large array goes through memory twice.
 #![allow(unsafe_code, reason = "memory that nothing has been written to yet")]

@@ -1,4 +1,4 @@
-//! Memory in large pages, where the system has them for those who ask.
+//! Huge pages: large arrays in large pages of memory, where the system has them.
 //!
 //! The C library gives large arrays back to the system when they are freed, and the next one is new memory: the processor
 //! stops at each of its pages of 4096 bytes for the system to fill it with zeros. Pages of 2 MiB are filled as fast as

@@ -1,4 +1,4 @@
-//! Independent pieces of work, on all threads or on one: the only file that names rayon.
+//! Thread pool: independent pieces of work on all threads or on one. The only file that names rayon.
 //!
 //! The caller's thread works too, and pieces are handed out one by one in their order. Rayon's own loops run on its
 //! threads only: the caller sleeps and has to be woken, and between two loops all threads look for work for a while. A

@@ -1,4 +1,4 @@
-//! Where the picture is taken from: the same triple and names that VTK and `PyVista` use.
+//! Camera: position, focal point, view up, orthographic or perspective; the names that VTK and `PyVista` use.
 //!
 //! Pixel centres lie at half-integers and image row 0 is the top, so pixel `(x, y)` of a `width × height` picture
 //! looks through the view-plane position `((x + ½) / height − width / (2 height), ½ − (y + ½) / height)`, in

@@ -1,4 +1,4 @@
-//! Samples that are not held but made when they are asked for: of compressed volumes, and of those larger than memory.
+//! Decoders: samples made when they are asked for, of compressed volumes and of those larger than memory.
 
 /// Makes the samples of any box of a volume.
 pub trait Decoder: Send + Sync {

@@ -1,4 +1,4 @@
-//! What can go wrong, split by whose move is next.
+//! Errors, split by who can mend them: the caller, the file, the machine.
 
 /// Shorthand for results of this crate.
 pub type Result<T> = std::result::Result<T, Error>;

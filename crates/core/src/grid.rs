@@ -1,4 +1,4 @@
-//! Where samples lie in the world, and how their values become densities.
+//! Grid: where samples lie in the world (affine), and how their values become densities.
 
 use glam::{DAffine3, DMat3, DVec3};
 

@@ -1,4 +1,4 @@
-//! Colour and opacity by two things: the sample value and the magnitude of its gradient.
+//! Two-dimensional transfer functions: colour and opacity by sample value and gradient magnitude.
 //!
 //! A value alone cannot tell the boundary of two materials from a third material of that value; with the magnitude of
 //! the gradient it often can (Levoy, *Display of surfaces from volume data*, 1988; Kindlmann & Durkin 1998). The table

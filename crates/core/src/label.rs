@@ -1,4 +1,4 @@
-//! How a label of a segmentation looks.
+//! Segmentation labels: colour and opacity of a label, and what it leaves of the scan.
 
 use crate::error::{Error, Result};
 

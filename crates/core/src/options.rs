@@ -1,4 +1,4 @@
-//! How a picture is asked for: one plain struct per idea.
+//! Render options: kernel, shading, lights, crop, clip planes, and the meaning of a named quality.
 
 use glam::DVec3;
 

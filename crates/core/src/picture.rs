@@ -1,4 +1,4 @@
-//! What a renderer gives back.
+//! Picture: premultiplied RGBA (associated alpha), depth, and the values of projections.
 
 /// A float picture: red, green, blue associated with (multiplied by) opacity, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]

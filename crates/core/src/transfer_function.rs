@@ -1,4 +1,4 @@
-//! Sample value -> colour and opacity.
+//! Transfer function: sample value -> colour and opacity per `opacity_unit`.
 //!
 //! Two piecewise-linear curves, held constant beyond their ends. Opacity is that of a slab one `opacity_unit`
 //! thick, so the picture depends on neither the view, the number of sheets nor the level of detail. Two nodes at the

@@ -1,4 +1,4 @@
-//! Scalar samples on a grid.
+//! Volume: scalar samples (voxels) on a grid, borrowed in their own type.
 //!
 //! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Narrow types are used as they are, and
 //! so are wide ones (32- and 64-bit) of usual values; where an f32 pipeline would overflow, or lose small differences

@@ -1,4 +1,4 @@
-//! Values on a plane through the volume, or across a slab of parallel planes.
+//! Slices and thick slabs: values on a plane through the volume, or across parallel planes (multiplanar reformation).
 //!
 //! A pixel is a point: the kernel reconstructs the value there from the samples around it, as `Σ weight · sample`, and
 //! nothing is averaged over the pixel's area. A slab keeps the largest, the smallest or the mean value of its planes;

@@ -1,4 +1,4 @@
-//! Sixteen numbers at a time, by the widest vectors that this machine has.
+//! SIMD: sixteen numbers at a time, by the widest vectors that this machine has.
 //!
 //! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2, SSE2, NEON, and
 //! plain arrays for other processors. Every level gives the same bits: lanes never mix, nothing is fused, no operation
@@ -263,7 +263,7 @@ pub const ROUND: f32 = 12_582_912.0;
 const RSQRT_MAGIC: u32 = 0x5f1f_fff9;
 
 /// A piece of work over the operations of a level.
-pub trait Kernel {
+pub trait VectorKernel {
     /// What it returns.
     type Output;
     /// Must be `#[inline(always)]`, and so must all that it calls, else it is compiled for the baseline.
@@ -333,7 +333,7 @@ impl Level {
 
     /// Runs a kernel with the vectors of the level.
     #[inline]
-    pub fn dispatch<K: Kernel>(self, kernel: K) -> K::Output {
+    pub fn dispatch<K: VectorKernel>(self, kernel: K) -> K::Output {
         match self.0 {
             Width::Plain => kernel.run(Plain),
             // SAFETY: `self` exists, so `all` has found the instructions on this machine.
@@ -400,7 +400,7 @@ mod tests {
         table: &'a [Entry],
     }
 
-    impl Kernel for Everything<'_> {
+    impl VectorKernel for Everything<'_> {
         type Output = Vec<u32>;
 
         #[inline(always)]
@@ -466,7 +466,7 @@ mod tests {
         table: &'a [Entry],
     }
 
-    impl Kernel for Choices<'_> {
+    impl VectorKernel for Choices<'_> {
         type Output = Vec<u32>;
 
         #[inline(always)]

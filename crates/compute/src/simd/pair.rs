@@ -1,4 +1,4 @@
-//! Two sixteens: operations on one fill the time that the other waits for its results.
+//! Instruction-level parallelism: two vectors of sixteen, so that operations on one fill the latency of the other.
 
 use super::{Entry, Math, Simd, Wide};
 

@@ -9,10 +9,10 @@ use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
 #[derive(Clone, Copy, Debug)]
 pub struct Plain;
 
-type Array = [f32; LANES];
+type Sixteen = [f32; LANES];
 
 #[inline(always)]
-fn each(a: Array, b: Array, operation: impl Fn(f32, f32) -> f32) -> Array {
+fn each(a: Sixteen, b: Sixteen, operation: impl Fn(f32, f32) -> f32) -> Sixteen {
     let mut out = [0.0; LANES];
     for i in 0..LANES {
         out[i] = operation(a[i], b[i]);
@@ -21,7 +21,7 @@ fn each(a: Array, b: Array, operation: impl Fn(f32, f32) -> f32) -> Array {
 }
 
 #[inline(always)]
-fn truths(a: Array, b: Array, test: impl Fn(f32, f32) -> bool) -> u16 {
+fn truths(a: Sixteen, b: Sixteen, test: impl Fn(f32, f32) -> bool) -> u16 {
     let mut out = 0;
     for i in 0..LANES {
         out |= u16::from(test(a[i], b[i])) << i;
@@ -30,57 +30,57 @@ fn truths(a: Array, b: Array, test: impl Fn(f32, f32) -> bool) -> u16 {
 }
 
 impl Math for Plain {
-    type F = Array;
+    type F = Sixteen;
     type M = u16;
 
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn splat(self, x: f32) -> Array {
+    fn splat(self, x: f32) -> Sixteen {
         [x; LANES]
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn add(self, a: Array, b: Array) -> Array {
+    fn add(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a + b)
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn sub(self, a: Array, b: Array) -> Array {
+    fn sub(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a - b)
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn mul(self, a: Array, b: Array) -> Array {
+    fn mul(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a * b)
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn div(self, a: Array, b: Array) -> Array {
+    fn div(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a / b)
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn min(self, a: Array, b: Array) -> Array {
+    fn min(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| if a < b { a } else { b })
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn max(self, a: Array, b: Array) -> Array {
+    fn max(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| if a > b { a } else { b })
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn abs(self, a: Array) -> Array {
+    fn abs(self, a: Sixteen) -> Sixteen {
         each(a, a, |a, _| a.abs())
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn lt(self, a: Array, b: Array) -> u16 {
+    fn lt(self, a: Sixteen, b: Sixteen) -> u16 {
         truths(a, b, |a, b| a < b)
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn le(self, a: Array, b: Array) -> u16 {
+    fn le(self, a: Sixteen, b: Sixteen) -> u16 {
         truths(a, b, |a, b| a <= b)
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
@@ -95,7 +95,7 @@ impl Math for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn select(self, m: u16, a: Array, b: Array) -> Array {
+    fn select(self, m: u16, a: Sixteen, b: Sixteen) -> Sixteen {
         let mut out = b;
         for i in 0..LANES {
             out[i] = if m >> i & 1 == 1 { a[i] } else { b[i] };
@@ -104,7 +104,7 @@ impl Math for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn look_up(self, table: &[Entry], position: Array) -> [Array; 4] {
+    fn look_up(self, table: &[Entry], position: Sixteen) -> [Sixteen; 4] {
         let last = (table.len() - 2) as f32;
         let mut out = [[0.0; LANES]; 4];
         for i in 0..LANES {
@@ -120,13 +120,13 @@ impl Math for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn exp2_neg(self, shifted: Array) -> Array {
+    fn exp2_neg(self, shifted: Sixteen) -> Sixteen {
         let bits = |x: f32| (127 << 23_u32) - (x.to_bits().wrapping_sub(ROUND.to_bits()) << 23);
         each(shifted, shifted, |x, _| f32::from_bits(bits(x)))
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn rsqrt_guess(self, a: Array) -> Array {
+    fn rsqrt_guess(self, a: Sixteen) -> Sixteen {
         each(a, a, |a, _| f32::from_bits(RSQRT_MAGIC.wrapping_sub(a.to_bits() >> 1)))
     }
 }
@@ -134,12 +134,12 @@ impl Math for Plain {
 impl Simd for Plain {
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn load(self, from: &Array) -> Array {
+    fn load(self, from: &Sixteen) -> Sixteen {
         *from
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn store(self, x: Array, to: &mut Array) {
+    fn store(self, x: Sixteen, to: &mut Sixteen) {
         *to = x;
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
@@ -149,7 +149,7 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn take(self, row: &Array, index: &Lanes<u32>) -> Array {
+    fn take(self, row: &Sixteen, index: &Lanes<u32>) -> Sixteen {
         let mut out = [0.0; LANES];
         for i in 0..LANES {
             out[i] = row[index.0[i] as usize % LANES];
@@ -158,7 +158,7 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn transpose_quads(self, rows: [Array; 4]) -> [Array; 4] {
+    fn transpose_quads(self, rows: [Sixteen; 4]) -> [Sixteen; 4] {
         let mut columns = rows;
         for (r, row) in rows.iter().enumerate() {
             for (q, quad) in row.chunks_exact(4).enumerate() {
@@ -169,7 +169,7 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn interleave_quads(self, a: Array, b: Array) -> [Array; 2] {
+    fn interleave_quads(self, a: Sixteen, b: Sixteen) -> [Sixteen; 2] {
         let mut by_turns = [a, b];
         for (k, quad) in by_turns.as_flattened_mut().chunks_exact_mut(4).enumerate() {
             quad.copy_from_slice(&[a, b][k % 2][4 * (k / 2)..][..4]);
@@ -178,7 +178,7 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn part_quads(self, a: Array, b: Array) -> [Array; 2] {
+    fn part_quads(self, a: Sixteen, b: Sixteen) -> [Sixteen; 2] {
         let both = [a, b];
         let mut parts = both;
         for (k, quad) in both.as_flattened().chunks_exact(4).enumerate() {
@@ -188,7 +188,7 @@ impl Simd for Plain {
     }
     #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
-    fn middle_quads(self, a: Array, b: Array) -> Array {
+    fn middle_quads(self, a: Sixteen, b: Sixteen) -> Sixteen {
         let mut middles = a;
         middles[..LANES / 2].copy_from_slice(&a[LANES / 4..3 * LANES / 4]);
         middles[LANES / 2..].copy_from_slice(&b[LANES / 4..3 * LANES / 4]);

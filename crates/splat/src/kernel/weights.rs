@@ -1,4 +1,4 @@
-//! Reconstruction kernels h(x), separable, x in samples.
+//! Reconstruction kernels h(x): trilinear, Catmull-Rom, B-splines, Gaussian; separable, x in samples.
 //!
 //! | kernel | h | radius | source |
 //! | --- | --- | --- | --- |

@@ -1,4 +1,4 @@
-//! Density -> colour and optical depth, once per texel, after reconstruction.
+//! Classification and opacity correction: density -> colour and optical depth, once per texel, after reconstruction.
 //!
 //! The transfer function's opacity `a` per `opacity_unit` becomes the optical depth `τ = −ln(1 − a)`, tabulated with
 //! the colour; a slab of thickness `s` then has opacity `1 − exp(−τ s)` (Engel et al., *Real-Time Volume Graphics*,
@@ -15,7 +15,7 @@ use wavesplat_core::TransferFunction;
 pub use wavesplat_compute::simd::Entry;
 
 /// Optical depth that stands for opacity 1: opaque at any thickness above 1e-28 units.
-pub const OPAQUE: f64 = 1e30;
+pub const OPAQUE_DEPTH: f64 = 1e30;
 
 /// Entries of the table, at least and at most; and how many the narrowest segment of the curves gets.
 const MIN_ENTRIES: usize = 2048;
@@ -77,7 +77,7 @@ impl Classifier {
             let share = i as f64 / n as f64;
             let [r, g, b, opacity] = rgba(first_value * (1.0 - share) + last_value * share);
             if opacity != opacity_before {
-                (opacity_before, depth) = (opacity, (-(-opacity).ln_1p()).min(OPAQUE));
+                (opacity_before, depth) = (opacity, (-(-opacity).ln_1p()).min(OPAQUE_DEPTH));
             }
             [r as f32, g as f32, b as f32, depth as f32]
         };

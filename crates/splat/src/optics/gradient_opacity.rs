@@ -1,4 +1,4 @@
-//! What the gradient decides, beside light: gradient opacity, and transfer functions of two dimensions.
+//! Gradient opacity, and transfer functions of two dimensions: what the gradient magnitude decides beside shading.
 //!
 //! Gradient opacity is a factor of the optical depth by the magnitude of the gradient, so that boundaries stand out and
 //! what is homogeneous recedes (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
@@ -12,7 +12,7 @@ use glam::DMat3;
 use wavesplat_compute::simd::{ROUND, Wide};
 use wavesplat_core::{Joint, TransferFunction};
 
-use crate::optics::classify::{Entry, OPAQUE};
+use crate::optics::classify::{Entry, OPAQUE_DEPTH};
 use crate::optics::shade::Metric;
 use crate::view::family::Family;
 
@@ -132,7 +132,7 @@ impl Table {
         let [values, magnitudes] = [Side::new(joint.values()), Side::new(joint.magnitudes())];
         let entry = |i: usize| {
             let [r, g, b, opacity] = joint.rgba(values.node(i % values.n), magnitudes.node(i / values.n));
-            [r as f32, g as f32, b as f32, (-(-opacity).ln_1p()).min(OPAQUE) as f32]
+            [r as f32, g as f32, b as f32, (-(-opacity).ln_1p()).min(OPAQUE_DEPTH) as f32]
         };
         // The last entry twice: look-ups read the one after theirs too.
         let last = values.n * magnitudes.n - 1;

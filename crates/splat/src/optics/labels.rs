@@ -1,4 +1,4 @@
-//! Labels: a segmentation beside the scan, with a look for every label.
+//! Segmentation labels beside the scan, each with a colour and opacity of its own.
 //!
 //! Label numbers are never interpolated: what is reconstructed is the coverage `c_l(x)`, the interpolated indicator of
 //! each label. All that is needed of it is linear, so a handful of fields serve any number of labels:
@@ -36,7 +36,7 @@ impl Codes {
 }
 
 /// Optical depth that stands for opacity 1: coverage 1 % of it is faint, and a unit of it lets 1e-7 through.
-const OPAQUE: f64 = 16.0;
+const OPAQUE_LABEL_DEPTH: f64 = 16.0;
 
 /// Half distance of the differences for the gradient of own matter, voxels; and where stairs are to be smoothed: wide
 /// enough for the normals to see several of them.
@@ -78,7 +78,7 @@ impl LabelTerms {
 
 /// Optical depth per `opacity_unit` of a label's own matter.
 pub fn own_depth(look: &LabelLook) -> f64 {
-    (-(-look.opacity).ln_1p()).min(OPAQUE)
+    (-(-look.opacity).ln_1p()).min(OPAQUE_LABEL_DEPTH)
 }
 
 impl Labels {
@@ -116,7 +116,7 @@ impl Labels {
             Ok(Arc::new(Prepared::of_decoder(Arc::new(decoder), &grid, kernel, budget_bytes)))
         };
         let channels = tables.into_iter().map(channel).collect::<Result<_>>()?;
-        let statistics = Statistics { min: 0.0, max: OPAQUE, n_nonfinite: 0 };
+        let statistics = Statistics { min: 0.0, max: OPAQUE_LABEL_DEPTH, n_nonfinite: 0 };
         let grid = Grid::new("labels", grid.size(), grid.world_from_index(), statistics, true)?;
         Ok(Self { codes, looks, kernel, grid, channels, terms })
     }

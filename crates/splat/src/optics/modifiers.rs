@@ -1,4 +1,4 @@
-//! What few pictures have, at a texel: functions of the gradient, light that is held off, labels.
+//! Optional per-texel terms: gradient opacity, ambient occlusion and shadow, labels.
 //!
 //! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
 //! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour is mixed with

@@ -1,4 +1,4 @@
-//! Light that explains: ambient occlusion, and the shadow of the first light, from the volume itself.
+//! Ambient occlusion and shadows: light swept through a coarse extinction grid of the volume.
 //!
 //! Gradients alone make flat pictures: a hollow is as bright as a ridge. Both kinds of light are worked out once per
 //! transfer function on a coarse copy of the volume, as shares of light that get to its cells, and are fields of the
@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::{Kernel as Work, LANES, Level, Simd};
+use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
 use wavesplat_core::{Grid, Result, Samples, Volume};
 
 use crate::optics::classify::{Classifier, one_minus_exp_neg};
@@ -31,7 +31,7 @@ const N_DIRECTIONS: usize = 32;
 const N_PARTS: usize = 3;
 
 /// Mean opacity that counts as opaque.
-const OPAQUE: f64 = 0.9999;
+const OPAQUE_OPACITY: f64 = 0.9999;
 
 /// Which fields hold the light, and how much they count, `0..=1`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -88,7 +88,7 @@ impl ExtinctionGrid {
                 }
             }
             let extinction = |[sum, count]: [f32; 2]| {
-                let mean = f64::from(sum / count.max(1.0)).min(OPAQUE);
+                let mean = f64::from(sum / count.max(1.0)).min(OPAQUE_OPACITY);
                 (-(-mean).ln_1p() / length) as f32
             };
             sums.into_iter().map(extinction).collect::<Vec<_>>()
@@ -108,7 +108,7 @@ impl ExtinctionGrid {
     /// Share of a light that gets to each cell; `to_light` in world space.
     pub fn shadow(&self, to_light: DVec3) -> Vec<f32> {
         let way = self.way(-to_light, None);
-        let lying = Lying::new(self, way.axis);
+        let lying = CellLayout::new(self, way.axis);
         let mut share = vec![0.0; lying.extinction.len()];
         lying.add_share(&way, &mut share);
         self.cell_by_cell(|place| share[lying.place(place)])
@@ -116,8 +116,8 @@ impl ExtinctionGrid {
 
     /// Openness of each cell: 1 where nothing is near on one side at least. `radius`: world units.
     pub fn openness(&self, radius: f64) -> Vec<f32> {
-        let ways: Vec<Way> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
-        let lying = [0, 1, 2].map(|axis| Lying::new(self, axis));
+        let ways: Vec<SweepOrder> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
+        let lying = [0, 1, 2].map(|axis| CellLayout::new(self, axis));
         let mut parts = parallel::map(3 * N_PARTS, |part| {
             let lying = &lying[part % 3];
             let mut sum = vec![0.0; lying.extinction.len()];
@@ -151,13 +151,13 @@ impl ExtinctionGrid {
     }
 
     /// The way of light along a world direction; with a radius it comes back over that distance.
-    fn way(&self, direction: DVec3, radius: Option<f64>) -> Way {
+    fn way(&self, direction: DVec3, radius: Option<f64>) -> SweepOrder {
         let along = self.grid.index_from_world().matrix3 * direction;
         let axis = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
         let per_slice = along[axis].abs();
         let length = direction.length() / per_slice;
         let kept = radius.map_or(1.0, |radius| (-length / radius).exp() as f32);
-        Way {
+        SweepOrder {
             axis,
             ascending: along[axis] > 0.0,
             slope: across(axis).map(|a| along[a] / per_slice),
@@ -181,7 +181,7 @@ impl ExtinctionGrid {
 }
 
 /// How light travels.
-struct Way {
+struct SweepOrder {
     /// The axis that it runs most along, and whether upwards.
     axis: usize,
     ascending: bool,
@@ -199,7 +199,7 @@ fn across(axis: usize) -> [usize; 2] {
 }
 
 /// The coarse volume in slices across one axis, in rows of whole vectors.
-struct Lying {
+struct CellLayout {
     /// Cells along the rows, across them, and along the axis.
     n: [usize; 3],
     /// From row to row.
@@ -212,7 +212,7 @@ struct Lying {
 /// Cells around a slice that light comes from.
 const MARGIN: usize = 2;
 
-impl Lying {
+impl CellLayout {
     fn new(dimness: &ExtinctionGrid, axis: usize) -> Self {
         let size @ [nx, ny, _] = dimness.grid.size();
         let [u, v] = across(axis);
@@ -241,7 +241,7 @@ impl Lying {
     }
 
     /// Adds the share of what enters that gets to each cell, without what the cell itself keeps off.
-    fn add_share(&self, way: &Way, sum: &mut [f32]) {
+    fn add_share(&self, way: &SweepOrder, sum: &mut [f32]) {
         let [_, n_v, n_w] = self.n;
         let wide = self.stride + 2 * MARGIN;
         // Light from beyond the sides is not dimmed.
@@ -255,7 +255,7 @@ impl Lying {
         let plane = self.stride * n_v;
         for k in 0..n_w {
             let first = if way.ascending { k } else { n_w - 1 - k } * plane;
-            Level::best().dispatch(Pass {
+            Level::best().dispatch(SweepPass {
                 extinction: &self.extinction[first..first + plane],
                 sum: &mut sum[first..first + plane],
                 leaving: &leaving,
@@ -270,7 +270,7 @@ impl Lying {
 }
 
 /// Light passes a slice.
-struct Pass<'a> {
+struct SweepPass<'a> {
     extinction: &'a [f32],
     sum: &'a mut [f32],
     /// What left the slice before, and what leaves this one, with [`MARGIN`].
@@ -278,10 +278,10 @@ struct Pass<'a> {
     next: &'a mut [f32],
     stride: usize,
     back: [(usize, f32); 2],
-    way: &'a Way,
+    way: &'a SweepOrder,
 }
 
-impl Work for Pass<'_> {
+impl VectorKernel for SweepPass<'_> {
     type Output = ();
 
     #[inline(always)]

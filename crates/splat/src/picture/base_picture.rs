@@ -1,4 +1,4 @@
-//! A finished base plane: texels are put into it tile by tile.
+//! A finished base plane: premultiplied texels, put into it tile by tile.
 
 use glam::DVec2;
 use wavesplat_compute::simd::LANES;

@@ -1,4 +1,4 @@
-//! A base plane read between its texels.
+//! Bicubic resampling of a base plane between its texels.
 //!
 //! By the Catmull-Rom cubic (Keys 1981), which keeps what the base plane resolves, clamped to the texels around the
 //! position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing was drawn,
@@ -232,7 +232,7 @@ fn cubic<S: Simd>(s: S, slope: f32, t: S::F) -> [S::F; 4] {
 #[cfg(test)]
 mod tests {
     use glam::{DAffine3, DVec3};
-    use wavesplat_compute::simd::{Kernel, Level};
+    use wavesplat_compute::simd::{Level, VectorKernel};
     use wavesplat_core::{Camera, Projection};
 
     use super::*;
@@ -285,7 +285,7 @@ mod tests {
     /// Reads of a picture at positions from a base.
     struct Read<'a>(&'a BasePicture, [i32; 2], [[f32; LANES]; 2], f32);
 
-    impl Kernel for Read<'_> {
+    impl VectorKernel for Read<'_> {
         type Output = ([[f32; 4]; LANES], bool);
 
         #[inline(always)]

@@ -1,4 +1,4 @@
-//! The one final resampling: base planes -> picture.
+//! The warp of shear-warp, the one final resampling: base planes -> picture.
 //!
 //! Each pixel is served by the family of its own ray. Where the base plane is denser than the pixels, a pixel is the mean
 //! of several reads, as many rays per pixel would give: supersampling with a box filter.
@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use glam::DVec2;
-use wavesplat_compute::simd::{Kernel, LANES, Level, Simd};
+use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
 use wavesplat_compute::{filled, parallel};
 
 use crate::picture::base_picture::BasePicture;
@@ -145,7 +145,7 @@ struct Draw<'a, R> {
     rectangle: Rectangle<'a>,
 }
 
-impl<R: Source> Kernel for Draw<'_, R> {
+impl<R: PixelSource> VectorKernel for Draw<'_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -230,7 +230,7 @@ fn add<S: Simd>(s: S, sum: Option<Quads<S>>, share: S::F, read: Option<Quads<S>>
 }
 
 /// Where pixels are read from.
-trait Source {
+trait PixelSource {
     /// Sixteen pixels of a row, the first of them at a picture position; `None` where nothing can be seen. `n`: how many
     /// of them there are.
     fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>>;
@@ -244,7 +244,7 @@ struct OnePlane<'a, M> {
     look: bool,
 }
 
-impl<M: Map> Source for OnePlane<'_, M> {
+impl<M: Map> PixelSource for OnePlane<'_, M> {
     #[inline(always)]
     fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>> {
         let (base, positions) = self.map.positions(s, at);
@@ -257,7 +257,7 @@ struct Mixed<'a> {
     warping: &'a Warping<'a>,
 }
 
-impl Source for Mixed<'_> {
+impl PixelSource for Mixed<'_> {
     #[inline(always)]
     fn read<S: Simd>(&self, s: S, [x, y]: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>> {
         let warping = self.warping;

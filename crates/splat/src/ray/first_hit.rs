@@ -1,4 +1,4 @@
-//! First hit: the first crossing of an iso-value, shaded there.
+//! First hit, a shaded isosurface: the first crossing of an iso-value along each ray.
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 

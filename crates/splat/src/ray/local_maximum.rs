@@ -1,4 +1,4 @@
-//! Local maximum: the first one along a ray that reaches a threshold, and the global one where none does.
+//! Local maximum intensity projection: the first one along a ray that reaches a threshold, and the global one where none does.
 //!
 //! What is near and bright enough hides what is brighter behind it, which a maximum projection cannot show. A ray keeps
 //! the largest density so far; once that has reached the threshold, the first density below it ends the ray. Source:

@@ -1,4 +1,4 @@
-//! Composite operators: how the sheets of a tile become one value per ray.
+//! Compositing by *over*, front to back (Porter and Duff 1984), with early ray termination.
 //!
 //! *over*, front to back with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`. Each sheet
 //! stands for the slab half way to its neighbours. Where the transfer function is steep, so that opacity or colour can
@@ -45,8 +45,8 @@ pub struct Over<'a, const EXTRA: bool> {
 /// One chunk, or two; then both are of one block.
 type Chunks = [Chunk; 2];
 
-/// A piece of the chunks' rays, ready to be composited.
-struct Piece<W: Wide> {
+/// A fragment of the chunks' rays, ready to be composited.
+struct Fragment<W: Wide> {
     rgb: [W::F; 3],
     alpha: W::F,
     /// Where opacity begins and how far it extends along s.
@@ -107,7 +107,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             self.read_fields(w, chunks, slab, which..which + 1, [scan_ahead, matter_ahead]);
         }
         let needs_gradient = self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some());
-        // Before anything else is at hand that a call would have to put aside.
+        // First, so that no live register is spilled around this call.
         if needs_gradient {
             slab.prepare_gradient(which, chunks[0].block());
         }
@@ -144,7 +144,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         {
             (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
         }
-        self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
+        self.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
 
     /// Composites the space between two sheets with a density that is linear in between.
@@ -162,7 +162,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             self.read_fields(w, chunks, slab, 0..2, [scan_ahead, matter_ahead]);
         }
-        // Before anything else is at hand that a call would have to put aside.
+        // First, so that no live register is spilled around this call.
         if self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some()) {
             slab.prepare_gradient(0, chunks[0].block());
             slab.prepare_gradient(1, chunks[0].block());
@@ -233,7 +233,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             }
         }
         let (from, extent) = visible;
-        self.add_piece(w, chunks, rays, &Piece { rgb, alpha, from, extent });
+        self.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
 
     /// Reads what of the fields the scan and the labels' own matter need that are not read yet, on the sheets in front
@@ -319,13 +319,13 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
     }
 
     #[inline(always)]
-    fn add_piece<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, piece: &Piece<W>) {
+    fn add_fragment<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, fragment: &Fragment<W>) {
         let places = [chunks[0].index(), chunks[1].index()];
         let s = w.one();
         let ([r, g, b, a], [r2, g2, b2, a2]) = (&self.rgba[places[0]], &self.rgba[places[1]]);
         let before = w.join(s.load(&a.0), s.load(&a2.0));
-        let weight = w.mul(w.sub(w.splat(1.0), before), piece.alpha);
-        let [red, green, blue] = piece.rgb;
+        let weight = w.mul(w.sub(w.splat(1.0), before), fragment.alpha);
+        let [red, green, blue] = fragment.rgb;
         let red = w.part(w.add_mul(w.join(s.load(&r.0), s.load(&r2.0)), weight, red));
         let green = w.part(w.add_mul(w.join(s.load(&g.0), s.load(&g2.0)), weight, green));
         let blue = w.part(w.add_mul(w.join(s.load(&b.0), s.load(&b2.0)), weight, blue));
@@ -339,11 +339,11 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             s.store(alpha[k], &mut a.0);
         }
         if self.with_depth {
-            // Inside the piece opacity is taken to grow evenly.
+            // Inside the fragment opacity is taken to grow evenly.
             let half = w.splat(0.5);
             let share = w.div(w.sub(half, before), weight);
             let crossed = w.and(w.lt(before, half), w.le(half, after));
-            let place = w.add_mul(piece.from, share, piece.extent);
+            let place = w.add_mul(fragment.from, share, fragment.extent);
             let s_half = w.load_from(&self.s_half, places);
             w.store_to(w.select(crossed, place, s_half), &mut self.s_half, places);
         }

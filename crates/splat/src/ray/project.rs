@@ -1,4 +1,4 @@
-//! Projections: one number per ray, the largest, the smallest, the mean or the integral of the densities along it.
+//! Projections (MIP, minimum, mean, sum, X-ray): one number per ray of the densities along it.
 //!
 //! Densities are linear between two sheets, so extremes are looked for on the sheets and where rays enter and leave;
 //! integrals of a slab are exact. Formulas and sources: [`Composite`].

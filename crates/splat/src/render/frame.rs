@@ -1,4 +1,4 @@
-//! A frame: planned, drawn tile by tile, warped. The schedule of the CPU over pieces.
+//! A frame: planned, drawn tile by tile, warped. The CPU's schedule over pieces.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};

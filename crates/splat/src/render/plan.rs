@@ -181,12 +181,12 @@ impl Plan {
             with_depth: options.with_depth,
             background: options.background,
         };
-        let look = Look { options, light, labels, n_light, range: slices.range() };
+        let look = FrameLook { options, light, labels, n_light, range: slices.range() };
         plan.families = planes.into_iter().map(|plane| plan.family(plane, bricks, &look)).collect();
         Ok(plan)
     }
 
-    fn family(&self, plane: BasePlane, bricks: &Bricks, look: &Look) -> FamilyPlan {
+    fn family(&self, plane: BasePlane, bricks: &Bricks, look: &FrameLook) -> FamilyPlan {
         let options = look.options;
         let world_from_index = self.grid.world_from_index().matrix3;
         let shading = options.shading.as_ref().filter(|_| !options.composite.is_projection());
@@ -251,7 +251,7 @@ impl FamilyPlan {
 }
 
 /// What the plans of all base planes have in common beside the plan.
-struct Look<'a> {
+struct FrameLook<'a> {
     options: &'a RenderOptions,
     light: Option<LightTerms>,
     labels: Option<&'a Labels>,

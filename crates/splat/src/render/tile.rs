@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use wavesplat_compute::simd::{Kernel, LANES, Simd};
+use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
 
 use crate::kernel::footprint::bits;
 use crate::ray::compositor::{Compositor, Slab};
@@ -236,7 +236,7 @@ struct AddBlock<'a, 'b, C> {
     block: Block,
 }
 
-impl<C: Compositor> Kernel for AddBlock<'_, '_, C> {
+impl<C: Compositor> VectorKernel for AddBlock<'_, '_, C> {
     type Output = bool;
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! The sheet of one tile: densities, and their gradient, at every texel of a plane parallel to the slices.
+//! The sheet buffer of a tile: densities, and their gradient, at every texel of a plane parallel to the slices.
 //!
 //! Separable: slices are combined along w at sample resolution, then rows along u, then columns along v, so a tricubic
 //! kernel costs 4 + 4 + 4 taps per texel at most, and less where texels are denser than samples. The gradient comes

@@ -1,4 +1,4 @@
-//! What a tile knows about its rays; filled once per tile.
+//! Rays of a tile: intervals inside the volume, directions, and the thickness of slabs along them (view-angle correction).
 //!
 //! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
 

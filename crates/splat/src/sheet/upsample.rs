@@ -6,7 +6,7 @@ use crate::kernel::footprint::{Footprint, Group, Span, bits};
 use crate::sheet::buffer::Sheet;
 use crate::sheet::tile_layout::{Block, BlockMask};
 use crate::source::geometry::SheetGeometry;
-use wavesplat_compute::simd::{Kernel, LANES, Simd};
+use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
 
 impl Sheet {
     /// `N_VECTORS`: of samples that hold those of a tap for a chunk; 0 if more than two.
@@ -59,7 +59,7 @@ pub struct Upsample<'a, const GRADIENT: bool> {
     pub blocks: BlockMask,
 }
 
-impl<const GRADIENT: bool> Kernel for Upsample<'_, GRADIENT> {
+impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
     type Output = ();
 
     #[inline(always)]

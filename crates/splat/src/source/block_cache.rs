@@ -23,7 +23,7 @@ const PIECE: [usize; 3] = [64, 64, 32];
 
 /// A box of densities, `[z][y][x]`.
 #[derive(Clone, Debug, Default)]
-pub struct Part {
+pub struct DensityBox {
     /// Its first sample.
     pub lo: [usize; 3],
     /// Samples along x, y, z.
@@ -32,7 +32,7 @@ pub struct Part {
     pub densities: Vec<f32>,
 }
 
-impl Part {
+impl DensityBox {
     /// From `lo` to before `hi`, densities to be filled in.
     fn resize(&mut self, lo: [usize; 3], hi: [usize; 3]) {
         self.lo = lo;
@@ -93,7 +93,7 @@ impl Blocks {
     }
 
     /// Decodes a box, without a look at what is kept.
-    pub fn decode(&self, lo: [usize; 3], hi: [usize; 3], part: &mut Part) {
+    pub fn decode(&self, lo: [usize; 3], hi: [usize; 3], part: &mut DensityBox) {
         part.resize(lo, hi);
         let Some(z) = self.pole else {
             self.decoder.decode(lo, hi, &mut part.densities);
@@ -118,7 +118,7 @@ impl Blocks {
     }
 
     /// Fills a box, from the blocks that are kept and those that must be decoded.
-    pub fn load(&self, lo: [usize; 3], hi: [usize; 3], part: &mut Part) {
+    pub fn load(&self, lo: [usize; 3], hi: [usize; 3], part: &mut DensityBox) {
         part.resize(lo, hi);
         let touched = [0, 1, 2].map(|a| lo[a] / BLOCK..hi[a].div_ceil(BLOCK));
         let mut blocks = self.request(touched.clone()).into_iter();
@@ -129,7 +129,7 @@ impl Blocks {
                     let [nx, ny, _] = self.block_size(first);
                     let Some(block) = blocks.next() else { return };
                     let densities = block.get_or_init(|| {
-                        let mut block = Part::default();
+                        let mut block = DensityBox::default();
                         let size = self.block_size(first);
                         self.decode(first, [0, 1, 2].map(|a| first[a] + size[a]), &mut block);
                         block.densities
@@ -306,7 +306,7 @@ mod tests {
     }
 
     fn check(blocks: &Blocks, lo: [usize; 3], hi: [usize; 3]) {
-        let mut part = Part::default();
+        let mut part = DensityBox::default();
         blocks.load(lo, hi, &mut part);
         let [nx, ny, nz] = part.size;
         for i in 0..nx * ny * nz {

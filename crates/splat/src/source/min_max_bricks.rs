@@ -15,7 +15,7 @@ use wavesplat_compute::{extent, parallel};
 use wavesplat_core::Kernel;
 
 use crate::kernel::weights::{n_taps, overshoot, reach};
-use crate::source::block_cache::{BLOCK, Blocks, Part};
+use crate::source::block_cache::{BLOCK, Blocks, DensityBox};
 use crate::source::occupancy::OccupancyGrid;
 
 /// Cells of a brick along each axis: of small volumes, as a rule, and where the bounds would take too much memory.
@@ -59,12 +59,12 @@ struct Latest {
 const N_LATEST: usize = 3;
 
 /// Where a kernel reads samples: of a grid of `size`, the row of `nx` samples that begins at an index, as densities.
-pub trait Rows: Sync {
+pub trait DensityRows: Sync {
     /// Writes the lesser (larger) of `lo` (`hi`) and the row's densities.
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]);
 }
 
-/// Rows of densities.
+/// DensityRows of densities.
 pub struct FloatRows<'a> {
     /// All densities.
     pub densities: &'a [f32],
@@ -72,7 +72,7 @@ pub struct FloatRows<'a> {
     pub level: Level,
 }
 
-impl Rows for FloatRows<'_> {
+impl DensityRows for FloatRows<'_> {
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
         self.level.run(
             #[inline(always)]
@@ -151,7 +151,7 @@ impl Reach {
     /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box, which begins at `lo`.
     fn bounds(
         &self,
-        rows: &impl Rows,
+        rows: &impl DensityRows,
         lo: [usize; 3],
         [nx, ny, _]: [usize; 3],
         bricks: [Range<usize>; 3],
@@ -185,7 +185,13 @@ impl Reach {
 impl Bricks {
     /// Reads every row about 1.6 times, of small volumes 2.3 times. `range` bounds the densities. Bricks are larger
     /// where their bounds took more than `budget_bytes`.
-    pub fn new(rows: &impl Rows, size: [usize; 3], kernel: Kernel, range: [f32; 2], budget_bytes: usize) -> Self {
+    pub fn new(
+        rows: &impl DensityRows,
+        size: [usize; 3],
+        kernel: Kernel,
+        range: [f32; 2],
+        budget_bytes: usize,
+    ) -> Self {
         let side = side_within(budget_bytes, size);
         let reach = Reach::new(side, size, kernel);
         let n = reach.n();
@@ -222,7 +228,7 @@ impl Bricks {
             }
             let lo = [0, 1, 2].map(|a| reach.samples(a, bricks[a].start).start);
             let hi = [0, 1, 2].map(|a| reach.samples(a, bricks[a].end - 1).end);
-            let mut part = Part::default();
+            let mut part = DensityBox::default();
             blocks.decode(lo, hi, &mut part);
             reach.bounds(&FloatRows { densities: &part.densities, level }, lo, part.size, bricks)
         });

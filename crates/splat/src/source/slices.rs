@@ -1,4 +1,4 @@
-//! The slice source: samples (or spline coefficients) of any region of the volume as densities in f32.
+//! The slice source: samples, or spline coefficients, of any rectangle of any slices as densities in f32.
 //!
 //! Narrow samples stay in their own type and are converted in the innermost loop. Two cases need a float copy: the
 //! B-spline kernels (their coefficients are not the samples), and float data with NaN or infinity. There the holes
@@ -19,20 +19,20 @@ use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_sample
 use crate::kernel::prefilter;
 use crate::kernel::slice_taps::SliceTap;
 use crate::kernel::weights::{fold, n_taps};
-use crate::source::block_cache::{Blocks, Part, all_densities, bytes_of_all};
-use crate::source::min_max_bricks::{Bricks, FloatRows, MOST_BYTES, Rows, widen};
+use crate::source::block_cache::{Blocks, DensityBox, all_densities, bytes_of_all};
+use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MOST_BYTES, widen};
 use crate::source::nonfinite::{self, fill_holes};
 use crate::source::point_sampling::{PointSums, PointTaps};
-use crate::source::window::{Region, Turn, Window};
+use crate::source::window::{SliceRectangle, Turn, Window};
 
 /// Densities of a volume, ready for one kernel.
 pub struct Slices<'a> {
-    source: Source<'a>,
+    source: SampleSource<'a>,
     grid: Grid,
     prepared: Arc<Prepared>,
 }
 
-enum Source<'a> {
+enum SampleSource<'a> {
     Samples(Samples<'a>),
     /// A volume without samples; its blocks where its densities are not all prepared.
     Decoded(Option<Arc<Blocks>>),
@@ -199,7 +199,7 @@ impl Prepared {
     /// Slices of a volume that is decoded as it is drawn, from [`Prepared::of_decoder`] with the same grid; `None` where
     /// this was made from samples.
     pub fn slices<'a>(self: &Arc<Self>, grid: &Grid) -> Option<Slices<'a>> {
-        let source = || Source::Decoded(self.blocks.clone());
+        let source = || SampleSource::Decoded(self.blocks.clone());
         self.is_decoded.then(|| Slices { source: source(), grid: grid.clone(), prepared: self.clone() })
     }
 }
@@ -212,21 +212,21 @@ impl<'a> Slices<'a> {
 
     /// The same, with what was prepared before from the same samples.
     pub fn with_prepared(volume: &Volume<'a>, prepared: Arc<Prepared>) -> Self {
-        Self { source: Source::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
+        Self { source: SampleSource::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
     }
 
     /// Densities that are all finite, `[z][y][x]` of `grid`, whose statistics bound them.
     pub fn of_densities(densities: Vec<f32>, grid: &Grid, kernel: Kernel) -> Self {
         let prepared = Prepared::of_densities(densities, grid.size(), kernel, grid.density_range(), MOST_BYTES);
         let prepared = Prepared { is_decoded: true, ..prepared };
-        Self { source: Source::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
+        Self { source: SampleSource::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
     }
 
     /// A box of a volume that lies on `grid`, ready for a kernel. `range` bounds the densities, or spline coefficients, of
     /// the whole, as [`Slices::range`] of it has them.
     pub fn of_box(samples: &VolumeBox<'a>, grid: &Grid, kernel: Kernel, range: [f32; 2]) -> Self {
         let prepared = Arc::new(Prepared::of_box(samples, grid, kernel, range));
-        Self { source: Source::Samples(samples.samples), grid: grid.clone(), prepared }
+        Self { source: SampleSource::Samples(samples.samples), grid: grid.clone(), prepared }
     }
 
     /// Where the samples lie.
@@ -269,12 +269,12 @@ impl<'a> Slices<'a> {
         let i = self.linear_index(index);
         match (&self.prepared.densities, &self.source) {
             (Some(densities), _) => f64::from(densities[i]),
-            (None, Source::Samples(samples)) => {
+            (None, SampleSource::Samples(samples)) => {
                 let (offset, scale) = self.grid.density_from_sample();
                 (samples.get(i) - offset) * scale
             }
-            (None, Source::Decoded(blocks)) => {
-                let mut part = Part::default();
+            (None, SampleSource::Decoded(blocks)) => {
+                let mut part = DensityBox::default();
                 blocks.as_ref().map_or(f64::NAN, |blocks| {
                     blocks.load(index, index.map(|i| i + 1), &mut part);
                     f64::from(part.densities[0])
@@ -300,13 +300,13 @@ impl<'a> Slices<'a> {
             (Some(coefficients), _) if prefilter::pole(kernel).is_some() => {
                 whole.write(coefficients, points, out, sample);
             }
-            (_, Source::Samples(samples)) => {
+            (_, SampleSource::Samples(samples)) => {
                 with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64));
             }
-            (Some(densities), Source::Decoded(_)) => whole.write(densities, points, out, sample),
-            (None, Source::Decoded(blocks)) => {
+            (Some(densities), SampleSource::Decoded(_)) => whole.write(densities, points, out, sample),
+            (None, SampleSource::Decoded(blocks)) => {
                 let (Some(blocks), Some((lo, hi))) = (blocks, whole.reached(points)) else { return };
-                let mut part = Part::default();
+                let mut part = DensityBox::default();
                 blocks.load(lo, hi, &mut part);
                 let part_sums = PointSums { lo: part.lo, size: part.size, ..whole };
                 part_sums.write(&part.densities, points, out, sample);
@@ -344,10 +344,10 @@ impl<'a> Slices<'a> {
             );
         }
         let samples = match &self.source {
-            Source::Samples(samples) => *samples,
-            Source::Decoded(_) => {
+            SampleSource::Samples(samples) => *samples,
+            SampleSource::Decoded(_) => {
                 let slices = taps.iter().fold([usize::MAX, 0], |[lo, hi], tap| [lo.min(tap.0), hi.max(tap.0)]);
-                let mut part = Part::default();
+                let mut part = DensityBox::default();
                 self.load(axes, window, slices, &mut part);
                 return self.combine_part(level, axes, &part, taps, window, out, stride);
             }
@@ -362,12 +362,12 @@ impl<'a> Slices<'a> {
 
     /// Whether boxes must be loaded before they are read.
     pub fn must_load(&self) -> bool {
-        matches!(self.source, Source::Decoded(Some(_)))
+        matches!(self.source, SampleSource::Decoded(Some(_)))
     }
 
     /// Loads what a window reaches in the slices from the first to the last of `slices`, where that must be.
-    pub fn load(&self, axes: [usize; 3], window: Window, slices: [usize; 2], part: &mut Part) {
-        let Source::Decoded(Some(blocks)) = &self.source else { return };
+    pub fn load(&self, axes: [usize; 3], window: Window, slices: [usize; 2], part: &mut DensityBox) {
+        let SampleSource::Decoded(Some(blocks)) = &self.source else { return };
         let size = self.prepared.size;
         let reached = |[lo, hi]: [i64; 2], n: usize| {
             let folded = (lo..=hi).map(|i| fold(self.prepared.kernel, i, n));
@@ -387,7 +387,7 @@ impl<'a> Slices<'a> {
         &self,
         level: Level,
         axes: [usize; 3],
-        part: &Part,
+        part: &DensityBox,
         taps: &[SliceTap],
         window: Window,
         out: &mut [f32],
@@ -400,9 +400,9 @@ impl<'a> Slices<'a> {
         );
     }
 
-    fn region(&self, axes: [usize; 3], window: Window, stride: usize) -> Region {
+    fn region(&self, axes: [usize; 3], window: Window, stride: usize) -> SliceRectangle {
         let Prepared { kernel, size, lo, held, .. } = *self.prepared;
-        Region::new(kernel, size, axes, window, stride).inside(axes, lo, held)
+        SliceRectangle::new(kernel, size, axes, window, stride).inside(axes, lo, held)
     }
 
     /// `out[slice · plane + v · stride + u] = density` for the sixteen slices from `first` on, which lie across x; u and
@@ -416,7 +416,7 @@ impl<'a> Slices<'a> {
         axes: [usize; 3],
         first: usize,
         window: Window,
-        part: &Part,
+        part: &DensityBox,
         out: &mut [f32],
         stride: usize,
     ) {
@@ -424,7 +424,7 @@ impl<'a> Slices<'a> {
         if let Some(grid) = &self.prepared.densities {
             return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
         }
-        let Source::Samples(samples) = self.source else {
+        let SampleSource::Samples(samples) = self.source else {
             let region = region.inside(axes, part.lo, part.size);
             return level.dispatch(Turn { region, grid: &part.densities, first, out, density: |d: f32| d });
         };
@@ -466,14 +466,14 @@ fn is_identity(density_from_sample: (f64, f64)) -> bool {
     density_from_sample == (0.0, 1.0)
 }
 
-/// Rows of the samples, for the bounds of bricks.
+/// DensityRows of the samples, for the bounds of bricks.
 struct NativeRows<'a> {
     samples: Samples<'a>,
     map: (f64, f64),
     level: Level,
 }
 
-impl Rows for NativeRows<'_> {
+impl DensityRows for NativeRows<'_> {
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
         let (offset, scale) = self.map;
         if is_identity(self.map) {

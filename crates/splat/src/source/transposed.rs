@@ -1,4 +1,4 @@
-//! Samples of a tile for a run of slices, turned so that they lie side by side along u.
+//! Transposed slices: samples of a tile for a run of slices across x, so that they lie side by side along u.
 //!
 //! Slices across x have their samples a whole row apart in memory; read sheet by sheet, every sample costs a cache
 //! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it. Of volumes that
@@ -8,7 +8,7 @@ use wavesplat_compute::simd::LANES;
 
 use crate::kernel::footprint::Axis;
 use crate::kernel::slice_taps::SliceTap;
-use crate::source::block_cache::Part;
+use crate::source::block_cache::DensityBox;
 use crate::source::geometry::SheetGeometry;
 use crate::source::geometry::reached;
 use crate::source::geometry::window;
@@ -24,7 +24,7 @@ pub struct TransposedSlices {
     stride: usize,
     densities: Vec<f32>,
     /// The box, where it had to be loaded.
-    part: Part,
+    part: DensityBox,
     /// Whether the densities are in the box and not turned.
     is_part: bool,
 }
@@ -37,7 +37,7 @@ impl Default for TransposedSlices {
             window: None,
             stride: 0,
             densities: Vec::new(),
-            part: Part::default(),
+            part: DensityBox::default(),
             is_part: false,
         }
     }

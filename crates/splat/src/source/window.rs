@@ -1,8 +1,8 @@
-//! A window of some slices, read from wherever the samples are: combined into one, or turned.
+//! Rectangles of slices, read from wherever the samples are: slices combined into one, or transposed.
 //!
 //! Both read beyond the border what the kernel folds back there. Samples keep their own type until they are summed.
 
-use wavesplat_compute::simd::{Kernel as Work, LANES, Lanes, Simd, prefetch};
+use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel, prefetch};
 use wavesplat_core::Kernel;
 
 use crate::kernel::slice_taps::SliceTap;
@@ -30,7 +30,7 @@ impl Window {
 }
 
 /// A window of a strided grid with its border folded back.
-pub struct Region {
+pub struct SliceRectangle {
     kernel: Kernel,
     stride: [usize; 3],
     n: [usize; 3],
@@ -42,7 +42,7 @@ pub struct Region {
     out_stride: usize,
 }
 
-impl Region {
+impl SliceRectangle {
     /// `axes`: the index axes called u, v, w. `out_stride`: from a row that is written to the next.
     pub fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window, out_stride: usize) -> Self {
         let all = [1, size[0], size[0] * size[1]];
@@ -189,7 +189,7 @@ fn sum_rows<const N: usize, T: Copy>(
 /// Turns [`LANES`] slices by as many samples at a time.
 pub struct Turn<'a, T, F> {
     /// Its w runs along the rows of samples.
-    pub region: Region,
+    pub region: SliceRectangle,
     /// What is read.
     pub grid: &'a [T],
     /// The first slice.
@@ -200,12 +200,12 @@ pub struct Turn<'a, T, F> {
     pub density: F,
 }
 
-impl<T: Copy, F: Fn(T) -> f32> Work for Turn<'_, T, F> {
+impl<T: Copy, F: Fn(T) -> f32> VectorKernel for Turn<'_, T, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Region { end_w, origin: [_, _, first_w], window, out_stride, .. } = self.region;
+        let SliceRectangle { end_w, origin: [_, _, first_w], window, out_stride, .. } = self.region;
         let plane = out_stride * window.n_v();
         let n_here = LANES.min(end_w - self.first);
         let mut block = [Lanes::splat(0.0); LANES];

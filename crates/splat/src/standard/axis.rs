@@ -7,7 +7,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::{Kernel, LANES, Lanes, Simd};
+use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::{Error, Result};
 
 use super::FamilyScene;
@@ -156,7 +156,7 @@ struct Composite<'a> {
     tile: &'a mut Tile,
 }
 
-impl Kernel for Composite<'_> {
+impl VectorKernel for Composite<'_> {
     type Output = ();
 
     #[inline(always)]

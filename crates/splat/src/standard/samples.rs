@@ -1,4 +1,4 @@
-//! The samples of a tile, slice by slice in the order of the rays: which of them can be seen, and their densities.
+//! Visible samples of a tile, slice by slice in the order of the rays, and their densities.
 //!
 //! Densities are read for a dozen slices at a time: slices across x have their samples a whole row apart in memory and
 //! are turned together, and volumes that are decoded give a box as quickly as a slice.
@@ -6,7 +6,7 @@
 use wavesplat_compute::simd::{LANES, Level};
 
 use super::FamilyScene;
-use crate::source::block_cache::Part;
+use crate::source::block_cache::DensityBox;
 use crate::source::slices::Slices;
 use crate::source::window::Window;
 
@@ -59,7 +59,7 @@ pub struct Densities {
     values: Vec<f32>,
     /// Above 0 at samples that are drawn as empty; empty where there are none.
     holes: Vec<f32>,
-    part: Part,
+    part: DensityBox,
 }
 
 impl Default for Densities {
@@ -71,7 +71,7 @@ impl Default for Densities {
             stride: 0,
             values: Vec::new(),
             holes: Vec::new(),
-            part: Part::default(),
+            part: DensityBox::default(),
         }
     }
 }

@@ -5,7 +5,7 @@
 //! the faces. What is kept is associated: `(α r, α g, α b, α)`.
 
 use glam::DVec3;
-use wavesplat_compute::simd::{Kernel, LANES, Lanes, Simd};
+use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::RenderOptions;
 
 use super::samples::{Densities, Layer};
@@ -149,7 +149,7 @@ struct Fill<'a, 'b> {
     layer: &'a Layer,
 }
 
-impl Kernel for Fill<'_, '_> {
+impl VectorKernel for Fill<'_, '_> {
     type Output = usize;
 
     #[inline(always)]

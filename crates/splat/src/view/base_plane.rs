@@ -1,4 +1,4 @@
-//! Base planes: texels of every sheet laid out so that texel (i, j) of each lies on one viewing ray.
+//! Base planes (shear-warp): texels of every sheet laid out so that texel (i, j) of each lies on one viewing ray.
 //!
 //! A ray belongs to the index axis `w` it runs most along ([`Family`]). For parallel rays there is one such axis and
 //! the base coordinates `(p, q)` are the index position where the ray crosses the slice `w = 0`; sheet `w` is that grid

@@ -1,4 +1,4 @@
-//! Depth shading: a factor that falls along the view, so that what is near looks brighter.
+//! Depth shading (depth cueing): a factor that falls along the view, so that what is near looks brighter.
 //!
 //! `1 − strength · (z − near) / (far − near)`, where z is the distance along the view direction, and near and far are
 //! those of the nearest and the farthest corner of what is drawn. On every ray that is linear in the slice coordinate.

@@ -1,4 +1,4 @@
-//! Pixel pitch on the base planes: which rays of each slice family a picture spacings, and how close together they are.
+//! Pixel pitch on the base planes: which rays of each slice family a picture needs, and how close together they are.
 
 use std::ops::Range;
 

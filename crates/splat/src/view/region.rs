@@ -1,5 +1,5 @@
-//! The part of each ray that is drawn: the volume's box, crop boxes, clip planes and the eye are half spaces, so on a
-//! ray they leave one interval of w. Slabs count by the share of them inside it, which is clean at any sub-voxel
+//! Clipping: the volume's box, crop boxes, clip planes and the eye are half spaces, so on a
+//! ray they leave one interval of w, which is what is drawn of it. Slabs count by the share of them inside it, which is clean at any sub-voxel
 //! position and makes thickness exact (Beer-Lambert) where rays enter through the side of the volume.
 
 use glam::{DAffine3, DVec3};

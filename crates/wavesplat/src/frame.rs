@@ -1,0 +1,179 @@
+//! A frame of a scene: prepared, planned, drawn, warped.
+
+use std::ops::ControlFlow;
+
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, RenderOptions, Result};
+use wavesplat_splat::quality::error_model::Sampling;
+use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
+use wavesplat_splat::render::frame::{draw_base_planes, finish};
+use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::{Layer, ProgressCallback, Report};
+
+use crate::quality::{Effort, Quality};
+use crate::scene::Scene;
+
+/// How a scene is drawn.
+#[derive(Clone, Debug)]
+pub struct FrameOptions {
+    /// Reconstruction between samples.
+    pub kernel: Kernel,
+    /// How the densities along a ray become a pixel.
+    pub composite: Composite,
+    /// How much work goes into it.
+    pub effort: Effort,
+    /// Whether depth is wanted.
+    pub with_depth: bool,
+    /// Pre-integrate the space between sheets where the transfer function is steep.
+    pub pre_integration: bool,
+    /// Stop rays that are opaque but for a ten thousandth; else they go on until nothing can be seen.
+    pub early_ray_termination: bool,
+    /// Threads; `None` uses those that there are. The picture does not depend on it.
+    pub n_threads: Option<usize>,
+    /// Seconds from any moment on, where times are wanted in [`Frame::times`].
+    pub clock: Option<fn() -> f64>,
+}
+
+impl Default for FrameOptions {
+    fn default() -> Self {
+        Self {
+            kernel: Kernel::Linear,
+            composite: Composite::Over,
+            effort: Effort::Named(Quality::Normal),
+            with_depth: false,
+            pre_integration: true,
+            early_ray_termination: true,
+            n_threads: None,
+            clock: None,
+        }
+    }
+}
+
+/// A picture, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Premultiplied RGBA, depth, values of projections.
+    pub picture: Picture,
+    /// What it took.
+    pub report: Report,
+    /// With how many sheets and texels it was drawn.
+    pub sampling: Sampling,
+    /// What is expected of its error, with [`Effort::Psnr`].
+    pub estimate: Option<Estimate>,
+    /// How long it took, with [`FrameOptions::clock`].
+    pub times: Option<StageTimes>,
+}
+
+/// Seconds that the stages of a frame took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageTimes {
+    /// Preparing the samples for the kernel: min-max bricks, spline coefficients; next to nothing after the first frame.
+    pub prepare: f64,
+    /// Planning: base planes, tables, occupancy, ambient occlusion.
+    pub plan: f64,
+    /// Drawing the base planes. With a wanted PSNR: pilots, plan, base planes and warp.
+    pub draw: f64,
+    /// The warp, and the colours of projections.
+    pub warp: f64,
+}
+
+impl Scene<'_> {
+    /// Draws a picture of `[width, height]` pixels.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] if an option is out of its range, nothing is left of the volume, or the picture needs too much memory.
+    pub fn render(&self, camera: &Camera, size_px: [usize; 2], options: &FrameOptions) -> Result<Frame> {
+        self.render_with_progress(camera, size_px, options, &())
+    }
+
+    /// As [`Scene::render`]; `callback` is called from worker threads, and may cancel ([`Error::Cancelled`]).
+    pub fn render_with_progress(
+        &self,
+        camera: &Camera,
+        size_px: [usize; 2],
+        options: &FrameOptions,
+        callback: &dyn ProgressCallback,
+    ) -> Result<Frame> {
+        let fixed = match options.effort {
+            Effort::Named(quality) => Some(self.sampling(quality.name(), camera, size_px[1])?),
+            Effort::Fixed(sampling) => Some(sampling),
+            Effort::Psnr(_) => None,
+        };
+        let render_options = self.render_options(size_px, options, fixed);
+        render_options.validate()?;
+        parallel::with_threads(options.n_threads, || self.draw(camera, options, &render_options, fixed, callback))
+    }
+
+    /// What a named quality means for this scene, seen by a camera in a picture so many pixels high.
+    pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
+        let tf = &self.transfer_function;
+        let is_steep = self.volume().is_steep(tf, self.shading.as_ref())?;
+        Quality::sampling(quality, self.volume().grid(), tf, is_steep, camera, height_px)
+    }
+
+    fn draw(
+        &self,
+        camera: &Camera,
+        options: &FrameOptions,
+        render_options: &RenderOptions,
+        fixed: Option<Sampling>,
+        callback: &dyn ProgressCallback,
+    ) -> Result<Frame> {
+        let now = || options.clock.map_or(0.0, |clock| clock());
+        let start = now();
+        let slices = self.volume().slices(options.kernel);
+        let prepared = now();
+        let look = self.volume().look(&self.transfer_function, options.composite, self.shading.as_ref())?;
+        let layer = Layer {
+            slices: &slices,
+            transfer_function: &look,
+            labels: self.labels.as_deref(),
+            cache: self.volume().visibility(),
+        };
+        let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
+        let frame = if let Effort::Psnr(wanted) = options.effort {
+            let (picture, report, estimate) = render_to_psnr(&layer, camera, render_options, &wanted, callback)?;
+            times.draw = now() - prepared;
+            Frame { picture, report, sampling: estimate.sampling, estimate: Some(estimate), times: None }
+        } else {
+            let plan = Plan::new(Level::best(), &layer, camera, render_options)?;
+            let planned = now();
+            let (base_pictures, report) = draw_base_planes(&plan, &slices, callback)?;
+            let drawn = now();
+            let picture = finish(&plan, &base_pictures);
+            (times.plan, times.draw, times.warp) = (planned - prepared, drawn - planned, now() - drawn);
+            let sampling = fixed.unwrap_or_else(|| sampling_of(render_options));
+            Frame { picture, report, sampling, estimate: None, times: None }
+        };
+        match callback.progress(1.0) {
+            ControlFlow::Continue(()) => Ok(Frame { times: options.clock.map(|_| times), ..frame }),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
+    }
+
+    fn render_options(&self, [width_px, height_px]: [usize; 2], options: &FrameOptions, fixed: Option<Sampling>) -> RenderOptions {
+        let defaults = RenderOptions::default();
+        let Sampling { sheets_per_slice, oversampling } = fixed.unwrap_or_else(|| sampling_of(&defaults));
+        RenderOptions {
+            width_px,
+            height_px,
+            composite: options.composite,
+            shading: self.shading.clone(),
+            sheets_per_slice,
+            oversampling,
+            pre_integration: options.pre_integration,
+            early_ray_termination: options.early_ray_termination,
+            crop: self.crop.map(|crop| self.volume().own_crop(crop)),
+            clip_planes: self.clip_planes.clone(),
+            background: self.background,
+            with_depth: options.with_depth,
+            n_threads: options.n_threads,
+        }
+    }
+}
+
+fn sampling_of(options: &RenderOptions) -> Sampling {
+    Sampling { sheets_per_slice: options.sheets_per_slice, oversampling: options.oversampling }
+}

@@ -1,0 +1,154 @@
+//! A level of detail, or a band, of a volume of wavelet coefficients, decoded as it is drawn.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{DAffine3, DMat3, DVec3};
+use wavesplat_core::{Decoder, Grid, Kernel, LevelGrid, Result, Shading, Statistics, TransferFunction};
+use wavesplat_lod::LevelHistogram;
+use wavesplat_splat::is_steep;
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::source::block_cache::{bytes_of_all, samples_every};
+use wavesplat_splat::source::slices::{Prepared, Slices};
+use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, WaveletError, WaveletVolume};
+
+use crate::error::LevelError;
+
+/// A level of a volume, with what is kept of it between frames.
+pub struct LevelVolume {
+    grid: Grid,
+    level: LevelGrid,
+    /// What the levels carried that are left out.
+    histogram: Option<LevelHistogram>,
+    /// The function that was drawn last, and what it is for this level.
+    latest_look: Mutex<Option<LevelLook>>,
+    decoder: Arc<dyn Decoder>,
+    cache_bytes: usize,
+    /// For the kernel that was used last.
+    prepared: Mutex<Option<(Kernel, Arc<Prepared>)>>,
+    pub(crate) visibility: VisibilityCache,
+}
+
+/// A transfer function, and the one that a level is drawn with in its place.
+struct LevelLook {
+    of: TransferFunction,
+    shading: Option<Shading>,
+    tf: TransferFunction,
+    is_steep: bool,
+}
+
+impl LevelVolume {
+    /// Opens a level: 0 is the finest. `weights`: a factor for each level's details, the finest first, and for the last low
+    /// box. `world_from_index`: of the finest grid. At most about `cache_bytes` of decoded samples are kept.
+    ///
+    /// The level has its own resolution where its samples are evenly spaced; else it is the finest grid without the details.
+    pub fn open(
+        coefficients: &Arc<WaveletVolume>,
+        level: usize,
+        weights: &[f32],
+        world_from_index: DAffine3,
+        name: &str,
+        cache_bytes: usize,
+    ) -> std::result::Result<Self, LevelError> {
+        let plan = coefficients.plan();
+        let coarsest = plan.n_levels();
+        if level > coarsest {
+            return Err(WaveletError::NoSuchLevel { level, coarsest }.into());
+        }
+        let mut level_weights = weights.to_vec();
+        let own_level = if plan.level_grid(level).is_some() {
+            level
+        } else {
+            level_weights.iter_mut().take(level).for_each(|weight| *weight = 0.0);
+            0
+        };
+        let decoder = CoefficientDecoder::new(coefficients.clone(), own_level, &level_weights)?;
+        let [min, max] = decoder.range().map(f64::from);
+        let decoder = CoarseLevel::new(decoder)?;
+        let level_grid = decoder.grid();
+        let histogram = if level > 0 {
+            let finest = CoefficientDecoder::new(coefficients.clone(), 0, weights)?;
+            let range = finest.range().map(f64::from);
+            let spacing = [0, 1, 2].map(|a| world_from_index.matrix3.col(a).length());
+            Some(LevelHistogram::new(&finest, &decoder, &level_grid, spacing, range, cache_bytes))
+        } else {
+            None
+        };
+        let statistics = Statistics { min, max, n_nonfinite: 0 };
+        let finest = Grid::new(name, plan.size(), world_from_index, statistics, false)?;
+        let LevelGrid { origin, spacing, .. } = level_grid;
+        let matrix3 = DMat3::from_diagonal(DVec3::from_array(spacing));
+        let finest_from_level = DAffine3 { matrix3, translation: DVec3::from_array(origin) };
+        let bounds = [DVec3::ZERO, finest.last_index()]
+            .map(|corner| DVec3::from_array(level_grid.level_from_finest(corner.to_array())));
+        let grid = Grid::new(name, decoder.size(), world_from_index * finest_from_level, statistics, false)?;
+        let grid = grid.as_level_of(finest.default_opacity_unit(), bounds);
+        let cache_bytes = cache_bytes.min(bytes_of_all(grid.size()));
+        Ok(Self {
+            grid,
+            level: level_grid,
+            histogram,
+            latest_look: Mutex::default(),
+            decoder: Arc::new(decoder),
+            cache_bytes,
+            prepared: Mutex::default(),
+            visibility: VisibilityCache::default(),
+        })
+    }
+
+    /// Where the level's samples lie, and their range.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Bytes of decoded samples that are kept at most.
+    pub fn cache_bytes(&self) -> usize {
+        self.cache_bytes
+    }
+
+    /// Every `step`-th sample along each axis, `[z][y][x]`, and how many along x, y, z.
+    pub fn samples_every(&self, step: usize) -> ([usize; 3], Vec<f32>) {
+        samples_every(&*self.decoder, step.max(1))
+    }
+
+    /// An index position of the finest grid as one of the level.
+    pub fn level_from_finest(&self, index: DVec3) -> DVec3 {
+        DVec3::from_array(self.level.level_from_finest(index.to_array()))
+    }
+
+    /// The transfer function that makes of a coarser level what it makes of the finest, and whether it or the one that was
+    /// given needs pre-integration; kept until another is asked for.
+    pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
+        let mut latest = self.latest_look.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &*latest
+            && (&known.of, known.shading.as_ref()) == (tf, shading)
+        {
+            return Ok((known.tf.clone(), known.is_steep));
+        }
+        let given_is_steep = is_steep(&self.grid, tf);
+        let own = if let Some(histogram) = &self.histogram {
+            let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
+            let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
+            histogram.filter(tf, spacing.to_array(), shading, given_is_steep)?
+        } else {
+            tf.clone()
+        };
+        // One that is smooth may need so much extinction that its level is steep.
+        let is_steep = given_is_steep || is_steep(&self.grid, &own);
+        *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), is_steep });
+        Ok((own, is_steep))
+    }
+
+    /// Slices for a kernel; what they need is kept until another kernel is asked for.
+    pub fn slices(&self, kernel: Kernel) -> Option<Slices<'static>> {
+        let mut kept = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kept.as_ref().filter(|(known, _)| *known == kernel).map(|(_, prepared)| prepared.clone());
+        let prepared = known.unwrap_or_else(|| {
+            // First, so that never two are held.
+            *kept = None;
+            let new = Prepared::of_decoder(self.decoder.clone(), &self.grid, kernel, self.cache_bytes);
+            Arc::new(new)
+        });
+        *kept = Some((kernel, prepared.clone()));
+        prepared.slices(&self.grid)
+    }
+}

@@ -1,0 +1,81 @@
+//! Volume rendering of CT, MRI, microscopy and simulations on the CPU.
+//!
+//! A [`Scene`] is a volume and its look; [`Scene::render`] draws it. The method is high-resolution splatting: the picture
+//! is that of a converged ray caster, at a fraction of its time, and needs no GPU.
+//!
+//! ```
+//! use wavesplat::{Camera, ColorNode, FrameOptions, OpacityNode, Projection, Samples, Scene, TransferFunction, Volume};
+//! use glam::{DAffine3, DVec3};
+//!
+//! # fn main() -> wavesplat::Result<()> {
+//! // Samples of any type, x fastest, and the affine that takes their indices into the world.
+//! let n = 32;
+//! let ball = |i: usize| {
+//!     let p = DVec3::new((i % n) as f64, (i / n % n) as f64, (i / (n * n)) as f64);
+//!     (255.0 - 20.0 * p.distance(DVec3::splat(15.5))).max(0.0) as u8
+//! };
+//! let samples: Vec<u8> = (0..n * n * n).map(ball).collect();
+//! let volume = Volume::new("ball", Samples::U8(&samples), [n, n, n], DAffine3::IDENTITY)?;
+//!
+//! // Opacity and colour by sample value, with straight lines between the nodes.
+//! let opacity = [(80.0, 0.0), (120.0, 0.8)].map(|(value, opacity)| OpacityNode { value, opacity });
+//! let color = [ColorNode { value: 0.0, rgb: [1.0, 0.8, 0.6] }];
+//! let look = TransferFunction::new(opacity.to_vec(), color.to_vec(), None)?;
+//!
+//! let focal_point = DVec3::splat(15.5);
+//! let projection = Projection::Perspective { view_angle_rad: 0.6 };
+//! let camera = Camera::new(focal_point + DVec3::new(60.0, -40.0, 30.0), focal_point, DVec3::Z, projection)?;
+//!
+//! let scene = Scene::new(volume, look);
+//! let frame = scene.render(&camera, [160, 120], &FrameOptions::default())?;
+//! assert_eq!(frame.picture.rgba.len(), 160 * 120);
+//! let png: Vec<u8> = wavesplat::encode_png(&frame.picture, wavesplat::PngBits::Eight);
+//! # assert!(png.len() > 500);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What else there is
+//!
+//! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
+//! - [`Shading`]: Phong, lights, ambient occlusion, shadows. [`Labels`]: a segmentation beside the scan.
+//! - [`Crop`] boxes and [`ClipPlane`]s; [`Kernel`]s between samples, from trilinear to cubic B-splines.
+//! - [`Effort`]: a named quality, a sampling, or a wanted PSNR.
+//! - [`LevelVolume`]: a level of detail, or a band, of a volume of wavelet coefficients.
+//!
+//! The examples of this crate (`cargo run -p wavesplat --example head`) draw a head, a projection, labels, and a coarse
+//! level.
+//!
+//! # What it does not do
+//!
+//! It opens no file, reads no environment variable, and starts no thread but those that the feature `threads` or
+//! [`FrameOptions::n_threads`] asks for. Without the feature everything runs on the caller's thread, as in wasm.
+//!
+//! Stability: this crate's items are public; those of the crates that it stands on are not, apart from what is passed on
+//! here.
+
+mod error;
+mod frame;
+mod level_volume;
+mod png;
+mod quality;
+mod scene;
+mod volume_cache;
+
+pub use error::LevelError;
+pub use frame::{Frame, FrameOptions, StageTimes};
+pub use level_volume::LevelVolume;
+pub use png::{PngBits, encode_png, png_of_rgba};
+pub use quality::{Effort, Quality};
+pub use scene::{Scene, SceneVolume};
+pub use volume_cache::VolumeCache;
+
+pub use wavesplat_core::{
+    Camera, ClipPlane, ColorNode, Composite, Crop, Error, GradientNode, Grid, Kernel, LabelLook, Light, LightFrame,
+    OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction, Volume,
+};
+pub use wavesplat_splat::optics::labels::{Codes, Labels};
+pub use wavesplat_splat::quality::error_model::Sampling;
+pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
+pub use wavesplat_splat::{ProgressCallback, Report};
+pub use wavesplat_wavelet::{Keep, Norm, WaveletFamily, WaveletVolume};

@@ -1,0 +1,73 @@
+//! PNG: premultiplied float RGBA to the bytes of a file with straight alpha; colours are used as given (sRGB).
+
+use wavesplat_core::Picture;
+
+/// Bits of a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PngBits {
+    /// Bytes.
+    Eight,
+    /// Twice as many.
+    Sixteen,
+}
+
+/// A picture as the bytes of a PNG file.
+pub fn encode_png(picture: &Picture, bits: PngBits) -> Vec<u8> {
+    png_of_rgba(picture.rgba.as_flattened(), picture.width_px, picture.height_px, bits)
+}
+
+/// The same of premultiplied RGBA, row by row from the top.
+///
+/// # Panics
+///
+/// If there are not four numbers for each pixel.
+pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBits) -> Vec<u8> {
+    assert_eq!(rgba.len(), 4 * width_px * height_px, "four numbers for each of {width_px} x {height_px} pixels");
+    let is_eight = bits == PngBits::Eight;
+    let top = if is_eight { 255.0 } else { 65535.0 };
+    let mut data = Vec::with_capacity(rgba.len() * if is_eight { 1 } else { 2 });
+    for pixel in rgba.chunks_exact(4) {
+        let alpha = pixel[3].clamp(0.0, 1.0);
+        let straight = |c: f32| if alpha > 0.0 { (c / alpha).clamp(0.0, 1.0) } else { 0.0 };
+        for c in [straight(pixel[0]), straight(pixel[1]), straight(pixel[2]), alpha] {
+            let level = (c * top).round() as u16;
+            if is_eight { data.push(level as u8) } else { data.extend(level.to_be_bytes()) }
+        }
+    }
+    let mut bytes = Vec::new();
+    write(&mut bytes, &data, [width_px, height_px], is_eight).expect("writing to memory does not fail");
+    bytes
+}
+
+fn write(bytes: &mut Vec<u8>, data: &[u8], size_px: [usize; 2], is_eight: bool) -> Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(bytes, size_px[0] as u32, size_px[1] as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(if is_eight { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(data)?;
+    writer.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decoded(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut data = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut data).unwrap();
+        (info, data)
+    }
+
+    #[test]
+    fn alpha_becomes_straight_and_colours_stay_as_given() {
+        let rgba = [[0.25, 0.0, 0.5, 0.5], [0.0; 4], [1.0; 4], [2.0, 0.5, 0.0, 1.0]];
+        let picture = Picture { width_px: 2, height_px: 2, rgba: rgba.to_vec(), depth: None, value: None };
+        let (info, data) = decoded(&encode_png(&picture, PngBits::Eight));
+        assert_eq!((info.width, info.height), (2, 2));
+        assert_eq!(data, [128, 0, 255, 128, 0, 0, 0, 0, 255, 255, 255, 255, 255, 128, 0, 255]);
+        let (_, data) = decoded(&encode_png(&picture, PngBits::Sixteen));
+        assert_eq!(data[..8], [128, 0, 0, 0, 255, 255, 128, 0]);
+    }
+}

@@ -1,0 +1,58 @@
+//! What a named quality means: sheets per slice and texels per pixel, by volume, transfer function and view.
+
+use wavesplat_core::{Camera, Grid, Result, TransferFunction, quality_settings};
+use wavesplat_splat::quality::error_model::Sampling;
+use wavesplat_splat::quality::target_psnr::Wanted;
+
+/// How much work goes into a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// A named quality.
+    Named(Quality),
+    /// So many sheets per slice and texels per pixel.
+    Fixed(Sampling),
+    /// The cheapest sampling that is expected to reach a PSNR.
+    Psnr(Wanted),
+}
+
+/// Named qualities.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// While something moves.
+    Draft,
+    /// For looking.
+    #[default]
+    Normal,
+    /// For publishing.
+    High,
+}
+
+/// Times as many sheets for steep functions of two dimensions: what they decide cannot be integrated along a slab, so only
+/// more sheets find what is thin.
+const SHEETS_OF_TWO_DIMENSIONS: f64 = 3.0;
+
+impl Quality {
+    /// The name that users give.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Normal => "normal",
+            Self::High => "high",
+        }
+    }
+
+    /// What it means for a volume on a grid. `is_steep`: whether the transfer function needs pre-integration.
+    pub(crate) fn sampling(
+        name: &str,
+        grid: &Grid,
+        tf: &TransferFunction,
+        is_steep: bool,
+        camera: &Camera,
+        height_px: usize,
+    ) -> Result<Sampling> {
+        let samples_per_pixel = camera.pixel_size(grid.middle(), height_px) / grid.mean_spacing();
+        let (sheets, oversampling) = quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel)?;
+        let finer = if is_steep && tf.joint().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
+        Ok(Sampling { sheets_per_slice: sheets * finer, oversampling })
+    }
+}

@@ -1,0 +1,124 @@
+//! A scene: a volume, or a level of one, and its look. It owns what is kept between frames.
+
+use std::sync::Arc;
+
+use wavesplat_core::{
+    ClipPlane, Composite, Crop, Grid, Kernel, Result, Shading, TransferFunction, Volume,
+};
+use wavesplat_splat::optics::labels::Labels;
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::source::slices::Slices;
+
+use crate::level_volume::LevelVolume;
+use crate::volume_cache::VolumeCache;
+
+/// A volume and its look.
+///
+/// Draw with [`Scene::render`]. What is prepared for the first frame is kept for the next ones.
+#[derive(Clone)]
+pub struct Scene<'a> {
+    volume: SceneVolume<'a>,
+    /// Colour and opacity by sample value.
+    pub transfer_function: TransferFunction,
+    /// Lights and Phong coefficients; `None` draws the colours as given.
+    pub shading: Option<Shading>,
+    /// A segmentation beside the volume; for [`Composite::Over`].
+    pub labels: Option<Arc<Labels>>,
+    /// Box that is drawn, in the world or in index positions of the finest level.
+    pub crop: Option<Crop>,
+    /// Half spaces that are drawn.
+    pub clip_planes: Vec<ClipPlane>,
+    /// Straight colour and opacity behind the volume; `None` is transparent.
+    pub background: Option<[f32; 4]>,
+}
+
+/// What a scene draws.
+#[derive(Clone)]
+pub enum SceneVolume<'a> {
+    /// Samples, and what is kept of them.
+    Samples(Volume<'a>, Arc<VolumeCache>),
+    /// A level of wavelet coefficients.
+    Level(Arc<LevelVolume>),
+}
+
+impl<'a> Scene<'a> {
+    /// Samples with the default light.
+    pub fn new(volume: Volume<'a>, transfer_function: TransferFunction) -> Self {
+        Self::of(SceneVolume::Samples(volume, Arc::default()), transfer_function)
+    }
+
+    /// Any volume with the default light, with what is kept of it elsewhere.
+    pub fn of(volume: SceneVolume<'a>, transfer_function: TransferFunction) -> Self {
+        Self {
+            volume,
+            transfer_function,
+            shading: Some(Shading::default()),
+            labels: None,
+            crop: None,
+            clip_planes: Vec::new(),
+            background: None,
+        }
+    }
+
+    /// What it draws.
+    pub fn volume(&self) -> &SceneVolume<'a> {
+        &self.volume
+    }
+}
+
+impl<'a> SceneVolume<'a> {
+    /// Where the samples lie, and their range.
+    pub fn grid(&self) -> &Grid {
+        match self {
+            Self::Samples(volume, _) => volume.grid(),
+            Self::Level(level) => level.grid(),
+        }
+    }
+
+    /// The transfer function to draw with, and whether it needs pre-integration: for light, that of what the samples of a
+    /// coarser level stand for.
+    pub(crate) fn look(
+        &self,
+        tf: &TransferFunction,
+        composite: Composite,
+        shading: Option<&Shading>,
+    ) -> Result<TransferFunction> {
+        match self {
+            Self::Level(level) if composite == Composite::Over => Ok(level.look(tf, shading)?.0),
+            _ => Ok(tf.clone()),
+        }
+    }
+
+    /// Whether a transfer function gets the sampling of a steep one.
+    pub(crate) fn is_steep(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<bool> {
+        match self {
+            Self::Samples(volume, cache) => Ok(cache.is_steep(volume.grid(), tf)),
+            Self::Level(level) => Ok(level.look(tf, shading)?.1),
+        }
+    }
+
+    /// A crop box as one of what is drawn.
+    pub(crate) fn own_crop(&self, crop: Crop) -> Crop {
+        match (self, crop) {
+            (Self::Level(level), Crop::Index { lo, hi }) => {
+                Crop::Index { lo: level.level_from_finest(lo), hi: level.level_from_finest(hi) }
+            }
+            _ => crop,
+        }
+    }
+
+    /// Slices for a kernel.
+    pub fn slices(&self, kernel: Kernel) -> Slices<'a> {
+        match self {
+            Self::Samples(volume, cache) => cache.slices(volume, kernel),
+            Self::Level(level) => level.slices(kernel),
+        }
+    }
+
+    pub(crate) fn visibility(&self) -> &VisibilityCache {
+        match self {
+            Self::Samples(_, cache) => &cache.visibility,
+            Self::Level(level) => &level.visibility,
+        }
+    }
+}

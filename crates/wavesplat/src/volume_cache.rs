@@ -1,0 +1,46 @@
+//! What is made of a volume's samples once and kept from frame to frame.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wavesplat_core::{Grid, Kernel, TransferFunction, Volume};
+use wavesplat_splat::is_steep;
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::source::slices::{Prepared, Slices};
+
+/// Min-max bricks, spline coefficients and filled samples, for every kernel that was used; and tables of the transfer
+/// functions that were drawn last.
+///
+/// It belongs to one set of samples: after they change, take a new one.
+#[derive(Default)]
+pub struct VolumeCache {
+    prepared: Mutex<Vec<(Kernel, Arc<Prepared>)>>,
+    pub(crate) visibility: VisibilityCache,
+    /// The function that was drawn last, and whether it is steep.
+    steep: Mutex<Option<(TransferFunction, bool)>>,
+}
+
+impl VolumeCache {
+    /// Slices for a kernel; what they need is prepared with the first picture and kept.
+    pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Slices<'a> {
+        let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = prepared.iter().find(|(k, _)| *k == kernel).map(|(_, known)| known.clone());
+        let known = known.unwrap_or_else(|| {
+            let new = Arc::new(Prepared::new(volume, kernel));
+            prepared.push((kernel, new.clone()));
+            new
+        });
+        Slices::with_prepared(volume, known)
+    }
+
+    /// Whether a transfer function needs pre-integration; kept until another is asked for.
+    pub(crate) fn is_steep(&self, grid: &Grid, tf: &TransferFunction) -> bool {
+        let known = self.steep.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, is_steep)) = known.as_ref().filter(|(of, _)| of == tf) {
+            return *is_steep;
+        }
+        drop(known);
+        let is_steep = is_steep(grid, tf);
+        *self.steep.lock().unwrap_or_else(PoisonError::into_inner) = Some((tf.clone(), is_steep));
+        is_steep
+    }
+}

@@ -9,6 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
+
+# Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
+settings.register_profile("shared_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("shared_machine")
 
 SPACING = (0.7, 0.8, 1.5)
 

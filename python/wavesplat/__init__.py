@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wavesplat import errors, examples, reference
+    from wavesplat import errors, examples, reference, study
     from wavesplat._native import __version__
     from wavesplat.camera import Camera
     from wavesplat.crop import Crop
@@ -25,10 +25,8 @@ if TYPE_CHECKING:
     from wavesplat.rendering import render
     from wavesplat.shading import Light, Shading
     from wavesplat.slicing import slice
-    from wavesplat.standard import StandardSplatting
     from wavesplat.transfer_function import TransferFunction
     from wavesplat.transfer_function_2d import TransferFunction2D
-    from wavesplat.variant import Variant
     from wavesplat.volume import Volume
     from wavesplat.wavelet_volume import WaveletVolume
 
@@ -43,10 +41,8 @@ __all__ = [
     "Mesh",
     "Picture",
     "Shading",
-    "StandardSplatting",
     "TransferFunction",
     "TransferFunction2D",
-    "Variant",
     "Volume",
     "WaveletVolume",
     "__version__",
@@ -57,6 +53,7 @@ __all__ = [
     "reference",
     "render",
     "slice",
+    "study",
 ]
 
 #: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
@@ -71,10 +68,8 @@ _HOMES = {
     "Mesh": "meshing",
     "Picture": "picture",
     "Shading": "shading",
-    "StandardSplatting": "standard",
     "TransferFunction": "transfer_function",
     "TransferFunction2D": "transfer_function_2d",
-    "Variant": "variant",
     "Volume": "volume",
     "WaveletVolume": "wavelet_volume",
     "__version__": "_native",
@@ -83,7 +78,7 @@ _HOMES = {
     "render": "rendering",
     "slice": "slicing",
 }
-_MODULES = {"errors", "examples", "reference"}
+_MODULES = {"errors", "examples", "reference", "study"}
 
 
 def __getattr__(name: str) -> Any:

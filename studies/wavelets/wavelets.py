@@ -213,7 +213,11 @@ def rgba_levels(picture: ws.Picture) -> Array:
 
 def draw(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> Array:
     """A volume in place of the subject."""
-    plain: dict[str, Any] = {"sheets_per_slice": 1, "oversampling": 1, "refined": False} if scene.plain_sheets else {}
+    plain: dict[str, Any] = (
+        {"sheets_per_slice": 1, "oversampling": 1, "pre_integration": False, "early_ray_termination": False}
+        if scene.plain_sheets
+        else {}
+    )
     how: Any = {**drawing(name, scene, size_px), "quality": "high", **plain}
     return rgba_levels(ws.render(volume, **how))
 

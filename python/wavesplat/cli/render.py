@@ -32,7 +32,7 @@ from wavesplat.cli.transfer_function_options import (
     function_of_materials,
 )
 from wavesplat.errors import ArgumentError
-from wavesplat.options import BY_VIEW, VIEWS, Composite, Method, Quality
+from wavesplat.options import BY_VIEW, VIEWS, Composite, Quality
 
 if TYPE_CHECKING:
     from wavesplat.camera import Camera
@@ -69,7 +69,6 @@ def render(
         Path | None,
         typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
     ] = None,
-    method: Annotated[Any, parsers.choice(get_args(Method))] = "high-resolution",
     view: Annotated[
         Any,
         typer.Option(
@@ -173,7 +172,6 @@ def render(
         camera,
         shown=not quiet and sys.stderr.isatty(),
         labels=segmentation,
-        method=method,
         size=size,
         kernel=kernel,
         composite=composite,

@@ -7,7 +7,6 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{Camera, Composite, Error, Grid, RenderOptions, Result, Shading, TransferFunction};
 
-use crate::kernel::noise::keeps_bounds;
 use crate::optics::classify::Classifier;
 use crate::optics::gradient_opacity::GradientOpacity;
 use crate::optics::labels::Labels;
@@ -56,10 +55,10 @@ pub(crate) fn with_scene<T>(
 /// Change of a slab's opacity or colour, over all densities, from which slabs are pre-integrated.
 const STEEP: f32 = 0.35;
 
-/// A ray stops when less than this share of light comes through: a tenth of a grey level of 1024.
+/// Early ray termination: a ray stops when less than this share of light comes through, a tenth of a grey level of 1024.
 const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 
-/// The same where the picture is to be that of the method's plain sheets: an eighth of a 16-bit grey level.
+/// The same where rays are not to stop early: an eighth of a 16-bit grey level.
 const OPAQUE: f32 = 1.0 - 2e-6;
 
 /// Whether a transfer function can change opacity or colour by a visible amount within a voxel; of a coarser level,
@@ -233,7 +232,6 @@ impl<'a> Scene<'a> {
         let spacing = self.spacing(plane, sheets_per_slice);
         let axes = plane.family.axes;
         let bricks = self.slices.bricks();
-        let variant = &self.options.variant;
         let fade = match self.options.composite {
             Composite::DepthShadedMaximum { strength, .. } => {
                 Some(DepthCue::new(strength, self.camera, self.grid, self.region.bounds))
@@ -245,17 +243,10 @@ impl<'a> Scene<'a> {
             ((value - offset) * scale) as f32
         };
         let job = |opacity_unit: f64, occupied: Option<Arc<OccupancyGrid>>| TileJob {
-            geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset, variant, spacing.step),
-            rays: RayGeometry {
-                plane,
-                region: &self.region,
-                world_from_index,
-                opacity_unit,
-                view_angle_correction: variant.view_angle_correction,
-                fade,
-            },
+            geometry: SheetGeometry::new(self.level, plane, self.slices, size, gradient_offset),
+            rays: RayGeometry { plane, region: &self.region, world_from_index, opacity_unit, fade },
             spacing,
-            occupied: occupied.filter(|_| keeps_bounds(variant, self.slices.kernel())),
+            occupied,
             fields: self
                 .fields
                 .iter()
@@ -266,11 +257,10 @@ impl<'a> Scene<'a> {
         let with_depth = self.options.with_depth;
         let (picture, work) = match self.options.composite {
             Composite::Over => {
-                let plain = !(self.options.refined && variant.may_pre_integrate());
                 // A function of two dimensions has no integral along a slab.
                 let has_integral = !extras.by_gradient.as_ref().is_some_and(GradientOpacity::decides_color);
-                let is_steep = !plain && has_integral && self.is_steep();
-                let opaque = if plain { OPAQUE } else { OPAQUE_ENOUGH };
+                let is_steep = self.options.pre_integration && has_integral && self.is_steep();
+                let opaque = if self.options.early_ray_termination { OPAQUE_ENOUGH } else { OPAQUE };
                 let mut occupied = Some(bricks.occupied(axes, self.classifier.visible_ranges(bricks)));
                 if let Some(field) = extras.matter_field() {
                     let matter = label_fields[field - self.fields.len()].slices.bricks();

@@ -28,8 +28,7 @@ pub struct Rays {
 /// Directions of the rays of a chunk.
 #[derive(Clone, Copy)]
 pub struct Directions {
-    /// Length of one slice distance along the ray, or across the slices without view-angle correction, in
-    /// `opacity_unit`s.
+    /// Length of one slice distance along the ray, `dz / cos θ`, in `opacity_unit`s: the view-angle correction.
     pub thickness: Lanes,
     /// Unit world vectors towards the eye, as forms on index gradients ([`world_gradient_from_index`]).
     pub to_eye: [Lanes; 3],
@@ -45,8 +44,6 @@ pub struct RayGeometry<'a> {
     pub world_from_index: DAffine3,
     /// World length that opacities belong to.
     pub opacity_unit: f64,
-    /// Whether slabs are as thick as the ray's way through them, `dz / cos θ`; else `dz`.
-    pub view_angle_correction: bool,
     /// Depth shading, where it is wanted.
     pub fade: Option<DepthCue>,
 }
@@ -210,7 +207,6 @@ impl RayGeometry<'_> {
     fn directions(&self, i: usize, j: usize) -> Directions {
         let family = &self.plane.family;
         let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
-        let across = columns[0].cross(columns[1]).normalize().dot(columns[2]).abs();
         let form = world_gradient_from_index(self.world_from_index.matrix3, family).transpose();
         let sign = if family.ascending { 1.0 } else { -1.0 };
         // Along a row of texels, the way from slice to slice changes evenly.
@@ -222,8 +218,7 @@ impl RayGeometry<'_> {
         let mut directions = Directions { thickness: Lanes::splat(0.0), to_eye: [Lanes::splat(0.0); 3] };
         for k in 0..LANES {
             let length = (first + per_texel * k as f64).length();
-            let thickness = if self.view_angle_correction { length } else { across };
-            directions.thickness.0[k] = (thickness / self.opacity_unit) as f32;
+            directions.thickness.0[k] = (length / self.opacity_unit) as f32;
             for c in 0..3 {
                 directions.to_eye[c].0[k] = ((form_of_first[c] + form_per_texel[c] * k as f64) / length) as f32;
             }

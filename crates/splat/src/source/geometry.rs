@@ -1,14 +1,11 @@
 //! Where the texels of the sheets of a base plane lie among the samples, and the footprints of its three axes.
 
-use crate::kernel::footprint::{Axis, Difference};
-use crate::kernel::footprint_table::Weights;
-use crate::kernel::noise::noisy_entries;
+use crate::kernel::footprint::Axis;
 use crate::kernel::slice_taps::SliceTaps;
 use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::Variant;
 
 /// Sheet-wide facts of one base plane.
 pub struct SheetGeometry<'a> {
@@ -18,8 +15,6 @@ pub struct SheetGeometry<'a> {
     pub slices: &'a Slices<'a>,
     /// Axes u, v, w with kernel and gradient offset.
     pub axes: [Axis; 3],
-    /// Entries per sample distance of a footprint table with noise on the samples, where there is one.
-    pub noisy_entries: Option<u32>,
     /// Vectors to use.
     pub level: Level,
     /// Position among the samples of index position 0, along u, v, w, and per index step: fields may be coarser.
@@ -27,43 +22,31 @@ pub struct SheetGeometry<'a> {
 }
 
 impl<'a> SheetGeometry<'a> {
-    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted. `sheet_step`: slice
-    /// distances between sheets.
+    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
     pub fn new(
         level: Level,
         plane: &'a BasePlane,
         slices: &'a Slices<'a>,
         size: [usize; 3],
         gradient_offset: Option<f64>,
-        variant: &Variant,
-        sheet_step: f64,
     ) -> Self {
-        let [u, v, w] = plane.family.axes;
-        let axis = |a: usize, weights, difference: &dyn Fn(f64) -> Difference| Axis {
-            kernel: slices.kernel(),
-            n_samples: size[a],
-            difference: gradient_offset.map(difference),
-            weights,
-        };
-        let within = |a: usize| axis(a, Weights::within(variant), &|d| Difference::within(variant.gradient, d));
-        let across = |d| Difference::across(variant.gradient, d, sheet_step);
-        let axes = [within(u), within(v), axis(w, Weights::across(variant), &across)];
-        Self { plane, slices, axes, noisy_entries: noisy_entries(variant), level, from_index: [(0.0, 1.0); 3] }
+        let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient_offset };
+        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: [(0.0, 1.0); 3] }
     }
 
-    /// The same texels over the samples of a field, which has no variants.
+    /// The same texels over the samples of a field.
     pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
         let size = field.slices.grid().size();
         let from_index = plane.family.axes.map(|a| field.from_index[a]);
-        let own = Self::new(level, plane, &field.slices, size, field.gradient_offset, &Variant::default(), 1.0);
+        let own = Self::new(level, plane, &field.slices, size, field.gradient_offset);
         Self { from_index, ..own }
     }
 
     /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
     pub fn has_weights_of(&self, other: &Self) -> bool {
         let is_alike = |a: &Axis, b: &Axis| {
-            (a.kernel, a.n_samples, a.weights) == (b.kernel, b.n_samples, b.weights)
-                && (b.difference.is_none() || a.difference == b.difference)
+            (a.kernel, a.n_samples) == (b.kernel, b.n_samples)
+                && (b.gradient_offset.is_none() || a.gradient_offset == b.gradient_offset)
         };
         self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
     }

@@ -6,7 +6,7 @@
 
 use wavesplat_compute::simd::LANES;
 
-use crate::kernel::footprint::{Axis, Difference};
+use crate::kernel::footprint::Axis;
 use crate::kernel::slice_taps::SliceTap;
 use crate::kernel::weights::{n_taps, reach};
 use crate::source::block_cache::Part;
@@ -134,19 +134,16 @@ impl TransposedSlices {
 /// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
 fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     let [from, to] = reached(axis, [lo, hi]);
-    let Some(difference) = axis.difference.filter(|difference| !difference.is_forward) else { return [from, to] };
+    let Some(offset) = axis.gradient_offset else { return [from, to] };
     // A difference that starts at a face is as long as any other; its last weights are 0.
-    let widest = Difference { offset: difference.max_offset(), ..difference };
-    // Texels beyond the last sample have differences of their own.
-    let begin = if difference.is_of_texels { hi } else { (hi - widest.offset).max(0.0) };
-    let first = begin.floor() as i64 - reach(axis.kernel) as i64;
-    [from, to.max(first + axis.n_difference_taps(widest) as i64)]
+    let first = (hi - offset).max(0.0).floor() as i64 - reach(axis.kernel) as i64;
+    [from, to.max(first + axis.n_difference_taps(offset) as i64)]
 }
 
 /// First and last sample that values and differences at the positions of an interval reach, with one to spare for
 /// positions in f32.
 fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
-    let offset = axis.difference.map_or(0, |difference| difference.max_offset().ceil() as i64);
+    let offset = axis.gradient_offset.map_or(0, |offset| offset.ceil() as i64);
     let before = reach(axis.kernel) as i64 + offset + 1;
     let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
     [lo.floor() as i64 - before, hi.floor() as i64 + after]
@@ -154,30 +151,26 @@ fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use wavesplat_core::{GradientScheme, Kernel};
+    use wavesplat_core::Kernel;
 
     use super::*;
     use crate::kernel::footprint::AxisFootprints;
-    use crate::kernel::footprint_table::Weights;
 
     #[test]
     fn windows_hold_the_footprints_of_their_texels() {
         let places = [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)];
         for (name, kernel) in Kernel::NAMES {
-            for (_, scheme) in GradientScheme::NAMES {
-                for offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
-                    for (n_samples, origin, step) in places {
-                        let difference = offset.map(|offset| Difference::within(scheme, offset));
-                        let axis = Axis { kernel, n_samples, difference, weights: Weights::Exact };
-                        let mut footprints = AxisFootprints::default();
-                        footprints.build(&axis, [origin, step], 2, 0b11);
-                        let last = (n_samples - 1) as f64;
-                        let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
-                        let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
-                        let [first, end] = footprints.window;
-                        let holds = from <= first && end <= to;
-                        assert!(holds, "{name} {difference:?} {origin}: [{first}, {end}] in [{from}, {to}]");
-                    }
+            for gradient_offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
+                for (n_samples, origin, step) in places {
+                    let axis = Axis { kernel, n_samples, gradient_offset };
+                    let mut footprints = AxisFootprints::default();
+                    footprints.build(&axis, [origin, step], 2, 0b11);
+                    let last = (n_samples - 1) as f64;
+                    let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
+                    let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
+                    let [first, end] = footprints.window;
+                    let holds = from <= first && end <= to;
+                    assert!(holds, "{name} {gradient_offset:?} {origin}: [{first}, {end}] in [{from}, {to}]");
                 }
             }
         }

@@ -102,6 +102,8 @@ rust-lint: $(STAMPS)/venv
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	cargo clippy --locked -p wavesplat-splat --no-default-features -- -D warnings
+	cargo clippy --locked -p wavesplat-splat --no-default-features --features standard -- -D warnings
+	cargo clippy --locked -p wavesplat-splat --no-default-features --features reference -- -D warnings
 
 docs: $(STAMPS)/tools
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet

@@ -158,7 +158,7 @@ def of_operators() -> Iterator[tuple[str, Scene]]:
     yield "over hard depth", draw(volume, hard(250), camera, depth=True)
     yield "over soft depth", draw(volume, tf, camera, depth=True)
     yield "over unshaded", draw(volume, tf, camera, shading=None)
-    yield "over plain sheets", draw(volume, hard(250), camera, refined=False)
+    yield "over plain sheets", draw(volume, hard(250), camera, pre_integration=False, early_ray_termination=False)
     yield "first hit", draw(volume, tf, camera, composite="first-hit", iso_value=220, depth=True)
     yield "first hit unshaded", draw(volume, tf, camera, composite="first-hit", iso_value=220, shading=None)
     for composite in ("maximum", "minimum", "mean", "sum", "x-ray", "depth-shaded-maximum", "local-maximum"):

@@ -64,7 +64,8 @@ ENTRIES = (
           "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15 --occlusion 0.8 --shadow 0.6"),
     Entry("bone_standard", "Standard splatting",
           "The older technique splats colours where this one splats densities; it blurs.",
-          "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15 --method standard"),
+          code="""picture = ws.study.standard(ct, "ct-bone", background="black", **view)
+"""),
     Entry("inside", "From close by", "In perspective, cubic B-spline.",
           "render ct_pelvis.nii.gz --preset ct-bone --azimuth -30 --elevation 35 --perspective 60 --zoom 1.6 "
           "--kernel bspline3"),

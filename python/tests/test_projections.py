@@ -333,12 +333,6 @@ def test_options_of_other_operators_are_refused(option, owner):
 
 
 @pytest.mark.parametrize("composite", PROJECTIONS)
-def test_standard_splatting_has_no_projections(composite):
-    with pytest.raises(ArgumentError, match=f"no composite='{composite}'"):
-        ws.render(ws.examples.ripples(8), GREY, size=(8, 8), composite=composite, method="standard")
-
-
-@pytest.mark.parametrize("composite", PROJECTIONS)
 def test_coefficients_project_as_their_samples_do(composite):
     """And with a level left out nearly so."""
     volume = ws.examples.ripples(33)

@@ -7,16 +7,17 @@ import pytest
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError, CancelledError, LimitError
+from wavesplat.study import StandardSplatting
 
 VOLUME = ws.examples.ripples(16)
 WHITE = ws.TransferFunction([(0, 1)], [(0, 1, 1, 1)])
-SMALL = {"size": (24, 16), "method": "standard"}
-BUFFERS = [ws.StandardSplatting(buffer=b, view_angle_correction=c) for b in ("axis", "view") for c in (True, False)]
-VIEW = ws.StandardSplatting(buffer="view")
+SMALL = {"size": (24, 16)}
+BUFFERS = [StandardSplatting(buffer=b, view_angle_correction=c) for b in ("axis", "view") for c in (True, False)]
+VIEW = StandardSplatting(buffer="view")
 
 
 def draw(volume=VOLUME, transfer_function=None, camera=None, **options):
-    return ws.render(volume, transfer_function, camera, **{**SMALL, **options})
+    return ws.study.standard(volume, transfer_function, camera, **{**SMALL, **options})
 
 
 def test_a_picture_of_defaults():
@@ -26,7 +27,7 @@ def test_a_picture_of_defaults():
     assert picture.depth is None
     assert picture.value is None
     assert 0 < picture.rgba[..., 3].max() <= 1
-    np.testing.assert_array_equal(draw(standard=ws.StandardSplatting()).rgba, picture.rgba)
+    np.testing.assert_array_equal(draw(standard=StandardSplatting()).rgba, picture.rgba)
     report = picture.report
     assert (report["method"], report["buffer"], report["view_angle_correction"]) == ("standard", "axis", True)
     assert report["n_splats"] > 0
@@ -71,7 +72,7 @@ def test_the_view_angle_correction_makes_a_slab_as_opaque_as_it_is_long():
     towards = np.array([np.sin(np.radians(60)), 0, np.cos(np.radians(60))])
     camera = ws.Camera(focal + 100 * towards, focal, (0, 1, 0), parallel_scale=5)
     for corrected, want in [(True, 1 - 0.5**2), (False, 0.5)]:
-        standard = ws.StandardSplatting(view_angle_correction=corrected)
+        standard = StandardSplatting(view_angle_correction=corrected)
         rgba = draw(volume, half, camera, standard=standard, shading=None).rgba
         np.testing.assert_allclose(rgba[..., 3], want, atol=1e-4)
 
@@ -81,7 +82,7 @@ def test_a_wavelet_volume_is_drawn_by_its_samples(standard):
     wavelets = ws.WaveletVolume.from_volume(VOLUME, levels=2, threshold=5)
     of_samples = draw(wavelets.to_volume(), WHITE, "left", standard=standard)
     np.testing.assert_allclose(draw(wavelets, WHITE, "left", standard=standard).rgba, of_samples.rgba, atol=1e-4)
-    details = draw(wavelets, band_weights=[1, 1, 0], standard=standard)
+    details = draw(wavelets.bands([1, 1, 0]), standard=standard)
     assert details.rgba[..., 3].max() > 0
 
 
@@ -115,29 +116,20 @@ def test_progress_reports_and_cancels(standard):
         draw(standard=standard, progress=lambda _: False)
 
 
-@pytest.mark.parametrize("quality", ["draft", "normal", "high"])
-def test_quality_is_texels_per_pixel(quality):
-    want = ws.render(VOLUME, quality=quality, size=(24, 16)).report["oversampling"]
+@pytest.mark.parametrize("oversampling", [0.5, 1, 2])
+def test_it_has_as_many_texels_as_asked_for(oversampling):
     for standard in (None, VIEW):
-        picture = draw(quality=quality, standard=standard)
-        assert picture.report["oversampling"] == want
+        picture = draw(oversampling=oversampling, standard=standard)
+        assert picture.report["oversampling"] == oversampling
         assert picture.rgba.shape == (16, 24, 4)
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"composite": "maximum"}, "no composite='maximum'.*composited with over"),
-        ({"iso_value": 3.0}, "no iso_value=3.0"),
-        ({"sheets_per_slice": 2.0}, "no sheets_per_slice=2.0"),
-        ({"psnr": 40.0}, "no psnr=40.0"),
-        ({"drop_levels": 1}, "no drop_levels=1"),
-        ({"depth": True}, "no depth=True"),
-        ({"refined": False}, "no refined=False"),
         ({"shading": ws.Shading(gradient_offset=0.5)}, "gradient_offset.*standard splatting"),
-        ({"standard": "axis"}, "standard is a str; give a wavesplat.StandardSplatting"),
-        ({"standard": VIEW, "method": "high-resolution"}, 'standard is for method="standard"'),
-        ({"method": "westover"}, "no method 'westover'; the methods are high-resolution, standard"),
+        ({"shading": ws.Shading(shadow=1)}, "light of standard splatting"),
+        ({"standard": "axis"}, "standard is a str; give a wavesplat.study.StandardSplatting"),
         ({"kernel": "cubic"}, "unknown kernel"),
         ({"size": (0, 16)}, "width"),
         ({"oversampling": 0}, "oversampling"),
@@ -148,11 +140,6 @@ def test_quality_is_texels_per_pixel(quality):
 def test_what_it_cannot_do_is_an_argument_error(options, message):
     with pytest.raises(ArgumentError, match=message):
         draw(**options)
-
-
-def test_levels_cannot_be_dropped():
-    with pytest.raises(ArgumentError, match="no drop_levels=1"):
-        draw(ws.WaveletVolume.from_volume(VOLUME, levels=2), drop_levels=1)
 
 
 def test_a_picture_beyond_memory_is_a_limit():
@@ -169,21 +156,9 @@ def test_a_picture_beyond_memory_is_a_limit():
 )
 def test_choices_are_checked_where_they_are_made(options, message):
     with pytest.raises(ArgumentError, match=message):
-        ws.StandardSplatting(**options)
+        StandardSplatting(**options)
 
 
 def test_choices_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         VIEW.buffer = "axis"
-
-
-def test_the_command_line_has_both_methods(tmp_path, ramp_file, wavesplat):
-    fine, coarse, failed = (tmp_path / name for name in ("fine.png", "coarse.png", "failed.png"))
-    options = ["--size", "40x30", "--quiet"]
-    assert wavesplat("render", ramp_file, "-o", fine, *options).returncode == 0
-    assert wavesplat("render", ramp_file, "-o", coarse, *options, "--method", "standard").returncode == 0
-    assert fine.read_bytes() != coarse.read_bytes()
-    refused = wavesplat("render", ramp_file, "-o", failed, "--method", "standard", "--composite", "maximum")
-    assert refused.returncode != 0
-    assert "composited with over" in refused.stderr
-    assert not failed.exists()

@@ -77,7 +77,7 @@ def test_the_picture_is_that_of_the_samples(textured, family, threshold):
     "draw",
     [
         {"depth": True},
-        {"refined": False},
+        {"pre_integration": False, "early_ray_termination": False},
         {"quality": "high"},
         {"quality": "draft"},
         {"sheets_per_slice": 0.05},

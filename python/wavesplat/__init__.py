@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from wavesplat._readers.opening import open
     from wavesplat._render.rendering import render
     from wavesplat._render.slicing import slice
-    from wavesplat._render.standard import StandardSplatting
-    from wavesplat._render.variant import Variant
 
 __all__ = [
     "Camera",
@@ -51,10 +49,8 @@ __all__ = [
     "Mesh",
     "Picture",
     "Shading",
-    "StandardSplatting",
     "TransferFunction",
     "TransferFunction2D",
-    "Variant",
     "Volume",
     "WaveletVolume",
     "__version__",
@@ -65,6 +61,7 @@ __all__ = [
     "reference",
     "render",
     "slice",
+    "study",
 ]
 
 #: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
@@ -79,10 +76,8 @@ _HOMES = {
     "Mesh": "_mesh.meshing",
     "Picture": "_picture.picture",
     "Shading": "_looks.shading",
-    "StandardSplatting": "_render.standard",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
-    "Variant": "_render.variant",
     "Volume": "_model.volume",
     "WaveletVolume": "_model.wavelet_volume",
     "__version__": "_native",
@@ -91,7 +86,7 @@ _HOMES = {
     "render": "_render.rendering",
     "slice": "_render.slicing",
 }
-_MODULES = {"errors", "examples", "reference"}
+_MODULES = {"errors", "examples", "reference", "study"}
 
 
 def __getattr__(name: str) -> Any:

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Ablation",
     "Camera",
     "DecodedVolume",
     "Labels",
     "Shading",
     "TransferFunction",
-    "Variant",
     "Volume",
     "WaveletVolume",
     "__version__",
@@ -22,6 +22,7 @@ __all__ = [
     "raycast",
     "render",
     "render_standard",
+    "splat_ablated",
     "splat_literal",
 ]
 
@@ -160,8 +161,8 @@ class Labels:
     ) -> Labels: ...
 
 @final
-class Variant:
-    """How splatting is carried out; `footprint_entries` count where `footprint` is a table."""
+class Ablation:
+    """Which part of the method is left out or changed; `footprint_entries` count where `footprint` is a table."""
 
     def __new__(
         cls,
@@ -170,7 +171,7 @@ class Variant:
         gradient: str,
         footprint: str,
         footprint_entries: int,
-    ) -> Variant: ...
+    ) -> Ablation: ...
 
 def render(
     volume: Volume | DecodedVolume,
@@ -197,8 +198,8 @@ def render(
     background: tuple[float, float, float, float] | None,
     threads: int | None,
     depth: bool,
-    refined: bool,
-    variant: Variant | None,
+    pre_integration: bool,
+    early_ray_termination: bool,
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def render_standard(
@@ -248,6 +249,24 @@ def splat_literal(
     shading: Shading | None,
     sheets_per_slice: float,
     threads: int | None,
+) -> NDArray[np.float32]: ...
+def splat_ablated(
+    volume: Volume,
+    transfer_function: TransferFunction,
+    camera: Camera,
+    *,
+    ablation: Ablation,
+    width: int,
+    height: int,
+    kernel: str,
+    shading: Shading | None,
+    sheets_per_slice: float,
+    oversampling: float,
+    crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
+    clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],
+    threads: int | None,
+    progress: Callable[[float], object] | None,
 ) -> NDArray[np.float32]: ...
 def plane(
     volume: Volume | DecodedVolume,

@@ -1,9 +1,10 @@
-"""What is compared: ray casting at several steps, standard splatting, high-resolution splatting, and its variants."""
+"""What is compared: ray casting at several steps, standard splatting, high-resolution splatting, and its ablations."""
 
 # ruff: noqa: INP001 - a script, not a package
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import wavesplat as ws
@@ -16,31 +17,37 @@ TABLE_ENTRIES = 4
 
 @dataclass(frozen=True)
 class Entry:
-    """A way to draw. `how` are arguments of `render`; where there is a step, of the reference ray caster."""
+    """A way to draw. `how` are arguments of what draws it."""
 
     group: str
     label: str
     how: dict[str, Any] = field(default_factory=dict)
-    step: float | None = None
     gradient_offset: float = 1.0
-    #: Half a minute for a scan: only the ripples are drawn this way.
-    is_slow: bool = False
+    draws: Callable[..., ws.Picture] = ws.render
+
+    @property
+    def is_literal(self) -> bool:
+        """Whether it is drawn by a literal twin, written to be exact and not to be fast."""
+        return self.draws is ws.study.splat
 
     def draw(self, volume: ws.Volume, scene: dict[str, Any]) -> ws.Picture:
         """The picture of a scene, which is what all ways have in common."""
         arguments = {**scene, "shading": ws.Shading(gradient_offset=self.gradient_offset), **self.how}
-        if self.step is not None:
-            return ws.reference.raycast(volume, step=self.step, **arguments)
-        return ws.render(volume, **arguments)
+        return self.draws(volume, **arguments)
 
 
 def standard(label: str, kernel: str = "linear", **choices: Any) -> Entry:
     """A kind of standard splatting."""
-    how = {"method": "standard", "kernel": kernel, "standard": ws.StandardSplatting(**choices)}
-    return Entry("standard splatting", label, how)
+    how = {"kernel": kernel, "standard": ws.study.StandardSplatting(**choices)}
+    return Entry("standard splatting", label, how, draws=ws.study.standard)
 
 
-RAYS = [Entry("ray casting", f"step {step}", step=step) for step in (1.0, 0.5, 0.25)]
+def rays(label: str, step: float, gradient_offset: float = 1.0) -> Entry:
+    """The reference ray caster."""
+    return Entry("ray casting", label, {"step": step}, gradient_offset, ws.reference.raycast)
+
+
+RAYS = [rays(f"step {step}", step) for step in (1.0, 0.5, 0.25)]
 
 STANDARD = standard("sheets along the axes")
 STANDARDS = [
@@ -68,50 +75,55 @@ SETTINGS = [
     for texels in (0.35, 0.5, 0.7, 1.0)
 ]
 
-#: Of the variants: two sheets a slice and nothing between them, as the paper has it but for the second sheet.
-PLAIN = {"sheets_per_slice": 2.0, "oversampling": 1.0, "refined": False}
+#: The method by itself: two sheets a slice and nothing between them, as the paper has it but for the second sheet.
+PLAIN = {"sheets_per_slice": 2.0, "oversampling": 1.0}
 
 
-def variant(group: str, label: str, offset: float = 1.0, sheets: float = 2.0, **choices: Any) -> Entry:
-    """One switch of the method."""
-    how = {**PLAIN, "sheets_per_slice": sheets, "variant": ws.Variant(**choices)}
-    return Entry(group, label, how, gradient_offset=offset)
+def plain(label: str, *, sheets: float = 2.0, pre_integration: bool = False) -> Entry:
+    """The method by itself, by the fast renderer: without an ablation it is the literal splatter to rounding."""
+    how = {"pre_integration": pre_integration, "early_ray_termination": False}
+    return Entry("the method, plain", label, {**PLAIN, **how, "sheets_per_slice": sheets})
 
 
-BASE = variant("the method, plain", "two sheets a slice")
-VARIANTS = [
+def ablation(group: str, label: str, offset: float = 1.0, **choices: Any) -> Entry:
+    """The method with one part left out or changed."""
+    return Entry(group, label, {**PLAIN, "ablation": ws.study.Ablation(**choices)}, offset, ws.study.splat)
+
+
+BASE = plain("two sheets a slice")
+UNCORRECTED = ablation("view angle", "not corrected", view_angle_correction=False)
+ABLATIONS = [
     BASE,
-    Entry("the method, plain", "pre-integrated between the sheets", {**PLAIN, "refined": True}),
-    variant("the method, plain", "one sheet a slice", sheets=1.0),
-    variant("the method, plain", "four sheets a slice", sheets=4.0),
-    variant("view angle", "not corrected", view_angle_correction=False),
-    variant("kernel slicing", "none: the nearest slice alone", kernel_slicing=False),
+    plain("pre-integrated between the sheets", pre_integration=True),
+    plain("one sheet a slice", sheets=1.0),
+    plain("four sheets a slice", sheets=4.0),
+    UNCORRECTED,
+    ablation("kernel slicing", "none: the nearest slice alone", kernel_slicing=False),
     *(
-        variant("gradient", f"{scheme}, d = {offset:g}", offset, gradient=scheme)
+        ablation("gradient", f"{scheme}, d = {offset:g}", offset, gradient=scheme)
         for scheme in ("footprint", "footprint-forward", "sheet-central", "sheet-forward")
         for offset in OFFSETS
     ),
-    variant("footprint", f"nearest of {TABLE_ENTRIES} entries", footprint="nearest", footprint_entries=TABLE_ENTRIES),
-    replace(
-        variant(
-            "footprint",
-            f"nearest of {TABLE_ENTRIES}, noise on the samples",
-            footprint="nearest-noise",
-            footprint_entries=TABLE_ENTRIES,
-        ),
-        is_slow=True,
+    ablation("footprint", f"nearest of {TABLE_ENTRIES} entries", footprint="nearest", footprint_entries=TABLE_ENTRIES),
+    ablation(
+        "footprint",
+        f"nearest of {TABLE_ENTRIES}, noise on the samples",
+        footprint="nearest-noise",
+        footprint_entries=TABLE_ENTRIES,
     ),
-    variant("footprint", "nearest of 64 entries", footprint="nearest", footprint_entries=64),
+    ablation("footprint", "nearest of 64 entries", footprint="nearest", footprint_entries=64),
 ]
 
 #: Against the signal itself: every kernel, by every way to draw.
 FINE = {"quality": "high"}
+#: Texels per pixel of standard splatting, as of quality high where surfaces are hard.
+FINE_STANDARD = {"oversampling": 3.0}
 PLACES: tuple[tuple[Literal["axis", "view"], str], ...] = (("axis", "along the axes"), ("view", "parallel to the view"))
 AGAINST_SIGNAL = [
-    Entry("ray casting", "step 0.25, linear", step=0.25),
-    Entry("ray casting", "step 0.25, linear, d = 0.1", step=0.25, gradient_offset=0.1),
+    rays("step 0.25, linear", 0.25),
+    rays("step 0.25, linear, d = 0.1", 0.25, 0.1),
     *(
-        Entry("high-resolution splatting", f"{kernel}, d = {offset:g}", {**FINE, "kernel": kernel}, None, offset)
+        Entry("high-resolution splatting", f"{kernel}, d = {offset:g}", {**FINE, "kernel": kernel}, offset)
         for kernel in KERNELS
         for offset in (1.0, 0.1)
     ),
@@ -119,7 +131,8 @@ AGAINST_SIGNAL = [
         Entry(
             "standard splatting",
             f"{kernel}, sheets {where}",
-            {**FINE, "kernel": kernel, "method": "standard", "standard": ws.StandardSplatting(buffer=buffer)},
+            {**FINE_STANDARD, "kernel": kernel, "standard": ws.study.StandardSplatting(buffer=buffer)},
+            draws=ws.study.standard,
         )
         for kernel in KERNELS
         for buffer, where in PLACES

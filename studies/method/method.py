@@ -1,4 +1,4 @@
-"""Standard splatting, high-resolution splatting and its variants, ray casting, side by side; `make study` runs this.
+"""Standard splatting, high-resolution splatting and its ablations, ray casting, side by side; `make study` runs this.
 
 After "High Resolution Image Splatting" (Int. J. of Advanced Computational Engineering and Networking 2-7, 2014): the
 ripples of 32^3 samples, a CT of half a pelvis, an MRI of a head; a soft and a hard transfer function each, Phong
@@ -12,6 +12,7 @@ signal      Of the ripples: rays through the formula itself (`signal_caster.py`)
 PSNR = 10 log10(1 / mean squared error) over all pixels and colour channels, over black; the error is the mean absolute
 difference in grey levels of 255. Milliseconds are of the processor, all threads together: the least of a few runs after
 one that prepares the volume. The ray caster is the reference of the tests, written to be exact and not to be fast.
+The ablations are drawn by `wavesplat.study.splat`, which is no faster: its times tell nothing of the method.
 
 One page of HTML with the pictures goes to `--out`, and the tables as Markdown beside it; `--record` also writes them to
 RESULTS.md beside this file. Converged pictures are kept in `.cache/study`.
@@ -75,6 +76,7 @@ class Row:
 
     scene: tuple[str, str]
     entry: Entry
+    #: Not a number for a literal twin.
     ms: float
     psnr_db: float
     #: Mean absolute, grey levels.
@@ -129,7 +131,9 @@ def converged(volume: ws.Volume, scene: dict[str, Any], *, is_hard: bool) -> Arr
 
 def timed(entry: Entry, volume: ws.Volume, scene: dict[str, Any]) -> tuple[float, Array]:
     """Milliseconds of the processor, the least of a few runs, and the picture."""
-    if entry.step is None:
+    if entry.is_literal:
+        return math.nan, rgb(entry.draw(volume, scene).rgba)
+    if entry.draws is not ws.reference.raycast:
         entry.draw(volume, {**scene, "size": (8, 8)})
     spent: list[float] = []
     while sum(spent) < TIMING_MS and len(spent) < 7:
@@ -146,8 +150,8 @@ def measure(name: str, curve: str, size_px: int) -> tuple[Array, list[Row]]:
     scene = scene_of(name, curve, volume, size_px)
     wanted = converged(volume, scene, is_hard=curve == "hard")
     rows = []
-    ways = [*entries.RAYS, *entries.STANDARDS, *entries.QUALITIES, *entries.SETTINGS, *entries.VARIANTS]
-    for entry in (way for way in ways if name == "ripples" or not way.is_slow):
+    ways = [*entries.RAYS, *entries.STANDARDS, *entries.QUALITIES, *entries.SETTINGS, *entries.ABLATIONS]
+    for entry in ways:
         ms, picture = timed(entry, volume, scene)
         rows.append(Row((name, curve), entry, ms, psnr_db(picture, wanted), grey_levels(picture, wanted), picture))
     print(f"{name}, {curve}: {time.monotonic() - started:.0f} s", file=sys.stderr, flush=True)
@@ -199,7 +203,7 @@ def angles() -> dict[str, list[float]]:
     volume = SUBJECTS["mri"].source()
     ways = {
         "high-resolution splatting": entries.BASE,
-        "the same, not corrected": next(e for e in entries.VARIANTS if e.group == "view angle"),
+        "the same, not corrected": entries.UNCORRECTED,
         "standard, sheets along the axes": entries.STANDARDS[0],
         "the same, not corrected ": entries.STANDARDS[3],
         "standard, parallel to the view": entries.STANDARDS[4],
@@ -220,7 +224,8 @@ def scene_table(rows: list[Row]) -> list[list[str]]:
     lines = [["", "", "CPU ms", "PSNR, dB", "error, grey levels"]]
     for row in rows:
         if row.entry not in entries.SETTINGS:
-            numbers = [f"{row.ms:.1f}", f"{row.psnr_db:.1f}", f"{row.error:.2f}"]
+            ms = "" if row.entry.is_literal else f"{row.ms:.1f}"
+            numbers = [ms, f"{row.psnr_db:.1f}", f"{row.error:.2f}"]
             lines.append([row.entry.group, row.entry.label, *numbers])
     return lines
 
@@ -335,7 +340,7 @@ def blocks(
     for (name, curve), rows in scenes.items():
         if curve == "hard":
             shown.append(
-                (f"What each part of the method buys: {name}, hard", page.variant_strips(wanted[name, curve], rows))
+                (f"What each part of the method buys: {name}, hard", page.ablation_strips(wanted[name, curve], rows))
             )
     return shown
 

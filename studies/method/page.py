@@ -25,7 +25,7 @@ Scenes = dict[tuple[str, str], list["Row"]]
 
 #: Differences are shown this many times as strong.
 STRONGER = 4
-#: Part of a picture that shows what a variant does, as a share of its side.
+#: Part of a picture that shows what an ablation does, as a share of its side.
 CROP = 0.35
 
 STYLE = """
@@ -65,8 +65,8 @@ def strip(figures: Iterable[str]) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell is aligned to the right."""
-    return cell.lstrip("+-").replace(".", "", 1).isdigit()
+    """Whether a cell is aligned to the right; empty ones are where others are."""
+    return not cell or cell.lstrip("+-").replace(".", "", 1).isdigit()
 
 
 def table(lines: Table) -> str:
@@ -97,7 +97,7 @@ def difference(picture: Array, wanted: Array) -> Array:
 
 
 def middle(picture: Array) -> Array:
-    """The part of a picture that is shown of a variant."""
+    """The part of a picture that is shown of an ablation."""
     side = picture.shape[0]
     lo, hi = round(side * (1 - CROP) / 2), round(side * (1 + CROP) / 2)
     return picture[lo:hi, lo:hi]
@@ -105,7 +105,8 @@ def middle(picture: Array) -> Array:
 
 def numbers(row: Row) -> str:
     """What stands below a picture."""
-    return f"{row.psnr_db:.1f} dB, {row.error:.2f} grey levels, {row.ms:.0f} ms"
+    ms = "" if row.entry.is_literal else f", {row.ms:.0f} ms"
+    return f"{row.psnr_db:.1f} dB, {row.error:.2f} grey levels{ms}"
 
 
 def scene_strip(wanted: Array, rows: list[Row], best: Row) -> str:
@@ -121,13 +122,13 @@ def scene_strip(wanted: Array, rows: list[Row], best: Row) -> str:
     return strip(figures)
 
 
-def variant_strips(wanted: Array, rows: list[Row]) -> str:
+def ablation_strips(wanted: Array, rows: list[Row]) -> str:
     """What each switch does, in the middle of the picture."""
     parts = []
-    groups = dict.fromkeys(entry.group for entry in entries.VARIANTS)
+    groups = dict.fromkeys(entry.group for entry in entries.ABLATIONS)
     base = next(row for row in rows if row.entry is entries.BASE)
     for group in groups:
-        members = [row for row in rows if row.entry in entries.VARIANTS and row.entry.group == group]
+        members = [row for row in rows if row.entry in entries.ABLATIONS and row.entry.group == group]
         figures = [figure("converged ray casting", "", [middle(wanted)])]
         if base not in members:
             figures.append(figure("as the method has it", numbers(base), [middle(base.picture)]))

@@ -15,7 +15,6 @@ mod level_grid;
 mod options;
 mod picture;
 mod transfer_function;
-mod variant;
 mod volume;
 
 pub use camera::{Camera, Projection, Ray};
@@ -26,8 +25,10 @@ pub use grid::Grid;
 pub use joint::Joint;
 pub use label::LabelLook;
 pub use level_grid::LevelGrid;
-pub use options::{ClipPlane, Crop, Kernel, Light, LightFrame, MAX_SIDE_PX, RenderOptions, Shading, quality_settings};
+pub use options::{
+    ClipPlane, Crop, Kernel, Light, LightFrame, MAX_GRADIENT_OFFSET, MAX_SIDE_PX, RenderOptions, Shading,
+    quality_settings,
+};
 pub use picture::Picture;
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
-pub use variant::{FootprintTable, GradientScheme, MAX_GRADIENT_OFFSET, Variant};
 pub use volume::{Sample, Samples, Statistics, Volume};

@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use crate::composite::Composite;
 use crate::error::{Error, Result};
-use crate::variant::{MAX_GRADIENT_OFFSET, Variant};
 
 /// Reconstruction kernel, separable; the same along all three axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -113,6 +112,9 @@ impl Default for Shading {
     }
 }
 
+/// Largest distance of the gradient's differences, samples.
+pub const MAX_GRADIENT_OFFSET: f64 = 4.0;
+
 impl Shading {
     /// Checks ranges.
     pub fn validate(&self) -> Result<()> {
@@ -208,8 +210,6 @@ pub struct RenderOptions {
     pub width_px: usize,
     /// Picture height, pixels.
     pub height_px: usize,
-    /// Reconstruction kernel.
-    pub kernel: Kernel,
     /// Composite operator.
     pub composite: Composite,
     /// `None` draws colours as they are.
@@ -219,11 +219,11 @@ pub struct RenderOptions {
     /// Texels of the base plane per pixel, along each axis; a pixel is the mean of as many reads along each, rounded up.
     /// In perspective on the whole.
     pub oversampling: f64,
-    /// Pre-integrate slabs where the transfer function is steep, and stop rays that are opaque; off: plain sheets, as the
-    /// method has it.
-    pub refined: bool,
-    /// How splatting is carried out.
-    pub variant: Variant,
+    /// Pre-integration of the slabs between sheets where the transfer function is steep; off: plain sheets, as the method
+    /// has it.
+    pub pre_integration: bool,
+    /// Early ray termination: a ray stops where at most 1e-4 of its light comes through; off: 2e-6.
+    pub early_ray_termination: bool,
     /// Box that is drawn.
     pub crop: Option<Crop>,
     /// Half spaces that are drawn.
@@ -242,13 +242,12 @@ impl Default for RenderOptions {
         Self {
             width_px: 512,
             height_px: 512,
-            kernel: Kernel::Linear,
             composite: Composite::Over,
             shading: Some(Shading::default()),
             sheets_per_slice,
             oversampling,
-            refined: true,
-            variant: Variant::default(),
+            pre_integration: true,
+            early_ray_termination: true,
             crop: None,
             clip_planes: Vec::new(),
             background: None,
@@ -301,7 +300,6 @@ impl RenderOptions {
             let mend = "pass red, green, blue (and opacity) between 0 and 1";
             return Err(Error::out_of_range("background", format!("{rgba:?}"), "a colour", mend));
         }
-        self.variant.validate()?;
         self.shading.as_ref().map_or(Ok(()), Shading::validate)
     }
 }
@@ -332,7 +330,6 @@ const LEAST_OVERSAMPLING: f64 = 0.02;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::variant::FootprintTable;
 
     #[test]
     fn names_round_trip_and_unknown_ones_list_the_known() {
@@ -374,6 +371,5 @@ mod tests {
         check(|o| o.shading = Some(Shading { ambient: -1.0, ..Shading::default() }));
         check(|o| o.shading = Some(Shading { shadow: 1.5, ..Shading::default() }));
         check(|o| o.shading = Some(Shading { occlusion_radius: Some(0.0), ..Shading::default() }));
-        check(|o| o.variant.footprint = FootprintTable::Nearest { per_sample: 0 });
     }
 }

@@ -4,9 +4,10 @@ use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use wavesplat_core::{
-    Camera, ColorNode, Error, FootprintTable, GradientNode, GradientScheme, Joint, Light, LightFrame, OpacityNode,
-    Projection, Shading, TransferFunction, Variant,
+    Camera, ColorNode, Error, GradientNode, Joint, Light, LightFrame, OpacityNode, Projection, Shading,
+    TransferFunction,
 };
+use wavesplat_splat::reference::ablation::{Ablation, FootprintTable, GradientScheme};
 
 use crate::errors::to_py;
 
@@ -170,11 +171,11 @@ impl PyShading {
 }
 
 /// See `_native.pyi`.
-#[pyclass(name = "Variant", frozen, module = "wavesplat._native")]
-pub struct PyVariant(pub Variant);
+#[pyclass(name = "Ablation", frozen, module = "wavesplat._native")]
+pub struct PyAblation(pub Ablation);
 
 #[pymethods]
-impl PyVariant {
+impl PyAblation {
     #[new]
     fn new(
         view_angle_correction: bool,
@@ -185,8 +186,8 @@ impl PyVariant {
     ) -> PyResult<Self> {
         let gradient = GradientScheme::from_name(gradient).map_err(to_py)?;
         let footprint = FootprintTable::from_name(footprint, footprint_entries).map_err(to_py)?;
-        let variant = Variant { view_angle_correction, kernel_slicing, gradient, footprint };
-        variant.validate().map_err(to_py)?;
-        Ok(Self(variant))
+        let ablation = Ablation { view_angle_correction, kernel_slicing, gradient, footprint };
+        ablation.validate().map_err(to_py)?;
+        Ok(Self(ablation))
     }
 }

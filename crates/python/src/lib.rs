@@ -4,7 +4,7 @@ mod arguments;
 mod errors;
 mod labels;
 mod rendering;
-mod standard;
+mod study;
 mod volume;
 mod wavelet;
 
@@ -15,13 +15,13 @@ use pyo3::prelude::*;
 mod _native {
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
     #[pymodule_export]
-    use crate::arguments::{PyCamera, PyShading, PyTransferFunction, PyVariant};
+    use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, raycast, render, splat_literal};
     #[pymodule_export]
-    use crate::standard::render_standard;
+    use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]
     use crate::volume::PyVolume;
     #[pymodule_export]

@@ -16,7 +16,7 @@ use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab, plane_values};
 use wavesplat_splat::{Layer, ProgressCallback, reference, with_threads};
 
-use crate::arguments::{PyCamera, PyShading, PyTransferFunction, PyVariant, Triple, vector};
+use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
 use crate::labels::PyLabels;
 use crate::volume::{Drawable, PyVolume};
@@ -174,7 +174,7 @@ impl From<Measured> for PyMeasured {
 #[pyfunction]
 #[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value,
     local_threshold, depth_shading, attenuation, shading, sheets_per_slice, oversampling, psnr, like, crop_index,
-    crop_world, clip_planes, background, threads, depth, refined, variant, progress))]
+    crop_world, clip_planes, background, threads, depth, pre_integration, early_ray_termination, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn render<'py>(
@@ -202,8 +202,8 @@ pub fn render<'py>(
     background: Option<[f32; 4]>,
     threads: Option<usize>,
     depth: bool,
-    refined: bool,
-    variant: Option<&PyVariant>,
+    pre_integration: bool,
+    early_ray_termination: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let none = CompositeNumbers::NONE;
@@ -213,10 +213,10 @@ pub fn render<'py>(
         depth_shading: depth_shading.map_or(none.depth_shading, <[f64; 2]>::from),
         attenuation: attenuation.map_or(none.attenuation, <[f64; 2]>::from),
     };
+    let kernel = Kernel::from_name(kernel).map_err(to_py)?;
     let options = RenderOptions {
         width_px: width,
         height_px: height,
-        kernel: Kernel::from_name(kernel).map_err(to_py)?,
         composite: Composite::from_name(composite, &numbers).map_err(to_py)?,
         shading: shading.map(|s| s.0.clone()),
         sheets_per_slice,
@@ -225,15 +225,15 @@ pub fn render<'py>(
         clip_planes: self::clip_planes(clip_planes),
         background,
         with_depth: depth,
-        refined,
-        variant: variant.map(|v| v.0).unwrap_or_default(),
+        pre_integration,
+        early_ray_termination,
         n_threads: threads,
     };
     options.validate().map_err(to_py)?;
     let monitor = PyMonitor::new(progress);
     let curves = volume.transfer_function(&transfer_function.0, options.composite, options.shading.as_ref())?;
     let cache = volume.cache();
-    let result = volume.with_slices(py, options.kernel, |slices| {
+    let result = volume.with_slices(py, kernel, |slices| {
         monitor.watch(py, || {
             let slices = with_threads(options.n_threads, slices);
             let (tf, camera) = (&curves, &camera.0);
@@ -310,14 +310,13 @@ pub fn raycast<'py>(
     let options = RenderOptions {
         width_px: width,
         height_px: height,
-        kernel: Kernel::from_name(kernel).map_err(to_py)?,
         shading: shading.map(|s| s.0.clone()),
         crop: crop(crop_index, crop_world),
         clip_planes: self::clip_planes(clip_planes),
         n_threads: threads,
         ..RenderOptions::default()
     };
-    let sampling = RaycastOptions { step, rays_per_pixel };
+    let sampling = RaycastOptions { kernel: Kernel::from_name(kernel).map_err(to_py)?, step, rays_per_pixel };
     let picture = volume.with_volume(py, |v| {
         let (tf, camera) = (&transfer_function.0, &camera.0);
         let monitor = PyMonitor::new(None);
@@ -344,10 +343,10 @@ pub fn splat_literal<'py>(
     sheets_per_slice: f64,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let kernel = Kernel::from_name(kernel).map_err(to_py)?;
     let options = RenderOptions {
         width_px: width,
         height_px: height,
-        kernel: Kernel::from_name(kernel).map_err(to_py)?,
         shading: shading.map(|s| s.0.clone()),
         sheets_per_slice,
         oversampling: 1.0,
@@ -356,7 +355,7 @@ pub fn splat_literal<'py>(
     };
     let picture = volume.with_volume(py, |v| {
         let (tf, camera) = (&transfer_function.0, &camera.0);
-        py.detach(|| reference::splat::image(v, tf, camera, &options)).map_err(to_py)
+        py.detach(|| reference::splat::image(v, kernel, tf, camera, &options)).map_err(to_py)
     })?;
     image(py, picture)
 }

@@ -7,8 +7,9 @@
 //! `view` (camera, base planes) -> `kernel` (footprints) -> `source` (slices) -> `sheet` -> `optics` (classify, shade) ->
 //! `ray` (composite) -> `picture` (warp) -> `render` (the one place that knows the order) -> `quality`.
 //!
-//! Beside them stand [`slice_plane`], [`standard`] (standard splatting) and [`mod@reference`], the literal double-precision
-//! twins. Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
+//! Beside them stand [`slice_plane`], and, each behind a feature of its name, `standard` (standard splatting) and
+//! `reference` (the literal double-precision twins, and the method without one of its parts). Source of the method: "High
+//! Resolution Image Splatting", IJACEN 2(7), 2014.
 //!
 //! This crate is the engine; its folders are open for tests and for the crates that stand on it, and no stable interface.
 //! Draw with the crate `wavesplat`.
@@ -22,6 +23,7 @@ pub mod picture;
 // QUALITY
 #[doc(hidden)]
 pub mod ray;
+#[cfg(feature = "reference")]
 pub mod reference;
 #[doc(hidden)]
 pub mod render;
@@ -30,6 +32,7 @@ pub mod sheet;
 pub mod slice_plane;
 #[doc(hidden)]
 pub mod source;
+#[cfg(feature = "standard")]
 pub mod standard;
 #[doc(hidden)]
 pub mod view;

@@ -15,7 +15,7 @@ use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, render, render_base_planes_at, render_layer};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
-const SAMPLING: RaycastOptions = RaycastOptions { step: 0.1, rays_per_pixel: 4 };
+const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 4 };
 
 fn oblique(phantom: &Phantom, parallel_scale: f64) -> Camera {
     camera_towards(phantom.centre(), DVec3::new(0.7, 0.6, 0.5), 60.0, Projection::Orthographic { parallel_scale })

@@ -23,7 +23,17 @@ fn options() -> RenderOptions {
 }
 
 fn draw(volume: &Volume, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Picture {
-    let slices = Slices::new(volume, options.kernel);
+    draw_with(volume, Kernel::Linear, tf, camera, options)
+}
+
+fn draw_with(
+    volume: &Volume,
+    kernel: Kernel,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+) -> Picture {
+    let slices = Slices::new(volume, kernel);
     render(&slices, tf, camera, options, &()).expect("the scene is valid").0
 }
 
@@ -51,7 +61,7 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
     let opacity_per_unit: f64 = 0.06;
     let tf = opacity_ramp(&[(0.0, opacity_per_unit)], Some(1.5));
     let volume = phantom.volume();
-    let slices = Slices::new(&volume, options.kernel);
+    let slices = Slices::new(&volume, Kernel::Linear);
     let (pictures, _) = render_base_planes(&slices, &tf, camera, options, &()).unwrap();
     let region = wavesplat_splat::view::region::Region::new(volume.grid(), options).unwrap();
     let mut n_hit = 0;
@@ -187,7 +197,7 @@ fn front_slab_over_back_slab_is_the_whole() {
         let part = |z: [f64; 2]| {
             let crop = Crop::Index { lo: DVec3::new(0.0, 0.0, z[0]), hi: DVec3::new(19.0, 20.0, z[1]) };
             let options = RenderOptions { crop: Some(crop), ..options() };
-            let slices = Slices::new(&volume, options.kernel);
+            let slices = Slices::new(&volume, Kernel::Linear);
             render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0
         };
         // The eye is at +z: the upper half is in front. Sheets lie on the slices, so 9 is a sheet.
@@ -237,7 +247,8 @@ fn halving_the_sheets_changes_no_brightness() {
     let (phantom, tf) = ball_scene();
     let camera = camera_towards(phantom.centre(), DVec3::new(0.4, 0.8, 0.3), 50.0, ORTHOGRAPHIC);
     let brightness = [4.0, 2.0, 1.0].map(|sheets_per_slice| {
-        let options = RenderOptions { sheets_per_slice, refined: false, ..options() };
+        let options =
+            RenderOptions { sheets_per_slice, pre_integration: false, early_ray_termination: false, ..options() };
         mean_brightness(&draw(&phantom.volume(), &tf, &camera, &options).rgba)
     });
     for b in brightness {
@@ -336,7 +347,7 @@ fn what_is_not_finite_is_empty() {
     let volume = phantom.volume();
     let camera = camera_towards(phantom.centre(), DVec3::Z, 50.0, Projection::Orthographic { parallel_scale: 5.5 });
     for (_, kernel) in Kernel::NAMES {
-        let options = RenderOptions { width_px: 48, height_px: 48, kernel, ..options() };
+        let options = RenderOptions { width_px: 48, height_px: 48, ..options() };
         let slices = Slices::new(&volume, kernel);
         let (picture, report) = render(&slices, &tf, &camera, &options, &()).unwrap();
         assert_eq!(report.n_nonfinite_samples, 6 * 12 * 12);
@@ -441,7 +452,7 @@ fn work_can_be_cancelled() {
     let volume = phantom.volume();
     let camera = camera_towards(phantom.centre(), DVec3::ONE, 50.0, ORTHOGRAPHIC);
     let options = RenderOptions { width_px: 256, height_px: 256, ..options() };
-    let slices = Slices::new(&volume, options.kernel);
+    let slices = Slices::new(&volume, Kernel::Linear);
     let result = render(&slices, &tf, &camera, &options, &StopAfter(0.3));
     assert_eq!(result.unwrap_err(), Error::Cancelled);
 }
@@ -517,7 +528,6 @@ mod properties {
             let options = RenderOptions {
                 width_px: 23,
                 height_px: 17,
-                kernel: Kernel::NAMES[kernel].1,
                 composite: operators[composite],
                 sheets_per_slice: quality.0,
                 oversampling: quality.1,
@@ -525,7 +535,8 @@ mod properties {
                 with_depth: true,
                 ..RenderOptions::default()
             };
-            let picture = draw(&phantom.volume(), &tf, &camera, &options);
+            let kernel = Kernel::NAMES[kernel].1;
+            let picture = draw_with(&phantom.volume(), kernel, &tf, &camera, &options);
             for p in &picture.rgba {
                 prop_assert!(p.iter().all(|c| c.is_finite() && *c >= -1e-6 && *c <= 1.001), "{p:?}");
                 // The default terms of Phong shading sum to 1.

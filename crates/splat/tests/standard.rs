@@ -25,8 +25,10 @@ const VIEWS: [(DVec3, Projection); 4] = [
     (DVec3::new(0.9, 1.0, 1.1), PERSPECTIVE),
 ];
 
-fn all_standards() -> impl Iterator<Item = StandardOptions> {
-    let both = |buffer| [true, false].map(|view_angle_correction| StandardOptions { buffer, view_angle_correction });
+fn all_standards(kernel: Kernel) -> impl Iterator<Item = StandardOptions> {
+    let both = move |buffer| {
+        [true, false].map(|view_angle_correction| StandardOptions { buffer, view_angle_correction, kernel })
+    };
     [Buffer::Axis, Buffer::View].into_iter().flat_map(both)
 }
 
@@ -50,8 +52,8 @@ fn draw(
     render(&Slices::new(&volume, Kernel::Linear), tf, camera, options, standard, &()).unwrap().0
 }
 
-fn small(kernel: Kernel) -> RenderOptions {
-    RenderOptions { width_px: 40, height_px: 32, kernel, ..RenderOptions::default() }
+fn small() -> RenderOptions {
+    RenderOptions { width_px: 40, height_px: 32, ..RenderOptions::default() }
 }
 
 /// One colour; opacity per unit by the sample's value.
@@ -75,7 +77,7 @@ fn the_fast_path_equals_the_literal_twin() {
     let (mut n_compared, mut n_scenes) = (0, 0);
     for (_, kernel) in Kernel::NAMES {
         for (from, projection) in VIEWS {
-            for standard in all_standards() {
+            for standard in all_standards(kernel) {
                 n_scenes += 1;
                 let shading = shadings[n_scenes % 3].clone();
                 let gradient = GradientNode { magnitude: 40.0, factor: 1.0 };
@@ -86,7 +88,7 @@ fn the_fast_path_equals_the_literal_twin() {
                 };
                 let tf = tf.clone().with_gradient_opacity(gradient).unwrap();
                 let camera = camera_towards(phantom.centre(), from, 30.0, projection);
-                let options = RenderOptions { shading, ..small(kernel) };
+                let options = RenderOptions { shading, ..small() };
                 let mut check = |got: &[[f32; 4]], want: &[[f64; 4]]| {
                     assert_eq!(got.len(), want.len());
                     for (t, (got, want)) in got.iter().zip(want).enumerate() {
@@ -99,7 +101,7 @@ fn the_fast_path_equals_the_literal_twin() {
                 };
                 if standard.buffer == Buffer::Axis {
                     let pictures = render_base_planes(&slices, &tf, &camera, &options, standard).unwrap();
-                    let planes = literal::base_planes(&volume, &camera, &options).unwrap();
+                    let planes = literal::base_planes(&volume, &camera, &options, kernel).unwrap();
                     assert_eq!(pictures.len(), planes.len());
                     for picture in &pictures {
                         let plane = &picture.plane;
@@ -125,8 +127,8 @@ fn an_eye_inside_sees_what_the_literal_twin_sees() {
     let tf = opacity_ramp(&[(40.0, 0.05), (200.0, 0.3)], None);
     let projection = Projection::Perspective { view_angle_rad: 1.6 };
     let camera = camera_towards(phantom.centre(), DVec3::new(0.9, 1.0, 1.1), 2.5, projection);
-    let options = RenderOptions { width_px: 70, height_px: 66, ..small(Kernel::Bspline2) };
-    for standard in all_standards() {
+    let options = RenderOptions { width_px: 70, height_px: 66, ..small() };
+    for standard in all_standards(Kernel::Bspline2) {
         let largest = if standard.buffer == Buffer::Axis {
             let pictures = render_base_planes(&slices, &tf, &camera, &options, standard).unwrap();
             assert!(pictures.len() >= 3, "{} axes", pictures.len());
@@ -160,8 +162,8 @@ fn a_single_sample_draws_the_footprint() {
     let projection = Projection::Orthographic { parallel_scale: 4.0 };
     let camera = camera_towards(phantom.centre(), DVec3::Z, 20.0, projection);
     for (name, kernel) in Kernel::NAMES {
-        let options = RenderOptions { width_px: 70, height_px: 64, shading: None, ..small(kernel) };
-        for standard in all_standards() {
+        let options = RenderOptions { width_px: 70, height_px: 64, shading: None, ..small() };
+        for standard in all_standards(kernel) {
             let picture = draw(&phantom, &tf, &camera, &options, standard);
             let mut n_inside = 0;
             for (i, pixel) in picture.rgba.iter().enumerate() {
@@ -224,10 +226,10 @@ fn a_homogeneous_volume_is_even() {
     };
     let projection = Projection::Orthographic { parallel_scale: 4.0 };
     for (name, kernel) in Kernel::NAMES {
-        let options = RenderOptions { shading: None, ..small(kernel) };
+        let options = RenderOptions { shading: None, ..small() };
         for (from, slices_met) in [(DVec3::Z, 12.0), (DVec3::new(0.3, 0.2, 1.0), f64::NAN)] {
             let camera = camera_towards(phantom.centre(), from, 20.0, projection);
-            for standard in all_standards() {
+            for standard in all_standards(kernel) {
                 let opaque = draw(&phantom, &colored(1.0), &camera, &options, standard).rgba;
                 let want = [0.9, 0.5, 0.2, 1.0];
                 if standard.buffer == Buffer::View && from != DVec3::Z {
@@ -264,8 +266,8 @@ fn a_ramp_of_colour_stays_a_ramp() {
     let projection = Projection::Orthographic { parallel_scale: 5.0 };
     let camera = camera_towards(phantom.centre(), DVec3::Z, 20.0, projection);
     for (name, kernel) in Kernel::NAMES.into_iter().filter(|(_, k)| *k != Kernel::Gaussian) {
-        let options = RenderOptions { shading: None, ..small(kernel) };
-        let picture = draw(&phantom, &tf, &camera, &options, StandardOptions::default());
+        let options = RenderOptions { shading: None, ..small() };
+        let picture = draw(&phantom, &tf, &camera, &options, StandardOptions { kernel, ..StandardOptions::default() });
         for (i, pixel) in picture.rgba.iter().enumerate() {
             let x = camera.ray((i % 40) as f64 + 0.5, 0.5, 40, 32).origin.x / 20.0;
             let want = [x, 0.5, 1.0 - x, 1.0];
@@ -285,9 +287,9 @@ fn a_thin_slab_needs_the_view_angle() {
     let from = DVec3::new(60.0_f64.to_radians().sin(), 0.0, 0.5);
     let projection = Projection::Orthographic { parallel_scale: 8.0 };
     let camera = camera_towards(phantom.centre(), from, 200.0, projection);
-    let options = RenderOptions { shading: None, ..small(Kernel::Linear) };
+    let options = RenderOptions { shading: None, ..small() };
     for (view_angle_correction, want) in [(true, 1.0 - 0.6_f64.powi(2)), (false, 0.4)] {
-        let standard = StandardOptions { buffer: Buffer::Axis, view_angle_correction };
+        let standard = StandardOptions { buffer: Buffer::Axis, view_angle_correction, kernel: Kernel::Linear };
         let picture = draw(&phantom, &tf, &camera, &options, standard);
         for pixel in &picture.rgba {
             assert!((f64::from(pixel[3]) - want).abs() < 1e-4, "{view_angle_correction}: {pixel:?} for {want}");
@@ -302,8 +304,8 @@ fn samples_packed_closer_are_too_opaque_without_the_view_angle() {
     let phantom = Phantom::fog([48, 40, 4], DAffine3::IDENTITY, 100.0);
     let camera = |from| camera_towards(phantom.centre(), from, 200.0, Projection::Orthographic { parallel_scale: 3.0 });
     let mean = |tf: &TransferFunction, from, view_angle_correction| {
-        let options = RenderOptions { shading: None, ..small(Kernel::Gaussian) };
-        let standard = StandardOptions { buffer: Buffer::View, view_angle_correction };
+        let options = RenderOptions { shading: None, ..small() };
+        let standard = StandardOptions { buffer: Buffer::View, view_angle_correction, kernel: Kernel::Gaussian };
         let picture = draw(&phantom, tf, &camera(from), &options, standard);
         picture.rgba.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.rgba.len() as f64
     };
@@ -329,8 +331,8 @@ fn a_far_eye_is_a_parallel_one() {
     let from = DVec3::new(0.5, 0.3, 1.0);
     let distance = 1e5;
     let angle = Projection::Perspective { view_angle_rad: 2.0 * (9.0_f64 / distance).atan() };
-    for standard in all_standards() {
-        let options = small(Kernel::Bspline3);
+    for standard in all_standards(Kernel::Bspline3) {
+        let options = small();
         let picture = |projection, distance| {
             draw(&phantom, &tf, &camera_towards(phantom.centre(), from, distance, projection), &options, standard)
         };
@@ -350,11 +352,9 @@ fn any_number_of_threads_gives_the_same_bits() {
         let scale = Projection::Orthographic { parallel_scale: 36.0 };
         let projection = if projection == ORTHOGRAPHIC { scale } else { projection };
         let camera = camera_towards(phantom.centre(), from, 140.0, projection);
-        for standard in all_standards() {
-            let options = |n| RenderOptions {
-                n_threads: Some(n),
-                ..RenderOptions { width_px: 150, height_px: 140, ..small(Kernel::Linear) }
-            };
+        for standard in all_standards(Kernel::Linear) {
+            let options =
+                |n| RenderOptions { n_threads: Some(n), ..RenderOptions { width_px: 150, height_px: 140, ..small() } };
             let pictures = [1, 2, 7].map(|n| draw(&phantom, &tf, &camera, &options(n), standard));
             assert!(pictures[0].rgba.iter().any(|p| p[3] > 0.5));
             assert!(pictures.iter().all(|p| p.rgba == pictures[0].rgba), "{standard:?}");
@@ -372,11 +372,11 @@ fn samples_that_are_left_out_are_empty() {
     };
     let tf = white(&[(99.0, 0.0), (100.0, 0.1), (150.0, 0.7)], None);
     let camera = camera_towards(DVec3::splat(5.0), DVec3::new(0.4, -0.9, 0.5), 40.0, ORTHOGRAPHIC);
-    let options = RenderOptions { shading: None, ..small(Kernel::Linear) };
+    let options = RenderOptions { shading: None, ..small() };
     let in_box = |p: DVec3| p.x >= 3.0 && p.y <= 6.0;
     let below = |p: DVec3| p.z < 5.5;
     let odd = |p: DVec3| (p.x + p.y + p.z) as i64 % 7 == 3;
-    for standard in all_standards() {
+    for standard in all_standards(Kernel::Linear) {
         let picture = |phantom: &Phantom, options: &RenderOptions| draw(phantom, &tf, &camera, options, standard);
         let all = picture(&volume(&|_| true, 0.0), &options);
         let crop = Some(Crop::Index { lo: DVec3::new(3.0, -5.0, 0.0), hi: DVec3::new(20.0, 6.0, 9.0) });
@@ -403,12 +403,12 @@ fn samples_that_are_left_out_are_empty() {
 fn nothing_visible_leaves_the_background() {
     let phantom = scene();
     let background = Some([0.2, 0.4, 0.6, 1.0]);
-    let options = RenderOptions { background, ..small(Kernel::Linear) };
+    let options = RenderOptions { background, ..small() };
     let away =
         Camera::new(phantom.centre() + 40.0 * DVec3::X, phantom.centre() + 80.0 * DVec3::X, DVec3::Z, PERSPECTIVE);
     let towards = camera_towards(phantom.centre(), DVec3::X, 40.0, ORTHOGRAPHIC);
     let seen = opacity_ramp(&[(0.0, 0.5)], None);
-    for standard in all_standards() {
+    for standard in all_standards(Kernel::Linear) {
         for (tf, camera) in [(white(&[(0.0, 0.0)], None), &towards), (seen.clone(), &away.clone().unwrap())] {
             let volume = phantom.volume();
             let slices = Slices::new(&volume, Kernel::Linear);
@@ -429,9 +429,8 @@ fn texels_wider_than_samples_lose_nothing() {
     // Weights below 0 are clamped where nothing else is, so Catmull-Rom shows more.
     for (name, kernel) in Kernel::NAMES.into_iter().filter(|(_, kernel)| *kernel != Kernel::CatmullRom) {
         for (n_px, oversampling) in [(13, 1.0), (40, 0.3), (13, 2.0), (80, 1.0), (30, 1.7)] {
-            let options =
-                RenderOptions { width_px: n_px, height_px: n_px, oversampling, shading: None, ..small(kernel) };
-            for standard in all_standards() {
+            let options = RenderOptions { width_px: n_px, height_px: n_px, oversampling, shading: None, ..small() };
+            for standard in all_standards(kernel) {
                 let projection = Projection::Orthographic { parallel_scale: 20.0 };
                 let camera = camera_towards(phantom.centre(), DVec3::Z, 90.0, projection);
                 let picture = draw(&phantom, &tf, &camera, &options, standard);
@@ -478,8 +477,8 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     let slices = Slices::new(&volume, Kernel::Linear);
     for from in [DVec3::new(0.2, 0.3, 1.0), DVec3::new(-1.0, 0.5, 0.4), DVec3::new(-0.3, 1.0, 0.2)] {
         let camera = camera_towards(phantom.centre(), from, 40.0, ORTHOGRAPHIC);
-        let options = RenderOptions { width_px: 90, height_px: 80, ..small(Kernel::Gaussian) };
-        for standard in all_standards() {
+        let options = RenderOptions { width_px: 90, height_px: 80, ..small() };
+        for standard in all_standards(Kernel::Gaussian) {
             let picture = |slices: &Slices| render(slices, &tf, &camera, &options, standard, &()).unwrap().0.rgba;
             let (want, got) = (picture(&slices), picture(&decoded));
             assert!(got == want, "{from} {standard:?}: {}", max_difference(&got, &want));
@@ -496,14 +495,14 @@ fn standard_splatting_blurs() {
     let tf = opacity_ramp(&[(60.0, 0.0), (128.0, 0.05), (255.0, 0.2)], None);
     let projection = Projection::Orthographic { parallel_scale: 28.0 };
     let camera = camera_towards(phantom.centre(), DVec3::new(1.0, -1.1, 0.9), 90.0, projection);
-    let options = RenderOptions { width_px: 96, height_px: 96, sheets_per_slice: 1.0, ..small(Kernel::Linear) };
-    let sampling = reference::raycast::RaycastOptions { step: 0.1, rays_per_pixel: 1 };
+    let options = RenderOptions { width_px: 96, height_px: 96, sheets_per_slice: 1.0, ..small() };
+    let sampling = reference::raycast::RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 1 };
     let converged = reference::raycast::raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
     let slices = Slices::new(&volume, Kernel::Linear);
     let (high_resolution, _) = wavesplat_splat::render(&slices, &tf, &camera, &options, &()).unwrap();
     let densities = psnr_db(&high_resolution.rgba, &converged.rgba);
     for buffer in [Buffer::Axis, Buffer::View] {
-        let standard = StandardOptions { buffer, view_angle_correction: true };
+        let standard = StandardOptions { buffer, view_angle_correction: true, kernel: Kernel::Linear };
         let colours = psnr_db(&draw(&phantom, &tf, &camera, &options, standard).rgba, &converged.rgba);
         assert!(colours > 24.0 && colours + 5.0 < densities, "{buffer:?}: {colours} dB against {densities} dB");
     }
@@ -515,9 +514,9 @@ fn what_cannot_be_drawn_is_refused() {
     let volume = phantom.volume();
     let tf = opacity_ramp(&[(0.0, 0.5)], None);
     let camera = camera_towards(phantom.centre(), DVec3::X, 40.0, ORTHOGRAPHIC);
-    for standard in all_standards() {
+    for standard in all_standards(Kernel::Linear) {
         let refused = |kernel, change: &dyn Fn(&mut RenderOptions)| {
-            let mut options = small(Kernel::Linear);
+            let mut options = small();
             change(&mut options);
             render(&Slices::new(&volume, kernel), &tf, &camera, &options, standard, &()).unwrap_err()
         };
@@ -533,7 +532,7 @@ fn what_cannot_be_drawn_is_refused() {
         assert!(matches!(refused(linear, &|o| o.crop = nothing), Error::EmptyCrop { .. }));
     }
     let options = RenderOptions { width_px: 16_384, height_px: 16_384, oversampling: 2.0, ..RenderOptions::default() };
-    let standard = StandardOptions { buffer: Buffer::View, view_angle_correction: true };
+    let standard = StandardOptions { buffer: Buffer::View, view_angle_correction: true, kernel: Kernel::Linear };
     let too_large = render(&Slices::new(&volume, Kernel::Linear), &tf, &camera, &options, standard, &()).unwrap_err();
     assert!(matches!(too_large, Error::TooLarge { .. }), "{too_large}");
     assert_eq!(Buffer::from_name("view"), Ok(Buffer::View));
@@ -553,9 +552,9 @@ fn a_monitor_stops_the_work() {
     let volume = phantom.volume();
     let tf = opacity_ramp(&[(0.0, 0.5)], None);
     let camera = camera_towards(phantom.centre(), DVec3::X, 40.0, ORTHOGRAPHIC);
-    for standard in all_standards() {
+    for standard in all_standards(Kernel::Linear) {
         let slices = Slices::new(&volume, Kernel::Linear);
-        let stopped = render(&slices, &tf, &camera, &small(Kernel::Linear), standard, &Stop);
+        let stopped = render(&slices, &tf, &camera, &small(), standard, &Stop);
         assert_eq!(stopped.unwrap_err(), Error::Cancelled);
     }
 }
@@ -571,10 +570,10 @@ fn sample_types_make_no_difference() {
     let tf = opacity_ramp(&[(100.0, 0.0), (255.0, 0.5)], None);
     for (from, projection) in VIEWS {
         let camera = camera_towards(DVec3::splat(5.0), from, 40.0, projection);
-        for standard in all_standards() {
+        for standard in all_standards(Kernel::CatmullRom) {
             let picture = |volume: &Volume| {
                 let slices = Slices::new(volume, Kernel::Linear);
-                render(&slices, &tf, &camera, &small(Kernel::CatmullRom), standard, &()).unwrap().0.rgba
+                render(&slices, &tf, &camera, &small(), standard, &()).unwrap().0.rgba
             };
             let apart = max_difference(&picture(&narrow), &picture(&float));
             assert!(apart < 1e-3, "{from} {standard:?}: {apart}");

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Composite, Crop, Decoder, FootprintTable, GradientNode, GradientScheme, Kernel, Light, LightFrame, Picture,
-    Projection, RenderOptions, Shading, TransferFunction, Variant,
+    Composite, Crop, Decoder, GradientNode, Kernel, Light, LightFrame, Picture, Projection, RenderOptions, Shading,
+    TransferFunction,
 };
+use wavesplat_splat::reference::ablation::Ablation;
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_splat::reference::{project, splat};
 use wavesplat_splat::source::slices::{Prepared, Slices};
@@ -48,7 +49,7 @@ fn the_fast_path_equals_the_literal_splatter() {
     let mut n_compared = 0;
     for (_, kernel) in Kernel::NAMES {
         for shading in &shadings {
-            n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), Variant::default(), 1.0);
+            n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), 1.0);
         }
     }
     assert!(n_compared > 5000, "{n_compared} texels show something");
@@ -60,7 +61,6 @@ fn check_twin(
     tf: &TransferFunction,
     kernel: Kernel,
     shading: Option<&Shading>,
-    variant: Variant,
     oversampling: f64,
 ) -> usize {
     let volume = phantom.volume();
@@ -75,17 +75,17 @@ fn check_twin(
         let options = RenderOptions {
             width_px: 40,
             height_px: 32,
-            kernel,
             sheets_per_slice: 1.5,
             oversampling,
             shading: shading.cloned(),
-            refined: false,
-            variant,
+            pre_integration: false,
+            early_ray_termination: false,
             ..RenderOptions::default()
         };
         let (pictures, _) = render_base_planes(&slices, tf, &camera, &options, &()).unwrap();
         for picture in &pictures {
-            let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &picture.plane).unwrap();
+            let plane = &picture.plane;
+            let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &Ablation::NONE, plane).unwrap();
             for (t, (texel, want)) in picture.texels().iter().zip(&want).enumerate() {
                 // In perspective, corners of a base plane may be left out, but only those that no pixel reads.
                 let at = [t % picture.plane.size[0], t / picture.plane.size[0]];
@@ -95,7 +95,7 @@ fn check_twin(
                 }
                 for c in 0..4 {
                     let (got, want) = (f64::from(texel[c]), want[c]);
-                    assert!((got - want).abs() < 1e-4, "{kernel:?} {variant:?} {from} texel {t}: {got} for {want}");
+                    assert!((got - want).abs() < 1e-4, "{kernel:?} {from} texel {t}: {got} for {want}");
                 }
                 n_compared += usize::from(want[3] > 0.1);
             }
@@ -103,35 +103,6 @@ fn check_twin(
     }
     assert!(n_left_out <= n_compared / 100, "{n_left_out} left out of {n_compared} texels");
     n_compared
-}
-
-#[test]
-fn every_variant_equals_its_literal_twin() {
-    let phantom = scene();
-    let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
-    let default = Variant::default();
-    let (nearest, noise) = (FootprintTable::Nearest { per_sample: 5 }, FootprintTable::NearestNoise { per_sample: 3 });
-    let variants = [
-        (Variant { view_angle_correction: false, ..default }, 1.0),
-        (Variant { kernel_slicing: false, ..default }, 1.0),
-        (Variant { kernel_slicing: false, gradient: GradientScheme::SheetForward, ..default }, 0.5),
-        (Variant { gradient: GradientScheme::FootprintForward, ..default }, 0.1),
-        (Variant { gradient: GradientScheme::FootprintForward, ..default }, 1.0),
-        (Variant { gradient: GradientScheme::SheetCentral, ..default }, 0.01),
-        (Variant { gradient: GradientScheme::SheetCentral, ..default }, 1.0),
-        (Variant { gradient: GradientScheme::SheetForward, ..default }, 3.9),
-        (Variant { footprint: nearest, ..default }, 1.0),
-        (Variant { footprint: noise, ..default }, 0.75),
-        (Variant { footprint: noise, gradient: GradientScheme::SheetCentral, ..default }, 1.0),
-    ];
-    let mut n_compared = 0;
-    for (_, kernel) in Kernel::NAMES {
-        for (variant, gradient_offset) in variants {
-            let shading = Shading { gradient_offset, ..Shading::default() };
-            n_compared += check_twin(&phantom, &tf, kernel, Some(&shading), variant, 1.0);
-        }
-    }
-    assert!(n_compared > 20_000, "{n_compared} texels show something");
 }
 
 /// Texels further apart than samples: sixteen of them reach over two vectors of samples, or more.
@@ -144,7 +115,7 @@ fn sparse_texels_equal_their_literal_twin() {
     for oversampling in [2.0, 0.5] {
         for (kernel, gradient_offset) in [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)] {
             let shading = Shading { gradient_offset, ..Shading::default() };
-            let n_compared = check_twin(&phantom, &tf, kernel, Some(&shading), Variant::default(), oversampling);
+            let n_compared = check_twin(&phantom, &tf, kernel, Some(&shading), oversampling);
             assert!(n_compared > 100, "{kernel:?} {oversampling}: {n_compared} texels show something");
         }
     }
@@ -169,11 +140,12 @@ fn the_original_form_draws_the_same_scene() {
             height_px: 32,
             sheets_per_slice: 2.0,
             shading,
-            refined: false,
+            pre_integration: false,
+            early_ray_termination: false,
             ..RenderOptions::default()
         };
-        let literal = splat::image(&volume, &tf, &camera, &options).unwrap();
-        let slices = Slices::new(&volume, options.kernel);
+        let literal = splat::image(&volume, Kernel::Linear, &tf, &camera, &options).unwrap();
+        let slices = Slices::new(&volume, Kernel::Linear);
         let (fast, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
         let psnr = psnr_db(&fast.rgba, &literal.rgba);
         assert!(psnr > at_least, "{from}: {psnr} dB");
@@ -199,12 +171,11 @@ fn check_against_raycast(
         let options = RenderOptions {
             width_px: side_px,
             height_px: side_px,
-            kernel,
             sheets_per_slice,
             oversampling,
             ..RenderOptions::default()
         };
-        let sampling = RaycastOptions { step: 0.05, rays_per_pixel };
+        let sampling = RaycastOptions { kernel, step: 0.05, rays_per_pixel };
         let want = raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
         let slices = Slices::new(&volume, kernel);
         let (got, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
@@ -248,7 +219,7 @@ fn every_simd_level_gives_the_same_bits() {
         let drawn = [Composite::Over, Composite::FirstHit { iso_value: 130.0 }];
         for composite in drawn.into_iter().chain(PROJECTIONS) {
             let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 30.0, PERSPECTIVE);
-            let options = RenderOptions { width_px: 90, height_px: 60, kernel, composite, ..RenderOptions::default() };
+            let options = RenderOptions { width_px: 90, height_px: 60, composite, ..RenderOptions::default() };
             let draw = |level| {
                 let pictures = render_base_planes_at(level, &slices, &tf, &camera, &options, &()).unwrap().0;
                 let texels = pictures.iter().flat_map(|p| [p.texels().into_flattened(), p.w_half.clone()]);
@@ -285,14 +256,8 @@ fn every_processor_gives_the_same_bits() {
         ("hard shaded", Kernel::Bspline3, hard, shaded(), orthographic, 0x9bf7_a384_b0e2_5ea2),
     ] {
         let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 20.0, projection);
-        let options = RenderOptions {
-            width_px: 48,
-            height_px: 32,
-            kernel,
-            shading,
-            oversampling: 2.0,
-            ..RenderOptions::default()
-        };
+        let options =
+            RenderOptions { width_px: 48, height_px: 32, shading, oversampling: 2.0, ..RenderOptions::default() };
         let (picture, _) =
             render(&Slices::new(&volume, kernel), &opacity_ramp(nodes, None), &camera, &options, &()).unwrap();
         let n_shown = picture.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();
@@ -311,7 +276,7 @@ fn hash(numbers: &[f32]) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// Rays stop when they are nearly opaque; plain sheets do not.
+/// Early ray termination.
 #[test]
 fn stopping_changes_no_channel_by_a_grey_level_of_1024() {
     let phantom = scene();
@@ -320,11 +285,11 @@ fn stopping_changes_no_channel_by_a_grey_level_of_1024() {
     let slices = Slices::new(&volume, Kernel::Linear);
     for projection in [ORTHOGRAPHIC, PERSPECTIVE] {
         let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 30.0, projection);
-        let draw = |refined| {
+        let draw = |early_ray_termination| {
             let options = RenderOptions {
                 width_px: 90,
                 height_px: 70,
-                refined,
+                early_ray_termination,
                 sheets_per_slice: 32.0,
                 ..RenderOptions::default()
             };
@@ -345,13 +310,18 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
     let tf = opacity_ramp(&[(120.0, 0.0), (136.0, 1.0)], None);
     let slices = Slices::new(&volume, Kernel::Linear);
     let camera = camera_towards(phantom.centre(), DVec3::new(0.7, 0.7, 0.55), 60.0, ORTHOGRAPHIC);
-    let draw = |refined, sheets_per_slice| {
-        let options =
-            RenderOptions { width_px: 90, height_px: 90, refined, sheets_per_slice, ..RenderOptions::default() };
+    let draw = |pre_integration, sheets_per_slice| {
+        let options = RenderOptions {
+            width_px: 90,
+            height_px: 90,
+            pre_integration,
+            sheets_per_slice,
+            ..RenderOptions::default()
+        };
         render(&slices, &tf, &camera, &options, &()).unwrap().0
     };
     let want = draw(false, 64.0);
-    let psnr = |refined, sheets| psnr_db(&draw(refined, sheets).rgba, &want.rgba);
+    let psnr = |pre_integration, sheets| psnr_db(&draw(pre_integration, sheets).rgba, &want.rgba);
     let (two, eight, plain) = (psnr(true, 2.0), psnr(true, 8.0), psnr(false, 2.0));
     assert!(two > plain + 4.0 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
 }
@@ -402,8 +372,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
             (DVec3::new(0.6, -1.0, -0.5), 2.0, PERSPECTIVE),
         ] {
             let camera = camera_towards(phantom.centre(), from, 40.0, projection);
-            let options =
-                RenderOptions { width_px: 90, height_px: 70, kernel, sheets_per_slice, ..RenderOptions::default() };
+            let options = RenderOptions { width_px: 90, height_px: 70, sheets_per_slice, ..RenderOptions::default() };
             let draw = |slices: &Slices| render(slices, &tf, &camera, &options, &()).unwrap();
             let (want, report) = draw(&slices);
             assert!(want.rgba.iter().any(|pixel| pixel[3] > 0.9));
@@ -441,8 +410,7 @@ fn panels_hold_what_wide_differences_need() {
             for from in [DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.2, -1.0, 0.3)] {
                 let camera = camera_towards(phantom.centre(), from, 90.0, projection);
                 let shading = Some(Shading { gradient_offset, ..Shading::default() });
-                let options =
-                    RenderOptions { width_px: 48, height_px: 48, kernel, shading, ..RenderOptions::default() };
+                let options = RenderOptions { width_px: 48, height_px: 48, shading, ..RenderOptions::default() };
                 let draw = |slices: &Slices| render(slices, &tf, &camera, &options, &()).unwrap().0;
                 let difference = max_difference(&draw(&decoded).rgba, &draw(&slices).rgba);
                 assert!(difference < 1e-4, "{kernel:?} {gradient_offset} {from}: {difference}");
@@ -496,11 +464,18 @@ fn gradient_opacity_is_that_of_direct_evaluation() {
     let tf = with_gradient(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6)]);
     for shading in [None, Some(Shading { gradient_offset: 0.5, ..Shading::default() })] {
         let camera = camera_towards(phantom.centre(), DVec3::new(-1.0, 0.5, 0.4), 30.0, ORTHOGRAPHIC);
-        let options =
-            RenderOptions { width_px: 40, height_px: 32, refined: false, shading, ..RenderOptions::default() };
-        let slices = Slices::new(&volume, options.kernel);
+        let options = RenderOptions {
+            width_px: 40,
+            height_px: 32,
+            pre_integration: false,
+            early_ray_termination: false,
+            shading,
+            ..RenderOptions::default()
+        };
+        let slices = Slices::new(&volume, Kernel::Linear);
         for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
-            let want = splat::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
+            let want =
+                splat::base_plane(&volume, &slices, &tf, &camera, &options, &Ablation::NONE, &picture.plane).unwrap();
             for (got, want) in picture.texels().iter().zip(&want) {
                 assert!((0..4).all(|c| (f64::from(got[c]) - want[c]).abs() < 1e-4), "{got:?} for {want:?}");
             }
@@ -523,7 +498,7 @@ fn gradient_opacity_is_that_of_direct_evaluation() {
             oversampling: 3.0,
             ..RenderOptions::default()
         };
-        let sampling = RaycastOptions { step: 0.05, rays_per_pixel: 9 };
+        let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.05, rays_per_pixel: 9 };
         let want = raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
         let slices = Slices::new(&volume, Kernel::Linear);
         let draw = |tf| render(&slices, tf, &camera, &options, &()).unwrap().0;
@@ -564,7 +539,7 @@ fn projections_equal_their_definitions() {
                 crop,
                 ..RenderOptions::default()
             };
-            let slices = Slices::new(&volume, options.kernel);
+            let slices = Slices::new(&volume, Kernel::Linear);
             for picture in render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0 {
                 let want = project::base_plane(&volume, &slices, &tf, &camera, &options, &picture.plane).unwrap();
                 for (t, ([density, length, _, coverage], want)) in picture.texels().iter().zip(want).enumerate() {

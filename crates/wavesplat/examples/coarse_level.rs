@@ -4,16 +4,19 @@ mod common;
 
 use std::sync::Arc;
 
-use wavesplat::{
-    FrameOptions, Keep, LevelVolume, Norm, Samples, Scene, SceneVolume, WaveletFamily, WaveletVolume,
-};
+use wavesplat::{FrameOptions, Keep, LevelVolume, Norm, Samples, Scene, SceneVolume, WaveletFamily, WaveletVolume};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let samples = Samples::U8(&common::head()).to_f32();
     let size = [common::N; 3];
     let family = WaveletFamily::from_name("cdf97").ok_or("no such wavelets")?;
     let coefficients = Arc::new(WaveletVolume::new(family, size, samples, None, Norm::L2, Keep::Psnr(45.0))?);
-    println!("{} of {} coefficients in {} bytes", coefficients.n_kept(), size.iter().product::<usize>(), coefficients.n_bytes());
+    println!(
+        "{} of {} coefficients in {} bytes",
+        coefficients.n_kept(),
+        size.iter().product::<usize>(),
+        coefficients.n_bytes()
+    );
     let look = common::look(
         &[(30.0, 0.0), (60.0, 0.1), (130.0, 0.1), (255.0, 0.6)],
         &[(30.0, [0.9, 0.5, 0.4]), (130.0, [1.0, 0.95, 0.85])],

@@ -153,7 +153,12 @@ impl Scene<'_> {
         }
     }
 
-    fn render_options(&self, [width_px, height_px]: [usize; 2], options: &FrameOptions, fixed: Option<Sampling>) -> RenderOptions {
+    fn render_options(
+        &self,
+        [width_px, height_px]: [usize; 2],
+        options: &FrameOptions,
+        fixed: Option<Sampling>,
+    ) -> RenderOptions {
         let defaults = RenderOptions::default();
         let Sampling { sheets_per_slice, oversampling } = fixed.unwrap_or_else(|| sampling_of(&defaults));
         RenderOptions {

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use wavesplat_core::{
-    ClipPlane, Composite, Crop, Grid, Kernel, Result, Shading, TransferFunction, Volume,
-};
+use wavesplat_core::{ClipPlane, Composite, Crop, Grid, Kernel, Result, Shading, TransferFunction, Volume};
 use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::slices::Slices;

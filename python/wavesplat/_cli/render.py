@@ -31,7 +31,7 @@ from wavesplat._cli.transfer_function_options import (
     function_in_file,
     function_of_materials,
 )
-from wavesplat._model.options import BY_VIEW, VIEWS, Composite, Method, Quality
+from wavesplat._model.options import BY_VIEW, VIEWS, Composite, Quality
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -69,7 +69,6 @@ def render(
         Path | None,
         typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
     ] = None,
-    method: Annotated[Any, parsers.choice(get_args(Method))] = "high-resolution",
     view: Annotated[
         Any,
         typer.Option(
@@ -173,7 +172,6 @@ def render(
         camera,
         shown=not quiet and sys.stderr.isatty(),
         labels=segmentation,
-        method=method,
         size=size,
         kernel=kernel,
         composite=composite,

@@ -1,12 +1,11 @@
-"""Names of the methods, kernels, operators, qualities, views and planes."""
+"""Names of the kernels, operators, qualities, views and planes."""
 
 from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = ["BY_VIEW", "PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Method", "Plane", "Quality", "Slab"]
+__all__ = ["BY_VIEW", "PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Plane", "Quality", "Slab"]
 
-Method: TypeAlias = Literal["high-resolution", "standard"]
 Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
 Composite: TypeAlias = Literal[

@@ -14,7 +14,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
-from wavesplat._model.options import BY_VIEW, Composite, Kernel, Method, Quality
+from wavesplat._model.options import BY_VIEW, Composite, Kernel, Quality
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
@@ -30,8 +30,6 @@ from wavesplat._render.arguments import (
     chosen_transfer_function,
     region,
 )
-from wavesplat._render.standard import StandardSplatting, chosen_standard, draw_standard
-from wavesplat._render.variant import Variant
 from wavesplat.errors import ArgumentError
 
 __all__ = ["render"]
@@ -64,10 +62,8 @@ def render(
     background: str | Sequence[float] | None = None,
     threads: int | None = None,
     depth: bool = False,
-    refined: bool = True,
-    method: Method = "high-resolution",
-    standard: StandardSplatting | None = None,
-    variant: Variant | None = None,
+    pre_integration: bool = True,
+    early_ray_termination: bool = True,
     progress: Callable[[float], object] | None = None,
 ) -> Picture:
     """A picture of the volume, by high-resolution splatting.
@@ -147,17 +143,11 @@ def render(
         Worker threads; None uses all cores. The picture does not depend on it.
     depth : bool
         Also give `Picture.depth`.
-    refined : bool
+    pre_integration : bool
         Pre-integrate the space between sheets where the transfer function is steep, so that hard surfaces are found and
-        shaded where they are, and stop rays that are opaque. False: plain sheets, as the method has it.
-    method : str
-        "high-resolution", or "standard": the older technique, which splats colours and opacities where this one splats
-        densities (Westover 1990). It blurs, and is there to be compared with; it has no other composites than "over",
-        and of `quality` it takes the texels per pixel.
-    standard : StandardSplatting, optional
-        Which buffers "standard" has, and whether it corrects for the view angle.
-    variant : Variant, optional
-        Leave out, or change, a part of the method; for studies.
+        shaded where they are. False: plain sheets, as the method has it.
+    early_ray_termination : bool
+        Stop rays where no more than 1e-4 of their light comes through. False: where no more than 2e-6 does.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
 
@@ -188,18 +178,6 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
-    standard = chosen_standard(
-        method,
-        standard,
-        composite=composite,
-        iso_value=iso_value,
-        sheets_per_slice=sheets_per_slice,
-        psnr=psnr,
-        drop_levels=drop_levels,
-        labels=labels,
-        depth=depth,
-        refined=refined,
-    )
     projection.check_owners(
         composite,
         iso_value=iso_value,
@@ -235,7 +213,6 @@ def render(
             crop=crop,
             clip_planes=clip_planes,
             threads=threads,
-            variant=variant,
         )
         transfer_function = projection.exposed(volume, composite, overview)
     chosen = chosen_transfer_function(transfer_function, volume, composite)
@@ -243,21 +220,6 @@ def render(
     curves, eye = chosen._core, camera._core
     light = None if shading is None else shading._core
     default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
-    if standard is not None:
-        return draw_standard(
-            standard,
-            drawn,
-            curves,
-            eye,
-            size=(width, height),
-            kernel=kernel,
-            shading=light,
-            oversampling=default_oversampling if oversampling is None else float(oversampling),
-            region=region(crop, clip_planes),
-            background=colors.parse(background),
-            threads=checked_count(threads, "threads"),
-            progress=progress,
-        )
     result = _native.render(
         drawn,
         curves,
@@ -280,8 +242,8 @@ def render(
         background=colors.parse(background),
         threads=checked_count(threads, "threads"),
         depth=bool(depth),
-        refined=bool(refined),
-        variant=None if variant is None else variant._core,
+        pre_integration=bool(pre_integration),
+        early_ray_termination=bool(early_ray_termination),
         progress=progress,
     )
     report = result["report"] | numbers

@@ -4,16 +4,12 @@
 //! per sheet in O(U + V). The *difference footprint* `[h(x + d − l) − h(x − d − l)] / 2d` gives the derivative; with
 //! the linear kernel and d = 1 that is the trilinearly interpolated central difference. Positions beyond the first
 //! and last sample stop there: the outside is empty, not zero density.
-//!
-//! A difference over whole texels, `d = k · step`, is that of two texels of the sheet, as sheet buffers give it
-//! ([`Difference`]).
 
 use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Lanes};
-use wavesplat_core::{GradientScheme, Kernel, MAX_GRADIENT_OFFSET};
+use wavesplat_core::Kernel;
 
-use crate::kernel::footprint_table::{Taps, Weights};
 use crate::kernel::slice_taps::SliceTaps;
 use crate::kernel::weights::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
 
@@ -56,17 +52,6 @@ impl Footprint {
             for i in 0..LANES {
                 self.far[g].0[i] = if index.0[i] < LANES as u32 { 0.0 } else { 1.0 };
             }
-        }
-    }
-
-    /// Position `i` is sample `first + i`.
-    pub fn make_one_to_one(&mut self, n_groups: usize, first: usize) {
-        self.reset(n_groups, 1);
-        for g in 0..n_groups {
-            self.base[g] = (first + g * LANES) as u32;
-            self.index[g] = Lanes(std::array::from_fn(|i| i as u32));
-            self.spans[g] = Span::One;
-            self.weights[g] = Lanes::splat(1.0);
         }
     }
 
@@ -150,59 +135,6 @@ pub struct AxisFootprints {
     pending: Option<usize>,
 }
 
-/// The difference that stands for the derivative along an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Difference {
-    /// Its distance, samples, `0.01..=4`: to either side, or to one.
-    pub offset: f64,
-    /// Whether it goes to larger indices only: `[V(x + d) − V(x)] / d`.
-    pub is_forward: bool,
-    /// Whether it is that of two texels, [`whole_steps`] apart.
-    pub is_of_texels: bool,
-}
-
-/// The whole number of steps, at least one, nearest to an offset; as an offset, at most 4 samples.
-pub fn whole_steps(offset: f64, step: f64) -> f64 {
-    let step = step.abs();
-    // Where a sheet passes the eye all its texels are one.
-    let whole = if step > 0.0 { (offset / step).round().max(1.0) * step } else { offset };
-    whole.min(MAX_GRADIENT_OFFSET)
-}
-
-impl Difference {
-    /// Within the sheets: along u and v.
-    pub fn within(scheme: GradientScheme, offset: f64) -> Self {
-        Self { offset, is_forward: scheme.is_forward(), is_of_texels: scheme.is_of_sheets() }
-    }
-
-    /// Across sheets that lie `step` slices apart.
-    pub fn across(scheme: GradientScheme, offset: f64, step: f64) -> Self {
-        let offset = if scheme.is_of_sheets() { whole_steps(offset, step) } else { offset };
-        Self { offset, is_forward: scheme.is_forward(), is_of_texels: false }
-    }
-
-    /// The same where texels lie `step` samples apart.
-    #[must_use]
-    pub fn of_step(self, step: f64) -> Self {
-        if self.is_of_texels { Self { offset: whole_steps(self.offset, step), ..self } } else { self }
-    }
-
-    /// Largest offset for any texels.
-    pub fn max_offset(&self) -> f64 {
-        if self.is_of_texels { MAX_GRADIENT_OFFSET } else { self.offset }
-    }
-
-    /// Its ends, counted from the position.
-    pub fn ends(&self) -> [f64; 2] {
-        [if self.is_forward { 0.0 } else { -self.offset }, self.offset]
-    }
-
-    /// Distance between its ends.
-    fn extent(&self) -> f64 {
-        if self.is_forward { self.offset } else { 2.0 * self.offset }
-    }
-}
-
 /// What a footprint is built from.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
@@ -210,16 +142,14 @@ pub struct Axis {
     pub kernel: Kernel,
     /// Samples along the axis.
     pub n_samples: usize,
-    /// `None` without gradient.
-    pub difference: Option<Difference>,
-    /// Where weights come from.
-    pub weights: Weights,
+    /// Half the distance of the gradient's differences, samples, `0.01..=4`; `None` without gradient.
+    pub gradient_offset: Option<f64>,
 }
 
 impl Axis {
     /// Taps of the difference footprint.
-    pub fn n_difference_taps(&self, difference: Difference) -> usize {
-        n_taps(self.kernel) + difference.extent().ceil() as usize
+    pub fn n_difference_taps(&self, offset: f64) -> usize {
+        n_taps(self.kernel) + (2.0 * offset).ceil() as usize
     }
 
     /// Position of the last sample.
@@ -227,15 +157,11 @@ impl Axis {
         (self.n_samples - 1) as f64
     }
 
-    /// `[V(x + d) − V(x − d)] / 2d`, or the forward difference, as taps.
-    fn difference(
-        &self,
-        x: f64,
-        difference: Difference,
-        taps: impl Fn(f64) -> Taps,
-    ) -> (i64, [f64; MAX_DIFFERENCE_TAPS]) {
-        let (ends, extent) = (difference.ends(), difference.extent());
-        let [(first_lo, lo), (first_hi, hi)] = ends.map(|end| taps((x + end).clamp(0.0, self.last())));
+    /// `[V(x + d) − V(x − d)] / 2d` as taps.
+    fn difference(&self, x: f64, offset: f64) -> (i64, [f64; MAX_DIFFERENCE_TAPS]) {
+        let extent = 2.0 * offset;
+        let [(first_lo, lo), (first_hi, hi)] =
+            [-offset, offset].map(|end| taps(self.kernel, (x + end).clamp(0.0, self.last())));
         let mut weights = [0.0; MAX_DIFFERENCE_TAPS];
         let shift = (first_hi - first_lo) as usize;
         for t in 0..MAX_TAPS {
@@ -247,20 +173,15 @@ impl Axis {
 
     /// Slices that reach the sheet at `w`, folded, with their weights; those of weight 0 are left out.
     pub fn slice_taps(&self, w: f64) -> SliceTaps {
-        let (first, weights) = self.taps(w.clamp(0.0, self.last()));
+        let (first, weights) = taps(self.kernel, w.clamp(0.0, self.last()));
         self.folded(first, &weights)
     }
 
     /// As [`Axis::slice_taps`] for the derivative through the sheet.
     pub fn slice_difference_taps(&self, w: f64) -> SliceTaps {
-        let Some(difference) = self.difference else { return SliceTaps::default() };
-        let (first, weights) = self.difference(w.clamp(0.0, self.last()), difference, |w| self.taps(w));
+        let Some(offset) = self.gradient_offset else { return SliceTaps::default() };
+        let (first, weights) = self.difference(w.clamp(0.0, self.last()), offset);
         self.folded(first, &weights)
-    }
-
-    /// Taps across the slices.
-    fn taps(&self, w: f64) -> Taps {
-        self.weights.taps(self.kernel, w)
     }
 
     fn folded(&self, first: i64, weights: &[f64]) -> SliceTaps {
@@ -283,25 +204,19 @@ impl AxisFootprints {
         self.pending = None;
         let n_value = n_taps(axis.kernel);
         self.value.reset(n_groups, n_value);
-        let difference = axis.difference.map(|difference| difference.of_step(step));
-        let n_difference = difference.map_or(0, |difference| axis.n_difference_taps(difference));
+        let n_difference = axis.gradient_offset.map_or(0, |offset| axis.n_difference_taps(offset));
         self.difference.reset(if n_difference > 0 { n_groups } else { 0 }, n_difference);
-        let offset = difference.map_or(0.0, |difference| difference.offset);
+        let offset = axis.gradient_offset.unwrap_or(0.0);
         let end = origin + step * (n_groups * LANES - 1) as f64;
         let (lo, hi) = (origin.min(end), origin.max(end));
         // A whole offset moves the taps by whole samples, and away from the faces nothing stops there. With the linear
         // kernel stopping at a face is the same as going on with its sample repeated.
         let inside = axis.kernel == Kernel::Linear || (lo >= offset && hi + offset <= axis.last());
-        let is_usual = difference.is_none_or(|d| !d.is_forward && !d.is_of_texels) && offset.fract() == 0.0;
-        self.window = match axis.weights {
-            Weights::Exact if inside && is_usual && near_taps(axis.kernel, 0.0).is_some() => {
-                self.build_inside(axis, [origin, step], n_groups, offset as usize)
-            }
-            Weights::Exact => self.build_anywhere(axis, [origin, step], n_groups, difference, |x| taps(axis.kernel, x)),
-            weights => {
-                let taps = |x| weights.taps(axis.kernel, x);
-                self.build_anywhere(axis, [origin, step], n_groups, difference, taps)
-            }
+        let has_polynomial = near_taps(axis.kernel, 0.0).is_some();
+        self.window = if inside && offset.fract() == 0.0 && has_polynomial {
+            self.build_inside(axis, [origin, step], n_groups, offset as usize)
+        } else {
+            self.build_anywhere(axis, [origin, step], n_groups)
         };
     }
 
@@ -310,7 +225,7 @@ impl AxisFootprints {
         self.window = other.window;
         self.groups = other.groups;
         self.value.clone_from(&other.value);
-        if axis.difference.is_some() {
+        if axis.gradient_offset.is_some() {
             self.difference.clone_from(&other.difference);
             self.pending = other.pending;
         } else {
@@ -412,31 +327,21 @@ impl AxisFootprints {
         [lowest, highest]
     }
 
-    /// Any position, kernel, difference and weights.
-    fn build_anywhere(
-        &mut self,
-        axis: &Axis,
-        [origin, step]: [f64; 2],
-        n_groups: usize,
-        difference: Option<Difference>,
-        taps: impl Fn(f64) -> Taps,
-    ) -> [i64; 2] {
+    /// Any position, kernel and offset.
+    fn build_anywhere(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize) -> [i64; 2] {
         let n = n_groups * LANES;
         let mut window = [i64::MAX, i64::MIN];
         let mut firsts = Vec::with_capacity(n);
         for i in 0..n {
             let (g, lane) = (i / LANES, i % LANES);
-            let position = origin + step * i as f64;
-            let x = position.clamp(0.0, axis.last());
-            let (first, weights) = taps(x);
+            let x = (origin + step * i as f64).clamp(0.0, axis.last());
+            let (first, weights) = taps(axis.kernel, x);
             for t in 0..self.value.n_taps {
                 self.value.weights[g * self.value.n_taps + t].0[lane] = weights[t] as f32;
             }
             let mut first_difference = first;
-            if let Some(difference) = difference {
-                // A texel beyond the faces has the value there; differences of texels count them as they are.
-                let x = if difference.is_of_texels { position } else { x };
-                let (first, weights) = axis.difference(x, difference, &taps);
+            if let Some(offset) = axis.gradient_offset {
+                let (first, weights) = axis.difference(x, offset);
                 for t in 0..self.difference.n_taps {
                     self.difference.weights[g * self.difference.n_taps + t].0[lane] = weights[t] as f32;
                 }
@@ -455,7 +360,7 @@ impl AxisFootprints {
             }
         };
         fill(0, &mut self.value);
-        if difference.is_some() {
+        if axis.gradient_offset.is_some() {
             fill(1, &mut self.difference);
         }
         window
@@ -478,8 +383,7 @@ mod tests {
     use super::*;
 
     fn axis(kernel: Kernel, offset: f64) -> Axis {
-        let difference = Some(Difference::within(GradientScheme::Footprint, offset));
-        Axis { kernel, n_samples: 12, difference, weights: Weights::Exact }
+        Axis { kernel, n_samples: 12, gradient_offset: Some(offset) }
     }
 
     /// All tables.
@@ -572,8 +476,7 @@ mod tests {
                 build(&mut fast, &axis, [origin, step], 2);
                 slow.value.reset(2, n_taps(kernel));
                 slow.difference.reset(2, n_taps(kernel) + 2);
-                let exact = |x| taps(kernel, x);
-                slow.window = slow.build_anywhere(&axis, [origin, step], 2, axis.difference, exact);
+                slow.window = slow.build_anywhere(&axis, [origin, step], 2);
                 for i in 0..2 * LANES {
                     for (fast_table, slow_table) in [(&fast.value, &slow.value), (&fast.difference, &slow.difference)] {
                         let (a, b) = (dense(&axis, &fast, fast_table, i), dense(&axis, &slow, slow_table, i));
@@ -584,56 +487,31 @@ mod tests {
         }
     }
 
-    /// Differences of texels are just that, also beyond the faces; others are those of the values at their ends.
+    /// A difference is that of the values at its ends, which stop at the faces.
     #[test]
     fn differences_are_of_the_values_at_their_ends() {
         for (_, kernel) in Kernel::NAMES {
-            for weights in [Weights::Exact, Weights::Table { per_sample: 3 }] {
-                for (_, scheme) in GradientScheme::NAMES {
-                    for (offset, step) in [(0.01, 0.3), (1.0, 0.3), (1.0, -0.4), (0.75, 2.5)] {
-                        let difference = Difference::within(scheme, offset);
-                        let axis = Axis { kernel, n_samples: 40, difference: Some(difference), weights };
-                        let mut tables = AxisFootprints::default();
-                        let origin = if step > 0.0 { -1.7 } else { 13.0 };
-                        build(&mut tables, &axis, [origin, step], 2);
-                        let [from, to] = difference.of_step(step).ends();
-                        for i in 0..2 * LANES {
-                            let got = dense(&axis, &tables, &tables.difference, i);
-                            let x = origin + step * i as f64;
-                            let x = if scheme.is_of_sheets() { x } else { x.clamp(0.0, 39.0) };
-                            let mut want = [0.0; 40];
-                            for (end, sign) in [(to, 1.0), (from, -1.0)] {
-                                let (first, taps) = weights.taps(kernel, (x + end).clamp(0.0, 39.0));
-                                let share = sign / (to - from);
-                                for (sample, weight) in (first..).zip(taps) {
-                                    want[fold(kernel, sample, 40)] += share * weight;
-                                }
-                            }
-                            let differs = got.iter().zip(&want).any(|(got, want)| (got - want).abs() > 2e-5 / offset);
-                            assert!(!differs, "{kernel:?} {weights:?} {scheme:?} {offset} {step} texel {i}");
+            for (offset, step) in [(0.01, 0.3), (1.0, 0.3), (1.0, -0.4), (0.75, 2.5)] {
+                let axis = Axis { n_samples: 40, ..axis(kernel, offset) };
+                let mut tables = AxisFootprints::default();
+                let origin = if step > 0.0 { -1.7 } else { 13.0 };
+                build(&mut tables, &axis, [origin, step], 2);
+                for i in 0..2 * LANES {
+                    let got = dense(&axis, &tables, &tables.difference, i);
+                    let x = (origin + step * i as f64).clamp(0.0, 39.0);
+                    let mut want = [0.0; 40];
+                    for (end, share) in [(x + offset, 0.5 / offset), (x - offset, -0.5 / offset)] {
+                        let (first, taps) = taps(kernel, end.clamp(0.0, 39.0));
+                        for (sample, weight) in (first..).zip(taps) {
+                            want[fold(kernel, sample, 40)] += share * weight;
                         }
                     }
+                    // Positions in f32 lie up to 4e-6 samples off, and slopes of weights are at most 2.
+                    let differs = got.iter().zip(&want).any(|(got, want)| (got - want).abs() > 2e-5 / offset);
+                    assert!(!differs, "{kernel:?} {offset} {step} texel {i}");
                 }
             }
         }
-    }
-
-    #[test]
-    fn offsets_become_whole_steps() {
-        for (offset, step, want) in [
-            (0.01, 0.25, 0.25),
-            (0.6, 0.25, 0.5),
-            (1.0, -0.25, 1.0),
-            (1.0, 0.3, 0.9),
-            (1.0, 3.0, 3.0),
-            (1.0, 9.0, MAX_GRADIENT_OFFSET),
-            (0.5, 0.0, 0.5),
-        ] {
-            let got = whole_steps(offset, step);
-            assert!((got - want).abs() < 1e-12, "{offset} in steps of {step}: {got}");
-        }
-        assert_eq!(Difference::across(GradientScheme::SheetForward, 0.2, 0.5).ends(), [0.0, 0.5]);
-        assert_eq!(Difference::across(GradientScheme::Footprint, 0.2, 0.5).ends(), [-0.2, 0.2]);
     }
 
     #[test]

@@ -133,6 +133,7 @@ impl ErrorModel {
     }
 
     /// With the errors of a picture that was drawn.
+    #[must_use]
     pub fn after(&self, errors: Errors, at: Settings) -> Self {
         let [along_decay, most_decay] = if self.is_smooth { [0.13, 0.2] } else { [0.17, 0.32] };
         // What was measured is what coarser texels do, far from what they converge to.

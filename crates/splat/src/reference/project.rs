@@ -13,12 +13,12 @@ use crate::view::base_plane::{BasePlane, TexelRay};
 use crate::view::region::Region;
 
 /// A piece of a ray between two sheets: sample values and world positions of its ends.
-struct Piece {
+struct RayPiece {
     values: [f64; 2],
     ends: [DVec3; 2],
 }
 
-impl Piece {
+impl RayPiece {
     fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
@@ -36,7 +36,7 @@ pub fn base_plane(
     options.validate()?;
     let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, None);
-    let caster = Caster { volume, sampler, region, plane, sheets_per_slice: options.sheets_per_slice };
+    let caster = ProjectionCaster { volume, sampler, region, plane, sheets_per_slice: options.sheets_per_slice };
     let [near, far] = depths(camera, volume, &caster.region);
     let texel = |t: usize| {
         let ray = plane.ray((t % plane.size[0]) as f64, (t / plane.size[0]) as f64);
@@ -48,7 +48,7 @@ pub fn base_plane(
 }
 
 /// `share` of the way from the nearest to the farthest point of what is drawn.
-fn project(operator: Composite, pieces: &[Piece], share: impl Fn(DVec3) -> f64) -> f64 {
+fn project(operator: Composite, pieces: &[RayPiece], share: impl Fn(DVec3) -> f64) -> f64 {
     let ends = || pieces.iter().flat_map(|piece| piece.values.into_iter().zip(piece.ends));
     let values = || ends().map(|(value, _)| value);
     let largest = values().fold(f64::NEG_INFINITY, f64::max);
@@ -58,7 +58,7 @@ fn project(operator: Composite, pieces: &[Piece], share: impl Fn(DVec3) -> f64) 
         Composite::Maximum => largest,
         Composite::Minimum => values().fold(f64::INFINITY, f64::min),
         Composite::Sum => sum,
-        Composite::Mean => sum / pieces.iter().map(Piece::length).sum::<f64>(),
+        Composite::Mean => sum / pieces.iter().map(RayPiece::length).sum::<f64>(),
         Composite::DepthShadedMaximum { strength, black } => {
             let shaded = |(value, at): (f64, DVec3)| {
                 if value > black { black + (value - black) * (1.0 - strength * share(at)) } else { value }
@@ -116,7 +116,7 @@ fn depths(camera: &Camera, volume: &Volume, region: &Region) -> [f64; 2] {
     depths
 }
 
-struct Caster<'a> {
+struct ProjectionCaster<'a> {
     volume: &'a Volume<'a>,
     sampler: Sampler<'a>,
     region: Region,
@@ -124,9 +124,9 @@ struct Caster<'a> {
     sheets_per_slice: f64,
 }
 
-impl Caster<'_> {
+impl ProjectionCaster<'_> {
     /// The pieces of a ray, front to back, without those that reach a hole.
-    fn pieces(&self, ray: &TexelRay) -> Vec<Piece> {
+    fn pieces(&self, ray: &TexelRay) -> Vec<RayPiece> {
         let [lo, hi] = self.region.texel_interval(self.plane, ray);
         let family = self.plane.family;
         let spacing = SheetSpacing::new(self.volume.grid().size()[family.axes[2]], self.sheets_per_slice);
@@ -147,7 +147,7 @@ impl Caster<'_> {
             };
             let between = |w: f64| first + (last - first) * (w - sheets[0]) / (sheets[1] - sheets[0]);
             let world = |w: f64| self.volume.grid().world_from_index().transform_point3(at(w));
-            let mut piece = Piece { values: ends.map(between), ends: ends.map(world) };
+            let mut piece = RayPiece { values: ends.map(between), ends: ends.map(world) };
             if !family.ascending {
                 piece.values.reverse();
                 piece.ends.reverse();

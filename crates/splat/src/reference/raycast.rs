@@ -21,9 +21,11 @@ use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
 use crate::view::region::Region;
 
-/// How finely the reference samples.
+/// How the reference samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RaycastOptions {
+    /// Reconstruction kernel.
+    pub kernel: Kernel,
     /// Distance of samples along the ray, in units of the smallest spacing.
     pub step: f64,
     /// Rays per pixel, a square number; they lie on a regular grid.
@@ -36,7 +38,7 @@ const TRANSPARENT: f64 = 1e-7;
 /// Cells per side of the blocks that are skipped where nothing in them is visible.
 const BLOCK: usize = 4;
 
-/// Draws `options.composite = over` by ray casting; sheets, oversampling and variant of the options are not used.
+/// Draws `options.composite = over` by ray casting; sheets and oversampling of the options are not used.
 pub fn raycast(
     volume: &Volume,
     tf: &TransferFunction,
@@ -70,9 +72,9 @@ pub fn raycast_labelled(
     }
     let region = Region::new(volume.grid(), options)?;
     parallel::with_threads(options.n_threads, || {
-        let slices = Slices::new(volume, options.kernel);
+        let slices = Slices::new(volume, sampling.kernel);
         let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
-        let caster = Caster::new(volume, sampler, labels, camera, region, sampling.step);
+        let caster = RayCaster::new(volume, sampler, labels, camera, region, sampling.step);
         let rays = IndexRays::new(camera, volume.grid().index_from_world(), options.width_px, options.height_px);
         let stopped = AtomicBool::new(false);
         let n_done = AtomicUsize::new(0);
@@ -184,7 +186,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Whether a density can be seen whatever its gradient.
-    fn may_be_seen(&self, density: f64) -> bool {
+    pub(crate) fn may_be_seen(&self, density: f64) -> bool {
         let (offset, scale) = self.density_map;
         self.tf.opacity(density / scale + offset) > 0.0
     }
@@ -292,7 +294,7 @@ impl Mixture {
     }
 }
 
-struct Caster<'a> {
+struct RayCaster<'a> {
     sampler: Sampler<'a>,
     labels: Option<&'a Labels>,
     size: [usize; 3],
@@ -300,10 +302,10 @@ struct Caster<'a> {
     world_from_index: DMat3,
     step_world: f64,
     perspective: bool,
-    blocks: Blocks,
+    blocks: ActiveBlocks,
 }
 
-impl<'a> Caster<'a> {
+impl<'a> RayCaster<'a> {
     fn new(
         volume: &Volume,
         sampler: Sampler<'a>,
@@ -312,7 +314,7 @@ impl<'a> Caster<'a> {
         region: Region,
         step: f64,
     ) -> Self {
-        let blocks = Blocks::new(&sampler, volume.grid().size());
+        let blocks = ActiveBlocks::new(&sampler, volume.grid().size());
         Self {
             sampler,
             labels,
@@ -390,7 +392,7 @@ impl<'a> Caster<'a> {
     }
 }
 
-impl Caster<'_> {
+impl RayCaster<'_> {
     /// Index-space gradient of the labels' own matter by differences.
     fn own_gradient(&self, position: DVec3) -> DVec3 {
         let Some(labels) = self.labels else { return DVec3::ZERO };
@@ -403,12 +405,12 @@ impl Caster<'_> {
 
 /// Which blocks of cells can hold a visible density: exact, since kernels with non-negative weights stay inside the
 /// range of the samples they reach; for Catmull-Rom the range is widened by its largest overshoot in 3-D.
-struct Blocks {
+struct ActiveBlocks {
     active: Vec<bool>,
     n: [usize; 3],
 }
 
-impl Blocks {
+impl ActiveBlocks {
     fn new(sampler: &Sampler, size: [usize; 3]) -> Self {
         let n = size.map(|s| (s - 1).div_ceil(BLOCK).max(1));
         let reach = radius(sampler.slices.kernel()).ceil() as i64 - 1;

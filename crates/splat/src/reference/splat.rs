@@ -1,4 +1,4 @@
-//! High-resolution splatting, sample by sample, in double precision, as the method's pseudo-code has it:
+//! High-resolution splatting by its pseudo-code, in double precision, and without any part of it (ablation study):
 //!
 //! ```text
 //! for each sheet, front to back
@@ -11,251 +11,196 @@
 //!     composite the sheet buffer into the picture (over)
 //! ```
 //!
+//! The sums are the pseudo-code's, in another order: slices are weighted first, since a weight is the same for a whole
+//! slice, and texels gather the samples that reach them, so that rows of texels can be made in parallel. Texels that are
+//! outside of what is drawn or behind what is opaque are left out, and gradients where nothing can be seen.
+//!
 //! Two forms. [`base_plane`] has the texels of the fast path (those of each sheet on the same rays) and takes the
-//! gradient from difference footprints, or from the texels and sheet buffers beside each, in any [`Variant`]: the fast
-//! path must equal it to rounding. [`image`] is the original: one buffer layout for all sheets, the gradient from three
-//! consecutive sheet buffers in all variants, and every sheet resampled on its way to the picture as a texture on its
-//! polygon. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
+//! gradient from difference footprints, or from the texels and sheet buffers beside each, with any [`Ablation`]: without
+//! one the fast path must equal it to rounding. [`picture`] warps it as the fast path does. [`image`] is the original: one
+//! buffer layout for all sheets, the gradient from three consecutive sheet buffers, and every sheet resampled on its way
+//! to the picture as a texture on its polygon. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
-use wavesplat_core::{
-    Camera, FootprintTable, Kernel, Picture, RenderOptions, Result, TransferFunction, Variant, Volume,
-};
+use wavesplat_compute::simd::{LANES, Level};
+use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, RenderOptions, Result, TransferFunction, Volume};
 
+use super::ablation::{Ablation, FootprintTable};
 use super::raycast::Sampler;
-use crate::kernel::footprint::whole_steps;
-use crate::kernel::noise::{LEAST_SUM, displacement, sheet_number};
-use crate::kernel::prefilter;
-use crate::kernel::weights::{fold, n_taps, taps, weight};
+use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_taps};
+use crate::kernel::weights::{fold, n_taps, taps};
+use crate::picture::base_picture::BasePicture;
+use crate::picture::supersampling::reads_per_axis;
+use crate::picture::warp::warp;
+use crate::render::plan::brightest;
+use crate::render::progress::{Progress, ProgressCallback};
 use crate::sheet::spacing::SheetSpacing;
 use crate::source::slices::Slices;
 use crate::view::base_plane::{BasePlane, base_planes};
-use crate::view::family::IndexRays;
+use crate::view::family::{Family, IndexRays};
 use crate::view::region::Region;
 
-/// A sheet buffer: one density per texel.
-struct SheetBuffer {
-    n_u: usize,
-    density: Vec<f64>,
-}
+/// One density per texel, row by row; NaN where a hole is reached.
+type SheetBuffer = Vec<f64>;
 
 /// Where the texels of a sheet lie: index coordinate of texel 0 and change per texel, along u and v.
 type Layout = [(f64, f64); 2];
 
 /// Which footprint is splatted along one axis.
 #[derive(Clone, Copy, PartialEq)]
-enum Footprint {
+enum LiteralFootprint {
     /// h(x − l)
     Value,
     /// [h(x + b − l) − h(x + a − l)] / (b − a)
-    Difference { a: f64, b: f64 },
+    Difference([f64; 2]),
+}
+
+use LiteralFootprint::{Difference, Value};
+
+/// The texels of a sheet buffer.
+#[derive(Clone, Copy)]
+struct BufferTexels<'a> {
+    layout: Layout,
+    size: [usize; 2],
+    /// Tells the noise of this sheet from that of others.
+    sheet: i64,
+    /// Those that are wanted; `None`: all.
+    wanted: Option<&'a [bool]>,
 }
 
 struct Splatter<'a> {
     slices: &'a Slices<'a>,
     size: [usize; 3],
     axes: [usize; 3],
-    variant: Variant,
+    ablation: Ablation,
 }
 
 impl Splatter<'_> {
-    /// Weight of every sample of `axis` at a position: dense and slow, so that nothing can be misplaced.
-    fn weights(&self, axis: usize, x: f64, footprint: Footprint) -> Vec<f64> {
+    /// The samples along `axis` that reach a position, and their weights.
+    fn weights(&self, axis: usize, x: f64, footprint: LiteralFootprint) -> Vec<(usize, f64)> {
         let n = self.size[axis];
         let last = (n - 1) as f64;
-        let mut weights = vec![0.0; n];
-        let mut add = |x: f64, factor: f64| {
-            for (sample, weight) in self.reach(axis, x.clamp(0.0, last)) {
-                weights[fold(self.slices.kernel(), sample, n)] += factor * weight;
-            }
+        let x = x.clamp(0.0, last);
+        let at = |x: f64, factor: f64| {
+            let (first, weights) = self.taps(axis, x.clamp(0.0, last));
+            let kernel = self.slices.kernel();
+            let along = (first..).zip(weights).take(n_taps(kernel));
+            along.map(move |(sample, weight)| (fold(kernel, sample, n), factor * weight))
         };
         match footprint {
-            Footprint::Value => add(x, 1.0),
-            Footprint::Difference { a, b } => {
-                let x = x.clamp(0.0, last);
-                add(x + b, 1.0 / (b - a));
-                add(x + a, -1.0 / (b - a));
-            }
+            Value => at(x, 1.0).collect(),
+            Difference([a, b]) => at(x + b, 1.0 / (b - a)).chain(at(x + a, -1.0 / (b - a))).collect(),
         }
-        weights
     }
 
-    /// The samples that reach a position and their weights.
-    fn reach(&self, axis: usize, x: f64) -> Vec<(i64, f64)> {
+    /// The first sample that reaches a position, and the weights from there.
+    fn taps(&self, axis: usize, x: f64) -> (i64, [f64; 4]) {
         let kernel = self.slices.kernel();
-        let nearest = (x + 0.5).floor();
-        let at = if axis == self.axes[2] && !self.variant.kernel_slicing {
-            if prefilter::pole(kernel).is_none() {
-                return vec![(nearest as i64, 1.0)];
-            }
-            // Spline coefficients are not the samples; these weights make them the samples of the slice.
-            nearest
-        } else {
-            x
-        };
-        let (first, weights) = taps(kernel, at);
-        let exact = (0..n_taps(kernel)).map(|t| (first + t as i64, weights[t]));
-        match self.variant.footprint {
-            FootprintTable::Nearest { per_sample } if axis != self.axes[2] => {
-                let entries = exact.map(|(sample, _)| (sample, entry(kernel, x - sample as f64, per_sample)));
-                normalised(entries.collect())
-            }
-            _ => exact.collect(),
+        let is_across = axis == self.axes[2];
+        match self.ablation.footprint {
+            _ if is_across && !self.ablation.kernel_slicing => nearest_sample(kernel, x),
+            FootprintTable::Nearest { per_sample } if !is_across => table_taps(kernel, x, per_sample),
+            _ => taps(kernel, x),
         }
     }
 
-    /// Clears a buffer and splats every sample that reaches the sheet at `w`, with the noise of sheet `sheet`.
-    fn sheet(&self, layout: Layout, size: [usize; 2], w: f64, sheet: i64, footprints: [Footprint; 3]) -> SheetBuffer {
-        if let FootprintTable::NearestNoise { per_sample } = self.variant.footprint {
-            return self.noisy_sheet(layout, size, w, sheet, per_sample, footprints[2]);
-        }
+    /// The slices that reach the sheet at `w`, weighted and added: rows of samples along u. Holes are what they were
+    /// filled with, or NaN.
+    fn sliced(&self, w: f64, footprint: LiteralFootprint, keep_holes: bool) -> Vec<f64> {
         let [u, v, through] = self.axes;
-        let table = |axis: usize, (origin, step): (f64, f64), n: usize, footprint: Footprint| -> Vec<Vec<f64>> {
-            (0..n).map(|i| self.weights(axis, origin + step * i as f64, footprint)).collect()
-        };
-        let table_u = table(u, layout[0], size[0], footprints[0]);
-        let table_v = table(v, layout[1], size[1], footprints[1]);
-        let mut buffer = SheetBuffer { n_u: size[0], density: vec![0.0; size[0] * size[1]] };
-        for (slice, slice_weight) in self.weights(through, w, footprints[2]).into_iter().enumerate() {
-            if slice_weight == 0.0 {
-                continue;
-            }
-            for sample_v in 0..self.size[v] {
-                let rows: Vec<usize> = (0..size[1]).filter(|&j| table_v[j][sample_v] != 0.0).collect();
-                if rows.is_empty() {
-                    continue;
-                }
-                for sample_u in 0..self.size[u] {
+        let slices = self.weights(through, w, footprint);
+        let row = |sample_v: usize| {
+            let density = |sample_u: usize| {
+                let of_slice = |&(slice, weight): &(usize, f64)| {
                     let mut index = [0; 3];
                     (index[u], index[v], index[through]) = (sample_u, sample_v, slice);
-                    let density = self.slices.at(index) * slice_weight;
-                    for i in (0..size[0]).filter(|&i| table_u[i][sample_u] != 0.0) {
-                        for &j in &rows {
-                            buffer.density[j * size[0] + i] += density * table_u[i][sample_u] * table_v[j][sample_v];
+                    let is_hole = keep_holes && self.slices.is_hole(index);
+                    if is_hole { f64::NAN } else { weight * self.slices.at(index) }
+                };
+                slices.iter().filter(|(_, weight)| *weight != 0.0).map(of_slice).sum::<f64>()
+            };
+            (0..self.size[u]).map(density).collect::<Vec<_>>()
+        };
+        parallel::map(self.size[v], row).concat()
+    }
+
+    /// Clears a buffer and splats the samples of the [`Splatter::sliced`] slices. Texels that are not wanted stay 0.
+    fn splat(&self, samples: &[f64], texels: BufferTexels, footprints: [LiteralFootprint; 2]) -> SheetBuffer {
+        let [u, v, _] = self.axes;
+        let n_samples_u = self.size[u];
+        let at = |c: usize, i: usize| texels.layout[c].0 + texels.layout[c].1 * i as f64;
+        let along_u: Vec<_> = (0..texels.size[0]).map(|i| self.weights(u, at(0, i), footprints[0])).collect();
+        let mut buffer = vec![0.0; texels.size[0] * texels.size[1]];
+        parallel::for_each_chunk(&mut buffer, texels.size[0], |j, row| {
+            let wanted = texels.wanted.map(|wanted| &wanted[j * row.len()..][..row.len()]);
+            let along_v = self.weights(v, at(1, j), footprints[1]);
+            for (i, texel) in row.iter_mut().enumerate().filter(|(i, _)| wanted.is_none_or(|wanted| wanted[*i])) {
+                if let FootprintTable::NearestNoise { per_sample } = self.ablation.footprint {
+                    *texel = self.noisy(samples, [at(0, i), at(1, j)], per_sample, texels.sheet);
+                    continue;
+                }
+                for (sample_v, weight_v) in &along_v {
+                    for (sample_u, weight_u) in &along_u[i] {
+                        let weight = weight_v * weight_u;
+                        if weight != 0.0 {
+                            *texel += weight * samples[sample_v * n_samples_u + sample_u];
                         }
                     }
                 }
             }
-        }
+        });
         buffer
     }
 
-    /// The same with every sample displaced by up to half an entry of the footprint table.
-    fn noisy_sheet(
-        &self,
-        layout: Layout,
-        size: [usize; 2],
-        w: f64,
-        sheet: i64,
-        per_sample: u32,
-        through: Footprint,
-    ) -> SheetBuffer {
+    /// The density of a texel by a table with noise on the samples.
+    fn noisy(&self, samples: &[f64], at: [f64; 2], per_sample: u32, sheet: i64) -> f64 {
         let kernel = self.slices.kernel();
-        let [u, v, axis_w] = self.axes;
-        let slices = self.weights(axis_w, w, through);
-        let density = |sample_u: i64, sample_v: i64| {
-            let mut index = [0; 3];
-            index[u] = fold(kernel, sample_u, self.size[u]);
-            index[v] = fold(kernel, sample_v, self.size[v]);
-            let of_slice = |(slice, weight): (usize, &f64)| {
-                index[axis_w] = slice;
-                if *weight == 0.0 { 0.0 } else { weight * self.slices.at(index) }
-            };
-            slices.iter().enumerate().map(of_slice).sum::<f64>()
-        };
-        let texel = |i: usize, j: usize| {
-            let at = [(u, layout[0], i), (v, layout[1], j)]
-                .map(|(axis, (origin, step), i)| (origin + step * i as f64).clamp(0.0, (self.size[axis] - 1) as f64));
-            let [near_u, near_v] = at.map(|x| taps(kernel, x).0);
-            let splats = |amount: f64| {
-                let mut splats = Vec::new();
-                for sample_v in near_v..near_v + n_taps(kernel) as i64 {
-                    for sample_u in near_u..near_u + n_taps(kernel) as i64 {
-                        let noise = displacement(sheet, [sample_u, sample_v]);
-                        let weights =
-                            [(at[0], sample_u, noise[0]), (at[1], sample_v, noise[1])].map(|(x, sample, noise)| {
-                                let displaced = sample as f64 + amount * noise / f64::from(per_sample);
-                                entry(kernel, x - displaced, per_sample)
-                            });
-                        splats.push(((sample_u, sample_v), weights[0] * weights[1]));
-                    }
-                }
-                splats
-            };
-            let mut splats_here = splats(1.0);
-            if splats_here.iter().map(|(_, weight)| weight).sum::<f64>() < LEAST_SUM {
-                splats_here = splats(0.0);
+        let size = [self.size[self.axes[0]], self.size[self.axes[1]]];
+        let at = [0, 1].map(|c| at[c].clamp(0.0, (size[c] - 1) as f64));
+        let noisy = NoisyTaps::new(kernel, at, per_sample, sheet);
+        let mut density = 0.0;
+        for (v, row) in (noisy.first[1]..).zip(&noisy.weights) {
+            for (u, weight) in (noisy.first[0]..).zip(row).filter(|(_, weight)| **weight != 0.0) {
+                density += weight * samples[fold(kernel, v, size[1]) * size[0] + fold(kernel, u, size[0])];
             }
-            let weighted = normalised(splats_here).into_iter();
-            weighted.map(|((sample_u, sample_v), weight)| weight * density(sample_u, sample_v)).sum()
-        };
-        let all = (0..size[0] * size[1]).map(|t| texel(t % size[0], t / size[0])).collect();
-        SheetBuffer { n_u: size[0], density: all }
+        }
+        density
     }
 
     /// Derivatives along u, v, w at every texel of the sheet at `w`, from differences over `offset`, per index step.
-    fn gradient(
-        &self,
-        layout: Layout,
-        size: [usize; 2],
-        w: f64,
-        offset: f64,
-        spacing: SheetSpacing,
-    ) -> [SheetBuffer; 3] {
-        let scheme = self.variant.gradient;
-        let sheet = sheet_number(w);
+    /// `samples`: the slices there; `step`: slice distances between sheets.
+    fn gradient(&self, samples: &[f64], texels: BufferTexels, w: f64, offset: f64, step: f64) -> [SheetBuffer; 3] {
+        let scheme = self.ablation.gradient;
+        let is_noisy = matches!(self.ablation.footprint, FootprintTable::NearestNoise { .. });
         std::array::from_fn(|c| {
-            let texel = if c < 2 { layout[c].1 } else { spacing.step };
-            let b = if scheme.is_of_sheets() { whole_steps(offset, texel) } else { offset };
-            let a = if scheme.is_forward() { 0.0 } else { -b };
-            let is_noisy = matches!(self.variant.footprint, FootprintTable::NearestNoise { .. });
-            if c == 2 && is_noisy {
-                return self.sheet(
-                    layout,
-                    size,
-                    w,
-                    sheet,
-                    [Footprint::Value, Footprint::Value, Footprint::Difference { a, b }],
-                );
+            let [a, b] = scheme.ends(offset, if c < 2 { texels.layout[c].1 } else { step });
+            if c == 2 && (is_noisy || !scheme.is_of_sheets()) {
+                let difference = self.sliced(w, Difference([a, b]), false);
+                return self.splat(&difference, texels, [Value; 2]);
             }
             if !scheme.is_of_sheets() && !is_noisy {
-                let mut footprints = [Footprint::Value; 3];
-                footprints[c] = Footprint::Difference { a, b };
-                return self.sheet(layout, size, w, sheet, footprints);
+                let mut footprints = [Value; 2];
+                footprints[c] = Difference([a, b]);
+                return self.splat(samples, texels, footprints);
             }
             // The buffer as its texels lie when moved along an axis: the same one some texels on, or another sheet's.
             let moved = |by: f64| {
-                let (mut layout, mut w) = (layout, w);
-                *if c < 2 { &mut layout[c].0 } else { &mut w } += by;
-                self.sheet(layout, size, w, sheet, [Footprint::Value; 3])
+                if c == 2 {
+                    return self.splat(&self.sliced(w + by, Value, false), texels, [Value; 2]);
+                }
+                let mut moved = texels;
+                moved.layout[c].0 += by;
+                self.splat(samples, moved, [Value; 2])
             };
-            let (mut after, before) = (moved(b), moved(a));
-            after
-                .density
-                .iter_mut()
-                .zip(&before.density)
-                .for_each(|(after, before)| *after = (*after - before) / (b - a));
-            after
+            moved(b).iter().zip(moved(a)).map(|(after, before)| (after - before) / (b - a)).collect()
         })
     }
 }
 
-/// Weight at the entry nearest to a distance from a sample.
-fn entry(kernel: Kernel, distance: f64, per_sample: u32) -> f64 {
-    let per_sample = f64::from(per_sample);
-    weight(kernel, (distance * per_sample + 0.5).floor() / per_sample)
-}
-
-/// Weights scaled to sum 1.
-fn normalised<T>(weights: Vec<(T, f64)>) -> Vec<(T, f64)> {
-    let sum: f64 = weights.iter().map(|(_, weight)| weight).sum();
-    weights.into_iter().map(|(sample, weight)| (sample, weight / sum)).collect()
-}
-
 /// World length that a slab one slice distance thick stands for, where rays go `along` per slice.
-fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, variant: &Variant) -> f64 {
-    if variant.view_angle_correction {
+fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, ablation: &Ablation) -> f64 {
+    if ablation.view_angle_correction {
         return (world_from_index * along).length();
     }
     // The height of the cell over its face.
@@ -263,68 +208,196 @@ fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, variant
     world_from_index.determinant().abs() / face.length()
 }
 
-/// Associated RGBA of every texel of a base plane, before the warp, in the options' variant.
+/// The ray of a texel.
+struct TexelPath {
+    /// The part of w that is drawn.
+    drawn: [f64; 2],
+    /// What a slab one slice distance thick stands for, in `opacity_unit`s.
+    slice_thickness: f64,
+    to_eye: DVec3,
+}
+
+/// Associated RGBA of every texel of a base plane, before the warp.
 pub fn base_plane(
     volume: &Volume,
     slices: &Slices,
     tf: &TransferFunction,
     camera: &Camera,
     options: &RenderOptions,
+    ablation: &Ablation,
     plane: &BasePlane,
 ) -> Result<Vec<[f64; 4]>> {
     options.validate()?;
+    ablation.validate()?;
     let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, options.shading.as_ref());
-    let splatter = Splatter { slices, size: volume.grid().size(), axes: plane.family.axes, variant: options.variant };
-    let spacing = SheetSpacing::new(volume.grid().size()[plane.family.axes[2]], options.sheets_per_slice);
-    let mut image = vec![[0.0; 4]; plane.size[0] * plane.size[1]];
-    for k in 0..=spacing.n_slabs {
-        let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
-        let layout = plane.sheet(w);
-        let density = splatter.sheet(layout, plane.size, w, sheet_number(w), [Footprint::Value; 3]);
-        let gradient =
-            gradient_offset(&sampler).map(|offset| splatter.gradient(layout, plane.size, w, offset, spacing));
-        for (t, pixel) in image.iter_mut().enumerate() {
-            let ray = plane.ray((t % density.n_u) as f64, (t / density.n_u) as f64);
-            let [lo, hi] = region.texel_interval(plane, &ray);
-            let half = 0.5 * spacing.step;
-            let extent = ((w + half).min(hi) - (w - half).max(lo)).max(0.0);
-            let direction = from_uvw(plane.family.axes, [ray.slope[0], ray.slope[1], 1.0]);
-            let world_from_index = volume.grid().world_from_index().matrix3;
-            let to_eye = (world_from_index * direction).normalize() * if plane.family.ascending { -1.0 } else { 1.0 };
-            let index_gradient = gradient
-                .as_ref()
-                .map_or(DVec3::ZERO, |g| from_uvw(plane.family.axes, std::array::from_fn(|c| g[c].density[t])));
-            let length = slice_length(world_from_index, plane.family.axes, direction, &options.variant);
-            let thickness = extent * length / sampler.opacity_unit();
-            over(pixel, &sampler, density.density[t], thickness, index_gradient, to_eye);
+    let literal = LiteralSplatting { volume, slices, sampler, region, ablation, options };
+    literal.draw(plane, &Progress::new(&(), literal.spacing(plane).n_slabs + 1))
+}
+
+/// The picture of the base planes, warped as the fast path does; `composite` of the options is not used.
+pub fn picture(
+    volume: &Volume,
+    kernel: Kernel,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+    ablation: &Ablation,
+    monitor: &dyn ProgressCallback,
+) -> Result<Picture> {
+    options.validate()?;
+    ablation.validate()?;
+    let region = Region::new(volume.grid(), options)?;
+    let size = [options.width_px, options.height_px];
+    let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
+    let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
+    parallel::with_threads(options.n_threads, || {
+        let slices = Slices::new(volume, kernel);
+        let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
+        let literal = LiteralSplatting { volume, slices: &slices, sampler, region, ablation, options };
+        let progress = Progress::new(monitor, planes.iter().map(|plane| literal.spacing(plane).n_slabs + 1).sum());
+        let mut drawn = Vec::new();
+        for plane in planes {
+            let texels = literal.draw(&plane, &progress)?;
+            drawn.push(base_picture(plane, &texels));
+        }
+        let peak = options.shading.as_ref().map_or(1.0, brightest);
+        let reads = reads_per_axis(Composite::Over, options.oversampling);
+        let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false).rgba;
+        let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
+        if let Some(background) = options.background {
+            picture.over_background(background);
+        }
+        Ok(picture)
+    })
+}
+
+/// A base plane as the warp takes it.
+fn base_picture(plane: BasePlane, texels: &[[f64; 4]]) -> BasePicture {
+    let n_u = plane.size[0];
+    let mut picture = BasePicture::new(plane, false);
+    for (j, row) in texels.chunks(n_u).enumerate() {
+        for (k, texels) in row.chunks(LANES).enumerate() {
+            let chunk = std::array::from_fn(|lane| texels.get(lane).copied().unwrap_or_default().map(|c| c as f32));
+            picture.put(k * LANES, j, &chunk, None);
         }
     }
-    Ok(image)
+    picture
+}
+
+/// What all base planes of a picture share.
+struct LiteralSplatting<'a> {
+    volume: &'a Volume<'a>,
+    slices: &'a Slices<'a>,
+    sampler: Sampler<'a>,
+    region: Region,
+    ablation: &'a Ablation,
+    options: &'a RenderOptions,
+}
+
+impl LiteralSplatting<'_> {
+    fn spacing(&self, plane: &BasePlane) -> SheetSpacing {
+        SheetSpacing::new(self.volume.grid().size()[plane.family.axes[2]], self.options.sheets_per_slice)
+    }
+
+    fn path(&self, plane: &BasePlane, t: usize) -> TexelPath {
+        let ray = plane.ray((t % plane.size[0]) as f64, (t / plane.size[0]) as f64);
+        let axes = plane.family.axes;
+        let direction = from_uvw(axes, [ray.slope[0], ray.slope[1], 1.0]);
+        let world_from_index = self.volume.grid().world_from_index().matrix3;
+        let away = if plane.family.ascending { 1.0 } else { -1.0 };
+        TexelPath {
+            drawn: self.region.texel_interval(plane, &ray),
+            slice_thickness: slice_length(world_from_index, axes, direction, self.ablation)
+                / self.sampler.opacity_unit(),
+            to_eye: (world_from_index * direction).normalize() * -away,
+        }
+    }
+
+    /// Associated RGBA of every texel.
+    fn draw(&self, plane: &BasePlane, progress: &Progress) -> Result<Vec<[f64; 4]>> {
+        let Self { volume, slices, sampler, ablation, .. } = self;
+        let axes = plane.family.axes;
+        let splatter = Splatter { slices, size: volume.grid().size(), axes, ablation: **ablation };
+        let spacing = self.spacing(plane);
+        let n_texels = plane.size[0] * plane.size[1];
+        let paths: Vec<TexelPath> = parallel::map(plane.size[1], |j| {
+            (0..plane.size[0]).map(|i| self.path(plane, j * plane.size[0] + i)).collect::<Vec<_>>()
+        })
+        .into_iter()
+        .flatten()
+        .collect();
+        let mut image = vec![[0.0; 4]; n_texels];
+        for k in 0..=spacing.n_slabs {
+            let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
+            // Slice distances of the ray that the sheet stands for.
+            let extent = |path: &TexelPath| {
+                let [lo, hi] = path.drawn;
+                (w + 0.5 * spacing.step).min(hi) - (w - 0.5 * spacing.step).max(lo)
+            };
+            let is_drawn: Vec<bool> =
+                paths.iter().zip(&image).map(|(path, pixel)| extent(path) > 0.0 && pixel[3] < 1.0).collect();
+            if is_drawn.contains(&true) {
+                let filled = splatter.sliced(w, Value, false);
+                let own = if slices.has_mask() { &splatter.sliced(w, Value, true) } else { &filled };
+                let sheet = sheet_number(w);
+                let texels = BufferTexels { layout: plane.sheet(w), size: plane.size, sheet, wanted: Some(&is_drawn) };
+                let density = splatter.splat(own, texels, [Value; 2]);
+                let may_be_seen = |density: f64| !density.is_nan() && sampler.may_be_seen(density);
+                let is_seen: Vec<bool> =
+                    is_drawn.iter().zip(&density).map(|(drawn, d)| *drawn && may_be_seen(*d)).collect();
+                let texels = BufferTexels { wanted: Some(&is_seen), ..texels };
+                let gradient =
+                    gradient_offset(sampler).map(|offset| splatter.gradient(&filled, texels, w, offset, spacing.step));
+                parallel::for_each_chunk(&mut image, plane.size[0], |j, row| {
+                    for (t, pixel) in (j * plane.size[0]..).zip(row).filter(|(t, _)| is_seen[*t]) {
+                        let path = &paths[t];
+                        let gradient =
+                            gradient.as_ref().map_or(DVec3::ZERO, |g| from_uvw(axes, std::array::from_fn(|c| g[c][t])));
+                        let thickness = extent(path) * path.slice_thickness;
+                        over(pixel, sampler, density[t], thickness, gradient, path.to_eye);
+                    }
+                });
+            }
+            progress.tile_done();
+            if progress.is_stopped() {
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(image)
+    }
 }
 
 /// The method's original form, for parallel rays: three sheet buffers, and every sheet warped as a texture.
 ///
 /// Sheet buffers have `options.oversampling` texels per pixel. Perspective cameras, crop and clip planes are drawn as
 /// well, each pixel composited from the sheets of its own ray.
-pub fn image(volume: &Volume, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Result<Picture> {
+pub fn image(
+    volume: &Volume,
+    kernel: Kernel,
+    tf: &TransferFunction,
+    camera: &Camera,
+    options: &RenderOptions,
+) -> Result<Picture> {
     options.validate()?;
     let region = Region::new(volume.grid(), options)?;
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
     let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
-    let slices = Slices::new(volume, options.kernel);
-    let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
-    let mut image = vec![[0.0; 4]; size[0] * size[1]];
-    for plane in &planes {
-        draw_family(volume, &slices, &sampler, &region, &rays, plane, options, &mut image);
-    }
-    let rgba = image.iter().map(|p| p.map(|c| c as f32)).collect();
-    let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-    if let Some(background) = options.background {
-        picture.over_background(background);
-    }
-    Ok(picture)
+    parallel::with_threads(options.n_threads, || {
+        let slices = Slices::new(volume, kernel);
+        let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
+        let mut image = vec![[0.0; 4]; size[0] * size[1]];
+        for plane in &planes {
+            draw_family(volume, &slices, &sampler, &region, &rays, plane, options, &mut image);
+        }
+        let rgba = image.iter().map(|p| p.map(|c| c as f32)).collect();
+        let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
+        if let Some(background) = options.background {
+            picture.over_background(background);
+        }
+        Ok(picture)
+    })
 }
 
 #[expect(clippy::too_many_arguments, reason = "one literal loop over what image() prepared")]
@@ -339,7 +412,7 @@ fn draw_family(
     image: &mut [[f64; 4]],
 ) {
     let family = plane.family;
-    let splatter = Splatter { slices, size: volume.grid().size(), axes: family.axes, variant: options.variant };
+    let splatter = Splatter { slices, size: volume.grid().size(), axes: family.axes, ablation: Ablation::NONE };
     let spacing = SheetSpacing::new(volume.grid().size()[family.axes[2]], options.sheets_per_slice);
     // One layout for all sheets: the whole slice, as dense as the base plane is where it is densest.
     let last = family.uvw(volume.grid().last_index());
@@ -352,7 +425,11 @@ fn draw_family(
     // All sheet buffers that shading can ask for: the pseudo-code runs one sheet ahead and keeps three.
     let splat = |k: usize| {
         let w = spacing.w(order(k));
-        splatter.sheet(layout, size, w, sheet_number(w), [Footprint::Value; 3])
+        splatter.splat(
+            &splatter.sliced(w, Value, false),
+            BufferTexels { layout, size, sheet: 0, wanted: None },
+            [Value; 2],
+        )
     };
     let mut buffers: [Option<SheetBuffer>; 3] = [None, Some(splat(0)), None];
     for k in 0..=spacing.n_slabs {
@@ -365,7 +442,7 @@ fn draw_family(
             let mut row = image[y * options.width_px..][..options.width_px].to_vec();
             for (x, pixel) in row.iter_mut().enumerate() {
                 let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
-                if crate::view::family::Family::of(rays.direction(px, py)) == family {
+                if Family::of(rays.direction(px, py)) == family {
                     let texel = plane.texel_from_pixel(rays, px, py);
                     let ray = plane.ray(texel.x, texel.y);
                     let [lo, hi] = region.texel_interval(plane, &ray);
@@ -374,7 +451,7 @@ fn draw_family(
                     let direction = from_uvw(family.axes, [ray.slope[0], ray.slope[1], 1.0]);
                     let world_from_index = volume.grid().world_from_index().matrix3;
                     let to_eye = (world_from_index * direction).normalize() * if family.ascending { -1.0 } else { 1.0 };
-                    let length = slice_length(world_from_index, family.axes, direction, &options.variant);
+                    let length = slice_length(world_from_index, family.axes, direction, &Ablation::NONE);
                     let thickness = extent * length / sampler.opacity_unit();
                     let at = [ray.at_zero[0] + ray.slope[0] * w, ray.at_zero[1] + ray.slope[1] * w];
                     shaded.composite(pixel, sampler, at, thickness, to_eye);
@@ -415,7 +492,7 @@ impl ShadedSheet<'_> {
                 if d == 0 { 1.0 - t } else { t }
             };
             let mut texel = [0.0; 4];
-            let density = self.sheet.density[j * self.size[0] + i];
+            let density = self.sheet[j * self.size[0] + i];
             over(&mut texel, sampler, density, thickness, self.gradient(i, j), to_eye);
             for c in 0..4 {
                 texture[c] += weight(0, di) * weight(1, dj) * texel[c];
@@ -427,7 +504,7 @@ impl ShadedSheet<'_> {
 
     /// x and y from neighbouring texels, z from the sheets before and after, all scaled to index steps.
     fn gradient(&self, i: usize, j: usize) -> DVec3 {
-        let at = |buffer: &SheetBuffer, i: usize, j: usize| buffer.density[j * self.size[0] + i];
+        let at = |buffer: &[f64], i: usize, j: usize| buffer[j * self.size[0] + i];
         let [iu, jv] = self.size;
         let (i0, i1) = (i.saturating_sub(1), (i + 1).min(iu - 1));
         let (j0, j1) = (j.saturating_sub(1), (j + 1).min(jv - 1));

@@ -25,7 +25,7 @@ use crate::view::base_plane::BasePlane;
 use crate::view::region::Region;
 
 /// Samples, and what is looked up and shaded at each.
-struct Source<'a> {
+struct LiteralSamples<'a> {
     volume: &'a Volume<'a>,
     slices: &'a Slices<'a>,
     sampler: Sampler<'a>,
@@ -36,7 +36,7 @@ struct Source<'a> {
     peak: f64,
 }
 
-impl<'a> Source<'a> {
+impl<'a> LiteralSamples<'a> {
     fn new(
         volume: &'a Volume<'a>,
         slices: &'a Slices<'a>,
@@ -136,7 +136,7 @@ pub fn base_plane(
     plane: &BasePlane,
 ) -> Result<Vec<[f64; 4]>> {
     let slices = Slices::new(volume, Kernel::Linear);
-    let source = Source::new(volume, &slices, tf, camera, options, standard)?;
+    let source = LiteralSamples::new(volume, &slices, tf, camera, options, standard)?;
     let [u, v, w] = plane.family.axes;
     let size = volume.grid().size();
     let mut image = vec![[0.0; 4]; plane.size[0] * plane.size[1]];
@@ -151,8 +151,8 @@ pub fn base_plane(
         let footprint = |axis: usize, texel: usize, sample: usize| {
             let (origin, step) = layout[axis];
             let x = origin + step * texel as f64;
-            let at = |i: f64| weight(options.kernel, (x - i) / widening(step));
-            let reach = radius(options.kernel) * widening(step) + 1.0;
+            let at = |i: f64| weight(standard.kernel, (x - i) / widening(step));
+            let reach = radius(standard.kernel) * widening(step) + 1.0;
             let all = (x - reach).floor() as i64..=(x + reach).ceil() as i64;
             at(sample as f64) / all.map(|i| at(i as f64)).sum::<f64>()
         };
@@ -179,8 +179,13 @@ pub fn base_plane(
 }
 
 /// The base planes that buffers parallel to the slices are drawn on.
-pub fn base_planes(volume: &Volume, camera: &Camera, options: &RenderOptions) -> Result<Vec<BasePlane>> {
-    planes(camera, volume.grid(), options, &Region::new(volume.grid(), options)?)
+pub fn base_planes(
+    volume: &Volume,
+    camera: &Camera,
+    options: &RenderOptions,
+    kernel: Kernel,
+) -> Result<Vec<BasePlane>> {
+    planes(camera, volume.grid(), options, kernel, &Region::new(volume.grid(), options)?)
 }
 
 /// Associated RGBA of every pixel, of buffers parallel to the view plane with a texel per pixel.
@@ -192,7 +197,7 @@ pub fn view_picture(
     standard: StandardOptions,
 ) -> Result<Vec<[f64; 4]>> {
     let slices = Slices::new(volume, Kernel::Linear);
-    let source = Source::new(volume, &slices, tf, camera, options, standard)?;
+    let source = LiteralSamples::new(volume, &slices, tf, camera, options, standard)?;
     let size = volume.grid().size();
     let depth = |index: [usize; 3]| camera.forward().dot(source.world(index) - camera.position());
     let is_parallel = matches!(camera.projection(), Projection::Orthographic { .. });
@@ -207,7 +212,7 @@ pub fn view_picture(
         }
     }
     samples.sort_by_key(|sample| sample.0);
-    let mass = mass(options.kernel);
+    let mass = mass(standard.kernel);
     let mut image = vec![[0.0; 4]; options.width_px * options.height_px];
     for sheet in samples.chunk_by(|a, b| a.0 == b.0) {
         let mut buffer = vec![[0.0; 4]; image.len()];
@@ -219,7 +224,7 @@ pub fn view_picture(
             let seen = Seen::new(&source, options, *index, depth(*index));
             for (p, pixel) in buffer.iter_mut().enumerate() {
                 let at = DVec2::new((p % options.width_px) as f64 + 0.5, (p / options.width_px) as f64 + 0.5);
-                let weight = seen.weight * footprint(options.kernel, seen.squared(at)) / mass;
+                let weight = seen.weight * footprint(standard.kernel, seen.squared(at)) / mass;
                 (0..4).for_each(|c| pixel[c] += weight * rgba[c]);
             }
         }
@@ -237,7 +242,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(source: &Source, options: &RenderOptions, index: [usize; 3], depth: f64) -> Self {
+    fn new(source: &LiteralSamples, options: &RenderOptions, index: [usize; 3], depth: f64) -> Self {
         let camera = source.camera;
         let (width, height) = (options.width_px as f64, options.height_px as f64);
         let half_height = match camera.projection() {

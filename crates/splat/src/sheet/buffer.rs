@@ -10,8 +10,7 @@
 use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Math, Simd, Wide};
 
-use crate::kernel::footprint::{AxisFootprints, Footprint, MAX_DIFFERENCE_TAPS, bits};
-use crate::kernel::noise::{NoisySheet, sheet_number};
+use crate::kernel::footprint::{AxisFootprints, Footprint, MAX_DIFFERENCE_TAPS};
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
 use crate::sheet::upsample::Upsample;
 use crate::source::geometry::SheetGeometry;
@@ -31,11 +30,6 @@ pub struct Sheet {
     part: Option<SampleRectangle>,
     pub(super) stride: usize,
     pub(super) n_v: usize,
-    /// Rows of a strip that are upsampled along u: one per sample row.
-    pub(super) n_rows: usize,
-    /// Position of the tile's first texel and distance to the next, samples; only with noise.
-    pub(super) first_texel: [f64; 2],
-    pub(super) texel_step: [f64; 2],
     /// Combined slices at sample resolution: density, derivative through the sheet, holes.
     pub(super) density: Vec<f32>,
     pub(super) through: Vec<f32>,
@@ -135,14 +129,12 @@ impl Sheet {
         let n_u = (self.u.window[1] - self.u.window[0] + 1) as usize;
         self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
         self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);
-        // With noise: a row per texel row, of values, and another, of derivatives along v.
-        self.n_rows = if geometry.noisy_entries.is_some() { 2 * TILE_V } else { self.n_v };
         for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u] {
-            rows.resize(N_STRIPS * self.n_rows, Lanes::default());
+            rows.resize(N_STRIPS * self.n_v, Lanes::default());
         }
         for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
             flags.clear();
-            flags.resize(N_STRIPS * self.n_rows, false);
+            flags.resize(N_STRIPS * self.n_v, false);
         }
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
@@ -160,21 +152,12 @@ impl Sheet {
         }
         if geometry.slices.has_mask() {
             self.holes.resize(self.stride * self.n_v, 0.0);
-            self.holes_u.resize(N_STRIPS * self.n_rows, Lanes::default());
+            self.holes_u.resize(N_STRIPS * self.n_v, Lanes::default());
             // A hole counts wherever it has a weight, of either sign.
             let taps = taps.magnitudes();
             geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
         }
         self.part = Some(part);
-        if geometry.noisy_entries.is_some() {
-            self.u.make_difference();
-            self.v.make_difference();
-            // Texels are splatted one by one, and stand where their sample rows would.
-            self.first_texel = [u0 + du * i0 as f64, v0 + dv * j0 as f64];
-            self.texel_step = [du, dv];
-            self.v.value.make_one_to_one(TILE_V / LANES, 0);
-            self.v.difference.make_one_to_one(TILE_V / LANES, TILE_V);
-        }
         self.blocks = blocks;
         RowTaps::fill(&mut self.rows, &self.v.value, blocks);
     }
@@ -195,10 +178,6 @@ impl Sheet {
             return;
         }
         self.has_density |= blocks;
-        if let Some(per_sample) = geometry.noisy_entries {
-            bits(blocks).for_each(|place| self.splat_density(geometry, per_sample, Block::new(place)));
-            return;
-        }
         geometry.level.dispatch(Upsample::<false> { sheet: self, geometry, blocks });
     }
 
@@ -226,63 +205,13 @@ impl Sheet {
             );
             RowTaps::fill(&mut self.difference_rows, &self.v.difference, self.blocks);
         }
-        if let Some(per_sample) = geometry.noisy_entries {
-            return self.splat_gradient(geometry, per_sample, block);
-        }
         geometry.level.dispatch(Upsample::<true> { sheet: self, geometry, blocks });
-    }
-
-    /// What noisy texels are splatted by.
-    fn noisy<'g>(&self, geometry: &'g SheetGeometry, per_sample: u32) -> NoisySheet<'g> {
-        let [u, v, _] = &geometry.axes;
-        let first = [self.u.window[0], self.v.window[0]];
-        NoisySheet { axes: [u, v], per_sample, sheet: sheet_number(self.w), first, stride: self.stride }
-    }
-
-    /// Rows of a block with noise, the place of each and the positions of its texels.
-    fn texels(&self, block: Block) -> impl Iterator<Item = (usize, [[f64; 2]; LANES])> + use<> {
-        let ([u, v], [du, dv]) = (self.first_texel, self.texel_step);
-        let (strip, n_rows) = (block.strip, self.n_rows);
-        block.rows().map(move |row| {
-            let at = |lane: usize| [u + du * (strip * LANES + lane) as f64, v + dv * row as f64];
-            (strip * n_rows + row, std::array::from_fn(at))
-        })
-    }
-
-    /// Densities of a block with noise.
-    #[inline(never)]
-    fn splat_density(&mut self, geometry: &SheetGeometry, per_sample: u32, block: Block) {
-        let noisy = self.noisy(geometry, per_sample);
-        for (place, texels) in self.texels(block) {
-            self.density_u[place] = Lanes(texels.map(|at| noisy.value(&self.density, at) as f32));
-            if geometry.slices.has_mask() {
-                self.holes_u[place] = Lanes(texels.map(|at| f32::from(u8::from(noisy.reaches(&self.holes, at)))));
-            }
-        }
-    }
-
-    /// Gradient of a block with noise.
-    #[inline(never)]
-    fn splat_gradient(&mut self, geometry: &SheetGeometry, per_sample: u32, block: Block) {
-        let noisy = self.noisy(geometry, per_sample);
-        let [du, dv] = self.texel_step;
-        let [u, v, _] = &geometry.axes;
-        let (Some(along_u), Some(along_v)) = (u.difference, v.difference) else { return };
-        let (along_u, along_v) = (along_u.of_step(du), along_v.of_step(dv));
-        for (place, texels) in self.texels(block) {
-            let derivative =
-                |axis, difference| Lanes(texels.map(|at| noisy.derivative(&self.density, at, axis, difference) as f32));
-            let (along_u, along_v) = (derivative(0, along_u), derivative(1, along_v));
-            self.along_u[place] = along_u;
-            self.density_u[place + TILE_V] = along_v;
-            self.through_u[place] = Lanes(texels.map(|at| noisy.value(&self.through, at) as f32));
-        }
     }
 
     /// Densities of one chunk or two. After [`Sheet::prepare`].
     #[inline(always)]
     pub fn density<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
-        blend_rows(w, &self.density_u[chunks[0].strip * self.n_rows..], (&self.rows, self.v.value.n_taps), chunks)
+        blend_rows(w, &self.density_u[chunks[0].strip * self.n_v..], (&self.rows, self.v.value.n_taps), chunks)
     }
 
     /// Where chunks reach a hole. After [`Sheet::prepare`].
@@ -290,7 +219,7 @@ impl Sheet {
     pub fn hole<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::M {
         let s = w.one();
         let [mut first, mut second] = [s.splat(0.0); 2];
-        let rows = &self.holes_u[chunks[0].strip * self.n_rows..];
+        let rows = &self.holes_u[chunks[0].strip * self.n_v..];
         for t in 0..self.v.value.n_taps {
             for (sum, chunk) in [(&mut first, chunks[0]), (&mut second, chunks[1])] {
                 let weight = s.splat(self.v.value.weight(chunk.row, t).abs());
@@ -304,7 +233,7 @@ impl Sheet {
     /// [`Sheet::prepare_gradient`].
     #[inline(always)]
     pub fn gradient<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
-        let first = chunks[0].strip * self.n_rows;
+        let first = chunks[0].strip * self.n_v;
         let of_value = (&self.rows[..], self.v.value.n_taps);
         let of_difference = (&self.difference_rows[..], self.v.difference.n_taps);
         [

@@ -28,8 +28,7 @@ pub struct Rays {
 /// Directions of the rays of a chunk.
 #[derive(Clone, Copy)]
 pub struct Directions {
-    /// Length of one slice distance along the ray, or across the slices without view-angle correction, in
-    /// `opacity_unit`s.
+    /// Length of one slice distance along the ray, `dz / cos θ`, in `opacity_unit`s: the view-angle correction.
     pub thickness: Lanes,
     /// Unit world vectors towards the eye, as forms on index gradients ([`world_gradient_from_index`]).
     pub to_eye: [Lanes; 3],

@@ -23,7 +23,7 @@ impl Sheet {
         if GRADIENT {
             let of_difference = self.u.difference.group(strip);
             for r in rows {
-                let place = strip * self.n_rows + r;
+                let place = strip * self.n_v + r;
                 if !self.has_gradient_u[place] {
                     self.has_gradient_u[place] = true;
                     let samples = r * self.stride..(r + 1) * self.stride;
@@ -37,7 +37,7 @@ impl Sheet {
             rows = reached_by(&self.v.difference, block.rows());
         }
         for r in rows {
-            let place = strip * self.n_rows + r;
+            let place = strip * self.n_v + r;
             if !self.has_density_u[place] {
                 self.has_density_u[place] = true;
                 let samples = r * self.stride..(r + 1) * self.stride;

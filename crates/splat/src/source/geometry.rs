@@ -2,16 +2,13 @@
 
 use std::ops::Range;
 
-use crate::kernel::footprint::{Axis, Difference};
-use crate::kernel::footprint_table::Weights;
-use crate::kernel::noise::noisy_entries;
+use crate::kernel::footprint::Axis;
 use crate::kernel::slice_taps::SliceTaps;
 use crate::kernel::weights::{fold, n_taps, reach};
 use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::Variant;
 
 /// Sheet-wide facts of one base plane.
 pub struct SheetGeometry<'a> {
@@ -21,8 +18,6 @@ pub struct SheetGeometry<'a> {
     pub slices: &'a Slices<'a>,
     /// Axes u, v, w with kernel and gradient offset.
     pub axes: [Axis; 3],
-    /// Entries per sample distance of a footprint table with noise on the samples, where there is one.
-    pub noisy_entries: Option<u32>,
     /// Vectors to use.
     pub level: Level,
     /// Position among the samples of index position 0, along u, v, w, and per index step: fields may be coarser.
@@ -32,21 +27,12 @@ pub struct SheetGeometry<'a> {
 impl<'a> SheetGeometry<'a> {
     /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
     pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient_offset: Option<f64>) -> Self {
-        let (size, variant, sheet_step) = (slices.grid().size(), &Variant::default(), 1.0);
-        let [u, v, w] = plane.family.axes;
-        let axis = |a: usize, weights, difference: &dyn Fn(f64) -> Difference| Axis {
-            kernel: slices.kernel(),
-            n_samples: size[a],
-            difference: gradient_offset.map(difference),
-            weights,
-        };
-        let within = |a: usize| axis(a, Weights::within(variant), &|d| Difference::within(variant.gradient, d));
-        let across = |d| Difference::across(variant.gradient, d, sheet_step);
-        let axes = [within(u), within(v), axis(w, Weights::across(variant), &across)];
-        Self { plane, slices, axes, noisy_entries: noisy_entries(variant), level, from_index: [(0.0, 1.0); 3] }
+        let size = slices.grid().size();
+        let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient_offset };
+        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: [(0.0, 1.0); 3] }
     }
 
-    /// The same texels over the samples of a field, which has no variants.
+    /// The same texels over the samples of a field.
     pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
         let from_index = plane.family.axes.map(|a| field.from_index[a]);
         let own = Self::new(level, plane, &field.slices, field.gradient_offset);
@@ -56,8 +42,8 @@ impl<'a> SheetGeometry<'a> {
     /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
     pub fn has_weights_of(&self, other: &Self) -> bool {
         let is_alike = |a: &Axis, b: &Axis| {
-            (a.kernel, a.n_samples, a.weights) == (b.kernel, b.n_samples, b.weights)
-                && (b.difference.is_none() || a.difference == b.difference)
+            (a.kernel, a.n_samples) == (b.kernel, b.n_samples)
+                && (b.gradient_offset.is_none() || a.gradient_offset == b.gradient_offset)
         };
         self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
     }
@@ -121,19 +107,16 @@ impl<'a> SheetGeometry<'a> {
 /// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
 pub fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     let [from, to] = reached(axis, [lo, hi]);
-    let Some(difference) = axis.difference.filter(|difference| !difference.is_forward) else { return [from, to] };
+    let Some(offset) = axis.gradient_offset else { return [from, to] };
     // A difference that starts at a face is as long as any other; its last weights are 0.
-    let widest = Difference { offset: difference.max_offset(), ..difference };
-    // Texels beyond the last sample have differences of their own.
-    let begin = if difference.is_of_texels { hi } else { (hi - widest.offset).max(0.0) };
-    let first = begin.floor() as i64 - reach(axis.kernel) as i64;
-    [from, to.max(first + axis.n_difference_taps(widest) as i64)]
+    let first = (hi - offset).max(0.0).floor() as i64 - reach(axis.kernel) as i64;
+    [from, to.max(first + axis.n_difference_taps(offset) as i64)]
 }
 
 /// First and last sample that values and differences at the positions of an interval reach, with one to spare for
 /// positions in f32.
 pub fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
-    let offset = axis.difference.map_or(0, |difference| difference.max_offset().ceil() as i64);
+    let offset = axis.gradient_offset.map_or(0, |offset| offset.ceil() as i64);
     let before = reach(axis.kernel) as i64 + offset + 1;
     let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
     [lo.floor() as i64 - before, hi.floor() as i64 + after]
@@ -141,32 +124,27 @@ pub fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use wavesplat_core::{GradientScheme, Kernel};
+    use wavesplat_compute::simd::LANES;
+    use wavesplat_core::Kernel;
 
     use super::*;
-    use std::ops::Range;
-
     use crate::kernel::footprint::AxisFootprints;
-    use crate::kernel::footprint_table::Weights;
 
     #[test]
     fn windows_hold_the_footprints_of_their_texels() {
         let places = [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)];
         for (name, kernel) in Kernel::NAMES {
-            for (_, scheme) in GradientScheme::NAMES {
-                for offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
-                    for (n_samples, origin, step) in places {
-                        let difference = offset.map(|offset| Difference::within(scheme, offset));
-                        let axis = Axis { kernel, n_samples, difference, weights: Weights::Exact };
-                        let mut footprints = AxisFootprints::default();
-                        footprints.build(&axis, [origin, step], 2, 0b11);
-                        let last = (n_samples - 1) as f64;
-                        let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
-                        let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
-                        let [first, end] = footprints.window;
-                        let holds = from <= first && end <= to;
-                        assert!(holds, "{name} {difference:?} {origin}: [{first}, {end}] in [{from}, {to}]");
-                    }
+            for gradient_offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
+                for (n_samples, origin, step) in places {
+                    let axis = Axis { kernel, n_samples, gradient_offset };
+                    let mut footprints = AxisFootprints::default();
+                    footprints.build(&axis, [origin, step], 2, 0b11);
+                    let last = (n_samples - 1) as f64;
+                    let ends = [origin, origin + step * (2 * LANES - 1) as f64].map(|x| x.clamp(0.0, last));
+                    let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
+                    let [first, end] = footprints.window;
+                    let holds = from <= first && end <= to;
+                    assert!(holds, "{name} {gradient_offset:?} {origin}: [{first}, {end}] in [{from}, {to}]");
                 }
             }
         }

@@ -32,7 +32,7 @@ pub fn n_tiles(plane: &BasePlane) -> usize {
 
 /// Draws a base plane; how many samples were splatted.
 pub fn draw_plane(family: &FamilyScene, plane: &BasePlane, progress: &Progress) -> Result<(BasePicture, u64)> {
-    let table = KernelTable::new(family.scene.options.kernel);
+    let table = KernelTable::new(family.scene.standard.kernel);
     let all = Mutex::new((BasePicture::new(plane.clone(), false), 0));
     let n_tiles_u = plane.size[0].div_ceil(TILE_U);
     parallel::for_each(n_tiles(plane), |t| {
@@ -62,13 +62,13 @@ pub fn draw_plane(family: &FamilyScene, plane: &BasePlane, progress: &Progress) 
 }
 
 /// Associated colour and opacity of a tile, chunk by chunk.
-struct Tile {
+struct AxisTile {
     rgba: Vec<[Lanes; 4]>,
     /// Chunks that nothing can change any more.
     done: Vec<bool>,
 }
 
-impl Tile {
+impl AxisTile {
     /// Nothing drawn; chunks beyond the base plane are done.
     fn new(plane: &BasePlane, [i0, j0]: [usize; 2]) -> Self {
         let mut tile = Self { rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N], done: vec![false; Chunk::N] };
@@ -88,8 +88,13 @@ impl Tile {
 }
 
 /// Draws the tile whose first texel is given; `None` where nothing is seen.
-fn draw_tile(family: &FamilyScene, plane: &BasePlane, table: &KernelTable, first: [usize; 2]) -> Option<(Tile, u64)> {
-    let kernel = family.scene.options.kernel;
+fn draw_tile(
+    family: &FamilyScene,
+    plane: &BasePlane,
+    table: &KernelTable,
+    first: [usize; 2],
+) -> Option<(AxisTile, u64)> {
+    let kernel = family.scene.standard.kernel;
     let [n_u, n_v, _] = family.size();
     let is_ahead = |w: f64| {
         let sign = if family.family.ascending { 1.0 } else { -1.0 };
@@ -106,8 +111,8 @@ fn draw_tile(family: &FamilyScene, plane: &BasePlane, table: &KernelTable, first
     if layers.is_empty() {
         return None;
     }
-    let mut tile = Tile::new(plane, first);
-    let (mut densities, mut shaded, mut sheet) = (Densities::default(), Shaded::default(), Sheet::default());
+    let mut tile = AxisTile::new(plane, first);
+    let (mut densities, mut shaded, mut sheet) = (Densities::default(), Shaded::default(), ColorSheet::default());
     let mut n_splats = 0;
     for (k, layer) in layers.iter().enumerate() {
         let [(u0, du), (v0, dv)] = plane.sheet(layer.slice as f64);
@@ -127,7 +132,7 @@ fn draw_tile(family: &FamilyScene, plane: &BasePlane, table: &KernelTable, first
         n_splats += n_splats_here as u64;
         let origin = [layer.window.u[0], layer.window.v[0]];
         let (peak, n_rows) = (family.scene.peak, layer.window.n_v());
-        let composite = Composite { sheet: &mut sheet, shaded: &shaded, origin, n_rows, peak, tile: &mut tile };
+        let composite = CompositeChunks { sheet: &mut sheet, shaded: &shaded, origin, n_rows, peak, tile: &mut tile };
         family.scene.level.dispatch(composite);
         if !tile.done.contains(&false) {
             break;
@@ -138,7 +143,7 @@ fn draw_tile(family: &FamilyScene, plane: &BasePlane, table: &KernelTable, first
 
 /// Work space of a sheet buffer: the footprints of its texels, and the sample rows of a strip splatted along u.
 #[derive(Default)]
-struct Sheet {
+struct ColorSheet {
     u: AxisFootprint,
     v: AxisFootprint,
     rows: Vec<[Lanes; 4]>,
@@ -146,22 +151,22 @@ struct Sheet {
 }
 
 /// Splats the samples of a slice into the sheet buffer, and composites it.
-struct Composite<'a> {
-    sheet: &'a mut Sheet,
+struct CompositeChunks<'a> {
+    sheet: &'a mut ColorSheet,
     shaded: &'a Shaded,
     /// First sample along u and v.
     origin: [i64; 2],
     n_rows: usize,
     peak: f32,
-    tile: &'a mut Tile,
+    tile: &'a mut AxisTile,
 }
 
-impl VectorKernel for Composite<'_> {
+impl VectorKernel for CompositeChunks<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Self { sheet: Sheet { u, v, rows, is_visible }, shaded, origin, n_rows, peak, tile } = self;
+        let Self { sheet: ColorSheet { u, v, rows, is_visible }, shaded, origin, n_rows, peak, tile } = self;
         rows.resize(n_rows, [Lanes::default(); 4]);
         is_visible.resize(n_rows, false);
         for strip in 0..N_STRIPS {

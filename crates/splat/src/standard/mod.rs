@@ -54,7 +54,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Composite, Error, Grid, Picture, Projection, RenderOptions, Result, TransferFunction};
+use wavesplat_core::{
+    Camera, Composite, Error, Grid, Kernel, Picture, Projection, RenderOptions, Result, TransferFunction,
+};
 
 use crate::kernel::prefilter;
 use crate::kernel::weights::radius;
@@ -109,17 +111,19 @@ pub struct StandardOptions {
     pub buffer: Buffer,
     /// Whether opacities are those of the length that a ray runs from slice to slice, or of the slice distance.
     pub view_angle_correction: bool,
+    /// What colours are splatted with, not prefiltered.
+    pub kernel: Kernel,
 }
 
 impl Default for StandardOptions {
     fn default() -> Self {
-        Self { buffer: Buffer::Axis, view_angle_correction: true }
+        Self { buffer: Buffer::Axis, view_angle_correction: true, kernel: Kernel::Linear }
     }
 }
 
 /// What a picture took.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Report {
+pub struct StandardReport {
     /// Samples that were splatted, once for every tile of the picture that they were splatted into.
     pub n_splats: u64,
     /// Sheet buffers: of each base plane, or of the picture.
@@ -135,7 +139,8 @@ pub struct Report {
 /// Draws a volume by standard splatting.
 ///
 /// `slices` are those of a kernel that works on the samples as they are, such as [`wavesplat_core::Kernel::Linear`],
-/// whatever the options' kernel. Of the options, `sheets_per_slice` and `refined` have no meaning here and are not used.
+/// whatever the kernel of `standard`. Of the options, `sheets_per_slice`, `pre_integration` and `early_ray_termination`
+/// have no meaning here and are not used.
 /// The picture does not depend on the number of threads.
 pub fn render(
     slices: &Slices,
@@ -144,8 +149,8 @@ pub fn render(
     options: &RenderOptions,
     standard: StandardOptions,
     monitor: &dyn ProgressCallback,
-) -> Result<(Picture, Report)> {
-    let scene = Scene::new(Level::best(), slices, tf, camera, options, standard)?;
+) -> Result<(Picture, StandardReport)> {
+    let scene = StandardScene::new(Level::best(), slices, tf, camera, options, standard)?;
     parallel::with_threads(options.n_threads, || {
         let mut report = scene.report();
         let size = [options.width_px, options.height_px];
@@ -174,15 +179,21 @@ pub fn render_base_planes(
     options: &RenderOptions,
     standard: StandardOptions,
 ) -> Result<Vec<BasePicture>> {
-    let scene = Scene::new(Level::best(), slices, tf, camera, options, standard)?;
+    let scene = StandardScene::new(Level::best(), slices, tf, camera, options, standard)?;
     scene.draw_base_planes(&(), &mut scene.report())
 }
 
 /// The base planes that a picture needs: splats reach further than the samples.
-pub(crate) fn planes(camera: &Camera, grid: &Grid, options: &RenderOptions, region: &Region) -> Result<Vec<BasePlane>> {
+pub(crate) fn planes(
+    camera: &Camera,
+    grid: &Grid,
+    options: &RenderOptions,
+    kernel: Kernel,
+    region: &Region,
+) -> Result<Vec<BasePlane>> {
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, grid.index_from_world(), size[0], size[1]);
-    let reach = DVec3::splat(radius(options.kernel));
+    let reach = DVec3::splat(radius(kernel));
     let [lo, hi] = region.bounds;
     base_planes(camera, &rays, size, options.oversampling, [lo - reach, hi + reach])
 }
@@ -241,7 +252,7 @@ impl SliceDistance {
 }
 
 /// Everything that does not depend on the axis that rays run along.
-struct Scene<'a> {
+struct StandardScene<'a> {
     level: Level,
     grid: &'a Grid,
     slices: &'a Slices<'a>,
@@ -258,7 +269,7 @@ struct Scene<'a> {
 
 /// What belongs to an axis that rays run along.
 struct FamilyScene<'a> {
-    scene: &'a Scene<'a>,
+    scene: &'a StandardScene<'a>,
     family: Family,
     occupied: Option<Arc<OccupancyGrid>>,
     shader: Option<Shader>,
@@ -266,7 +277,7 @@ struct FamilyScene<'a> {
     sight: Sight,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> StandardScene<'a> {
     fn new(
         level: Level,
         slices: &'a Slices<'a>,
@@ -291,17 +302,21 @@ impl<'a> Scene<'a> {
         Ok(Self { level, grid, slices, tf, camera, options, standard, classifier, region, opacity_unit, peak })
     }
 
-    fn report(&self) -> Report {
-        Report {
+    fn report(&self) -> StandardReport {
+        StandardReport {
             n_nonfinite_samples: self.grid.statistics().n_nonfinite,
             n_threads: parallel::n_threads(),
             simd: self.level.name(),
-            ..Report::default()
+            ..StandardReport::default()
         }
     }
 
-    fn draw_base_planes(&self, monitor: &dyn ProgressCallback, report: &mut Report) -> Result<Vec<BasePicture>> {
-        let planes = planes(self.camera, self.grid, self.options, &self.region)?;
+    fn draw_base_planes(
+        &self,
+        monitor: &dyn ProgressCallback,
+        report: &mut StandardReport,
+    ) -> Result<Vec<BasePicture>> {
+        let planes = planes(self.camera, self.grid, self.options, self.standard.kernel, &self.region)?;
         let progress = Progress::new(monitor, planes.iter().map(axis::n_tiles).sum());
         let mut pictures = Vec::new();
         for plane in planes {
@@ -322,7 +337,7 @@ impl<'a> Scene<'a> {
 }
 
 impl<'a> FamilyScene<'a> {
-    fn new(scene: &'a Scene<'a>, family: Family) -> Self {
+    fn new(scene: &'a StandardScene<'a>, family: Family) -> Self {
         let matrix = scene.grid.world_from_index().matrix3;
         let shader = scene.options.shading.as_ref();
         let bricks = scene.slices.bricks();

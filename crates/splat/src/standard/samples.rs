@@ -12,7 +12,7 @@ use crate::source::window::Window;
 
 /// Samples of one slice that a tile shows.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
+pub struct SampleLayer {
     /// The slice.
     pub slice: usize,
     /// Samples along u and v, all inside the volume.
@@ -21,17 +21,17 @@ pub struct Layer {
 
 /// The layers of a tile that have something visible, front to back. `hull`: where the positions along u and v lie that the
 /// tile shows of a slice, in samples; `None` where it shows nothing.
-pub fn visible_layers(family: &FamilyScene, hull: impl Fn(f64) -> Option<[[f64; 2]; 2]>) -> Vec<Layer> {
+pub fn visible_layers(family: &FamilyScene, hull: impl Fn(f64) -> Option<[[f64; 2]; 2]>) -> Vec<SampleLayer> {
     let [n_u, n_v, n_w] = family.size();
     let occupied = &family.occupied;
     let layer = |slice: usize| {
         let [u, v] = hull(slice as f64)?;
         let window = Window { u: inside(u, n_u)?, v: inside(v, n_v)? };
-        let Some(occupied) = occupied else { return Some(Layer { slice, window }) };
+        let Some(occupied) = occupied else { return Some(SampleLayer { slice, window }) };
         let touched = |axis: usize, [lo, hi]: [i64; 2]| occupied.touched(axis, [lo as f64, hi as f64]);
         // The last slice belongs to the cells before it.
         let layer = occupied.layer(slice.min(n_w - 2));
-        occupied.any(touched(0, window.u)?, touched(1, window.v)?, [layer; 2]).then_some(Layer { slice, window })
+        occupied.any(touched(0, window.u)?, touched(1, window.v)?, [layer; 2]).then_some(SampleLayer { slice, window })
     };
     let in_order = |k: usize| if family.family.ascending { k } else { n_w - 1 - k };
     (0..n_w).map(in_order).filter_map(layer).collect()
@@ -78,7 +78,7 @@ impl Default for Densities {
 
 impl Densities {
     /// Makes sure that the layer at place `k` is there, and reads ahead.
-    pub fn cover(&mut self, family: &FamilyScene, layers: &[Layer], k: usize) {
+    pub fn cover(&mut self, family: &FamilyScene, layers: &[SampleLayer], k: usize) {
         let slice = layers[k].slice;
         if self.served[0] <= slice && slice <= self.served[1] {
             return;

@@ -8,8 +8,8 @@ use glam::DVec3;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::RenderOptions;
 
-use super::samples::{Densities, Layer};
-use super::{Buffer, FamilyScene, Scene, SliceDistance};
+use super::samples::{Densities, SampleLayer};
+use super::{Buffer, FamilyScene, SliceDistance, StandardScene};
 use crate::optics::classify::one_minus_exp_neg;
 use crate::source::window::Window;
 use crate::view::family::Family;
@@ -31,7 +31,7 @@ enum From {
 }
 
 impl Sight {
-    pub(super) fn new(scene: &Scene, family: &Family) -> Self {
+    pub(super) fn new(scene: &StandardScene, family: &Family) -> Self {
         let matrix = scene.grid.world_from_index().matrix3;
         let forward = scene.camera.forward();
         let distance = SliceDistance::new(scene.grid, forward);
@@ -108,7 +108,7 @@ const NOTHING: [usize; 2] = [1, 0];
 
 impl Shaded {
     /// Classifies and shades the layer; how many samples are visible. Rows begin after at least `padding` zeros.
-    pub fn fill(&mut self, family: &FamilyScene, densities: &Densities, layer: &Layer, padding: usize) -> usize {
+    pub fn fill(&mut self, family: &FamilyScene, densities: &Densities, layer: &SampleLayer, padding: usize) -> usize {
         let window = layer.window;
         self.window = Some(window);
         self.padding = padding.next_multiple_of(LANES);
@@ -146,7 +146,7 @@ struct Fill<'a, 'b> {
     shaded: &'a mut Shaded,
     family: &'a FamilyScene<'b>,
     densities: &'a Densities,
-    layer: &'a Layer,
+    layer: &'a SampleLayer,
 }
 
 impl VectorKernel for Fill<'_, '_> {

@@ -19,9 +19,9 @@ use wavesplat_core::{Error, Result};
 use super::axis::OPAQUE_ENOUGH;
 use super::footprint::RadialFootprint;
 use super::resample::resample;
-use super::samples::{Densities, Layer, visible_layers};
+use super::samples::{Densities, SampleLayer, visible_layers};
 use super::shaded::Shaded;
-use super::{FamilyScene, Report, Scene, SliceDistance};
+use super::{FamilyScene, SliceDistance, StandardReport, StandardScene};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::source::window::Window;
 use crate::view::family::{Family, IndexRays};
@@ -39,7 +39,11 @@ const ON_A_BORDER: f64 = 1e-6;
 const MAX_TEXELS: f64 = (1 << 28) as f64;
 
 /// Associated RGBA of the picture.
-pub fn draw(scene: &Scene, monitor: &dyn ProgressCallback, report: &mut Report) -> Result<Vec<[f32; 4]>> {
+pub fn draw(
+    scene: &StandardScene,
+    monitor: &dyn ProgressCallback,
+    report: &mut StandardReport,
+) -> Result<Vec<[f32; 4]>> {
     let options = scene.options;
     let pixels = [options.width_px, options.height_px];
     let size = pixels.map(|n| (n as f64 * options.oversampling).round().max(1.0));
@@ -67,7 +71,7 @@ pub fn draw(scene: &Scene, monitor: &dyn ProgressCallback, report: &mut Report) 
     parallel::for_each(n_tiles[0] * n_tiles[1], |t| {
         let family = families.iter().find(|known| known.family == view.family(first(t)));
         let (Some(family), false) = (family, progress.is_stopped()) else { return };
-        let mut tile = Tile::new(&view, first(t));
+        let mut tile = ViewTile::new(&view, first(t));
         if tile.draw(&view, family) {
             let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
             let (texels, n_splats, [nearest, furthest]) = &mut *all;
@@ -145,7 +149,7 @@ impl Ellipse {
 }
 
 impl View {
-    fn new(scene: &Scene, size: [usize; 2]) -> Self {
+    fn new(scene: &StandardScene, size: [usize; 2]) -> Self {
         let (grid, camera, options) = (scene.grid, scene.camera, scene.options);
         let pixels = [options.width_px, options.height_px];
         let rays = IndexRays::new(camera, grid.index_from_world(), pixels[0], pixels[1]);
@@ -172,7 +176,7 @@ impl View {
             texel_area: (matrix * steps[0]).cross(matrix * steps[1]).length(),
             sample_volume: matrix.determinant().abs(),
             packing: if scene.standard.view_angle_correction { 1.0 } else { distance.along_view / distance.across },
-            footprint: RadialFootprint::new(options.kernel),
+            footprint: RadialFootprint::new(scene.standard.kernel),
         }
     }
 
@@ -249,7 +253,7 @@ impl View {
     }
 
     /// Least and largest depth of the samples of a layer.
-    fn depths(&self, family: &FamilyScene, layer: &Layer) -> [f64; 2] {
+    fn depths(&self, family: &FamilyScene, layer: &SampleLayer) -> [f64; 2] {
         let Window { u, v } = layer.window;
         let corner = |k: usize| {
             let position = family.position([u[k % 2] as f64, v[k / 2] as f64, layer.slice as f64]);
@@ -284,7 +288,7 @@ struct Splat {
 }
 
 /// A tile of the picture.
-struct Tile {
+struct ViewTile {
     first: [usize; 2],
     size: [usize; 2],
     rgba: Vec<Vec4>,
@@ -297,9 +301,9 @@ struct Tile {
 }
 
 /// Part of a tile: first and last texel along x and y; empty where a first is above a last.
-type Part = [[usize; 2]; 2];
+type TexelRectangle = [[usize; 2]; 2];
 
-impl Tile {
+impl ViewTile {
     fn new(view: &View, first: [usize; 2]) -> Self {
         let size = [0, 1].map(|k| TILE.min(view.size[k] - first[k]));
         let n = size[0] * size[1];
@@ -377,7 +381,7 @@ impl Tile {
         &self,
         view: &View,
         family: &FamilyScene,
-        layer: &Layer,
+        layer: &SampleLayer,
         shaded: &Shaded,
         form: Option<Ellipse>,
         nearest: f64,
@@ -420,7 +424,7 @@ impl Tile {
 
     /// Adds splats to the sheet buffer; the part of it that they reach. Runs at the level of the caller.
     #[inline(always)]
-    fn splat(&mut self, splats: &[Splat], footprint: &RadialFootprint) -> Part {
+    fn splat(&mut self, splats: &[Splat], footprint: &RadialFootprint) -> TexelRectangle {
         let [n_x, n_y] = self.size;
         let (last_x, last_y) = ((n_x - 1) as f32, (n_y - 1) as f32);
         let mut part = [[usize::MAX, 0], [usize::MAX, 0]];
@@ -457,7 +461,7 @@ impl Tile {
 
     /// Clamps the sums of the sheet buffer to what a colour may be, composites them, and clears them.
     #[inline(always)]
-    fn composite(&mut self, [[from_x, to_x], [from_y, to_y]]: Part, peak: f32) {
+    fn composite(&mut self, [[from_x, to_x], [from_y, to_y]]: TexelRectangle, peak: f32) {
         if from_x > to_x || from_y > to_y {
             return;
         }

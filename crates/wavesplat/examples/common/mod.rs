@@ -71,6 +71,11 @@ pub fn save(frame: &Frame, name: &str) -> std::io::Result<()> {
     let folder = std::env::args_os().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
     let path = folder.join(name);
     std::fs::write(&path, encode_png(&frame.picture, PngBits::Eight))?;
-    println!("{}: {} sheets in all, {} million texels", path.display(), frame.report.n_sheets.iter().sum::<usize>(), frame.report.n_texels / 1_000_000);
+    println!(
+        "{}: {} sheets in all, {} million texels",
+        path.display(),
+        frame.report.n_sheets.iter().sum::<usize>(),
+        frame.report.n_texels / 1_000_000
+    );
     Ok(())
 }

@@ -1,17 +1,16 @@
-"""Each switch changes the picture in the way that theory says."""
+"""Each ablation changes the picture in the way that theory says."""
 
 from __future__ import annotations
 
 import dataclasses
 import pickle
-from typing import get_args
 
 import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._model.options import Composite
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, CancelledError
+from wavesplat.study import Ablation, splat
 
 SIZE = (96, 96)
 SOFT = ws.TransferFunction(
@@ -42,9 +41,8 @@ def ripples():
 
 def draw(ripples, **options) -> ws.Picture:
     volume, camera, _ = ripples
-    variant = ws.Variant(**options.pop("variant", {}))
-    settings = {"size": SIZE, "sheets_per_slice": 2, "oversampling": 1, "refined": False} | options
-    return ws.render(volume, SOFT, camera, variant=variant, **settings)
+    ablation = Ablation(**options.pop("ablation", {}))
+    return splat(volume, SOFT, camera, ablation=ablation, **({"size": SIZE} | options))
 
 
 # The view angle
@@ -62,31 +60,15 @@ def test_a_slab_is_as_thick_as_the_way_through_it_or_not(degrees):
         center + 100 * np.array([np.sin(angle), 0, np.cos(angle)]), center, (0, 1, 0), parallel_scale=10.0
     )
     for corrected in (True, False):
-        variant = ws.Variant(view_angle_correction=corrected)
-        rgba = ws.render(fog, curve, camera, size=(9, 9), shading=None, variant=variant).rgba
+        ablation = Ablation(view_angle_correction=corrected)
+        rgba = splat(fog, curve, camera, size=(9, 9), shading=None, ablation=ablation).rgba
         want = 1 - (1 - opacity) ** (1 / np.cos(angle)) if corrected else opacity
         np.testing.assert_allclose(rgba[..., 3], want, atol=1e-5)
 
 
-def test_without_correction_sums_depend_on_the_view_and_means_do_not():
-    fog = ws.Volume(np.ones((11, 40, 40), np.float32), spacing=(4, 4, 1))
-    camera = ws.Camera((178, 78, 62.7), (78, 78, 5), (0, 1, 0), parallel_scale=10.0)
-    middle = (4, 4)
-    values = {}
-    for composite in ("sum", "mean"):
-        for corrected in (True, False):
-            variant = ws.Variant(view_angle_correction=corrected)
-            picture = ws.render(fog, SOFT, camera, size=(9, 9), composite=composite, variant=variant)
-            values[composite, corrected] = picture.value[middle]
-    assert values["sum", True] == pytest.approx(20, rel=1e-2)
-    assert values["sum", False] == pytest.approx(10, rel=1e-5)
-    assert values["mean", True] == pytest.approx(1, rel=1e-5)
-    assert values["mean", False] == pytest.approx(1, rel=1e-5)
-
-
 def test_the_correction_pays(ripples):
     want = ripples[2]
-    plain = draw(ripples, variant={"view_angle_correction": False})
+    plain = draw(ripples, ablation={"view_angle_correction": False})
     assert psnr_db(plain, want) < psnr_db(draw(ripples), want) - 6
     assert plain.rgba[..., 3].mean() < want.rgba[..., 3].mean() - 0.01
 
@@ -103,8 +85,8 @@ def test_without_slicing_sheets_repeat_slices():
     camera = ws.Camera.orbit(volume, 0, 90)
     opacity = {}
     for sliced in (True, False):
-        options = {"sheets_per_slice": 10, "refined": False, "shading": None, "size": (9, 9)}
-        picture = ws.render(volume, curve, camera, variant=ws.Variant(kernel_slicing=sliced), **options)
+        options = {"sheets_per_slice": 10, "shading": None, "size": (9, 9)}
+        picture = splat(volume, curve, camera, ablation=Ablation(kernel_slicing=sliced), **options)
         opacity[sliced] = picture.rgba[4, 4, 3]
     # One sheet of ten reaches the value, or all the ten that are nearest to the slice.
     assert opacity[True] == pytest.approx(1 - 0.5**0.1, abs=1e-4)
@@ -114,25 +96,13 @@ def test_without_slicing_sheets_repeat_slices():
 @pytest.mark.parametrize("kernel", ["linear", "catmull-rom", "bspline2", "bspline3"])
 def test_on_the_slices_interpolating_kernels_have_nothing_to_slice(ripples, kernel):
     one = {"sheets_per_slice": 1, "kernel": kernel, "shading": None}
-    sliced, own = draw(ripples, **one), draw(ripples, variant={"kernel_slicing": False}, **one)
+    sliced, own = draw(ripples, **one), draw(ripples, ablation={"kernel_slicing": False}, **one)
     np.testing.assert_allclose(own.rgba, sliced.rgba, atol=2e-5)
 
 
 def test_slicing_the_kernel_pays(ripples):
     want = ripples[2]
-    assert psnr_db(draw(ripples, variant={"kernel_slicing": False}), want) < psnr_db(draw(ripples), want) - 4
-
-
-@pytest.mark.parametrize("switch", ["view_angle_correction", "kernel_slicing"])
-def test_what_contradicts_pre_integration_is_drawn_with_plain_sheets(switch):
-    volume = ws.examples.ripples(16)
-    hard = ws.TransferFunction([(127, 0), (128, 1)], [(128, 1, 1, 1)])
-    camera = ws.Camera.orbit(volume, 35, 30)
-    pictures = [
-        ws.render(volume, hard, camera, size=SIZE, refined=refined, variant=ws.Variant(**{switch: False})).rgba
-        for refined in (True, False)
-    ]
-    np.testing.assert_array_equal(*pictures)
+    assert psnr_db(draw(ripples, ablation={"kernel_slicing": False}), want) < psnr_db(draw(ripples), want) - 4
 
 
 # Gradients
@@ -146,8 +116,8 @@ def lit_ball(gradient: str, offset: float, *, light: tuple[float, float, float] 
     shading = ws.Shading(gradient_offset=offset, lights=[ws.Light(light)], **DIFFUSE)
     surface = ws.TransferFunction([(100, 0), (101, 1)], [(0, 1, 1, 1)])
     camera = ws.Camera.orbit(volume, 0, 0, zoom=2.5)
-    options = {"size": (97, 97), "sheets_per_slice": 8, "refined": False, "shading": shading}
-    return ws.render(volume, surface, camera, variant=ws.Variant(gradient=gradient), **options).rgba[..., 0]
+    options = {"size": (97, 97), "sheets_per_slice": 8, "shading": shading}
+    return splat(volume, surface, camera, ablation=Ablation(gradient=gradient), **options).rgba[..., 0]
 
 
 def asymmetry(lit: np.ndarray) -> float:
@@ -182,11 +152,11 @@ def test_sheet_differences_are_footprints_a_whole_number_of_texels_wide():
     side = 2 * camera.parallel_scale
     n = round(side * 4)
     camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, parallel_scale=n / 8)
-    options = {"size": (n, n), "sheets_per_slice": 4, "oversampling": 1, "refined": False}
+    options = {"size": (n, n), "sheets_per_slice": 4}
 
     def shaded(gradient: str, offset: float) -> np.ndarray:
         shading = ws.Shading(gradient_offset=offset)
-        return ws.render(volume, SOFT, camera, shading=shading, variant=ws.Variant(gradient=gradient), **options).rgba
+        return splat(volume, SOFT, camera, shading=shading, ablation=Ablation(gradient=gradient), **options).rgba
 
     for ours, theirs in (("sheet-central", "footprint"), ("sheet-forward", "footprint-forward")):
         # 0.01 is the neighbour, and 0.6 half a sample, since texels lie no nearer to it.
@@ -202,7 +172,7 @@ def test_sheet_differences_are_footprints_a_whole_number_of_texels_wide():
 def test_tables_converge_to_exact_weights(ripples, footprint):
     exact = draw(ripples)
     errors = [
-        psnr_db(draw(ripples, variant={"footprint": footprint, "footprint_entries": entries}), exact)
+        psnr_db(draw(ripples, ablation={"footprint": footprint, "footprint_entries": entries}), exact)
         for entries in (2, 8, 64, 1024)
     ]
     assert errors == sorted(errors)
@@ -213,19 +183,21 @@ def test_tables_converge_to_exact_weights(ripples, footprint):
 def test_a_coarse_table_is_worse_than_exact_weights(ripples):
     want = ripples[2]
     for footprint in ("nearest", "nearest-noise"):
-        coarse = draw(ripples, variant={"footprint": footprint, "footprint_entries": 2})
+        coarse = draw(ripples, ablation={"footprint": footprint, "footprint_entries": 2})
         assert psnr_db(coarse, want) < psnr_db(draw(ripples), want) - 1
 
 
 def ramp_values(footprint: str) -> np.ndarray:
-    """A row of the mean along z of a volume that rises evenly along x, at eight texels a sample; half the samples."""
+    """The mean colour along z of a volume that rises evenly along x, at eight texels a sample; half the samples."""
     samples = np.broadcast_to(np.arange(24, dtype=np.float32), (16, 24, 24))
     volume = ws.Volume(np.ascontiguousarray(samples))
     camera = ws.Camera.orbit(volume, 0, 90)
     camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, parallel_scale=6.0)
-    variant = ws.Variant(footprint=footprint, footprint_entries=2)
-    options = {"size": (96, 96), "composite": "mean", "variant": variant, "oversampling": 1}
-    return ws.render(volume, camera=camera, **options).value
+    # So thin that all sheets count much the same.
+    grey = ws.TransferFunction([(0, 0.01)], [(0, 0, 0, 0), (24, 1, 1, 1)])
+    ablation = Ablation(footprint=footprint, footprint_entries=2)
+    rgba = splat(volume, grey, camera, size=(96, 96), shading=None, ablation=ablation).rgba
+    return 24 * rgba[..., 0] / rgba[..., 3]
 
 
 def test_tables_make_stairs_of_slopes_and_noise_makes_grain_of_stairs():
@@ -248,9 +220,12 @@ def test_tables_make_stairs_of_slopes_and_noise_makes_grain_of_stairs():
 
 def test_noise_leaves_alone_what_is_flat():
     flat = ws.Volume(np.full((12, 12, 12), 7.0, np.float32))
-    variant = ws.Variant(footprint="nearest-noise", footprint_entries=2)
-    value = ws.render(flat, SOFT, "left", size=(24, 24), composite="mean", variant=variant).value
-    np.testing.assert_allclose(value[np.isfinite(value)], 7, rtol=1e-6)
+    curve = ws.TransferFunction([(6, 0), (8, 0.2)], [(6, 0, 0, 0), (8, 1, 1, 1)])
+    options = {"size": (24, 24), "shading": None}
+    noise = Ablation(footprint="nearest-noise", footprint_entries=2)
+    noisy, exact = (splat(flat, curve, "left", ablation=a, **options).rgba for a in (noise, None))
+    assert exact[..., 3].max() > 0.3
+    np.testing.assert_allclose(noisy, exact, atol=1e-6)
 
 
 def test_noise_repeats_whatever_the_threads(ripples):
@@ -258,9 +233,9 @@ def test_noise_repeats_whatever_the_threads(ripples):
     for view_angle in (None, 40.0):
         volume = ripples[0]
         camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle)
-        pictures = [draw((volume, camera, None), variant=noise, threads=threads).rgba for threads in (1, 2, 2)]
+        pictures = [draw((volume, camera, None), ablation=noise, threads=threads).rgba for threads in (1, 2, 2)]
         assert pictures[0].tobytes() == pictures[1].tobytes() == pictures[2].tobytes()
-    assert psnr_db(draw(ripples, variant=noise), draw(ripples, variant=noise | {"footprint": "nearest"})) < 60
+    assert psnr_db(draw(ripples, ablation=noise), draw(ripples, ablation=noise | {"footprint": "nearest"})) < 60
 
 
 def test_holes_stay_holes_with_any_weights():
@@ -270,8 +245,8 @@ def test_holes_stay_holes_with_any_weights():
     camera = ws.Camera.orbit(volume, 20, 10)
     shown = {}
     for footprint in ("exact", "nearest", "nearest-noise"):
-        variant = ws.Variant(footprint=footprint, footprint_entries=16)
-        picture = ws.render(volume, SOFT, camera, size=SIZE, shading=None, variant=variant)
+        ablation = Ablation(footprint=footprint, footprint_entries=16)
+        picture = splat(volume, SOFT, camera, size=SIZE, shading=None, ablation=ablation)
         assert np.isfinite(picture.rgba).all()
         shown[footprint] = picture.rgba[..., 3]
     assert shown["exact"].min() < shown["exact"].max() - 0.2
@@ -279,21 +254,26 @@ def test_holes_stay_holes_with_any_weights():
         assert np.abs(shown[footprint] - shown["exact"]).mean() < 0.02
 
 
-# The switchboard
+# The whole
 
 
-def test_the_default_is_the_renderer_as_it_is(ripples):
-    volume, camera, _ = ripples
-    for options in ({}, {"kernel": "bspline3"}, {"composite": "maximum"}, {"shading": None}, {"refined": False}):
-        with_default = ws.render(volume, SOFT, camera, size=SIZE, variant=ws.Variant(), **options).rgba
-        without = ws.render(volume, SOFT, camera, size=SIZE, **options).rgba
-        assert with_default.tobytes() == without.tobytes()
+@pytest.mark.parametrize("view_angle", [None, 40.0])
+def test_without_an_ablation_it_is_the_renderer_with_plain_sheets(ripples, view_angle):
+    volume = ripples[0]
+    camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle)
+    plain = {"pre_integration": False, "early_ray_termination": False, "sheets_per_slice": 2, "oversampling": 1}
+    cut = {"crop": ws.Crop((3, 3, 3), (20.5, 19, 18), space="index"), "clip_planes": [((11, 11, 11), (1, 2, 1))]}
+    for options in ({}, {"kernel": "bspline3"}, {"shading": None}, {"kernel": "catmull-rom"}, cut):
+        fast = ws.render(volume, SOFT, camera, size=SIZE, **plain, **options).rgba
+        literal = splat(volume, SOFT, camera, size=SIZE, **options).rgba
+        assert fast[..., 3].max() > 0.5
+        # Single precision, and tables of the transfer function: as the twins in Rust.
+        np.testing.assert_allclose(literal, fast, atol=1e-4)
 
 
-@pytest.mark.parametrize("composite", get_args(Composite))
-def test_every_operator_and_view_draws_every_variant(composite):
-    volume = ws.examples.ripples(12)
-    changes = [
+@pytest.mark.parametrize(
+    "change",
+    [
         {"view_angle_correction": False},
         {"kernel_slicing": False},
         {"gradient": "footprint-forward"},
@@ -302,29 +282,47 @@ def test_every_operator_and_view_draws_every_variant(composite):
         {"footprint": "nearest", "footprint_entries": 3},
         {"footprint": "nearest-noise", "footprint_entries": 3},
         {"kernel_slicing": False, "gradient": "sheet-forward", "footprint": "nearest-noise"},
-    ]
-    wavelets = ws.WaveletVolume.from_volume(volume, threshold=1)
-    for change in changes:
-        # Coarse texels, wide sheets and the eye inside the volume are where offsets in texels are far or vanish.
-        for camera, sheets in (
-            (ws.Camera.orbit(volume, 35, 30), 0.1),
-            (ws.Camera((5, 5.2, 5.1), (11, 9, 8), (0, 0, 1), view_angle=100), 3),
-        ):
-            options = {"composite": composite, "iso_value": 128 if composite == "first-hit" else None}
-            options |= {"size": (17, 13), "sheets_per_slice": sheets, "oversampling": 0.3, "kernel": "catmull-rom"}
-            for drawn in (volume, wavelets):
-                picture = ws.render(drawn, SOFT, camera, variant=ws.Variant(**change), **options)
-                assert np.isfinite(picture.rgba).all()
+    ],
+)
+def test_every_view_draws_every_ablation(change):
+    volume = ws.examples.ripples(12)
+    # Coarse texels, wide sheets and the eye inside the volume are where offsets in texels are far or vanish.
+    for camera, sheets in (
+        (ws.Camera.orbit(volume, 35, 30), 0.1),
+        (ws.Camera((5, 5.2, 5.1), (11, 9, 8), (0, 0, 1), view_angle=100), 3),
+    ):
+        options = {"size": (17, 13), "sheets_per_slice": sheets, "oversampling": 0.3, "kernel": "catmull-rom"}
+        picture = splat(volume, SOFT, camera, ablation=Ablation(**change), **options)
+        assert np.isfinite(picture.rgba).all()
+        assert picture.rgba[..., 3].max() > 0.05
 
 
-def test_variants_are_values():
-    variant = ws.Variant(gradient="sheet-central", footprint="nearest", footprint_entries=4)
-    assert pickle.loads(pickle.dumps(variant)) == variant  # noqa: S301
-    assert dataclasses.replace(variant, footprint_entries=8) != variant
-    assert "sheet-central" in repr(variant)
-    assert "_core" not in repr(variant)
+def test_it_reports_progress_and_cancels(ripples):
+    seen = []
+    draw(ripples, progress=seen.append)
+    assert seen[-1] == 1
+    with pytest.raises(CancelledError):
+        draw(ripples, progress=lambda _: False)
+
+
+def test_it_draws_samples_without_held_off_light():
+    volume = ws.examples.ripples(8)
+    with pytest.raises(ArgumentError, match="to_volume"):
+        splat(ws.WaveletVolume.from_volume(volume), size=(4, 4))
+    with pytest.raises(ArgumentError, match="ambient_occlusion"):
+        splat(volume, shading=ws.Shading(shadow=1), size=(4, 4))
+    with pytest.raises(ArgumentError, match="ablation is a str"):
+        splat(volume, ablation="none", size=(4, 4))
+
+
+def test_ablations_are_values():
+    ablation = Ablation(gradient="sheet-central", footprint="nearest", footprint_entries=4)
+    assert pickle.loads(pickle.dumps(ablation)) == ablation  # noqa: S301
+    assert dataclasses.replace(ablation, footprint_entries=8) != ablation
+    assert "sheet-central" in repr(ablation)
+    assert "_core" not in repr(ablation)
     with pytest.raises(dataclasses.FrozenInstanceError):
-        variant.kernel_slicing = False
+        ablation.kernel_slicing = False
 
 
 @pytest.mark.parametrize(
@@ -337,6 +335,6 @@ def test_variants_are_values():
         ({"footprint": "nearest", "footprint_entries": 2.5}, "footprint_entries is 2.5.*whole number"),
     ],
 )
-def test_bad_variants_are_refused_where_they_are_made(options, message):
+def test_bad_ablations_are_refused_where_they_are_made(options, message):
     with pytest.raises(ArgumentError, match=message):
-        ws.Variant(**options)
+        Ablation(**options)

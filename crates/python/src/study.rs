@@ -1,15 +1,17 @@
-//! Standard splatting.
+//! Ways to draw that the method is judged against: standard splatting, and the method without one of its parts.
 
+use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wavesplat_core::{Composite, Kernel, RenderOptions};
+use wavesplat_splat::reference::splat;
 use wavesplat_splat::standard::{self, Buffer, StandardOptions};
 use wavesplat_splat::with_threads;
 
-use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple};
+use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction, Triple};
 use crate::errors::to_py;
 use crate::rendering::{Corners, PyMonitor, clip_planes, crop, image};
-use crate::volume::Drawable;
+use crate::volume::{Drawable, PyVolume};
 
 /// See `_native.pyi`.
 #[pyfunction]
@@ -39,7 +41,6 @@ pub fn render_standard<'py>(
     let options = RenderOptions {
         width_px: width,
         height_px: height,
-        kernel: Kernel::from_name(kernel).map_err(to_py)?,
         shading: shading.map(|s| s.0.clone()),
         oversampling,
         crop: crop(volume.own_index(crop_index), crop_world),
@@ -49,7 +50,11 @@ pub fn render_standard<'py>(
         ..RenderOptions::default()
     };
     options.validate().map_err(to_py)?;
-    let standard = StandardOptions { buffer: Buffer::from_name(buffer).map_err(to_py)?, view_angle_correction };
+    let standard = StandardOptions {
+        buffer: Buffer::from_name(buffer).map_err(to_py)?,
+        view_angle_correction,
+        kernel: Kernel::from_name(kernel).map_err(to_py)?,
+    };
     let monitor = PyMonitor::new(progress);
     let curves = volume.transfer_function(&transfer_function.0, Composite::Over, None)?;
     // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
@@ -76,4 +81,48 @@ pub fn render_standard<'py>(
     numbers.set_item("simd", report.simd)?;
     dict.set_item("report", numbers)?;
     Ok(dict)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[pyo3(signature = (volume, transfer_function, camera, *, ablation, width, height, kernel, shading, sheets_per_slice,
+    oversampling, crop_index, crop_world, clip_planes, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+pub fn splat_ablated<'py>(
+    py: Python<'py>,
+    volume: &PyVolume,
+    transfer_function: &PyTransferFunction,
+    camera: &PyCamera,
+    ablation: &PyAblation,
+    width: usize,
+    height: usize,
+    kernel: &str,
+    shading: Option<&PyShading>,
+    sheets_per_slice: f64,
+    oversampling: f64,
+    crop_index: Corners,
+    crop_world: Corners,
+    clip_planes: Vec<(Triple, Triple)>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let kernel = Kernel::from_name(kernel).map_err(to_py)?;
+    let options = RenderOptions {
+        width_px: width,
+        height_px: height,
+        shading: shading.map(|s| s.0.clone()),
+        sheets_per_slice,
+        oversampling,
+        crop: crop(crop_index, crop_world),
+        clip_planes: self::clip_planes(clip_planes),
+        n_threads: threads,
+        ..RenderOptions::default()
+    };
+    let monitor = PyMonitor::new(progress);
+    let picture = volume.with_volume(py, |v| {
+        let (tf, camera) = (&transfer_function.0, &camera.0);
+        let draw = || splat::picture(v, kernel, tf, camera, &options, &ablation.0, &monitor);
+        monitor.watch(py, draw)?.map_err(to_py)
+    })?;
+    image(py, picture)
 }

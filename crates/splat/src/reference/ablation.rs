@@ -1,22 +1,18 @@
-//! The choices of high-resolution splatting, each with the form that it improves on, so that a study can show what each
-//! of them buys. The default is the renderer as it is.
+//! Ablation study: the choices of high-resolution splatting, each with the form that it improves on, so that a study can
+//! show what each of them buys. The default is the method as it is.
 //!
-//! | switch | on, or default | off, or other |
+//! | choice | on, or default | off, or other |
 //! | --- | --- | --- |
-//! | view angle | slabs are `dz / cos θ` thick along a ray | they are `dz` thick, whatever the angle |
+//! | view-angle correction | slabs are `dz / cos θ` thick along a ray | they are `dz` thick, whatever the angle |
 //! | kernel slicing | a sheet is made of all slices within the kernel's radius | of the nearest slice alone |
-//! | gradient | differences over an exact distance | forward; or of texels and sheets, as three sheet buffers give them |
+//! | gradient | central differences over an exact distance | forward; or of texels and sheets, as three sheet buffers give them |
 //! | footprint | exact weights | those of the nearest entry of a table, with or without noise on the samples |
 //!
 //! Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
-use crate::error::{Error, Result};
-use crate::options::find;
+use wavesplat_core::{Error, MAX_GRADIENT_OFFSET, Result};
 
-/// Largest distance of the gradient's differences, samples.
-pub const MAX_GRADIENT_OFFSET: f64 = 4.0;
-
-/// Where the differences for the gradient are taken; `d` is [`crate::Shading::gradient_offset`], in samples.
+/// Where the differences for the gradient are taken; `d` is [`wavesplat_core::Shading::gradient_offset`], in samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GradientScheme {
     /// `[V(x + d) − V(x − d)] / 2d` along the index axes at every texel, by footprints.
@@ -45,15 +41,25 @@ impl GradientScheme {
         find("gradient", name, &Self::NAMES)
     }
 
-    /// Whether differences go to one side only.
-    pub fn is_forward(self) -> bool {
-        matches!(self, Self::FootprintForward | Self::SheetForward)
-    }
-
     /// Whether differences are those of texels and sheets.
     pub fn is_of_sheets(self) -> bool {
         matches!(self, Self::SheetCentral | Self::SheetForward)
     }
+
+    /// Both ends of a difference, counted from its position. `offset`: `d`; `step`: distance of the texels or sheets.
+    pub fn ends(self, offset: f64, step: f64) -> [f64; 2] {
+        let end = if self.is_of_sheets() { whole_steps(offset, step) } else { offset };
+        let is_forward = matches!(self, Self::FootprintForward | Self::SheetForward);
+        [if is_forward { 0.0 } else { -end }, end]
+    }
+}
+
+/// The whole number of steps, at least one, nearest to an offset; as an offset, at most [`MAX_GRADIENT_OFFSET`].
+fn whole_steps(offset: f64, step: f64) -> f64 {
+    let step = step.abs();
+    // Where a sheet passes the eye all its texels are one.
+    let whole = if step > 0.0 { (offset / step).round().max(1.0) * step } else { offset };
+    whole.min(MAX_GRADIENT_OFFSET)
 }
 
 /// Where the weights of a footprint come from.
@@ -67,7 +73,7 @@ pub enum FootprintTable {
         /// Entries per sample distance.
         per_sample: u32,
     },
-    /// The same with every sample of a sheet displaced by up to half an entry, which turns the stairs into grain. Slow.
+    /// The same with every sample of a sheet displaced by up to half an entry, which turns the stairs into grain.
     NearestNoise {
         /// Entries per sample distance.
         per_sample: u32,
@@ -86,9 +92,9 @@ impl FootprintTable {
     }
 }
 
-/// How high-resolution splatting is carried out.
+/// Which part of the method is left out or changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Variant {
+pub struct Ablation {
     /// Off: a sheet stands for `dz` of a ray at any angle.
     pub view_angle_correction: bool,
     /// Off: a sheet holds the samples of the nearest slice, so that sheets between two slices repeat them.
@@ -99,23 +105,20 @@ pub struct Variant {
     pub footprint: FootprintTable,
 }
 
-impl Default for Variant {
+impl Default for Ablation {
     fn default() -> Self {
-        Self {
-            view_angle_correction: true,
-            kernel_slicing: true,
-            gradient: GradientScheme::default(),
-            footprint: FootprintTable::default(),
-        }
+        Self::NONE
     }
 }
 
-impl Variant {
-    /// Whether the space between two sheets may be pre-integrated, which follows a ray through a linear density: without
-    /// view-angle correction its way there does not count, without kernel slicing the density jumps on it.
-    pub fn may_pre_integrate(&self) -> bool {
-        self.view_angle_correction && self.kernel_slicing
-    }
+impl Ablation {
+    /// The method as it is.
+    pub const NONE: Self = Self {
+        view_angle_correction: true,
+        kernel_slicing: true,
+        gradient: GradientScheme::Footprint,
+        footprint: FootprintTable::Exact,
+    };
 
     /// Checks ranges.
     pub fn validate(&self) -> Result<()> {
@@ -129,6 +132,15 @@ impl Variant {
         }
         Ok(())
     }
+}
+
+/// The value with a public name.
+fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
+    known.iter().find(|(n, _)| *n == name).map(|&(_, value)| value).ok_or_else(|| Error::UnknownName {
+        what,
+        name: name.to_owned(),
+        known: known.iter().map(|(n, _)| *n).collect::<Vec<_>>().join(", "),
+    })
 }
 
 #[cfg(test)]
@@ -151,14 +163,33 @@ mod tests {
     fn tables_have_entries() {
         for per_sample in [0, 1, 1025] {
             for footprint in [FootprintTable::Nearest { per_sample }, FootprintTable::NearestNoise { per_sample }] {
-                let variant = Variant { footprint, ..Variant::default() };
-                let message = variant.validate().unwrap_err().to_string();
+                let ablation = Ablation { footprint, ..Ablation::default() };
+                let message = ablation.validate().unwrap_err().to_string();
                 assert!(
                     message.contains("footprint_entries is") && message.contains("between 2 and 1024"),
                     "{message}"
                 );
             }
         }
-        assert_eq!(Variant::default().validate(), Ok(()));
+        assert_eq!(Ablation::default().validate(), Ok(()));
+    }
+
+    #[test]
+    fn offsets_become_whole_steps() {
+        for (offset, step, want) in [
+            (0.01, 0.25, 0.25),
+            (0.6, 0.25, 0.5),
+            (1.0, -0.25, 1.0),
+            (1.0, 0.3, 0.9),
+            (1.0, 3.0, 3.0),
+            (1.0, 9.0, MAX_GRADIENT_OFFSET),
+            (0.5, 0.0, 0.5),
+        ] {
+            let got = whole_steps(offset, step);
+            assert!((got - want).abs() < 1e-12, "{offset} in steps of {step}: {got}");
+        }
+        assert_eq!(GradientScheme::SheetForward.ends(0.2, 0.5), [0.0, 0.5]);
+        assert_eq!(GradientScheme::FootprintForward.ends(0.2, 0.5), [0.0, 0.2]);
+        assert_eq!(GradientScheme::Footprint.ends(0.2, 0.5), [-0.2, 0.2]);
     }
 }

@@ -1,6 +1,5 @@
 //! A frame: planned, drawn tile by tile, warped. The CPU's schedule over pieces.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use wavesplat_compute::parallel;
@@ -130,17 +129,32 @@ pub(crate) fn draw_base_plane(
 
 /// The picture of finished base planes: warped, coloured, over the background.
 pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
-    let mut picture = warped_rows(plan, base_pictures, 0..plan.size_px[1], plan.with_depth);
+    let whole = PixelRectangle { first: [0; 2], size: plan.size_px };
+    let mut picture = warped(plan, base_pictures, whole, plan.reads_per_axis, plan.with_depth);
     finish_picture(&plan.camera, plan.background, &mut picture);
     picture
 }
 
-/// Some rows of the picture, before it is finished; depth as parameters of the rays.
-pub(crate) fn warped_rows(plan: &Plan, base_pictures: &[BasePicture], rows: Range<usize>, with_depth: bool) -> Picture {
-    let [width_px, height_px] = [plan.size_px[0], rows.len()];
-    let rays = plan.rays.part([0, rows.start]);
-    let reads = plan.reads_per_axis;
-    let warped = warp(plan.simd, base_pictures, &rays, [width_px, height_px], reads, plan.peak, with_depth);
+/// Pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PixelRectangle {
+    /// Column and row of the first.
+    pub first: [usize; 2],
+    /// Columns and rows.
+    pub size: [usize; 2],
+}
+
+/// A rectangle of the picture, of base planes that hold what it needs; depth as parameters of the rays. `reads`: of a pixel
+/// along x, and as many along y.
+pub(crate) fn warped(
+    plan: &Plan,
+    base_pictures: &[BasePicture],
+    PixelRectangle { first, size }: PixelRectangle,
+    reads: usize,
+    with_depth: bool,
+) -> Picture {
+    let warped = warp(plan.simd, base_pictures, &plan.rays.part(first), size, reads, plan.peak, with_depth);
+    let [width_px, height_px] = size;
     let mut picture = Picture { width_px, height_px, rgba: warped.rgba, depth: warped.ray_parameter, value: None };
     if let Some(composite) = plan.operator.projection() {
         picture.value = Some(color_projection(&mut picture.rgba, &plan.grid, &plan.transfer_function, composite));

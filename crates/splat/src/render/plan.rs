@@ -12,7 +12,7 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Grid, RenderOptions, Result, Shading, TransferFunction};
 
 use crate::optics::gradient_opacity::GradientOpacity;
-use crate::optics::labels::Labels;
+use crate::optics::labels::LabelTerms;
 use crate::optics::modifiers::Modifiers;
 use crate::optics::occlusion::{ExtinctionGrid, LightTerms};
 use crate::optics::shade::Shader;
@@ -61,8 +61,14 @@ pub struct Plan {
     pub transfer_function: TransferFunction,
     /// Depth shading, where it is wanted.
     pub depth_cue: Option<DepthCue>,
-    /// Light and labels, as fields on grids of their own.
-    pub fields: Vec<Field<'static>>,
+    /// Light and labels, as fields on grids of their own; and which of them holds what.
+    pub fields: Arc<FieldPlan>,
+    /// Lights and coefficients, in the frame that they are given in; `None` of projections, and without shading.
+    pub shading: Option<Shading>,
+    /// Bounds of the densities, or spline coefficients.
+    pub density_range: [f32; 2],
+    /// Sheets per slice distance, about.
+    pub sheets_per_slice: f64,
     /// Base planes: one for parallel rays, up to six in perspective.
     pub families: Vec<FamilyPlan>,
     /// Reads of a pixel along x and along y; it is their mean.
@@ -115,6 +121,17 @@ impl Operator {
     }
 }
 
+/// Scalar quantities beside the density that a picture needs.
+#[derive(Default)]
+pub struct FieldPlan {
+    /// Their samples: of light, then of labels.
+    pub fields: Vec<Field<'static>>,
+    /// Which hold ambient occlusion and shadow.
+    pub light: Option<LightTerms>,
+    /// Which hold the labels.
+    pub labels: Option<LabelTerms>,
+}
+
 /// What is decided of a base plane.
 #[derive(Clone)]
 pub struct FamilyPlan {
@@ -135,6 +152,21 @@ pub struct FamilyPlan {
 impl Plan {
     /// Plans a frame. Reads the samples for ambient occlusion and shadows alone.
     pub fn new(simd: Level, layer: &Layer, camera: &Camera, options: &RenderOptions) -> Result<Self> {
+        Self::with_fields(simd, layer, camera, options, None)
+    }
+
+    /// The same frame in another size or sampling; light and labels are kept.
+    pub(crate) fn resampled(&self, layer: &Layer, options: &RenderOptions) -> Result<Self> {
+        Self::with_fields(self.simd, layer, &self.camera, options, Some(self.fields.clone()))
+    }
+
+    fn with_fields(
+        simd: Level,
+        layer: &Layer,
+        camera: &Camera,
+        options: &RenderOptions,
+        fields: Option<Arc<FieldPlan>>,
+    ) -> Result<Self> {
         options.validate()?;
         let slices = layer.slices;
         let grid = slices.grid();
@@ -151,10 +183,13 @@ impl Plan {
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
         let tables = layer.cache.get(slices, tf, slab_thickness);
-        let (mut fields, light) = light_fields(layer, camera, options, &tables, opacity_unit)?;
-        let labels = layer.labels.filter(|_| composite == Composite::Over);
-        let n_light = fields.len();
-        fields.extend(labels.map(Labels::fields).unwrap_or_default());
+        let fields = match fields {
+            Some(fields) => fields,
+            None if composite == Composite::Over => {
+                Arc::new(FieldPlan::new(layer, camera, options, &tables, opacity_unit)?)
+            }
+            None => Arc::default(),
+        };
         let steep = || is_steep_in_slabs(&tables, grid, tf, slab_thickness);
         let is_projection = composite.is_projection();
         let mut plan = Self {
@@ -175,40 +210,42 @@ impl Plan {
             },
             region,
             fields,
+            shading: options.shading.clone().filter(|_| !is_projection),
+            density_range: slices.range(),
+            sheets_per_slice: options.sheets_per_slice,
             families: Vec::new(),
             reads_per_axis: reads_per_axis(composite, options.oversampling),
             peak: if is_projection { f32::MAX } else { options.shading.as_ref().map_or(1.0, brightest) },
             with_depth: options.with_depth,
             background: options.background,
         };
-        let look = FrameLook { options, light, labels, n_light, range: slices.range() };
-        plan.families = planes.into_iter().map(|plane| plan.family(plane, bricks, &look)).collect();
+        plan.families = planes.into_iter().map(|plane| plan.family(plane, bricks)).collect();
         Ok(plan)
     }
 
-    fn family(&self, plane: BasePlane, bricks: &Bricks, look: &FrameLook) -> FamilyPlan {
-        let options = look.options;
+    /// What is decided of a base plane, be it one of another size.
+    pub(crate) fn family(&self, plane: BasePlane, bricks: &Bricks) -> FamilyPlan {
         let world_from_index = self.grid.world_from_index().matrix3;
-        let shading = options.shading.as_ref().filter(|_| !options.composite.is_projection());
-        let shader_for = |range| shading.map(|s| Shader::new(s, &self.camera, world_from_index, &plane.family, range));
+        let shader_for = |range| {
+            let shading = self.shading.as_ref();
+            shading.map(|s| Shader::new(s, &self.camera, world_from_index, &plane.family, range))
+        };
         let mut modifiers = Modifiers::default();
-        if options.composite == Composite::Over {
+        if matches!(self.operator, Operator::Over { .. }) {
             let map = self.grid.density_from_sample();
             modifiers.by_gradient = GradientOpacity::new(&self.transfer_function, world_from_index, &plane.family, map);
-            modifiers.light = look.light;
-            if let Some(labels) = look.labels {
-                modifiers.labels = Some(labels.terms().after(look.n_light));
-                modifiers.label_shader = shader_for([0.0, 1.0]);
-            }
+            modifiers.light = self.fields.light;
+            modifiers.labels = self.fields.labels;
+            modifiers.label_shader = self.fields.labels.and_then(|_| shader_for([0.0, 1.0]));
         }
-        let gradient_offset = shading.map(|s| s.gradient_offset);
+        let gradient_offset = self.shading.as_ref().map(|s| s.gradient_offset);
         let gradient_offset =
             gradient_offset.or(modifiers.by_gradient.as_ref().map(|_| Shading::default().gradient_offset));
         FamilyPlan {
-            spacing: SheetSpacing::new(self.grid.size()[plane.family.axes[2]], options.sheets_per_slice),
+            spacing: SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice),
             gradient_offset,
             occupancy: self.occupancy(bricks, plane.family.axes, &modifiers),
-            shader: shader_for(look.range),
+            shader: shader_for(self.density_range),
             modifiers,
             plane,
         }
@@ -220,7 +257,7 @@ impl Plan {
             Operator::Over { .. } => {
                 let occupied = bricks.occupied(axes, self.tables.visible_ranges(bricks));
                 let Some(field) = modifiers.matter_field() else { return Some(occupied) };
-                let matter = self.fields[field].slices.bricks()?;
+                let matter = self.fields.fields[field].slices.bricks()?;
                 let covered = matter.occupied(axes, &matter.visible_ranges(|[_, hi]| hi > 0.0));
                 occupied.or(&covered).map(Arc::new)
             }
@@ -250,17 +287,6 @@ impl FamilyPlan {
     }
 }
 
-/// What the plans of all base planes have in common beside the plan.
-struct FrameLook<'a> {
-    options: &'a RenderOptions,
-    light: Option<LightTerms>,
-    labels: Option<&'a Labels>,
-    /// Fields before those of the labels.
-    n_light: usize,
-    /// Bounds of the densities.
-    range: [f32; 2],
-}
-
 fn operator(options: &RenderOptions, tf: &TransferFunction, grid: &Grid, is_steep: impl Fn() -> bool) -> Operator {
     let (offset, scale) = grid.density_from_sample();
     let density = |value: f64| ((value - offset) * scale) as f32;
@@ -281,32 +307,39 @@ fn operator(options: &RenderOptions, tf: &TransferFunction, grid: &Grid, is_stee
     }
 }
 
-/// Ambient occlusion and the shadow of the first light, where they are wanted: shares of light by place.
-fn light_fields(
-    layer: &Layer,
-    camera: &Camera,
-    options: &RenderOptions,
-    tables: &Visibility,
-    opacity_unit: f64,
-) -> Result<(Vec<Field<'static>>, Option<LightTerms>)> {
-    let shading = options.shading.as_ref().filter(|_| options.composite == Composite::Over);
-    let Some(shading) = shading.filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0) else {
-        return Ok((Vec::new(), None));
-    };
-    let grid = layer.slices.grid();
-    let extinction = ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels)?;
-    let (mut fields, mut terms) = (Vec::new(), LightTerms::default());
-    if shading.ambient_occlusion > 0.0 {
-        let sides = grid.spacing() * DVec3::from_array(grid.size().map(|n| n as f64));
-        let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
-        terms.openness = Some((fields.len(), shading.ambient_occlusion));
-        fields.push(extinction.field(extinction.openness(radius))?);
+impl FieldPlan {
+    /// Ambient occlusion and the shadow of the first light, where they are wanted, and labels.
+    fn new(
+        layer: &Layer,
+        camera: &Camera,
+        options: &RenderOptions,
+        tables: &Visibility,
+        opacity_unit: f64,
+    ) -> Result<Self> {
+        let mut plan = Self::default();
+        let shading = options.shading.as_ref().filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0);
+        if let Some(shading) = shading {
+            let grid = layer.slices.grid();
+            let extinction = ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels)?;
+            let mut terms = LightTerms::default();
+            if shading.ambient_occlusion > 0.0 {
+                let sides = grid.spacing() * DVec3::from_array(grid.size().map(|n| n as f64));
+                let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
+                terms.openness = Some((plan.fields.len(), shading.ambient_occlusion));
+                plan.fields.push(extinction.field(extinction.openness(radius))?);
+            }
+            if let Some(light) = shading.lights.first().filter(|_| shading.shadow > 0.0) {
+                terms.shadow = Some((plan.fields.len(), shading.shadow));
+                plan.fields.push(extinction.field(extinction.shadow(light_direction(camera, light)))?);
+            }
+            plan.light = Some(terms);
+        }
+        if let Some(labels) = layer.labels {
+            plan.labels = Some(labels.terms().after(plan.fields.len()));
+            plan.fields.extend(labels.fields());
+        }
+        Ok(plan)
     }
-    if let Some(light) = shading.lights.first().filter(|_| shading.shadow > 0.0) {
-        terms.shadow = Some((fields.len(), shading.shadow));
-        fields.push(extinction.field(extinction.shadow(light_direction(camera, light)))?);
-    }
-    Ok((fields, Some(terms)))
 }
 
 /// Largest colour that shading makes of white.

@@ -90,7 +90,7 @@ impl<'a> TileJob<'a> {
                 opacity_unit: plan.opacity_unit,
                 depth_cue: plan.depth_cue,
             },
-            fields: plan.fields.iter().map(|field| SheetGeometry::of_field(plan.simd, plane, field)).collect(),
+            fields: plan.fields.fields.iter().map(|field| SheetGeometry::of_field(plan.simd, plane, field)).collect(),
         }
     }
 

@@ -11,7 +11,6 @@ use wavesplat_compute::{filled, parallel};
 
 use crate::picture::base_picture::BasePicture;
 use crate::picture::resample::{FAR, Quads, Resampler};
-use crate::quality::parts::{PART_PX, Parts};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 
@@ -23,7 +22,7 @@ pub struct Warped {
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture, or the parts of it that the base planes are for. `peak`: largest unassociated colour.
+/// Draws the picture. `peak`: largest unassociated colour.
 pub fn warp(
     level: Level,
     pictures: &[BasePicture],
@@ -34,15 +33,11 @@ pub fn warp(
     with_depth: bool,
 ) -> Warped {
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
-    let parts = pictures.first().and_then(|picture| picture.plane.parts.as_deref());
-    let rgba = colors(level, &resamplers, rays, [width_px, height_px], reads_per_axis, peak, parts);
+    let rgba = colors(level, &resamplers, rays, [width_px, height_px], reads_per_axis, peak);
     let parameters = with_depth.then(|| {
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
             for (x, parameter) in row.iter_mut().enumerate() {
-                if parts.is_some_and(|parts| !parts.is_wanted(x, y)) {
-                    continue;
-                }
                 *parameter = ray_parameter(&resamplers, rays, x as f64 + 0.5, y as f64 + 0.5);
             }
         });
@@ -59,9 +54,8 @@ pub(crate) fn colors(
     [width_px, height_px]: [usize; 2],
     reads_per_axis: usize,
     peak: f32,
-    parts: Option<&Parts>,
 ) -> Vec<[f32; 4]> {
-    let warping = Warping { resamplers, rays, reads_per_axis, peak, parts };
+    let warping = Warping { resamplers, rays, reads_per_axis, peak };
     filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
         warping.draw_band(level, band * BAND, pixels, width_px);
     })
@@ -70,7 +64,6 @@ pub(crate) fn colors(
 /// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
 /// plane, and what one has read is near when the next one wants it.
 const BAND: usize = 32;
-const _: () = assert!(BAND.is_multiple_of(PART_PX), "a part lies in one band");
 
 /// What is read.
 struct Warping<'a> {
@@ -80,8 +73,6 @@ struct Warping<'a> {
     reads_per_axis: usize,
     /// Largest unassociated colour.
     peak: f32,
-    /// What is drawn; `None`: all.
-    parts: Option<&'a Parts>,
 }
 
 impl<'a> Warping<'a> {
@@ -92,25 +83,18 @@ impl<'a> Warping<'a> {
             [only] if only.picture.plane.eye_w().is_none() => Some((only, Affine::new(&only.picture.plane, self.rays))),
             _ => None,
         };
-        let side = if self.parts.is_some() { PART_PX } else { BAND };
-        for (k, pixels) in pixels.chunks_mut(side * width_px).enumerate() {
-            let first_row = first_row + k * side;
-            for x in (0..width_px).step_by(side) {
-                if self.parts.is_some_and(|parts| !parts.is_wanted(x, first_row)) {
-                    continue;
+        for x in (0..width_px).step_by(BAND) {
+            let columns = x..(x + BAND).min(width_px);
+            let rectangle = Rectangle { columns, first_row, pixels, width_px };
+            if let Some((only, affine)) = &parallel {
+                self.draw_one(level, rectangle, only, affine);
+            } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
+                if let Some(resampler) = self.resampler(family) {
+                    let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
+                    self.draw_one(level, rectangle, resampler, &slopes);
                 }
-                let columns = x..(x + side).min(width_px);
-                let rectangle = Rectangle { columns, first_row, pixels, width_px };
-                if let Some((only, affine)) = &parallel {
-                    self.draw_one(level, rectangle, only, affine);
-                } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
-                    if let Some(resampler) = self.resampler(family) {
-                        let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
-                        self.draw_one(level, rectangle, resampler, &slopes);
-                    }
-                } else {
-                    level.dispatch(Draw { warping: self, source: Mixed { warping: self }, rectangle });
-                }
+            } else {
+                level.dispatch(Draw { warping: self, source: Mixed { warping: self }, rectangle });
             }
         }
     }

@@ -1,8 +1,5 @@
 //! The whole way from volume to picture: the one place that knows the order of the stages.
 
-use std::ops::Range;
-use std::sync::Arc;
-
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Picture, RenderOptions, Result, TransferFunction};
@@ -12,14 +9,13 @@ use crate::picture::base_picture::BasePicture;
 use crate::picture::color_projection::color_projection;
 use crate::picture::supersampling::reads_per_axis;
 use crate::picture::warp::warp;
-use crate::quality::parts::Parts;
 use crate::render::layer::Layer;
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::report::Report;
 use crate::render::scene::{Scene, brightest, with_scene};
 use crate::render::tile::Piece;
 use crate::source::slices::Slices;
-use crate::view::base_plane::base_planes;
+use crate::view::base_plane::{BasePlane, base_planes};
 use crate::view::family::IndexRays;
 
 /// Draws a volume.
@@ -45,7 +41,7 @@ pub fn render_layer(
 ) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
         with_scene(Level::best(), layer, camera, options, |scene| {
-            let (picture, report) = drawn(scene, None, monitor)?;
+            let (picture, report) = drawn(scene, monitor)?;
             Ok((finished(camera, options, picture), report))
         })
     })
@@ -73,22 +69,14 @@ pub fn render_base_planes_at(
 ) -> Result<(Vec<BasePicture>, Report)> {
     let layer = Layer { slices, transfer_function: tf, labels: None, cache: &VisibilityCache::default() };
     parallel::with_threads(options.n_threads, || {
-        with_scene(level, &layer, camera, options, |scene| draw(scene, None, monitor))
+        with_scene(level, &layer, camera, options, |scene| draw(scene, monitor))
     })
 }
 
-/// Draws the base planes of the whole picture, or of parts of it.
-pub(crate) fn draw(
-    scene: &Scene,
-    parts: Option<&Arc<Parts>>,
-    monitor: &dyn ProgressCallback,
-) -> Result<(Vec<BasePicture>, Report)> {
+/// Draws the base planes.
+pub(crate) fn draw(scene: &Scene, monitor: &dyn ProgressCallback) -> Result<(Vec<BasePicture>, Report)> {
     let options = scene.options;
-    let size = [options.width_px, options.height_px];
-    let mut planes = base_planes(scene.camera, &rays(scene), size, options.oversampling, scene.region.bounds)?;
-    for plane in &mut planes {
-        plane.parts = parts.cloned();
-    }
+    let planes = planes(scene)?;
     let mut report = Report {
         n_nonfinite_samples: scene.grid.statistics().n_nonfinite,
         n_base_planes: planes.len(),
@@ -110,42 +98,50 @@ pub(crate) fn draw(
     Ok((pictures, report))
 }
 
-/// The picture, or parts of it, before it is [`finished`].
-pub(crate) fn drawn(
-    scene: &Scene,
-    parts: Option<&Arc<Parts>>,
-    monitor: &dyn ProgressCallback,
-) -> Result<(Picture, Report)> {
-    let (base_pictures, report) = draw(scene, parts, monitor)?;
-    Ok((warped(scene, &base_pictures, scene.options.with_depth), report))
+/// The base planes, not drawn yet.
+pub(crate) fn planes(scene: &Scene) -> Result<Vec<BasePlane>> {
+    let options = scene.options;
+    let size = [options.width_px, options.height_px];
+    base_planes(scene.camera, &rays(scene), size, options.oversampling, scene.region.bounds)
+}
+
+/// The picture before it is [`finished`].
+pub(crate) fn drawn(scene: &Scene, monitor: &dyn ProgressCallback) -> Result<(Picture, Report)> {
+    let (base_pictures, report) = draw(scene, monitor)?;
+    let options = scene.options;
+    let whole = PixelRectangle { first: [0, 0], size: [options.width_px, options.height_px] };
+    let reads = reads_per_axis(options.composite, options.oversampling);
+    Ok((warped(scene, &base_pictures, whole, reads, options.with_depth), report))
 }
 
 /// The rays of the whole picture.
-fn rays(scene: &Scene) -> IndexRays {
+pub(crate) fn rays(scene: &Scene) -> IndexRays {
     let options = scene.options;
     IndexRays::new(scene.camera, scene.grid.index_from_world(), options.width_px, options.height_px)
 }
 
-/// The whole picture; depth as parameters of the rays.
-pub(crate) fn warped(scene: &Scene, base_pictures: &[BasePicture], with_depth: bool) -> Picture {
-    let options = scene.options;
-    warped_rows(scene, base_pictures, 0..options.height_px, options.oversampling, with_depth)
+/// Pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PixelRectangle {
+    /// Column and row of the first.
+    pub first: [usize; 2],
+    /// Columns and rows.
+    pub size: [usize; 2],
 }
 
-/// Some rows of the picture, of base planes of so many texels per pixel.
-pub(crate) fn warped_rows(
+/// A rectangle of the picture, of base planes that hold what it needs; depth as parameters of the rays. `reads`: of a pixel
+/// along x, and as many along y.
+pub(crate) fn warped(
     scene: &Scene,
     base_pictures: &[BasePicture],
-    rows: Range<usize>,
-    oversampling: f64,
+    PixelRectangle { first, size }: PixelRectangle,
+    reads: usize,
     with_depth: bool,
 ) -> Picture {
     let options = scene.options;
-    let size = [options.width_px, rows.len()];
     let is_projection = options.composite.is_projection();
-    let reads = reads_per_axis(options.composite, oversampling);
     let peak = if is_projection { f32::MAX } else { options.shading.as_ref().map_or(1.0, brightest) };
-    let rays = rays(scene).part([0, rows.start]);
+    let rays = rays(scene).part(first);
     let warped = warp(scene.level, base_pictures, &rays, size, reads, peak, with_depth);
     let [width_px, height_px] = size;
     let mut picture = Picture { width_px, height_px, rgba: warped.rgba, depth: warped.ray_parameter, value: None };

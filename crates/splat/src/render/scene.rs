@@ -14,7 +14,7 @@ use crate::optics::labels::Labels;
 use crate::optics::modifiers::Modifiers;
 use crate::optics::occlusion::{ExtinctionGrid, LightTerms};
 use crate::optics::shade::Shader;
-use crate::optics::visibility_cache::Visibility;
+use crate::optics::visibility_cache::{Visibility, VisibilityCache};
 use crate::picture::base_picture::BasePicture;
 use crate::ray::compositor::Compositor;
 use crate::ray::first_hit::FirstHit;
@@ -106,6 +106,7 @@ pub(crate) struct Scene<'a> {
     pub level: Level,
     pub grid: &'a Grid,
     slices: &'a Slices<'a>,
+    cache: &'a VisibilityCache,
     pub camera: &'a Camera,
     pub options: &'a RenderOptions,
     pub tf: &'a TransferFunction,
@@ -116,7 +117,7 @@ pub(crate) struct Scene<'a> {
     /// Of a typical slab, in `opacity_unit`s.
     slab_thickness: f64,
     labels: Option<&'a Labels>,
-    fields: Vec<Field<'a>>,
+    fields: Arc<Vec<Field<'a>>>,
     light: Option<LightTerms>,
 }
 
@@ -129,16 +130,17 @@ struct Light {
 
 impl<'a> Scene<'a> {
     fn new(level: Level, layer: &Layer<'a>, camera: &'a Camera, options: &'a RenderOptions, region: Region) -> Self {
-        let Layer { slices, transfer_function: tf, .. } = *layer;
+        let Layer { slices, transfer_function: tf, cache, .. } = *layer;
         let grid = slices.grid();
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
-        let classifier = layer.cache.get(slices, tf, slab_thickness);
-        let (labels, fields, light) = (None, Vec::new(), None);
+        let classifier = cache.get(slices, tf, slab_thickness);
+        let (labels, fields, light) = (None, Arc::default(), None);
         Self {
             level,
             grid,
             slices,
+            cache,
             camera,
             options,
             tf,
@@ -149,6 +151,22 @@ impl<'a> Scene<'a> {
             labels,
             fields,
             light,
+        }
+    }
+
+    /// The same with other options, be they of sheets, texels or the size of the picture; in the same light.
+    pub fn with_options<'b>(&'b self, options: &'b RenderOptions) -> Scene<'b>
+    where
+        'a: 'b,
+    {
+        let slab_thickness = self.grid.mean_spacing() / options.sheets_per_slice / self.opacity_unit;
+        Scene {
+            options,
+            classifier: self.cache.get(self.slices, self.tf, slab_thickness),
+            slab_thickness,
+            region: self.region.clone(),
+            fields: self.fields.clone(),
+            ..*self
         }
     }
 
@@ -171,14 +189,16 @@ impl<'a> Scene<'a> {
         self.labels = labels.filter(|_| self.options.composite == Composite::Over);
         if let (Some(light), Some(shading)) = (light, &self.options.shading) {
             let mut terms = LightTerms::default();
+            let mut fields = Vec::new();
             if let Some(openness) = &light.openness {
-                terms.openness = Some((self.fields.len(), shading.ambient_occlusion));
-                self.fields.push(light.dimness.field(openness)?);
+                terms.openness = Some((fields.len(), shading.ambient_occlusion));
+                fields.push(light.dimness.field(openness)?);
             }
             if let Some(shadow) = &light.shadow {
-                terms.shadow = Some((self.fields.len(), shading.shadow));
-                self.fields.push(light.dimness.field(shadow)?);
+                terms.shadow = Some((fields.len(), shading.shadow));
+                fields.push(light.dimness.field(shadow)?);
             }
+            self.fields = Arc::new(fields);
             self.light = Some(terms);
         }
         Ok(())
@@ -188,11 +208,6 @@ impl<'a> Scene<'a> {
     pub fn is_steep(&self) -> bool {
         let varies = |thickness| self.classifier.variation(thickness) >= STEEP;
         varies(self.slab_thickness) && (self.grid.coarseness() <= 1.0 || varies(slab_of_the_finest(self.grid, self.tf)))
-    }
-
-    /// Whether colours along a ray change smoothly from sheet to sheet.
-    pub fn is_smooth(&self) -> bool {
-        self.options.composite == Composite::Over && !self.tf.has_gradient() && !self.is_steep()
     }
 
     /// Where the sheets of a base plane lie.

@@ -8,13 +8,10 @@
 //!
 //! Source: the shear-warp factorisation (Lacroute & Levoy 1994), here with the sheets reconstructed, not resampled.
 
-use std::sync::Arc;
-
 use glam::{DMat3, DVec2, DVec3};
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Camera, Error, Projection, Result};
 
-use crate::quality::parts::Parts;
 use crate::view::family::{Family, IndexRays};
 use crate::view::pixel_spacing::{PixelSpacing, pixel_spacings};
 use crate::view::ray_model::{RayModel, snapped};
@@ -35,8 +32,6 @@ pub struct BasePlane {
     pixel_from_base: DMat3,
     /// Size of the picture.
     size_px: DVec2,
-    /// The parts of the picture that are drawn; `None`: all.
-    pub parts: Option<Arc<Parts>>,
 }
 
 /// A ray as lines over w: `u = u0 + du · w`, `v = v0 + dv · w`.
@@ -69,6 +64,14 @@ impl BasePlane {
         })
     }
 
+    /// A rectangle of it, from texel `first` on (which may lie beyond it), with `finer` times the texels along each axis;
+    /// every `finer`th texel is one of its own.
+    #[must_use]
+    pub fn window(&self, first: [i64; 2], finer: usize, size: [usize; 2]) -> Self {
+        let origin = self.origin + self.step * DVec2::from_array(first.map(|i| i as f64));
+        Self { origin, step: self.step / finer as f64, size, ..self.clone() }
+    }
+
     /// The same with every `k`th texel along u and along v, from the `first`th on.
     #[must_use]
     pub fn every(&self, k: usize, first: usize) -> Self {
@@ -89,8 +92,7 @@ impl BasePlane {
     /// picture or the family's part of it lies aslant in it, corners are left over.
     pub fn is_needed(&self, from: [usize; 2], to: [usize; 2]) -> bool {
         let [from, to] = [from, to].map(|[i, j]| DVec2::new(i as f64, j as f64));
-        let margin = if self.parts.is_some() { READ_TEXELS } else { MARGIN_TEXELS };
-        let [lo, hi] = [from - margin, to + margin].map(|texel| self.origin + self.step * texel);
+        let [lo, hi] = [from - MARGIN_TEXELS, to + MARGIN_TEXELS].map(|texel| self.origin + self.step * texel);
         if self.eye_w().is_some() && !self.family.has_slopes(lo, hi) {
             return false;
         }
@@ -103,10 +105,7 @@ impl BasePlane {
             let pixel = at.truncate() / at.z;
             (min, max) = (min.min(pixel), max.max(pixel));
         }
-        match &self.parts {
-            Some(parts) => parts.any_between(min, max),
-            None => max.cmpge(DVec2::ZERO).all() && min.cmple(self.size_px).all(),
-        }
+        max.cmpge(DVec2::ZERO).all() && min.cmple(self.size_px).all()
     }
 
     /// Texel positions, along u and along v, of pixel positions from one on along x; for rays from an eye.
@@ -132,9 +131,6 @@ impl BasePlane {
         (base - self.origin) / self.step
     }
 }
-
-/// Texels that the warp's filter reads lie less than this from the position, but for rounding.
-const READ_TEXELS: f64 = 2.01;
 
 /// Texels beyond the outermost pixel centre, for the warp's filter.
 const MARGIN_TEXELS: f64 = 4.0;
@@ -190,7 +186,7 @@ pub fn base_planes(
         let size = [size.x as usize, size.y as usize];
         let pixel_from_base = model.pixel_from_base(&family, rays);
         let size_px = DVec2::new(width_px as f64, height_px as f64);
-        planes.push(BasePlane { family, model, origin, step, size, pixel_from_base, size_px, parts: None });
+        planes.push(BasePlane { family, model, origin, step, size, pixel_from_base, size_px });
     }
     Ok(planes)
 }

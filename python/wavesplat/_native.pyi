@@ -191,7 +191,7 @@ def render(
     sheets_per_slice: float,
     oversampling: float,
     psnr: float | None,
-    like: Mapping[str, float | bool] | None,
+    like: Mapping[str, float | bool | list[float]] | None,
     crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],

@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat_core::{ClipPlane, Composite, CompositeNumbers, Crop, Kernel, Picture, RenderOptions};
-use wavesplat_splat::quality::target_psnr::{Errors, Estimate, Framing, Measured, Settings, Wanted, render_to_psnr};
+use wavesplat_splat::quality::target_psnr::{Errors, Framing, Measured, Sampling, Wanted, render_to_psnr};
 use wavesplat_splat::reference::raycast::RaycastOptions;
 use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab, plane_values};
 use wavesplat_splat::{Layer, ProgressCallback, reference, with_threads};
@@ -127,9 +127,11 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
 #[derive(Clone, Copy, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct PyMeasured {
-    along: f64,
-    across: f64,
-    across_decay: f64,
+    along: [f64; 2],
+    along_decay: f64,
+    across: [f64; 2],
+    across_decay: [f64; 2],
+    deviation: f64,
     sheets_per_slice: f64,
     oversampling: f64,
     pixel_in_samples: f64,
@@ -141,8 +143,14 @@ pub struct PyMeasured {
 impl From<PyMeasured> for Measured {
     fn from(told: PyMeasured) -> Self {
         Self {
-            errors: Errors { along: told.along, across: told.across, across_decay: told.across_decay },
-            at: Settings { sheets_per_slice: told.sheets_per_slice, oversampling: told.oversampling },
+            errors: Errors {
+                along: told.along,
+                along_decay: told.along_decay,
+                across: told.across,
+                across_decay: told.across_decay,
+                deviation: told.deviation,
+            },
+            at: Sampling { sheets_per_slice: told.sheets_per_slice, oversampling: told.oversampling },
             framing: Framing {
                 pixel_in_samples: told.pixel_in_samples,
                 slice_in_samples: told.slice_in_samples,
@@ -158,8 +166,10 @@ impl From<Measured> for PyMeasured {
         let Measured { errors, at, framing, is_smooth } = measured;
         Self {
             along: errors.along,
+            along_decay: errors.along_decay,
             across: errors.across,
             across_decay: errors.across_decay,
+            deviation: errors.deviation,
             sheets_per_slice: at.sheets_per_slice,
             oversampling: at.oversampling,
             pixel_in_samples: framing.pixel_in_samples,
@@ -245,7 +255,7 @@ pub fn render<'py>(
             };
             let wanted = Wanted { psnr_db, like: like.map(Measured::from) };
             let drawn = render_to_psnr(&layer, camera, &options, &wanted, &monitor);
-            drawn.map(|(picture, report, settings)| (picture, report, Some(settings)))
+            drawn.map(|(picture, report, chosen)| (picture, report, Some(chosen)))
         })
     })?;
     let (mut picture, report, chosen) = result.map_err(to_py)?;
@@ -257,20 +267,13 @@ pub fn render<'py>(
     dict.set_item("value", plane(picture.value.take())?)?;
     dict.set_item("rgba", image(py, picture)?)?;
     let numbers = PyDict::new(py);
-    let own = [options.sheets_per_slice, options.oversampling];
-    let [sheets_per_slice, oversampling] = chosen.as_ref().map_or(own, Estimate::finest);
+    let own = Sampling { sheets_per_slice: options.sheets_per_slice, oversampling: options.oversampling };
+    let Sampling { sheets_per_slice, oversampling } = chosen.map_or(own, |chosen| chosen.sampling);
     numbers.set_item("sheets_per_slice", sheets_per_slice)?;
     numbers.set_item("oversampling", oversampling)?;
     if let Some(chosen) = chosen {
         numbers.set_item("expected_psnr_db", chosen.psnr_db)?;
-        let passes = chosen.passes.iter().map(|pass| {
-            let dict = PyDict::new(py);
-            dict.set_item("sheets_per_slice", pass.sheets_per_slice)?;
-            dict.set_item("oversampling", pass.oversampling)?;
-            dict.set_item("share", pass.share)?;
-            Ok(dict)
-        });
-        numbers.set_item("passes", passes.collect::<PyResult<Vec<_>>>()?)?;
+        numbers.set_item("expected_psnr_spread_db", chosen.spread_db)?;
         numbers.set_item("measured", chosen.measured.map(PyMeasured::from))?;
     }
     numbers.set_item("n_texels", report.n_texels)?;

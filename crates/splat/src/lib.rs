@@ -20,7 +20,8 @@ pub mod kernel;
 pub mod optics;
 #[doc(hidden)]
 pub mod picture;
-// QUALITY
+#[doc(hidden)]
+pub mod quality;
 #[doc(hidden)]
 pub mod ray;
 #[cfg(feature = "reference")]

@@ -113,17 +113,16 @@ def render(
         on the whole: where rays lie closest together, pixels get 0.7 of that at least.
     psnr : float, optional
         Instead of `quality`: choose both for this PSNR against the converged picture with 16 rays a pixel, in dB, 20 to
-        80; 40 is good, 50 can hardly be told from it. A picture is drawn with what mostly does and tells its error;
-        where that is too large, the parts of it that have much contrast are drawn again, more finely, three times at
-        most. `passes` in the report holds what was drawn: with which settings, and the share of what is seen;
-        `sheets_per_slice` and `oversampling` there are the finest. `expected_psnr_db` is an estimate: mostly less
-        than what is reached, at 50 and more some dB off either way, and less than what was asked for where nothing
-        reaches that.
+        80; 40 is good, 50 can hardly be told from it. Some tiles of the picture are drawn with several samplings to
+        measure its error, then all of it is drawn once, with the cheapest sampling that promises enough. The report
+        has that as `sheets_per_slice` and `oversampling`, and an estimate as `expected_psnr_db`, with its standard
+        deviation as `expected_psnr_spread_db`: less than what was asked for where nothing reaches that. Projections
+        are compared with one ray a pixel.
     like : Picture, optional
         With `psnr`: a picture of the same volume and transfer function that was drawn with `psnr`, be it of another
-        value. What it told of its error is believed, so that this one is drawn once, with the cheapest settings that
-        this promises enough of, and measures nothing: for the frames of a turn, say. Leave it out for a frame now
-        and then where the view changes much. Where it showed nothing, where only one of the two transfer functions is
+        value. What was measured on it is believed, and this one is drawn without measuring anything: for the frames of
+        a turn, say. That promises less, which `expected_psnr_spread_db` tells. Leave it out for a frame now and then
+        where the view changes much. Where it showed nothing, where only one of the two transfer functions is
         steep, or where pixels are more than 1.5 times as far apart or as close as they were, in samples, this picture
         is measured all the same. `measured` in the report has the numbers.
     drop_levels : int

@@ -67,7 +67,7 @@ struct Key {
     slab_thickness: f64,
 }
 
-/// As many are kept: those of a picture that is drawn in some passes, and of others beside it.
+/// As many are kept: those of a picture and of its pilot tiles, and of others beside it.
 const N_LATEST: usize = 8;
 
 impl VisibilityCache {

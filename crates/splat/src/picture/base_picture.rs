@@ -39,6 +39,11 @@ impl BasePicture {
         }
     }
 
+    /// Whether nothing is seen in it.
+    pub fn is_empty(&self) -> bool {
+        !self.drawn.contains(&true)
+    }
+
     /// All texels, row by row, with [`MARGIN`] on all sides; and how many a row has.
     pub fn with_margin(&self) -> (&[[f32; 4]], usize) {
         (&self.texels, self.pitch())

@@ -1,7 +1,7 @@
-//! Pictures of a wanted PSNR: an error model, and an estimate from tiles that are redrawn finer.
+//! Pictures of a wanted PSNR: an a-posteriori error estimate from pilot tiles, and an error model to choose by.
 
 pub mod error_model;
-pub mod parts;
-pub mod probe;
-pub mod refine;
+pub mod framing;
+mod probe;
+mod sampled;
 pub mod target_psnr;

@@ -1,294 +1,315 @@
-//! What a picture tells of its own error.
+//! A-posteriori error estimate: pilot tiles drawn with several samplings, compared after the warp.
 //!
-//! Two errors add up, and neither knows much of the other: that of the sheets, along the rays, and that of the base
-//! plane and the warp, across them. Each is told from the change that another effort makes: some pieces of tiles are
-//! drawn once more with half or twice the sheets, mostly where there is contrast, and some rows of pixels are read once
-//! more from every second and every fourth texel.
+//! The error of a picture is that along the rays, of the sheets, plus that across them, of the texels and of the pixels
+//! as means of few reads. Both are measured on a few tiles of this very picture: with half the sheets and three times as
+//! many, and with subsets of the texels of a tile that has twice as many along each axis. What is compared are pixels.
 //!
-//! Errors are mean square errors of the colours over black, peak 1, of the whole picture. How large they are by those
-//! changes is experience with soft and hard functions on a casting, a CT, an MRI and ripples; `tests/estimate.rs`
-//! and `python/tests/test_quality.py` hold it to other pictures, too.
+//! Where the tiles lie is chosen by a coarse overview of the picture, with a probability by local contrast, and the error
+//! of the whole picture is a ratio estimate: squares of errors per contrast, times the contrast of the picture (Cochran,
+//! *Sampling Techniques*, 1977, ch. 6). How much the tiles differ from each other tells how sure it is.
+//!
+//! Errors are mean square errors of the colours over black, peak 1, of the whole picture.
 
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::LANES;
-use wavesplat_core::{Composite, Picture, Result};
+use wavesplat_core::{RenderOptions, Result};
 
 use crate::picture::base_picture::BasePicture;
-use crate::picture::color_projection::color_projection;
 use crate::picture::supersampling::reads_per_axis;
-use crate::quality::parts::difference;
-use crate::render::frame::warped_rows;
+use crate::quality::error_model::{Errors, Sampling};
+use crate::quality::sampled::SampledFrame;
+use crate::render::frame::{PixelRectangle, draw_base_plane, draw_base_planes, finish, warped};
 use crate::render::progress::{Progress, ProgressCallback};
-use crate::render::scene::Scene;
-use crate::render::tile::Piece;
-use crate::sheet::tile_layout::Block;
-use crate::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V};
+use crate::sheet::tile_layout::{TILE_U, TILE_V};
+use crate::view::base_plane::BasePlane;
+use crate::view::family::{Family, IndexRays};
 
-/// What a picture tells of its own error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
-    /// Along the rays.
-    pub along: f64,
-    /// Across the rays.
-    pub across: f64,
-    /// The factor by which the latter falls with half the distance of texels.
-    pub across_decay: f64,
+/// Texels of a pilot tile, along u and v, at twice the oversampling that is measured: a tile of a base plane.
+const TILE: [usize; 2] = [TILE_U, TILE_V];
+
+/// Pilot tiles take about this share of what the picture takes, but there are so many at least and at most.
+const BUDGET: f64 = 0.2;
+const N_TILES: [usize; 2] = [12, 48];
+
+/// Sheets of the pilot tiles that stand for the converged picture, by those that are measured.
+const FINER_SHEETS: f64 = 3.0;
+
+/// Pixels of a cell of the overview along each side, at least, and cells along the longer side, at most.
+const LEAST_CELL_PX: usize = 4;
+const MOST_CELLS: usize = 128;
+
+/// A cell without contrast counts as much as others with this share of the mean.
+const FLAT: f64 = 0.2;
+
+/// Where something is seen in a picture, and how much contrast it has there.
+pub(crate) struct Overview {
+    cell_px: usize,
+    /// Cells along x and y.
+    n: [usize; 2],
+    /// Of each cell, row by row: its contrast and a bit; zero where nothing is seen.
+    weights: Vec<f64>,
 }
 
-/// Of so many pieces that show something one is drawn once more; and of few so many.
-const EVERY_PIECE: usize = 32;
-const LEAST_PIECES: usize = 16;
-
-/// A piece that has no contrast counts as much as others with this share of the mean.
-const FLAT: f64 = 0.1;
-
-/// Blocks of a strip that are a piece.
-const N_BLOCKS: usize = 2;
-
-/// The error of a picture with plain sheets is this share of what half the sheets change, with few sheets per slice and
-/// with many: errors fall by 8 dB or more with twice the sheets, and both pictures have their own.
-const OF_HALF: [f64; 2] = [0.15, 0.1];
-const MANY_SHEETS: f64 = 3.0;
-
-/// The error of a picture by what twice the sheets change: these have errors of their own, and share some with it.
-const OF_TWICE: f64 = 1.0;
-
-/// Fewer slabs cannot be halved.
-const LEAST_SLABS_TO_HALVE: usize = 16;
-
-/// Rows of pixels that are compared together, how many such bands are at least, and of how many one is at most.
-const BAND_PX: usize = 16;
-const LEAST_BANDS: usize = 8;
-const EVERY_BAND: usize = 4;
-
-/// The factor by which half the distance of texels makes the error fall: not less than this, and not more with one read
-/// per pixel and with several, where colours along a ray change smoothly, where they do not, and of projections, which
-/// end abruptly where the volume does.
-const LEAST_DECAY: f64 = 0.63;
-const MOST_DECAY: [[f64; 2]; 3] = [[0.2, 0.16], [0.3, 0.2], [0.5, 0.5]];
-
-/// Noise of the sheets changes what is measured across the rays, too: by this share of the error along them, of what is
-/// measured by that much at most, where colours along a ray change smoothly and where they do not.
-const COMMON: f64 = 0.3;
-const MOST_COMMON: [f64; 2] = [0.4, 0.25];
-
-/// What is left of errors along and across the rays where a pixel is the mean of two reads along each axis, with hardly
-/// more than one texel per pixel; and the factors by which that falls with twice the texels along each, since there are
-/// more of them. Across the rays: where colours along a ray change smoothly, and where they do not.
-const ALONG_OF_MEAN: [f64; 2] = [0.8, 0.85];
-const ACROSS_OF_MEAN: [[f64; 2]; 2] = [[0.55, 0.5], [0.72, 0.66]];
-
-/// The shares of the errors along and across the rays that are left where a pixel is the mean of several reads.
-pub fn left_by_mean(composite: Composite, oversampling: f64, is_smooth: bool) -> [f64; 2] {
-    if reads_per_axis(composite, oversampling) == 1 {
-        return [1.0; 2];
-    }
-    [ALONG_OF_MEAN, ACROSS_OF_MEAN[usize::from(!is_smooth)]]
-        .map(|[first, per_octave]| first * per_octave.powf(oversampling.log2()))
-}
-
-/// Measures the errors of a picture and the base planes that it is made of; `None` where nothing is seen.
-pub(crate) fn errors(
-    scene: &Scene,
-    base_pictures: &[BasePicture],
-    picture: &Picture,
-    monitor: &dyn ProgressCallback,
-) -> Result<Option<Errors>> {
-    let n_seen = picture.rgba.iter().filter(|rgba| rgba[3] > 0.0).count();
-    if n_seen == 0 {
-        return Ok(None);
-    }
-    let share_seen = n_seen as f64 / picture.rgba.len() as f64;
-    let along = share_seen * along(scene, base_pictures, monitor)?;
-    let [fewer, fewest] = across(scene, base_pictures, picture).map(|error| share_seen * error);
-    let (composite, oversampling) = (scene.options.composite, scene.options.oversampling);
-    let is_smooth = scene.is_smooth();
-    let [is_mean, is_fewer_mean] = [1.0, 0.5].map(|share| reads_per_axis(composite, share * oversampling) > 1);
-    let [along_left, across_left] = left_by_mean(composite, oversampling, is_smooth);
-    let kind = if composite.is_projection() { 2 } else { usize::from(!is_smooth) };
-    let most_decay = MOST_DECAY[kind][usize::from(is_fewer_mean)];
-    let decay = if fewest > 0.0 { (fewer / fewest).clamp(most_decay, LEAST_DECAY) } else { LEAST_DECAY };
-    let across = fewer * decay * if is_fewer_mean { 1.0 } else { across_left };
-    // Noise of the sheets is in both; the mean of several reads has less of it.
-    let most_common = MOST_COMMON[usize::from(!is_smooth)];
-    let across = across - if is_mean { 0.0 } else { (COMMON * along).min(most_common * across) };
-    Ok(Some(Errors { along: along * along_left, across, across_decay: decay }))
-}
-
-/// Squares of differences of what is seen.
-#[derive(Clone, Copy, Default)]
-struct Difference {
-    sum_of_squares: f64,
-    n_seen: usize,
-}
-
-impl Difference {
-    fn between(a: &[[f32; 4]], b: &[[f32; 4]]) -> Self {
-        let mut all = Self::default();
-        for (a, b) in a.iter().zip(b) {
-            all.sum_of_squares += f64::from(difference(a, b));
-            all.n_seen += usize::from(a[3] > 0.0 || b[3] > 0.0);
-        }
-        all
-    }
-
-    fn merge(self, other: Self) -> Self {
-        Self { sum_of_squares: self.sum_of_squares + other.sum_of_squares, n_seen: self.n_seen + other.n_seen }
-    }
-
-    /// Per what is seen.
-    fn mean(self) -> f64 {
-        self.sum_of_squares / self.n_seen.max(1) as f64
-    }
-}
-
-/// The error along the rays, per texel that is seen.
-fn along(scene: &Scene, base_pictures: &[BasePicture], monitor: &dyn ProgressCallback) -> Result<f64> {
-    let sheets_per_slice = scene.options.sheets_per_slice;
-    let n_slabs = |picture: &BasePicture| scene.spacing(&picture.plane, sheets_per_slice).n_slabs;
-    let can_halve = base_pictures.iter().all(|picture| n_slabs(picture) >= LEAST_SLABS_TO_HALVE);
-    let of_half = OF_HALF[usize::from(sheets_per_slice >= MANY_SHEETS)];
-    let (times, share) =
-        if can_halve && sheets_per_slice >= 1.0 && scene.is_smooth() { (0.5, of_half) } else { (2.0, OF_TWICE) };
-    let mut all: Vec<Place> = Vec::new();
-    for (plane, picture) in base_pictures.iter().enumerate() {
-        let tiles = Piece::all(&picture.plane);
-        let of_tile = |k: usize| {
-            let places = pieces_of(tiles[k]).map(|piece| Place::new(plane, piece, picture));
-            places.filter(|place| place.n_seen > 0).collect::<Vec<_>>()
+impl Overview {
+    /// Draws the overview; `None` where nothing is seen.
+    pub fn draw(frame: &SampledFrame, callback: &dyn ProgressCallback) -> Result<Option<Self>> {
+        let size = [frame.options.width_px, frame.options.height_px];
+        let [smaller, larger] = [size[0].min(size[1]), size[0].max(size[1])];
+        let cell_px = if smaller < 8 * LEAST_CELL_PX { 1 } else { larger.div_ceil(MOST_CELLS).max(LEAST_CELL_PX) };
+        let n = size.map(|px| px.div_ceil(cell_px));
+        let sheets_per_slice = frame.options.sheets_per_slice.min(1.0);
+        let options = RenderOptions {
+            width_px: n[0],
+            height_px: n[1],
+            sheets_per_slice,
+            oversampling: 1.0,
+            with_depth: false,
+            ..frame.options.clone()
         };
-        all.extend(parallel::map(tiles.len(), of_tile).into_iter().flatten());
-    }
-    if all.is_empty() {
-        return Ok(0.0);
-    }
-    let floor = FLAT * all.iter().map(|place| place.contrast).sum::<f64>() / all.len() as f64 + f64::MIN_POSITIVE;
-    for place in &mut all {
-        place.contrast += floor;
-    }
-    let n_seen: usize = all.iter().map(|place| place.n_seen).sum();
-    let n = (all.len() / EVERY_PIECE).max(LEAST_PIECES).min(all.len());
-    let (chosen, of_all) = choose(&all, n);
-    let progress = Progress::new(monitor, n);
-    let mut sums = Vec::new();
-    for (k, picture) in base_pictures.iter().enumerate() {
-        let of_plane: Vec<&Place> = chosen.iter().filter(|place| place.plane == k).copied().collect();
-        if of_plane.is_empty() {
-            continue;
+        let overview = frame.with_options(options)?;
+        let (base_pictures, _) = draw_base_planes(&overview.plan, overview.layer.slices, callback)?;
+        let picture = finish(&overview.plan, &base_pictures);
+        let at = |x: usize, y: usize| picture.rgba[y.min(n[1] - 1) * n[0] + x.min(n[0] - 1)];
+        let contrast = |x: usize, y: usize| {
+            let around = [[x + 1, y], [x, y + 1], [x.saturating_sub(1), y], [x, y.saturating_sub(1)]];
+            around.iter().map(|[i, j]| f64::from(difference(&at(x, y), &at(*i, *j)))).sum::<f64>()
+        };
+        let mut weights: Vec<f64> = (0..n[0] * n[1]).map(|k| contrast(k % n[0], k / n[0])).collect();
+        let is_seen: Vec<bool> = weights.iter().zip(&picture.rgba).map(|(w, rgba)| *w > 0.0 || rgba[3] > 0.0).collect();
+        let n_seen = is_seen.iter().filter(|seen| **seen).count();
+        let flat = FLAT * weights.iter().sum::<f64>() / n_seen.max(1) as f64 + f64::MIN_POSITIVE.sqrt();
+        for (weight, is_seen) in weights.iter_mut().zip(&is_seen) {
+            *weight += if *is_seen { flat } else { 0.0 };
         }
-        let mut pieces: Vec<Piece> = of_plane.iter().map(|place| place.piece).collect();
-        pieces.dedup();
-        let (other, ..) = scene.draw_plane(&picture.plane, times * sheets_per_slice, &pieces, &progress)?;
-        sums.extend(of_plane.iter().map(|place| {
-            let [own, other] = [picture, &other].map(|picture| colors_of(scene, picture, &place.piece));
-            Difference::between(&own, &other).sum_of_squares * (of_all / place.contrast)
-        }));
+        Ok((n_seen > 0).then_some(Self { cell_px, n, weights }))
     }
-    Ok(share * likely_most(&sums) / n_seen as f64)
-}
 
-/// A piece that shows something.
-struct Place {
-    plane: usize,
-    piece: Piece,
-    n_seen: usize,
-    /// How much colours change from texel to texel in it.
-    contrast: f64,
-}
+    /// How many pixels show something.
+    fn n_seen_px(&self) -> f64 {
+        let n_seen = self.weights.iter().filter(|weight| **weight > 0.0).count();
+        (n_seen * self.cell_px * self.cell_px) as f64
+    }
 
-impl Place {
-    fn new(plane: usize, piece: Piece, picture: &BasePicture) -> Self {
-        let mut n_seen = 0;
-        let mut changes = [0.0_f32; 4];
-        for row in rows_of(picture, &piece) {
-            n_seen += row.iter().filter(|rgba| rgba[3] > 0.0).count();
-            for (a, b) in row.iter().zip(row.iter().skip(1)) {
-                for c in 0..4 {
-                    changes[c] += (a[c] - b[c]).powi(2);
-                }
+    /// The weight of the cell of a pixel.
+    fn weight(&self, [x, y]: [usize; 2]) -> f64 {
+        self.weights[y / self.cell_px * self.n[0] + x / self.cell_px]
+    }
+
+    /// The mean weight of all cells.
+    fn mean_weight(&self) -> f64 {
+        self.weights.iter().sum::<f64>() / self.weights.len() as f64
+    }
+
+    /// Pixels, as many as asked for, evenly spread over the weight, row by row and there and back.
+    fn choose(&self, n: usize) -> Vec<[usize; 2]> {
+        let [n_x, n_y] = self.n;
+        let cells = (0..n_y).flat_map(|y| (0..n_x).map(move |x| [if y % 2 == 0 { x } else { n_x - 1 - x }, y]));
+        let sum: f64 = self.weights.iter().sum();
+        let mut chosen = Vec::new();
+        let mut before = 0.0;
+        for [x, y] in cells {
+            before += self.weights[y * n_x + x];
+            while chosen.len() < n && (chosen.len() as f64 + 0.5) * sum <= before * n as f64 {
+                chosen.push([x, y].map(|cell| cell * self.cell_px + self.cell_px / 2));
             }
         }
-        let contrast = changes[0] + changes[1] + changes[2];
-        Self { plane, piece, n_seen, contrast: f64::from(contrast) }
+        chosen
     }
 }
 
-/// Chooses pieces, those of much contrast more often than others.
-fn choose(all: &[Place], n: usize) -> (Vec<&Place>, f64) {
-    let sum: f64 = all.iter().map(|place| place.contrast).sum();
-    let mut chosen = Vec::new();
-    let mut before = 0.0;
-    for place in all {
-        before += place.contrast;
-        while chosen.len() < n && (chosen.len() as f64 + 0.5) * sum <= before * n as f64 {
-            chosen.push(place);
+/// Samplings that are compared; the errors of the tiles and of the picture are listed in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum ProbeLevel {
+    /// Half the sheets, and the sheets that are measured; pixels are one read, and the mean of several.
+    Along { is_half: bool, is_mean: bool },
+    /// So many texels of the finest along each axis are left out but for one; pixels as before.
+    Across { every: usize, is_mean: bool },
+}
+
+const LEVELS: [ProbeLevel; 9] = [
+    ProbeLevel::Along { is_half: true, is_mean: false },
+    ProbeLevel::Along { is_half: false, is_mean: false },
+    ProbeLevel::Along { is_half: true, is_mean: true },
+    ProbeLevel::Along { is_half: false, is_mean: true },
+    ProbeLevel::Across { every: 4, is_mean: false },
+    ProbeLevel::Across { every: 3, is_mean: false },
+    ProbeLevel::Across { every: 2, is_mean: false },
+    ProbeLevel::Across { every: 4, is_mean: true },
+    ProbeLevel::Across { every: 2, is_mean: true },
+];
+
+/// One number for each of [`LEVELS`].
+type PerLevel = [f64; LEVELS.len()];
+
+/// Measures the errors of a picture, at and around a sampling of at least [`LEAST_OVERSAMPLING`] texels a pixel; `None`
+/// where the tiles show nothing.
+pub(crate) fn errors(
+    frame: &SampledFrame,
+    overview: &Overview,
+    at: Sampling,
+    callback: &dyn ProgressCallback,
+) -> Result<Option<Errors>> {
+    let Sampling { sheets_per_slice, oversampling } = at;
+    let options = [0.5, 1.0, FINER_SHEETS].map(|times| RenderOptions {
+        sheets_per_slice: times * sheets_per_slice,
+        oversampling,
+        with_depth: false,
+        ..frame.options.clone()
+    });
+    let [half, own, finer] = options;
+    let frames = [frame.with_options(half)?, frame.with_options(own)?, frame.with_options(finer)?];
+    let planes: Vec<&BasePlane> = frames[1].plan.families.iter().map(|family| &family.plane).collect();
+    let rays = &frame.plan.rays;
+    let n_fine = (TILE[0] * TILE[1]) as f64;
+    let per_tile = n_fine * (0.5 + 0.25 * (0.5 + 1.0 + FINER_SHEETS));
+    let of_picture = overview.n_seen_px() * oversampling.powi(2);
+    let n = ((BUDGET * of_picture / per_tile) as usize).clamp(N_TILES[0], N_TILES[1]);
+    let tiles: Vec<PilotTile> =
+        overview.choose(n).into_iter().filter_map(|px| PilotTile::around(px, frame, &planes, rays)).collect();
+    let progress = Progress::new(callback, 3 * tiles.len());
+    let measured = parallel::map(tiles.len(), |k| tiles[k].measure(&frames, overview, &progress));
+    let per_weight: Vec<PerLevel> = measured.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+    Ok((!per_weight.is_empty()).then(|| summary(&per_weight, overview.mean_weight())))
+}
+
+/// A part of a base plane and the pixels that it serves.
+struct PilotTile {
+    /// With twice the texels that are measured.
+    plane: BasePlane,
+    pixels: PixelRectangle,
+    /// Of these, row by row, those whose reads lie within the tile at every level.
+    is_served: Vec<bool>,
+}
+
+/// Texels from the edge of a tile that are needed around a read: by the cubic.
+const READ_TEXELS: f64 = 1.01;
+
+impl PilotTile {
+    /// The tile around a pixel; `None` where that is beyond all base planes, or the tile serves no pixel as a whole.
+    fn around([x, y]: [usize; 2], frame: &SampledFrame, planes: &[&BasePlane], rays: &IndexRays) -> Option<Self> {
+        let [x, y] = [x.min(frame.options.width_px - 1), y.min(frame.options.height_px - 1)];
+        let middle = [x, y].map(|px| px as f64 + 0.5);
+        let family = Family::of(rays.direction(middle[0], middle[1]));
+        let plane = planes.iter().find(|plane| plane.family == family)?;
+        let center = plane.texel_from_pixel(rays, middle[0], middle[1]);
+        // Every second, third and fourth texel are those that the picture would have: where pixels and texels lie alike,
+        // so do they in the tile.
+        let first_px = plane.texel_from_pixel(rays, 0.5, 0.5);
+        let anchor = if first_px.is_finite() { first_px.round() } else { glam::DVec2::ZERO };
+        let first = [0, 1].map(|axis| {
+            let first = center[axis] - (TILE[axis] / 4) as f64;
+            (anchor[axis] + 6.0 * ((first - anchor[axis]) / 6.0).round()) as i64
+        });
+        let plane = plane.window(first, 2, TILE);
+        // A box around the pixels that the tile can serve, which are as many as its texels at most.
+        let reach = TILE[0].max(TILE[1]);
+        let columns = x.saturating_sub(reach)..(x + reach).min(frame.options.width_px);
+        let rows = y.saturating_sub(reach)..(y + reach).min(frame.options.height_px);
+        // The coarsest level has every fourth texel.
+        let inside = |[x, y]: [f64; 2]| {
+            let at = plane.texel_from_pixel(rays, x, y) / 4.0;
+            let is_in = |axis: usize| (READ_TEXELS..=(TILE[axis] / 4) as f64 - 1.0 - READ_TEXELS).contains(&at[axis]);
+            Family::of(rays.direction(x, y)) == family && is_in(0) && is_in(1)
+        };
+        let served = |x: usize, y: usize| {
+            let [x, y] = [x as f64, y as f64];
+            [[x, y], [x + 1.0, y], [x, y + 1.0], [x + 1.0, y + 1.0]].into_iter().all(inside)
+        };
+        let all: Vec<[usize; 2]> =
+            rows.flat_map(|y| columns.clone().map(move |x| [x, y])).filter(|[x, y]| served(*x, *y)).collect();
+        let lo = all.iter().copied().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])])?;
+        let hi = all.iter().copied().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])?;
+        let size = [hi[0] - lo[0] + 1, hi[1] - lo[1] + 1];
+        let mut is_served = vec![false; size[0] * size[1]];
+        for [x, y] in all {
+            is_served[(y - lo[1]) * size[0] + x - lo[0]] = true;
         }
+        Some(Self { plane, pixels: PixelRectangle { first: lo, size }, is_served })
     }
-    (chosen, sum)
-}
 
-/// The pieces of a tile.
-fn pieces_of(tile: Piece) -> impl Iterator<Item = Piece> {
-    (0..N_STRIPS).flat_map(move |strip| {
-        (0..N_BLOCKS_V).step_by(N_BLOCKS).map(move |first| {
-            let mask = |block: usize| Block { strip, row: block * BLOCK_V }.mask();
-            Piece { blocks: (first..first + N_BLOCKS).map(mask).sum(), ..tile }
-        })
-    })
-}
-
-/// The texels of a piece.
-fn rows_of<'a>(picture: &'a BasePicture, piece: &Piece) -> impl Iterator<Item = &'a [[f32; 4]]> {
-    let [n_u, n_v] = picture.plane.size;
-    let first = Block::new(piece.blocks.trailing_zeros() as usize);
-    let (i, j) = (piece.tile[0] * TILE_U + first.strip * LANES, piece.tile[1] * TILE_V + first.row);
-    let columns = i.min(n_u)..(i + LANES).min(n_u);
-    (j..(j + N_BLOCKS * BLOCK_V).min(n_v)).map(move |j| &picture.row(j)[columns.clone()])
-}
-
-/// What they look like.
-fn colors_of(scene: &Scene, picture: &BasePicture, piece: &Piece) -> Vec<[f32; 4]> {
-    let mut texels: Vec<_> = rows_of(picture, piece).flatten().copied().collect();
-    let composite = scene.options.composite;
-    if composite.is_projection() {
-        color_projection(&mut texels, scene.grid, scene.tf, composite);
+    /// The sum of the squares of the errors of each level, by the sum of the weights of the overview; `None` where these
+    /// are none. `frames`: with half the sheets, with those that are measured, and with more.
+    fn measure(
+        &self,
+        frames: &[SampledFrame; 3],
+        overview: &Overview,
+        progress: &Progress,
+    ) -> Result<Option<PerLevel>> {
+        let draw = |plane: &BasePlane, frame: &SampledFrame| {
+            let slices = frame.layer.slices;
+            let family = frame.plan.family(plane.clone(), slices.bricks());
+            Ok(draw_base_plane(&frame.plan, &family, slices, progress)?.0)
+        };
+        let [half, own, finer] = frames;
+        let coarser = self.plane.every(2, 0);
+        // A sheet a slice does across the rays.
+        let fine_has_half = half.options.sheets_per_slice >= 1.0;
+        let fine = draw(&self.plane, if fine_has_half { half } else { own })?;
+        let other = draw(&coarser, if fine_has_half { own } else { half })?;
+        let finer = draw(&coarser, finer)?;
+        let every = [2, 3, 4].map(|k| fine.every(k, 0));
+        let (half, own) = if fine_has_half { (&every[0], &other) } else { (&other, &every[0]) };
+        let frame = &frames[1];
+        let composite = frame.options.composite;
+        let oversampling = frame.options.oversampling;
+        let several = |oversampling: f64| {
+            let reads = reads_per_axis(composite, oversampling);
+            if composite.is_projection() { 1 } else { reads.max(2) }
+        };
+        let read = |picture: &BasePicture, reads: usize| {
+            warped(&frame.plan, std::slice::from_ref(picture), self.pixels, reads, false).rgba
+        };
+        let converged_along = [1, several(oversampling)].map(|reads| read(&finer, reads));
+        let converged_across = read(&fine, several(2.0 * oversampling));
+        let weights: f64 = self.served().map(|(_, pixel)| overview.weight(pixel)).sum();
+        let of_level = |level: ProbeLevel| match level {
+            ProbeLevel::Along { is_half, is_mean } => {
+                let reads = if is_mean { several(oversampling) } else { 1 };
+                let picture = read(if is_half { half } else { own }, reads);
+                self.sum_of_squares(&picture, &converged_along[usize::from(is_mean)])
+            }
+            ProbeLevel::Across { every: k, is_mean } => {
+                let reads = if is_mean { several(2.0 * oversampling / k as f64) } else { 1 };
+                self.sum_of_squares(&read(&every[k - 2], reads), &converged_across)
+            }
+        };
+        Ok((weights > 0.0).then(|| LEVELS.map(|level| of_level(level) / weights)))
     }
-    texels
-}
 
-/// The mean of numbers and its standard error: few may happen to be good ones.
-fn likely_most(numbers: &[f64]) -> f64 {
-    let n = numbers.len() as f64;
-    let mean = numbers.iter().sum::<f64>() / n;
-    if numbers.len() < 2 {
-        return mean;
+    /// The pixels that it serves: their numbers in its rectangle, and in the picture.
+    fn served(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
+        let PixelRectangle { first, size } = self.pixels;
+        let served = self.is_served.iter().enumerate().filter(|(_, is_served)| **is_served);
+        served.map(move |(k, _)| (k, [first[0] + k % size[0], first[1] + k / size[0]]))
     }
-    let variance = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean + (variance / n).sqrt()
+
+    fn sum_of_squares(&self, a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
+        self.served().map(|(k, _)| f64::from(difference(&a[k], &b[k]))).sum()
+    }
 }
 
-/// What half the texels along each axis change, and a quarter of them, per pixel that is seen.
-fn across(scene: &Scene, base_pictures: &[BasePicture], picture: &Picture) -> [f64; 2] {
-    let n_bands = picture.height_px.div_ceil(BAND_PX);
-    let every = (n_bands / LEAST_BANDS).clamp(1, EVERY_BAND);
-    [2, 4].map(|k_texels| {
-        let mut all = Difference::default();
-        // Few texels may happen to lie well.
-        let n_first = if n_bands < LEAST_BANDS { k_texels } else { 1 };
-        let least_size = base_pictures.iter().flat_map(|picture| picture.plane.size).fold(k_texels, usize::min);
-        for first in 0..n_first.min(least_size) {
-            let coarser: Vec<BasePicture> =
-                base_pictures.iter().map(|picture| picture.every(k_texels, first)).collect();
-            let of_band = |k: usize| {
-                let band = every / 2 + k * every;
-                let rows = band * BAND_PX..((band + 1) * BAND_PX).min(picture.height_px);
-                let own = &picture.rgba[rows.start * picture.width_px..rows.end * picture.width_px];
-                let other = warped_rows(scene, &coarser, rows, scene.options.oversampling / k_texels as f64, false);
-                Difference::between(own, &other.rgba)
-            };
-            let bands = parallel::map((n_bands - every / 2).div_ceil(every), of_band);
-            all = bands.into_iter().fold(all, Difference::merge);
-        }
-        all.mean()
-    })
+/// The mean square difference of two colours over black.
+fn difference(a: &[f32; 4], b: &[f32; 4]) -> f32 {
+    (0..3).map(|c| (a[c].clamp(0.0, 1.0) - b[c].clamp(0.0, 1.0)).powi(2)).sum::<f32>() / 3.0
+}
+
+/// Errors of the picture by those of the tiles, each per weight.
+fn summary(tiles: &[PerLevel], mean_weight: f64) -> Errors {
+    let mean = |of: &dyn Fn(&PerLevel) -> f64| tiles.iter().map(of).sum::<f64>() / tiles.len() as f64;
+    let error = |level: ProbeLevel| {
+        let k = LEVELS.iter().position(|known| *known == level).expect("a level that is measured");
+        mean_weight * mean(&|tile| tile[k])
+    };
+    let along = |is_half: bool| [false, true].map(|is_mean| error(ProbeLevel::Along { is_half, is_mean }));
+    let across = |every: usize, is_mean: bool| error(ProbeLevel::Across { every, is_mean });
+    // How much tiles differ: of the levels that the picture will be like.
+    let total = |tile: &PerLevel| tile[3] + tile[8];
+    let whole = mean(&total);
+    let variance = mean(&|tile| (total(tile) - whole).powi(2));
+    let relative_deviation = (variance / (tiles.len() as f64 - 1.0).max(1.0)).sqrt() / whole.max(f64::MIN_POSITIVE);
+    Errors::measured(
+        [along(true), along(false)],
+        [across(4, false), across(3, false), across(2, false)],
+        [across(4, true), across(2, true)],
+        relative_deviation,
+    )
 }

@@ -1,34 +1,31 @@
-//! A picture of a wanted PSNR.
+//! A picture of a wanted PSNR: pilot tiles tell how its error depends on the sampling, one is chosen, and it is drawn once.
 //!
-//! A picture is drawn with what does for most and tells its own error (`probe.rs`). Where that is too large, the parts
-//! that have most of it, those of much contrast, are drawn once more: as many, and as finely, as experience promises
-//! enough for the least work. What changes in them tells how large the error was, and so what is left.
+//! The tiles (`probe.rs`) are drawn with a sampling that mostly does. Where the error model that they give (`error_model.rs`)
+//! chooses one far from that, they are drawn there once more.
 //!
-//! What a picture has told is handed on ([`Measured`]): the next one of the same is drawn once, with the cheapest settings
-//! that this promises enough of, and measures nothing.
+//! What was measured is handed on ([`Measured`]): the next picture of the same is drawn without pilot tiles.
 //!
-//! PSNR is that of the colours over black against the converged picture with many rays a pixel, peak 1.
+//! PSNR is that of the colours over black against the converged picture with many rays a pixel, peak 1; projections, which
+//! end abruptly where the volume does, are compared with one ray a pixel.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result};
 
+use crate::picture::base_picture::BasePicture;
 use crate::quality::error_model::{ErrorModel, mean_square_of};
-use crate::quality::parts::{Parts, replace};
-use crate::quality::probe;
-use crate::quality::refine::Refinement;
-use crate::render::frame::{draw, drawn, finished, warped};
+use crate::quality::probe::{self, Overview};
+use crate::quality::sampled::SampledFrame;
+use crate::render::frame::{draw_base_planes, finish};
 use crate::render::layer::Layer;
+use crate::render::plan::Plan;
 use crate::render::progress::ProgressCallback;
 use crate::render::report::Report;
-use crate::render::scene::{Scene, with_scene};
 
-pub use crate::quality::error_model::{Measured, Settings};
-pub use crate::quality::probe::Errors;
-pub use crate::render::scene::Framing;
+pub use crate::quality::error_model::{Errors, Measured, Sampling};
+pub use crate::quality::framing::Framing;
 
 /// What is wanted of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,41 +37,34 @@ pub struct Wanted {
 }
 
 /// How a picture was drawn and what it reaches.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The whole picture first, then parts of it.
-    pub passes: Vec<Pass>,
-    /// Expected PSNR, dB: less than what was asked for where the finest settings do not reach it.
+    /// How finely it was drawn.
+    pub sampling: Sampling,
+    /// Expected PSNR, dB: less than what was asked for where the finest sampling does not reach it.
     pub psnr_db: f64,
+    /// Its standard deviation, dB.
+    pub spread_db: f64,
     /// What the picture told of its error, or the one like which it was drawn; `None` where nothing is seen.
     pub measured: Option<Measured>,
 }
 
-/// What was drawn at once.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
-    /// Sheets per slice distance.
-    pub sheets_per_slice: f64,
-    /// Texels per pixel along each axis.
-    pub oversampling: f64,
-    /// The share of what is seen that was drawn, `0..=1`.
-    pub share: f64,
-}
+/// So often pilot tiles are drawn at most.
+const MOST_PILOTS: usize = 3;
 
-/// Passes at most.
-const MOST_PASSES: usize = 4;
+/// Pilot tiles are drawn again where what they choose is this many octaves beyond what was measured.
+const FAR_OCTAVES: f64 = 0.6;
 
-/// What is chosen by an error that was measured is to be better than it must be by this much (1 dB), so that it need
-/// not be drawn again.
-const SPARE: f64 = 0.79;
+/// The share of the progress that the overview and the pilot tiles are.
+const PILOT_PROGRESS: f32 = 0.3;
 
-/// Draws a volume with the cheapest settings known to reach a PSNR. The options' own settings are not used.
+/// Draws a volume with the cheapest sampling known to reach a PSNR. The options' own sampling is not used.
 pub fn render_to_psnr(
     layer: &Layer,
     camera: &Camera,
     options: &RenderOptions,
     wanted: &Wanted,
-    monitor: &dyn ProgressCallback,
+    callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report, Estimate)> {
     let Wanted { psnr_db, like } = *wanted;
     if !(20.0..=80.0).contains(&psnr_db) {
@@ -82,87 +72,78 @@ pub fn render_to_psnr(
         return Err(Error::out_of_range("psnr", psnr_db, "between 20 and 80 dB", mend));
     }
     let wanted = mean_square_of(psnr_db);
-    let options_with = |settings: &Settings| {
-        let Settings { sheets_per_slice, oversampling } = *settings;
-        RenderOptions { sheets_per_slice, oversampling, ..options.clone() }
-    };
-    let with_scene_of = |settings: &Settings, draw: &dyn Fn(&Scene) -> Result<(Picture, Report)>| {
-        with_scene(Level::best(), layer, camera, &options_with(settings), draw)
-    };
-    let ended = |picture: Picture, report: Report, estimate: Estimate| match monitor.progress(1.0) {
-        ControlFlow::Continue(()) => Ok((finished(camera, options, picture), report, estimate)),
-        ControlFlow::Break(()) => Err(Error::Cancelled),
-    };
     parallel::with_threads(options.n_threads, || {
-        let usual = ErrorModel::usual(layer.slices, layer.transfer_function, camera, options);
-        if let Some((like, experience)) = like.and_then(|like| Some((like, usual.like(&like)?))) {
-            let settings = experience.cheapest(wanted);
-            let (picture, report) = with_scene_of(&settings, &|scene| drawn(scene, None, monitor))?;
-            let psnr_db = psnr_of(experience.error(&settings));
-            let estimate = Estimate { passes: vec![Pass::new(settings, 1.0)], psnr_db, measured: Some(like) };
-            return ended(picture, report, estimate);
-        }
-        let first = usual.first(wanted, options);
-        let drawing = Share { of: monitor, from: 0.0, to: 0.4 };
-        let probing = Share { of: monitor, from: 0.4, to: 0.5 };
-        let draw_first = |scene: &Scene| {
-            let (base_pictures, report) = draw(scene, None, &drawing)?;
-            let picture = warped(scene, &base_pictures, options.with_depth);
-            let errors = probe::errors(scene, &base_pictures, &picture, &probing)?;
-            Ok((picture, report, errors))
+        let prior = ErrorModel::prior(layer.slices, layer.transfer_function, camera, options);
+        let (model, measured, from) = match like.and_then(|like| Some((prior.like(&like)?, like))) {
+            Some((model, like)) => (Some(model), Some(like), 0.0),
+            None => {
+                let model = pilot(&prior, layer, camera, options, wanted, callback)?;
+                (model, model.map(|model| model.measured()), PILOT_PROGRESS)
+            }
         };
-        let (mut picture, mut report, errors) =
-            with_scene(Level::best(), layer, camera, &options_with(&first), draw_first)?;
-        let Some(errors) = errors else {
-            // With the least of settings nothing would be seen, either.
-            let passes = vec![Pass::new(ErrorModel::least(), 1.0)];
-            return ended(picture, report, Estimate { passes, psnr_db: psnr_of(0.0), measured: None });
-        };
-        let experience = usual.after(errors, first);
-        let error = experience.error(&first);
-        let measured = Some(experience.measured(1.0));
-        let mut estimate = Estimate { passes: vec![Pass::new(first, 1.0)], psnr_db: psnr_of(error), measured };
-        if error <= wanted {
-            return ended(picture, report, estimate);
+        let known = model.unwrap_or(prior);
+        let sampling = known.cheapest(wanted);
+        let with_sampling = options_with(options, sampling);
+        let drawing = Share { of: callback, from, to: 1.0 };
+        let plan = Plan::new(Level::best(), layer, camera, &with_sampling)?;
+        let (base_pictures, report) = draw_base_planes(&plan, layer.slices, &drawing)?;
+        let picture = finish(&plan, &base_pictures);
+        let is_empty = model.is_none() && base_pictures.iter().all(BasePicture::is_empty);
+        let error = if is_empty { 0.0 } else { known.error(&sampling) };
+        let spread_db = if is_empty { 0.0 } else { known.spread_db(&sampling) };
+        let estimate = Estimate { sampling, psnr_db: psnr_of(error), spread_db, measured };
+        match callback.progress(1.0) {
+            ControlFlow::Continue(()) => Ok((picture, report, estimate)),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
         }
-        let mut refinement = Refinement::new(experience, first, &picture);
-        while refinement.error() > wanted && estimate.passes.len() < MOST_PASSES {
-            let Some(next) = refinement.cheapest(wanted, SPARE) else { break };
-            let from = 1.0 - 0.5_f32.powi(estimate.passes.len() as i32);
-            let drawing = Share { of: monitor, from, to: 0.5 * (1.0 + from) };
-            let parts = Arc::new(Parts::new([options.width_px, options.height_px], next.is_wanted.clone()));
-            let (finer, work) = with_scene_of(&next.settings, &|scene| drawn(scene, Some(&parts), &drawing))?;
-            let changes = replace(&mut picture, &finer, &parts);
-            report = report.and(work);
-            estimate.passes.push(Pass::new(next.settings, refinement.share(&next)));
-            refinement.drawn(&next, &changes);
-            estimate.psnr_db = psnr_of(refinement.error());
-        }
-        estimate.measured = Some(experience.measured(refinement.truer()));
-        ended(picture, report, estimate)
     })
+}
+
+/// The error model of a picture by pilot tiles; `None` where nothing is seen.
+fn pilot(
+    prior: &ErrorModel,
+    layer: &Layer,
+    camera: &Camera,
+    options: &RenderOptions,
+    wanted: f64,
+    callback: &dyn ProgressCallback,
+) -> Result<Option<ErrorModel>> {
+    let first = prior.to_measure(&prior.cheapest(wanted));
+    let options = options_with(options, first);
+    let plan = Plan::new(Level::best(), layer, camera, &options)?;
+    let frame = SampledFrame { layer, options, plan };
+    let to = |part: usize| PILOT_PROGRESS * part as f32 / (MOST_PILOTS + 1) as f32;
+    let Some(overview) = Overview::draw(&frame, &Share { of: callback, from: 0.0, to: to(1) })? else {
+        return Ok(None);
+    };
+    let mut model = None;
+    let mut at = first;
+    for part in 1..=MOST_PILOTS {
+        let progress = Share { of: callback, from: to(part), to: to(part + 1) };
+        let Some(errors) = probe::errors(&frame, &overview, at, &progress)? else { break };
+        let measured = prior.with(errors, at);
+        model = Some(measured);
+        let chosen = measured.cheapest(wanted);
+        let next = prior.to_measure(&chosen);
+        let is_far = measured.octaves_beyond(&chosen).iter().any(|octaves| *octaves > FAR_OCTAVES);
+        if !is_far || next == at {
+            break;
+        }
+        at = next;
+    }
+    Ok(model)
+}
+
+fn options_with(options: &RenderOptions, sampling: Sampling) -> RenderOptions {
+    let Sampling { sheets_per_slice, oversampling } = sampling;
+    RenderOptions { sheets_per_slice, oversampling, ..options.clone() }
 }
 
 fn psnr_of(mean_square: f64) -> f64 {
     -10.0 * mean_square.max(1e-12).log10()
 }
 
-impl Estimate {
-    /// The most sheets per slice distance that anything was drawn with, and the most texels per pixel.
-    pub fn finest(&self) -> [f64; 2] {
-        let most = |of: fn(&Pass) -> f64| self.passes.iter().map(of).fold(0.0, f64::max);
-        [most(|pass| pass.sheets_per_slice), most(|pass| pass.oversampling)]
-    }
-}
-
-impl Pass {
-    fn new(settings: Settings, share: f64) -> Self {
-        let Settings { sheets_per_slice, oversampling } = settings;
-        Self { sheets_per_slice, oversampling, share }
-    }
-}
-
-/// A part of the work that a monitor is told of.
+/// A part of the work that a callback is told of.
 struct Share<'a> {
     of: &'a dyn ProgressCallback,
     from: f32,

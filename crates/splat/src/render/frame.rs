@@ -90,7 +90,7 @@ pub fn draw_base_planes(
     let progress = Progress::new(callback, n_all);
     let mut pictures = Vec::new();
     for family in &plan.families {
-        let (picture, work) = draw_base_plane(plan, family, slices, &progress, |_| true)?;
+        let (picture, work) = draw_base_plane(plan, family, slices, &progress)?;
         report.n_texels += work.n_texels;
         report.n_skipped_sheets += work.n_skipped;
         report.n_sheets.push(family.spacing.n_slabs + 1);
@@ -100,20 +100,19 @@ pub fn draw_base_planes(
     Ok((pictures, report))
 }
 
-/// Draws those tiles of a base plane that are wanted, by their number.
+/// Draws a base plane, tile by tile.
 pub(crate) fn draw_base_plane(
     plan: &Plan,
     family: &FamilyPlan,
     slices: &Slices,
     progress: &Progress,
-    is_wanted: impl Fn(usize) -> bool + Sync + Send,
 ) -> Result<(BasePicture, Work)> {
     let job = TileJob::new(plan, family, slices);
     let [n_tiles_u, _] = n_tiles(&family.plane);
     let mut picture = BasePicture::new(family.plane.clone(), plan.has_depth());
     let (n_texels, n_skipped) = (AtomicU64::new(0), AtomicU64::new(0));
     picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
-        if progress.is_stopped() || !is_wanted(k) {
+        if progress.is_stopped() {
             return;
         }
         let work = draw_tile(plan, &job, &Piece::whole([k % n_tiles_u, k / n_tiles_u]), texels);

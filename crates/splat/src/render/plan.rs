@@ -219,12 +219,12 @@ impl Plan {
             with_depth: options.with_depth,
             background: options.background,
         };
-        plan.families = planes.into_iter().map(|plane| plan.family(plane, bricks)).collect();
+        plan.families = planes.into_iter().map(|plane| plan.family(plane, Some(bricks))).collect();
         Ok(plan)
     }
 
     /// What is decided of a base plane, be it one of another size.
-    pub(crate) fn family(&self, plane: BasePlane, bricks: &Bricks) -> FamilyPlan {
+    pub(crate) fn family(&self, plane: BasePlane, bricks: Option<&Bricks>) -> FamilyPlan {
         let world_from_index = self.grid.world_from_index().matrix3;
         let shader_for = |range| {
             let shading = self.shading.as_ref();
@@ -244,7 +244,7 @@ impl Plan {
         FamilyPlan {
             spacing: SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice),
             gradient_offset,
-            occupancy: self.occupancy(bricks, plane.family.axes, &modifiers),
+            occupancy: bricks.and_then(|bricks| self.occupancy(bricks, plane.family.axes, &modifiers)),
             shader: shader_for(self.density_range),
             modifiers,
             plane,

@@ -20,12 +20,3 @@ pub struct Report {
     /// Vectors that were used.
     pub simd: &'static str,
 }
-
-impl Report {
-    /// With the work of a finer picture of the same; base planes and sheets are those of that.
-    #[must_use]
-    pub(crate) fn and(self, finer: Self) -> Self {
-        let n_texels = self.n_texels + finer.n_texels;
-        Self { n_texels, n_skipped_sheets: self.n_skipped_sheets + finer.n_skipped_sheets, ..finer }
-    }
-}

@@ -1,0 +1,24 @@
+//! A frame in one of several sizes and samplings, with its plan.
+
+use wavesplat_core::{RenderOptions, Result};
+
+use crate::render::layer::Layer;
+use crate::render::plan::Plan;
+
+/// A frame that can be had in other sizes and samplings.
+pub(crate) struct SampledFrame<'a> {
+    /// What is drawn.
+    pub layer: &'a Layer<'a>,
+    /// How.
+    pub options: RenderOptions,
+    /// The plan of just these options.
+    pub plan: Plan,
+}
+
+impl SampledFrame<'_> {
+    /// The same with other options of size and sampling; light and labels are kept.
+    pub fn with_options(&self, options: RenderOptions) -> Result<Self> {
+        let plan = self.plan.resampled(self.layer, &options)?;
+        Ok(Self { layer: self.layer, options, plan })
+    }
+}

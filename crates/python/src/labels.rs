@@ -5,18 +5,17 @@ use std::sync::Arc;
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use wavesplat_core::{Grid, Kernel, LabelLook, Statistics};
-use wavesplat_splat::optics::labels::{Codes, Labels};
+use wavesplat::{Codes, Grid, Kernel, LabelLook, Labels, Statistics};
 
 use crate::errors::to_py;
 use crate::volume::affine;
 
 /// See `_native.pyi`.
 #[pyclass(name = "Labels", frozen, module = "wavesplat._native")]
-pub struct PyLabels(pub Labels);
+pub struct PyLabels(pub Arc<Labels>);
 
 /// Name, (red, green, blue), opacity, scan, tint.
-type Look = (String, (f64, f64, f64), f64, f64, f64);
+type LabelArguments = (String, (f64, f64, f64), f64, f64, f64);
 
 /// Memory for decoded fields.
 const BUDGET_BYTES: usize = 512 << 20;
@@ -29,7 +28,7 @@ impl PyLabels {
     fn new(
         py: Python<'_>,
         codes: &Bound<'_, PyAny>,
-        looks: Vec<Look>,
+        looks: Vec<LabelArguments>,
         world_from_index: PyReadonlyArray2<'_, f64>,
         smooth: bool,
     ) -> PyResult<Self> {
@@ -45,7 +44,7 @@ impl PyLabels {
         if !all_known {
             return Err(PyTypeError::new_err("codes must be places in the list of looks"));
         }
-        let look = |(name, (r, g, b), opacity, scan, tint): Look| {
+        let look = |(name, (r, g, b), opacity, scan, tint): LabelArguments| {
             let look = LabelLook { rgb: [r, g, b], opacity, scan, tint };
             look.validate(&name).map(|()| look)
         };
@@ -54,6 +53,6 @@ impl PyLabels {
         let grid = Grid::new("labels", [nx, ny, nz], affine(&world_from_index)?, any, true).map_err(to_py)?;
         let kernel = if smooth { Kernel::Gaussian } else { Kernel::Linear };
         let labels = py.detach(|| Labels::new(codes, looks, &grid, kernel, BUDGET_BYTES));
-        labels.map(Self).map_err(to_py)
+        labels.map(|labels| Self(Arc::new(labels))).map_err(to_py)
     }
 }

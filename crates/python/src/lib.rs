@@ -3,6 +3,8 @@
 mod arguments;
 mod errors;
 mod labels;
+mod progress;
+mod reference;
 mod rendering;
 mod study;
 mod volume;
@@ -19,7 +21,9 @@ mod _native {
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]
-    use crate::rendering::{encode_png, plane, quality_settings, raycast, render, splat_literal};
+    use crate::reference::{raycast, splat_literal};
+    #[pymodule_export]
+    use crate::rendering::{encode_png, plane, quality_settings, render};
     #[pymodule_export]
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]

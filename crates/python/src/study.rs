@@ -10,7 +10,8 @@ use wavesplat_splat::with_threads;
 
 use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction, Triple};
 use crate::errors::to_py;
-use crate::rendering::{Corners, PyMonitor, clip_planes, crop, image};
+use crate::progress::PyProgress;
+use crate::rendering::{Corners, clip_planes, crop, image};
 use crate::volume::{Drawable, PyVolume};
 
 /// See `_native.pyi`.
@@ -43,7 +44,7 @@ pub fn render_standard<'py>(
         height_px: height,
         shading: shading.map(|s| s.0.clone()),
         oversampling,
-        crop: crop(volume.own_index(crop_index), crop_world),
+        crop: crop(crop_index, crop_world),
         clip_planes: self::clip_planes(clip_planes),
         background,
         n_threads: threads,
@@ -55,13 +56,14 @@ pub fn render_standard<'py>(
         view_angle_correction,
         kernel: Kernel::from_name(kernel).map_err(to_py)?,
     };
-    let monitor = PyMonitor::new(progress);
-    let curves = volume.transfer_function(&transfer_function.0, Composite::Over, None)?;
-    // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
-    let result = volume.with_slices(py, Kernel::Linear, |slices| {
-        monitor.watch(py, || {
-            let slices = with_threads(options.n_threads, slices);
-            standard::render(&slices, &curves, &camera.0, &options, standard, &monitor)
+    let watched = PyProgress::new(progress);
+    let result = volume.with_volume(py, |subject| {
+        let curves = subject.look(&transfer_function.0, Composite::Over, None).map_err(to_py)?;
+        let options = RenderOptions { crop: options.crop.map(|crop| subject.own_crop(crop)), ..options };
+        watched.watch(py, || {
+            // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
+            let slices = with_threads(options.n_threads, || subject.slices(Kernel::Linear));
+            standard::render(&slices, &curves, &camera.0, &options, standard, &watched)
         })
     })?;
     let (picture, report) = result.map_err(to_py)?;
@@ -118,7 +120,7 @@ pub fn splat_ablated<'py>(
         n_threads: threads,
         ..RenderOptions::default()
     };
-    let monitor = PyMonitor::new(progress);
+    let monitor = PyProgress::new(progress);
     let picture = volume.with_volume(py, |v| {
         let (tf, camera) = (&transfer_function.0, &camera.0);
         let draw = || splat::picture(v, kernel, tf, camera, &options, &ablation.0, &monitor);

@@ -1,22 +1,18 @@
 //! Samples shared with the Python side's arrays.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use numpy::{Element, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use wavesplat_core::{Composite, Grid, Kernel, Samples, Shading, Statistics, TransferFunction, Volume};
-use wavesplat_splat::is_steep;
-use wavesplat_splat::optics::visibility_cache::VisibilityCache;
-use wavesplat_splat::source::slices::{Prepared, Slices};
+use wavesplat::{Samples, SceneVolume, Statistics, Volume, VolumeCache};
 
 use crate::errors::to_py;
-use crate::rendering::Corners;
 use crate::wavelet::PyDecodedVolume;
 
 /// A C-contiguous array [z, y, x] of one of the sample types.
-enum Array {
+enum NumpySamples {
     U8(Py<PyArray3<u8>>),
     I8(Py<PyArray3<i8>>),
     U16(Py<PyArray3<u16>>),
@@ -37,73 +33,13 @@ pub enum Drawable<'py> {
 }
 
 impl Drawable<'_> {
-    /// Index positions of the finest grid as those of what is drawn.
-    pub fn own_index(&self, corners: Corners) -> Corners {
-        match self {
-            Self::Samples(_) => corners,
-            Self::Decoded(volume) => {
-                corners.map(|(lo, hi)| (volume.level_from_finest(lo), volume.level_from_finest(hi)))
-            }
-        }
-    }
-
-    /// The transfer function to draw with: for light, that of what the drawn samples stand for.
-    pub fn transfer_function(
-        &self,
-        tf: &TransferFunction,
-        composite: Composite,
-        shading: Option<&Shading>,
-    ) -> PyResult<TransferFunction> {
-        match (self, composite) {
-            (Self::Decoded(volume), Composite::Over) => Ok(volume.filtered(tf, shading)?.0),
-            _ => Ok(tf.clone()),
-        }
-    }
-
-    /// Whether a transfer function gets the quality settings of a steep one.
-    pub fn is_steep(&self, py: Python<'_>, tf: &TransferFunction, shading: Option<&Shading>) -> PyResult<bool> {
-        match self {
-            Self::Samples(volume) => volume.is_steep(py, tf),
-            // As its levels are made as bright for, or are themselves.
-            Self::Decoded(volume) => Ok(volume.filtered(tf, shading)?.1),
-        }
-    }
-
-    /// What is kept of transfer functions.
-    pub fn cache(&self) -> &VisibilityCache {
-        match self {
-            Self::Samples(volume) => &volume.cache,
-            Self::Decoded(volume) => &volume.cache,
-        }
-    }
-
-    /// Calls `work` with the grid.
-    pub fn with_grid<T>(&self, py: Python<'_>, work: impl FnOnce(&Grid) -> PyResult<T>) -> PyResult<T> {
-        match self {
-            Self::Samples(volume) => volume.with_volume(py, |v| work(v.grid())),
-            Self::Decoded(volume) => work(volume.grid()),
-        }
-    }
-
-    /// Calls `work` with something that gives the slices for a kernel.
-    pub fn with_slices<T>(
-        &self,
-        py: Python<'_>,
-        kernel: Kernel,
-        work: impl for<'s> FnOnce(&'s (dyn Fn() -> Slices<'s> + Sync + 's)) -> PyResult<T>,
-    ) -> PyResult<T> {
+    /// Calls `work` with what a scene draws.
+    pub fn with_volume<T>(&self, py: Python<'_>, work: impl FnOnce(SceneVolume<'_>) -> PyResult<T>) -> PyResult<T> {
         match self {
             Self::Samples(volume) => {
-                let volume = &**volume;
-                volume.with_volume(py, |v| work(&|| volume.slices(v, kernel)))
+                volume.with_volume(py, |v| work(SceneVolume::Samples(v.clone(), volume.cache.clone())))
             }
-            Self::Decoded(volume) => {
-                let volume = &**volume;
-                work(&|| {
-                    let slices = volume.prepared(kernel).slices(volume.grid());
-                    slices.expect("what was prepared of a decoder has slices")
-                })
-            }
+            Self::Decoded(volume) => work(SceneVolume::Level(volume.0.clone())),
         }
     }
 }
@@ -112,15 +48,11 @@ impl Drawable<'_> {
 #[pyclass(name = "Volume", frozen, module = "wavesplat._native")]
 pub struct PyVolume {
     name: String,
-    array: Array,
+    array: NumpySamples,
     world_from_index: DAffine3,
     statistics: Statistics,
-    /// Bounds of bricks, spline coefficients or filled densities, per kernel.
-    prepared: Mutex<Vec<(Kernel, Arc<Prepared>)>>,
-    /// What is kept of transfer functions.
-    pub cache: VisibilityCache,
-    /// The function that was drawn last, and whether it is steep.
-    latest: Mutex<Option<(TransferFunction, bool)>>,
+    /// What is kept of them between frames.
+    cache: Arc<VolumeCache>,
 }
 
 #[pymethods]
@@ -133,11 +65,10 @@ impl PyVolume {
         world_from_index: PyReadonlyArray2<'_, f64>,
         name: String,
     ) -> PyResult<Self> {
-        let array = Array::new(samples)?;
+        let array = NumpySamples::new(samples)?;
         let world_from_index = affine(&world_from_index)?;
         let unknown = Statistics { min: 0.0, max: 0.0, n_nonfinite: 0 };
-        let (prepared, cache, latest) = (Mutex::default(), VisibilityCache::default(), Mutex::default());
-        let mut volume = Self { name, array, world_from_index, statistics: unknown, prepared, cache, latest };
+        let mut volume = Self { name, array, world_from_index, statistics: unknown, cache: Arc::default() };
         volume.statistics = volume.with_samples(py, |samples, _| py.detach(|| Statistics::of(&samples)))?;
         volume.with_volume(py, |_| Ok(()))?;
         Ok(volume)
@@ -167,14 +98,14 @@ impl PyVolume {
             }};
         }
         match &self.array {
-            Array::U8(a) => borrow!(a, Samples::U8),
-            Array::I8(a) => borrow!(a, Samples::I8),
-            Array::U16(a) => borrow!(a, Samples::U16),
-            Array::I16(a) => borrow!(a, Samples::I16),
-            Array::U32(a) => borrow!(a, Samples::U32),
-            Array::I32(a) => borrow!(a, Samples::I32),
-            Array::F32(a) => borrow!(a, Samples::F32),
-            Array::F64(a) => borrow!(a, Samples::F64),
+            NumpySamples::U8(a) => borrow!(a, Samples::U8),
+            NumpySamples::I8(a) => borrow!(a, Samples::I8),
+            NumpySamples::U16(a) => borrow!(a, Samples::U16),
+            NumpySamples::I16(a) => borrow!(a, Samples::I16),
+            NumpySamples::U32(a) => borrow!(a, Samples::U32),
+            NumpySamples::I32(a) => borrow!(a, Samples::I32),
+            NumpySamples::F32(a) => borrow!(a, Samples::F32),
+            NumpySamples::F64(a) => borrow!(a, Samples::F64),
         }
     }
 
@@ -185,33 +116,9 @@ impl PyVolume {
             work(&volume.map_err(to_py)?)
         })?
     }
-
-    /// Whether a transfer function is steep; kept until another is asked for.
-    fn is_steep(&self, py: Python<'_>, tf: &TransferFunction) -> PyResult<bool> {
-        let known = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, is_steep)) = known.as_ref().filter(|(of, _)| of == tf) {
-            return Ok(*is_steep);
-        }
-        drop(known);
-        let is_steep = self.with_volume(py, |volume| Ok(is_steep(volume.grid(), tf)))?;
-        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Some((tf.clone(), is_steep));
-        Ok(is_steep)
-    }
-
-    /// Slices for a kernel; what they need is prepared with the first picture and kept.
-    pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Slices<'a> {
-        let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = prepared.iter().find(|(k, _)| *k == kernel).map(|(_, known)| known.clone());
-        let known = known.unwrap_or_else(|| {
-            let new = Arc::new(Prepared::new(volume, kernel));
-            prepared.push((kernel, new.clone()));
-            new
-        });
-        Slices::with_prepared(volume, known)
-    }
 }
 
-impl Array {
+impl NumpySamples {
     fn new(samples: &Bound<'_, PyAny>) -> PyResult<Self> {
         fn cast<T: Element>(samples: &Bound<'_, PyAny>) -> Option<Py<PyArray3<T>>> {
             samples.cast::<PyArray3<T>>().ok().filter(|a| a.is_c_contiguous()).map(|a| a.clone().unbind())

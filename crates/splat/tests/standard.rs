@@ -10,7 +10,7 @@ use wavesplat_core::{
 };
 use wavesplat_splat::kernel::weights::{radius, weight};
 use wavesplat_splat::reference::standard as literal;
-use wavesplat_splat::source::slices::{Prepared, Slices};
+use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::standard::{Buffer, StandardOptions, render, render_base_planes};
 use wavesplat_splat::{ProgressCallback, reference};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
@@ -471,8 +471,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     });
     let volume = phantom.volume();
     let tf = opacity_ramp(&[(140.0, 0.0), (150.0, 0.1), (151.0, 1.0), (200.0, 0.6)], None);
-    let prepared = Prepared::of_decoder(Arc::new(Boxes(phantom.clone())), volume.grid(), Kernel::Linear, 3 << 17);
-    let decoded = Arc::new(prepared).slices(volume.grid()).unwrap();
+    let decoded = Slices::of_decoder(Arc::new(Boxes(phantom.clone())), volume.grid(), Kernel::Linear, 3 << 17);
     assert!(decoded.must_load());
     let slices = Slices::new(&volume, Kernel::Linear);
     for from in [DVec3::new(0.2, 0.3, 1.0), DVec3::new(-1.0, 0.5, 0.4), DVec3::new(-0.3, 1.0, 0.2)] {

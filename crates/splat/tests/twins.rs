@@ -11,7 +11,7 @@ use wavesplat_core::{
 use wavesplat_splat::reference::ablation::Ablation;
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_splat::reference::{project, splat};
-use wavesplat_splat::source::slices::{Prepared, Slices};
+use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
 
@@ -363,8 +363,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     let budgets_bytes = [100 * block_bytes, 70 * 45 * 41 * 4 - 1];
     for (_, kernel) in Kernel::NAMES {
         let slices = Slices::new(&volume, kernel);
-        let prepared = budgets_bytes.map(|bytes| Prepared::of_decoder(decoder.clone(), grid, kernel, bytes));
-        let decoded = prepared.map(|prepared| Arc::new(prepared).slices(grid).expect("it is of a decoder"));
+        let decoded = budgets_bytes.map(|bytes| Slices::of_decoder(decoder.clone(), grid, kernel, bytes));
         for (from, sheets_per_slice, projection) in [
             (DVec3::new(0.2, 0.3, 1.0), 2.0, ORTHOGRAPHIC),
             (DVec3::new(-1.0, 0.5, 0.4), 1.3, ORTHOGRAPHIC),
@@ -403,8 +402,7 @@ fn panels_hold_what_wide_differences_need() {
     let decoder = Arc::new(Boxes(phantom.clone()));
     for (_, kernel) in Kernel::NAMES {
         let slices = Slices::new(&volume, kernel);
-        let decoded = Arc::new(Prepared::of_decoder(decoder.clone(), volume.grid(), kernel, 1 << 17));
-        let decoded = decoded.slices(volume.grid()).expect("it is of a decoder");
+        let decoded = Slices::of_decoder(decoder.clone(), volume.grid(), kernel, 1 << 17);
         assert!(decoded.must_load());
         for gradient_offset in [0.5, 1.7, 2.0, 2.5, 4.0] {
             for from in [DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.2, -1.0, 0.3)] {

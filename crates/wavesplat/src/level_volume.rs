@@ -8,7 +8,7 @@ use wavesplat_lod::LevelHistogram;
 use wavesplat_splat::is_steep;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::block_cache::{bytes_of_all, samples_every};
-use wavesplat_splat::source::slices::{Prepared, Slices};
+use wavesplat_splat::source::slices::Slices;
 use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, WaveletError, WaveletVolume};
 
 use crate::error::LevelError;
@@ -24,7 +24,7 @@ pub struct LevelVolume {
     decoder: Arc<dyn Decoder>,
     cache_bytes: usize,
     /// For the kernel that was used last.
-    prepared: Mutex<Option<(Kernel, Arc<Prepared>)>>,
+    slices: Mutex<Option<Slices<'static>>>,
     pub(crate) visibility: VisibilityCache,
 }
 
@@ -90,7 +90,7 @@ impl LevelVolume {
             latest_look: Mutex::default(),
             decoder: Arc::new(decoder),
             cache_bytes,
-            prepared: Mutex::default(),
+            slices: Mutex::default(),
             visibility: VisibilityCache::default(),
         })
     }
@@ -139,16 +139,15 @@ impl LevelVolume {
     }
 
     /// Slices for a kernel; what they need is kept until another kernel is asked for.
-    pub fn slices(&self, kernel: Kernel) -> Option<Slices<'static>> {
-        let mut kept = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = kept.as_ref().filter(|(known, _)| *known == kernel).map(|(_, prepared)| prepared.clone());
-        let prepared = known.unwrap_or_else(|| {
-            // First, so that never two are held.
-            *kept = None;
-            let new = Prepared::of_decoder(self.decoder.clone(), &self.grid, kernel, self.cache_bytes);
-            Arc::new(new)
-        });
-        *kept = Some((kernel, prepared.clone()));
-        prepared.slices(&self.grid)
+    pub fn slices(&self, kernel: Kernel) -> Slices<'static> {
+        let mut kept = self.slices.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(slices) = kept.as_ref().filter(|slices| slices.kernel() == kernel) {
+            return slices.clone();
+        }
+        // First, so that never two are held.
+        *kept = None;
+        let slices = Slices::of_decoder(self.decoder.clone(), &self.grid, kernel, self.cache_bytes);
+        *kept = Some(slices.clone());
+        slices
     }
 }

@@ -73,9 +73,8 @@ impl<'a> SceneVolume<'a> {
         }
     }
 
-    /// The transfer function to draw with, and whether it needs pre-integration: for light, that of what the samples of a
-    /// coarser level stand for.
-    pub(crate) fn look(
+    /// The transfer function to draw with: with [`Composite::Over`], that of what the samples of a coarser level stand for.
+    pub fn look(
         &self,
         tf: &TransferFunction,
         composite: Composite,
@@ -95,8 +94,8 @@ impl<'a> SceneVolume<'a> {
         }
     }
 
-    /// A crop box as one of what is drawn.
-    pub(crate) fn own_crop(&self, crop: Crop) -> Crop {
+    /// A crop box in index positions of the finest level as one in those of what is drawn.
+    pub fn own_crop(&self, crop: Crop) -> Crop {
         match (self, crop) {
             (Self::Level(level), Crop::Index { lo, hi }) => {
                 Crop::Index { lo: level.level_from_finest(lo), hi: level.level_from_finest(hi) }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use wavesplat_core::{Decoder, Grid, Kernel, LabelLook, Result, Statistics};
 
 use crate::source::field::Field;
-use crate::source::slices::Prepared;
+use crate::source::slices::Slices;
 
 /// Label of every sample, as a place in the list of looks.
 #[derive(Clone, Debug)]
@@ -51,8 +51,7 @@ pub struct Labels {
     pub looks: Vec<LabelLook>,
     /// Reconstruction of coverages.
     pub kernel: Kernel,
-    grid: Grid,
-    channels: Vec<Arc<Prepared>>,
+    channels: Vec<Slices<'static>>,
     terms: LabelTerms,
 }
 
@@ -113,12 +112,10 @@ impl Labels {
             // Values as they are.
             let grid = Grid::new("labels", grid.size(), grid.world_from_index(), statistics, true)?;
             let decoder = Channel { codes: codes.clone(), size: grid.size(), table };
-            Ok(Arc::new(Prepared::of_decoder(Arc::new(decoder), &grid, kernel, budget_bytes)))
+            Ok(Slices::of_decoder(Arc::new(decoder), &grid, kernel, budget_bytes))
         };
         let channels = tables.into_iter().map(channel).collect::<Result<_>>()?;
-        let statistics = Statistics { min: 0.0, max: OPAQUE_LABEL_DEPTH, n_nonfinite: 0 };
-        let grid = Grid::new("labels", grid.size(), grid.world_from_index(), statistics, true)?;
-        Ok(Self { codes, looks, kernel, grid, channels, terms })
+        Ok(Self { codes, looks, kernel, channels, terms })
     }
 
     /// Which of the fields hold what.
@@ -133,12 +130,11 @@ impl Labels {
 
     /// The fields.
     pub fn fields(&self) -> Vec<Field<'static>> {
-        let field = |(i, channel): (usize, &Arc<Prepared>)| {
+        let field = |(i, channel): (usize, &Slices<'static>)| {
             let gradient_offset = (self.terms.matter == Some(i)).then_some(self.gradient_offset());
-            let slices = channel.slices(&self.grid)?;
-            Some(Field { slices, from_index: [(0.0, 1.0); 3], gradient_offset })
+            Field { slices: channel.clone(), from_index: [(0.0, 1.0); 3], gradient_offset }
         };
-        self.channels.iter().enumerate().filter_map(field).collect()
+        self.channels.iter().enumerate().map(field).collect()
     }
 }
 

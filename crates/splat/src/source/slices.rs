@@ -26,12 +26,14 @@ use crate::source::point_sampling::{PointSums, PointTaps};
 use crate::source::window::{SliceRectangle, Turn, Window};
 
 /// Densities of a volume, ready for one kernel.
+#[derive(Clone)]
 pub struct Slices<'a> {
     source: SampleSource<'a>,
     grid: Grid,
     prepared: Arc<Prepared>,
 }
 
+#[derive(Clone)]
 enum SampleSource<'a> {
     Samples(Samples<'a>),
     /// A volume without samples; its blocks where its densities are not all prepared.
@@ -82,7 +84,6 @@ pub struct Prepared {
     id: u64,
     /// What is decoded of a volume without samples; `None` where there are densities.
     blocks: Option<Arc<Blocks>>,
-    is_decoded: bool,
 }
 
 /// Share of the memory for decoded blocks that the bounds of bricks may take in addition.
@@ -126,7 +127,6 @@ impl Prepared {
             bricks: None,
             id: N_BOXES.fetch_add(1, Ordering::Relaxed),
             blocks: None,
-            is_decoded: false,
         };
         let has_holes = grid.statistics().n_nonfinite > 0;
         if pole.is_none() && !has_holes {
@@ -176,31 +176,22 @@ impl Prepared {
             bricks: Some(bricks),
             id,
             blocks: None,
-            is_decoded: false,
         }
     }
 
     /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
     /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
-    pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
+    fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
         let (size, range, bounds_bytes) = (grid.size(), grid.density_range(), budget_bytes / BOUNDS_SHARE);
         if bytes_of_all(size) <= budget_bytes {
             let densities = all_densities(&*decoder, grid);
-            let prepared = Self::of_densities(densities, size, kernel, range, bounds_bytes);
-            return Self { is_decoded: true, ..prepared };
+            return Self::of_densities(densities, size, kernel, range, bounds_bytes);
         }
         let blocks = Arc::new(Blocks::new(decoder, grid, kernel, budget_bytes));
         let range = prefilter::pole(kernel).is_none().then_some(range);
         let bricks = Bricks::of_blocks(Level::best(), &blocks, kernel, range, bounds_bytes);
         let range = bricks.range();
-        Self { blocks: Some(blocks), is_decoded: true, ..Self::of_parts(kernel, size, range, bricks) }
-    }
-
-    /// Slices of a volume that is decoded as it is drawn, from [`Prepared::of_decoder`] with the same grid; `None` where
-    /// this was made from samples.
-    pub fn slices<'a>(self: &Arc<Self>, grid: &Grid) -> Option<Slices<'a>> {
-        let source = || SampleSource::Decoded(self.blocks.clone());
-        self.is_decoded.then(|| Slices { source: source(), grid: grid.clone(), prepared: self.clone() })
+        Self { blocks: Some(blocks), ..Self::of_parts(kernel, size, range, bricks) }
     }
 }
 
@@ -215,10 +206,16 @@ impl<'a> Slices<'a> {
         Self { source: SampleSource::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
     }
 
+    /// A volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once for the
+    /// bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
+    pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
+        let prepared = Arc::new(Prepared::of_decoder(decoder, grid, kernel, budget_bytes));
+        Self { source: SampleSource::Decoded(prepared.blocks.clone()), grid: grid.clone(), prepared }
+    }
+
     /// Densities that are all finite, `[z][y][x]` of `grid`, whose statistics bound them.
     pub fn of_densities(densities: Vec<f32>, grid: &Grid, kernel: Kernel) -> Self {
         let prepared = Prepared::of_densities(densities, grid.size(), kernel, grid.density_range(), MOST_BYTES);
-        let prepared = Prepared { is_decoded: true, ..prepared };
         Self { source: SampleSource::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
     }
 

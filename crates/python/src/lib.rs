@@ -10,12 +10,13 @@ mod study;
 mod volume;
 mod wavelet;
 
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 
 /// The compiled half of the Python package; its contract is `_native.pyi`.
 #[pymodule]
 mod _native {
-    use super::{Bound, PyModule, PyModuleMethods, PyResult};
+    use super::{Bound, PyImportError, PyModule, PyModuleMethods, PyResult};
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
@@ -33,6 +34,10 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        if let Ok(name) = std::env::var("WAVESPLAT_SIMD") {
+            let wrong = |why: String| PyImportError::new_err(format!("WAVESPLAT_SIMD: {why}; unset it for the widest"));
+            wavesplat::use_simd(&name).map_err(wrong)?;
+        }
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

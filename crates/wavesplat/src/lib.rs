@@ -70,6 +70,16 @@ pub use quality::{Effort, Quality};
 pub use scene::{Scene, SceneVolume};
 pub use volume_cache::VolumeCache;
 
+/// Makes vectors of a name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) those that pictures are drawn with from now on; all
+/// give the same bits. Without it, the widest of the machine are used.
+///
+/// # Errors
+///
+/// The names that this machine has, where it has none of that name; or those that are in use already.
+pub fn use_simd(name: &str) -> std::result::Result<(), String> {
+    wavesplat_compute::simd::Level::choose(name).map(|_| ())
+}
+
 pub use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, Error, GradientNode, Grid, Kernel, LabelLook, Light, LightFrame,
     OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction, Volume,

@@ -43,6 +43,8 @@ mod x86;
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 
+use std::sync::OnceLock;
+
 pub use pair::Pair;
 pub use plain::Plain;
 
@@ -287,6 +289,9 @@ enum Width {
     Neon,
 }
 
+/// What [`Level::best`] gives.
+static CHOSEN: OnceLock<Level> = OnceLock::new();
+
 impl Level {
     /// All levels that this machine has, the widest last.
     pub fn all() -> Vec<Self> {
@@ -307,13 +312,24 @@ impl Level {
         levels
     }
 
-    /// The widest level that this machine has; `WAVESPLAT_SIMD` = `plain`, `sse2`, `avx2`, `avx512` or `neon` asks for
-    /// another that it has.
+    /// The widest level that this machine has, unless [`Level::choose`] has chosen another.
     pub fn best() -> Self {
-        let wanted = std::env::var("WAVESPLAT_SIMD").unwrap_or_default();
+        *CHOSEN.get_or_init(|| *Self::all().last().unwrap_or(&Self(Width::Plain)))
+    }
+
+    /// Makes the level of a name the one that [`Level::best`] gives from now on. Call it before anything is drawn.
+    ///
+    /// # Errors
+    ///
+    /// The names that there are, where the name is none of this machine's; or the level that is in use already.
+    pub fn choose(name: &str) -> Result<Self, String> {
         let levels = Self::all();
-        let named = levels.iter().find(|level| level.name() == wanted);
-        *named.or(levels.last()).unwrap_or(&Self(Width::Plain))
+        let Some(level) = levels.iter().copied().find(|level| level.name() == name) else {
+            let names: Vec<&str> = levels.iter().map(|level| level.name()).collect();
+            return Err(format!("this machine has no vectors {name:?}; it has {}", names.join(", ")));
+        };
+        let chosen = *CHOSEN.get_or_init(|| level);
+        if chosen == level { Ok(level) } else { Err(format!("vectors {:?} are in use already", chosen.name())) }
     }
 
     /// For reports.

@@ -10,7 +10,7 @@ targets=$(sed -n 's/^name = "\(.*\)"$/\1/p' Cargo.toml | grep -v '^wavesplat-fuz
 if cargo fuzz --version >/dev/null 2>&1 && cargo +nightly --version >/dev/null 2>&1; then
     cd ..
     for target in $targets; do
-        cargo +nightly fuzz run "$target" -- -max_total_time="$seconds" -max_len=512
+        cargo +nightly fuzz run "$target" -- -max_total_time="$seconds" -max_len=256 -len_control=0
     done
     exit
 fi
@@ -24,6 +24,6 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 cargo build --release --target "$host" --target-dir ../target/fuzz
 for target in $targets; do
     mkdir -p "corpus/$target" "artifacts/$target"
-    "../target/fuzz/$host/release/$target" -max_total_time="$seconds" -max_len=512 -print_final_stats=1 \
+    "../target/fuzz/$host/release/$target" -max_total_time="$seconds" -max_len=256 -len_control=0 \
         -artifact_prefix="artifacts/$target/" "corpus/$target"
 done

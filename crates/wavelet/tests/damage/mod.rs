@@ -26,11 +26,7 @@ impl Bytes<'_> {
 
     /// Any f32: ordinary ones, and all patterns of bits.
     fn float(&mut self) -> f32 {
-        if self.byte().is_multiple_of(2) {
-            f32::from(self.byte()) - 128.0
-        } else {
-            f32::from_bits(self.word() as u32)
-        }
+        if self.byte().is_multiple_of(2) { f32::from(self.byte()) - 128.0 } else { f32::from_bits(self.word() as u32) }
     }
 
     /// A length along an axis, seldom one that nobody has memory for.

@@ -50,7 +50,13 @@ def verdict(quality: str, goal: float, rows: Sequence[growth.Row]) -> str:
             gains_db.append(gain_db)
     median = statistics.median(ratios or [0.0])
     text = f"Quality {quality}: goal {goal:g}, "
-    text += f"not decided, without {', '.join(left)}" if left else "met" if median >= goal else "missed"
+    text += (
+        f"not decided, without our or VTK's frame of {', '.join(left)}"
+        if left
+        else "met"
+        if median >= goal
+        else "missed"
+    )
     if ratios:
         text += f"; VTK takes {median:.1f} times our CPU time, the median of {span(ratios)} in {len(ratios)} cases"
         text += f", at {span(gains_db)} dB less"

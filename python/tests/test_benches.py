@@ -46,7 +46,7 @@ def rows_of(goals, speedups, gains_db):
         ([9, 2, 8, 4, 7, 1], [-1, 0, 0, 0, 0, 0], "missed; VTK takes 4.0 times our CPU time, the median of 1.0 to 8.0"),
         ([9, 2, 8, 4, 7, 1], [-1, 0, 0, 0, 0, 0], "not counted, since VTK's PSNR is higher: engine soft (39.0 dB,"),
         ([9] * 6, [-1] * 6, "goal 5, missed; not counted"),
-        ([9] * 4, [1] * 4, "goal 5, not decided, without ct hard, mri hard; VTK takes 9.0 times"),
+        ([9] * 4, [1] * 4, "goal 5, not decided, without our or VTK's frame of ct hard, mri hard; VTK takes 9.0 times"),
     ],
 )
 def test_a_goal_is_a_median_over_the_cases_of_equal_quality(goals, speedups, gains_db, wanted):

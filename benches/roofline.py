@@ -32,14 +32,14 @@ import scenes
 from wavesplat import _native
 
 STAGES = {
-    "shading": r"shade\.rs",
-    "warp": r"warp\.rs",
-    "slices combined and turned": r"(slices|panel)\.rs",
-    "weights of footprints": r"footprint\.rs.*\bbuild\b",
-    "densities and gradients": r"sheet\.rs",
-    "look-up, opacity, compositing": r"(classify|composite|project|local_maximum|first_hit)\.rs",
-    "rays": r"(rays|interval)\.rs",
-    "active blocks": r"bricks\.rs|active_(slabs|layers)",
+    "shading": r"optics/shade\.rs",
+    "warp": r"picture/(warp|resample)\.rs",
+    "slices combined and transposed": r"source/(slices|window|transposed)\.rs",
+    "weights of footprints": r"kernel/footprint.*\bbuild\b",
+    "densities and gradients": r"sheet/(buffer|upsample)\.rs",
+    "look-up, opacity, compositing": r"optics/(classify|preintegrate)\.rs|ray/",
+    "rays": r"sheet/tile_rays\.rs|view/region\.rs",
+    "empty-space skipping": r"source/(min_max_bricks|occupancy)\.rs|render/empty_space\.rs",
     "rest of the renderer": "",
 }
 CPU_SECONDS = 4.0

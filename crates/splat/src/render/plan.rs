@@ -293,7 +293,7 @@ fn operator(options: &RenderOptions, tf: &TransferFunction, grid: &Grid, is_stee
     match options.composite {
         Composite::Over => Operator::Over {
             // A function of two dimensions has no integral along a slab.
-            pre_integrated: options.pre_integration && tf.joint().is_none() && is_steep(),
+            pre_integrated: options.pre_integration && tf.function_2d().is_none() && is_steep(),
             opaque: if options.early_ray_termination { OPAQUE_ENOUGH } else { OPAQUE_TO_THE_END },
         },
         Composite::FirstHit { iso_value } => Operator::FirstHit { iso: density(iso_value) },

@@ -181,14 +181,21 @@ def phong(light, color, gradient, to_eye, to_light):
 
 
 def march(scene, eye, size, step, rays_per_side):
-    """Points in the middle of the steps of every ray from the eye on, and how long the steps are."""
+    """Which rays [row, column, ray] meet the scene, and an iterator over the steps of those rays, from the eye on:
+    the points in the middle of a step as index positions, how long it is, and the rays' directions.
+    """
     origins, directions = eye.rays(size, rays_per_side)
     entry, leave, _ = passage(scene, origins, directions)
-    way = np.maximum(leave - entry, 0)
-    n_steps = max(1, int(np.ceil(way.max() / step)))
-    for number in range(n_steps):
-        at = entry + (number + 0.5) / n_steps * way
-        yield scene.index(origins + at[..., None] * directions), way / n_steps, directions
+    hit = leave > entry
+    origins, directions, entry, way = origins[hit], directions[hit], entry[hit], (leave - entry)[hit]
+    n_steps = int(np.ceil(way.max() / step))
+
+    def steps():
+        for number in range(n_steps):
+            at = entry + (number + 0.5) / n_steps * way
+            yield scene.index(origins + at[:, None] * directions), way / n_steps, directions
+
+    return hit, steps()
 
 
 def over(scene, eye, size, *, step, rays_per_side=2):
@@ -198,27 +205,34 @@ def over(scene, eye, size, *, step, rays_per_side=2):
     values, opacities = np.transpose(scene.opacity)
     places, *colors = np.transpose(scene.color)
     to_light = -eye.axes()[2]
-    picture, through = 0.0, 1.0
-    for index, thickness, directions in march(scene, eye, size, step, rays_per_side):
+    hit, steps = march(scene, eye, size, step, rays_per_side)
+    picture, through = np.zeros((hit.sum(), 4)), np.ones((hit.sum(), 1))
+    for index, thickness, directions in steps:
         value = trilinear(scene.samples, index)
-        color = np.stack([np.interp(value, places, channel) for channel in colors], axis=-1)
-        if scene.light is not None:
-            color = phong(scene.light, color, world_gradient(scene, index), -directions, to_light)
         alpha = 1 - (1 - np.interp(value, values, opacities)) ** (thickness / opacity_unit)
-        alpha = alpha[..., None]
-        picture = picture + through * alpha * np.concatenate([color, np.ones_like(alpha)], axis=-1)
-        through = through * (1 - alpha)
-    return picture.mean(axis=2)
+        seen = alpha > 0  # only there can shading matter
+        color = np.stack([np.interp(value[seen], places, channel) for channel in colors], axis=-1)
+        if scene.light is not None:
+            color = phong(scene.light, color, world_gradient(scene, index[seen]), -directions[seen], to_light)
+        alpha = alpha[seen, None]
+        picture[seen] += through[seen] * alpha * np.concatenate([color, np.ones_like(alpha)], axis=-1)
+        through[seen] *= 1 - alpha
+    return _per_ray(hit, picture, 0).mean(axis=2)
 
 
 def project(scene, eye, size, operator, *, step, rays_per_side=1):
     """One number per pixel, the mean of its rays; NaN where one of them misses the volume."""
+    hit, steps = march(scene, eye, size, step, rays_per_side)
     largest, smallest, total, way = -np.inf, np.inf, 0.0, 0.0
-    for index, thickness, _ in march(scene, eye, size, step, rays_per_side):
+    for index, thickness, _ in steps:
         value = trilinear(scene.samples, index)
         largest, smallest = np.maximum(largest, value), np.minimum(smallest, value)
         total, way = total + value * thickness, way + thickness
-    hit = way > 0
-    mean = total / np.where(hit, way, 1)
-    number = {"maximum": largest, "minimum": smallest, "mean": mean, "sum": total}[operator]
-    return np.where(hit, number, np.nan).mean(axis=2)
+    number = {"maximum": largest, "minimum": smallest, "mean": total / way, "sum": total}[operator]
+    return _per_ray(hit, number, np.nan).mean(axis=2)
+
+
+def _per_ray(hit, numbers, missed):
+    full = np.full((*hit.shape, *numbers.shape[1:]), missed, dtype=float)
+    full[hit] = numbers
+    return full

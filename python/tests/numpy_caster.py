@@ -180,9 +180,11 @@ def phong(light, color, gradient, to_eye, to_light):
     return np.where(exists, lit, light.ambient * color)
 
 
-def march(scene, eye, size, step, rays_per_side):
-    """Which rays [row, column, ray] meet the scene, and an iterator over the steps of those rays, from the eye on:
-    the points in the middle of a step as index positions, how long it is, and the rays' directions.
+def march(scene, eye, size, step, rays_per_side, *, with_ends=False):
+    """Which rays [row, column, ray] meet the scene, and an iterator over the steps of those rays, from the eye on.
+
+    Of each step: the points in its middle as index positions, how long it is, and the rays' directions. `with_ends`:
+    points from the first face to the last, with half a step at both, the trapezoid rule instead of the midpoint rule.
     """
     origins, directions = eye.rays(size, rays_per_side)
     entry, leave, _ = passage(scene, origins, directions)
@@ -191,9 +193,10 @@ def march(scene, eye, size, step, rays_per_side):
     n_steps = int(np.ceil(way.max() / step))
 
     def steps():
-        for number in range(n_steps):
-            at = entry + (number + 0.5) / n_steps * way
-            yield scene.index(origins + at[:, None] * directions), way / n_steps, directions
+        for number in range(n_steps + with_ends):
+            at = entry + (number if with_ends else number + 0.5) / n_steps * way
+            part = 0.5 if with_ends and number in (0, n_steps) else 1.0
+            yield scene.index(origins + at[:, None] * directions), part * way / n_steps, directions
 
     return hit, steps()
 
@@ -222,7 +225,7 @@ def over(scene, eye, size, *, step, rays_per_side=2):
 
 def project(scene, eye, size, operator, *, step, rays_per_side=1):
     """One number per pixel, the mean of its rays; NaN where one of them misses the volume."""
-    hit, steps = march(scene, eye, size, step, rays_per_side)
+    hit, steps = march(scene, eye, size, step, rays_per_side, with_ends=True)
     largest, smallest, total, way = -np.inf, np.inf, 0.0, 0.0
     for index, thickness, _ in steps:
         value = trilinear(scene.samples, index)

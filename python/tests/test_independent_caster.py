@@ -137,7 +137,8 @@ def test_cut_pictures_are_those_of_the_caster(cut, light):
     """A cut face ends abruptly, so at its outline pixels differ by what lies between two texels; the others do not.
 
     Across an outline the picture changes by most of its range within a texel, half a pixel, so these pixels may be
-    wrong by a fraction of it: 46 dB on the whole, 52 to 77 measured. They are few: half of all numbers are as near as without a cut.
+    wrong by a fraction of it: 46 dB on the whole, 52 to 77 measured. They are few: half of all numbers are as near as
+    without a cut.
     """
     kept, options = _cuts()[cut]
     eye, scene = EYES["orthographic"], replace(SCENE, light=light, **kept)
@@ -162,7 +163,8 @@ def _check_projection(got, scene, eye, operator):
     Shares of the range of numbers in the picture. Mean and sum are smooth: errors of second order, 6e-5 on average,
     2e-3 at most. Where the largest value passes from one blob to another, the picture has a crease, which
     interpolation between texels rounds off: 2.5e-4 on average. The smallest value of these blobs lies where rays
-    enter or leave, so it has many creases and little range: 4e-4 on average, 3e-2 at one. Half a sample of shift is 7e-3 to 2e-2.
+    enter or leave, so it has many creases and little range: 4e-4 on average, 3e-2 at one. Half a sample of shift is
+    7e-3 to 2e-2.
     """
     most, on_average = {"maximum": (1e-2, 4e-4), "minimum": (5e-2, 1e-3)}.get(operator, (3e-3, 2e-4))
     want = project(scene, eye, SIZE, operator, step=0.1)

@@ -106,15 +106,16 @@ def difference(name: str, want: bytes | None, got: bytes, failures: Path) -> str
         problem = f"the golden picture has shape {want_levels.shape}, this one {got_levels.shape}"
     else:
         apart = np.abs(want_levels.astype(int) - got_levels)
-        if apart.max() <= MOST_LEVELS:
+        worst = int(apart.max())
+        if worst <= MOST_LEVELS:
             return None
         y, x = (int(place) for place in np.unravel_index(apart.max(axis=2).argmax(), apart.shape[:2]))
-        gain = 255 // int(apart.max())
+        n_wrong = (apart.max(axis=2) > MOST_LEVELS).sum()
+        gain = 255 // worst
         problem = (
-            f"{(apart.max(axis=2) > MOST_LEVELS).sum()} of {apart[..., 0].size} pixels differ by more than "
-            f"{MOST_LEVELS} of 255 levels, by {apart.max()} at row {y}, column {x}: "
-            f"{got_levels[y, x].tolist()} instead of {want_levels[y, x].tolist()}; by {apart.mean():.3f} on average (the picture of the difference shows "
-            f"{gain} times as much)"
+            f"{n_wrong} of {apart[..., 0].size} pixels differ by more than {MOST_LEVELS} of 255 levels, "
+            f"by {worst} at row {y}, column {x}: {got_levels[y, x].tolist()} instead of {want_levels[y, x].tolist()}; "
+            f"by {apart.mean():.3f} on average (the picture of the difference shows {gain} times as much)"
         )
     failures.mkdir(parents=True, exist_ok=True)
     for old in failures.glob(f"{name}.*.png"):

@@ -48,8 +48,10 @@ SCENES = {
         "ct_pelvis",
         _cropped_in_perspective,
         16,
-        "--preset=ct-soft-tissue --azimuth=-30 --elevation=35 --zoom=1.6 --perspective=60 --kernel=bspline3 --bits=16 "
-        + "--crop-index=10,10.5,0,100,90,80.25 --background=#102030",
+        (
+            "--preset=ct-soft-tissue --azimuth=-30 --elevation=35 --zoom=1.6 --perspective=60 --kernel=bspline3 "
+            "--crop-index=10,10.5,0,100,90,80.25 --background=#102030 --bits=16"
+        ),
     ),
     "maximum": ("mri_head", _maximum, 8, "--composite maximum --view left"),
     "surface": (

@@ -1,4 +1,5 @@
-//! Empty-space skipping: which min-max bricks a transfer function shows, one bit each, laid out for a slice family.
+//! Occupancy, for empty-space skipping: which min-max bricks a transfer function shows, one bit each, laid out for a
+//! slice family.
 
 /// One bit per brick, in runs along u.
 #[derive(Clone, Debug)]

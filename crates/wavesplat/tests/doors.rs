@@ -1,6 +1,6 @@
-//! The same scene by every door: this crate, Python and the command line give the bytes of `goldens/door.png`.
+//! The same scene by every door: this crate, Python and the command line give the bytes of `crates/wavesplat/tests/door.png`.
 //!
-//! `python/tests/test_door.py` draws it in Python, from the same numbers.
+//! `python/tests/test_rust_door.py` draws it in Python, from the same numbers.
 
 use glam::{DAffine3, DVec3};
 use wavesplat::{
@@ -34,8 +34,8 @@ fn the_picture_is_that_of_the_other_doors() {
     let samples = samples();
     let volume = Volume::new("door", Samples::U8(&samples), [N; 3], DAffine3::IDENTITY).unwrap();
     let frame = Scene::new(volume, look()).render(&camera(), [64, 48], &FrameOptions::default()).unwrap();
-    let golden = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../goldens/door.png")).unwrap();
-    assert!(encode_png(&frame.picture, PngBits::Eight) == golden, "goldens/door.png is another picture");
+    let golden = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/door.png")).unwrap();
+    assert!(encode_png(&frame.picture, PngBits::Eight) == golden, "crates/wavesplat/tests/door.png is another picture");
 }
 
 #[test]

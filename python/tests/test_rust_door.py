@@ -1,4 +1,4 @@
-"""The same scene by every door: Python and the Rust crate give the bytes of `goldens/door.png`.
+"""The same scene by every door: Python and the Rust crate give the bytes of `crates/wavesplat/tests/door.png`.
 
 `crates/wavesplat/tests/doors.rs` draws it in Rust, from the same numbers.
 """
@@ -9,7 +9,7 @@ import numpy as np
 
 import wavesplat as ws
 
-GOLDEN = Path(__file__).parents[2] / "goldens" / "door.png"
+GOLDEN = Path(__file__).parents[2] / "crates" / "wavesplat" / "tests" / "door.png"
 
 
 def draw():

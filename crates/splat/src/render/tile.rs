@@ -83,13 +83,7 @@ impl<'a> TileJob<'a> {
         Self {
             family,
             geometry: SheetGeometry::new(plan.simd, plane, slices, family.gradient_offset),
-            rays: RayGeometry {
-                plane,
-                region: &plan.region,
-                world_from_index: plan.grid.world_from_index(),
-                opacity_unit: plan.opacity_unit,
-                depth_cue: plan.depth_cue,
-            },
+            rays: family.ray_geometry(plan),
             fields: plan.fields.fields.iter().map(|field| SheetGeometry::of_field(plan.simd, plane, field)).collect(),
         }
     }

@@ -27,6 +27,11 @@ impl OccupancyGrid {
         cell >> self.log_side
     }
 
+    /// Bricks along u, v, w; 64-bit words of a row of bricks along u; and the words, `[w][v][u / 64]`, lowest bit first.
+    pub fn arrays(&self) -> ([usize; 3], usize, &[u64]) {
+        (self.n, self.n_words, &self.bits)
+    }
+
     /// Cells of a brick along each axis.
     pub fn side(&self) -> usize {
         1 << self.log_side

@@ -1,6 +1,6 @@
 """One house, several doors: the same scene, drawn from Python and from the command line, is the same file to the byte.
 
-The example of the Rust crate is held to the same pictures in its own tests.
+The door of the Rust crate is held to a picture of its own by `test_rust_door.py`.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ PYTHON ?= python3
 OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
+FUZZ_SECONDS ?= 60
+WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
 ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
 
@@ -22,7 +24,8 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden clean \
+.PHONY: help demo test check fmt quality study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden \
+	clean fuzz fixtures wasm-check \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -80,6 +83,17 @@ test-arm: ## lint and test the vector kernels on 64-bit ARM, emulated by qemu; m
 	cargo test --locked --target $(ARM) --no-fail-fast -p wavesplat-splat --test twins --test extras -- \
 		every_simd_level every_processor
 
+wasm-check: ## compile for browsers, without threads; needs rustup's target, which it adds where it can
+	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
+		{ echo "wasm-check is left out: the standard library of $(WASM) is not there and cannot be fetched"; exit 0; }; \
+	cargo check --locked --target $(WASM) -p wavesplat --no-default-features
+
+fuzz: ## feed damaged volumes to all that reads them, FUZZ_SECONDS for each target (60)
+	FUZZ_SECONDS=$(FUZZ_SECONDS) fuzz/run.sh
+
+fixtures: ## write the fixtures of the stages anew, from their formulas
+	WAVESPLAT_WRITE_FIXTURES=1 cargo test --locked -p wavesplat-splat --test stages -- fixtures_are
+
 instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
 	cargo build --locked --release -p wavesplat-splat --example frames
 	python3 benches/instructions.py $(INSTRUCTIONS)
@@ -107,6 +121,7 @@ rust-lint: $(STAMPS)/venv
 	cargo clippy --locked -p wavesplat-splat --no-default-features -- -D warnings
 	cargo clippy --locked -p wavesplat-splat --no-default-features --features standard -- -D warnings
 	cargo clippy --locked -p wavesplat-splat --no-default-features --features reference -- -D warnings
+	cargo clippy --locked -p wavesplat-wavelet -p wavesplat-lod -p wavesplat --no-default-features -- -D warnings
 
 docs: $(STAMPS)/tools
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet

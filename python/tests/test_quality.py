@@ -89,7 +89,8 @@ def test_a_wanted_psnr_is_reached(scene, view_angle):
     assert effort[0] < effort[1] < effort[2]
 
 
-# Neither views nor functions of `benches/cases.toml`. Azimuth, elevation, view angle; the front view shows cut faces edge on.
+# Neither views nor functions of `benches/cases.toml`. Azimuth, elevation, view angle; the front view shows cut faces
+# edge on.
 HELD_OUT_VIEWS = [(0, 0, None), (90, 0, None), (-130, 50, None), (200, -35, 30.0)]
 HELD_OUT_CURVES = {
     "ct": ([(-200, 0), (100, 0.02), (700, 0.4)], [(299, 0), (300, 1)]),

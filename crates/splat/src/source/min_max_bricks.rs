@@ -14,7 +14,7 @@ use wavesplat_compute::simd::Level;
 use wavesplat_compute::{extent, parallel};
 use wavesplat_core::Kernel;
 
-use crate::kernel::weights::{n_taps, overshoot, reach};
+use crate::kernel::weights::{overshoot, radius};
 use crate::source::block_cache::{BLOCK, Blocks, DensityBox};
 use crate::source::occupancy::OccupancyGrid;
 
@@ -133,8 +133,9 @@ struct Reach {
 
 impl Reach {
     fn new(side: usize, size: [usize; 3], kernel: Kernel) -> Self {
-        let before = reach(kernel);
-        Self { side, size, before, after: n_taps(kernel) - 1 - before, overshoot: overshoot(kernel) }
+        // Positions are between a brick's first sample and its last: half a radius reaches on to the next one.
+        let after = radius(kernel).ceil() as usize;
+        Self { side, size, before: after - 1, after, overshoot: overshoot(kernel) }
     }
 
     /// Bricks along each axis.
@@ -309,7 +310,7 @@ impl Bricks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::weights::{fold, taps};
+    use crate::kernel::weights::{fold, taps, weight};
     use crate::source::slices::Slices;
     use wavesplat_testkit::Phantom;
 
@@ -341,6 +342,28 @@ mod tests {
                 let [lo, hi] = bounds.map(|level| f64::from(bricks.density(usize::from(level))));
                 // Spline coefficients of the ends are folded into the brick's own samples; f32 rounds.
                 assert!(lo - 1e-5 <= density && density <= hi + 1e-5, "{name} {position:?}: {density} in {lo}..{hi}");
+            }
+        }
+    }
+
+    /// One sample beside a brick: it is seen in the brick if its kernel reaches there at all.
+    #[test]
+    fn bricks_know_of_every_sample_that_reaches_them() {
+        let size = [17, 2, 2];
+        for (name, kernel) in Kernel::NAMES {
+            for bright in 0..size[0] {
+                let mut densities = vec![0.0; 68];
+                (0..4).for_each(|row| densities[row * size[0] + bright] = 1.0);
+                let rows = FloatRows { densities: &densities, level: Level::best() };
+                let bricks = Bricks::new(&rows, size, kernel, [0.0, 1.0], MOST_BYTES);
+                let occupied = bricks.occupied([0, 1, 2], &bricks.visible_ranges(|[_, hi]| hi > 0.5));
+                for brick in 0..bricks.n[0] {
+                    let mut inside =
+                        (1..100).map(|k| (brick * bricks.side) as f64 + 0.01 * f64::from(k) * bricks.side as f64);
+                    let is_reached = inside.any(|x| weight(kernel, x - bright as f64) != 0.0);
+                    let is_occupied = occupied.any([brick; 2], [0; 2], [0; 2]);
+                    assert_eq!(is_occupied, is_reached, "{name}: sample {bright}, brick {brick}");
+                }
             }
         }
     }

@@ -24,8 +24,8 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study study-wavelets study-lod bench scene-hashes roofline instructions gallery clean \
-	fuzz fixtures wasm-check \
+.PHONY: help demo test check fmt quality study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden \
+	clean fuzz fixtures wasm-check \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -100,6 +100,9 @@ instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--
 
 gallery: $(STAMPS)/tools ## draw the pictures of docs/gallery.md, each with the command that drew it
 	python docs/gallery.py
+
+golden: $(STAMPS)/package ## draw the golden pictures of the tests anew; GOLDEN="labels maximum" draws those two
+	python python/tools/make_goldens.py $(GOLDEN)
 
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out python/wavesplat/_native*.so

@@ -7,13 +7,17 @@ against `wavesplat.reference.raycast` (double precision, a step of 0.05 voxels, 
 function is a hard step), which is kept in `.cache/bench`. Noise: engines take turns, `--rounds` times, and the table
 shows the lowest median of the rounds.
 
+Our rows are what a user asks for by name: a quality, or a PSNR. Columns tell how many times a row's CPU time VTK takes
+for the same picture in the same run, how far the row's PSNR is above VTK's, and with `psnr` what the report promises.
+Below the table stands whether the goals of `cases.toml` are met (`goals.py`).
+
 `--against REVISION` adds rows of our renderer as it was at a git revision, built into `.cache/bench`.
 
 `--only scaling` shows how time grows with the task (`growth.py`), `--only large` also how much memory a large volume
 takes: the peak of the whole process, less what it held before that volume was made of a small one.
 
-`--record` writes the tables, with date, machine, command and commit, to `records/` beside this file and the group
-"goals", where all of it was drawn, into the README.
+`--record` writes the tables, with date, machine, command and commit, to `records/` beside this file, and the group
+"goals", where all of it was drawn, into the README there.
 """
 
 from __future__ import annotations
@@ -35,12 +39,17 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import goals
 import growth
 import records
 import scenes
 
 ROOT = scenes.ROOT
+README = Path(__file__).with_name("README.md")
 N_FRAMES = 7
+
+#: Of a picture's report with `psnr`: what was chosen, and what that promises.
+PROMISES = ("sheets_per_slice", "oversampling", "expected_psnr_db", "expected_psnr_spread_db")
 
 Job = tuple[scenes.Case, str, dict[str, Any]]
 
@@ -68,6 +77,8 @@ def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, floa
     if case.compared and case.composite == "over":
         picture = scenes.render(case, **settings)
         result["psnr_db"], result["levels"] = scenes.errors(scenes.over_black(picture.rgba), scenes.converged(case))
+        if "psnr" in settings:
+            result |= {name: picture.report[name] for name in PROMISES if name in picture.report}
     return result
 
 
@@ -184,22 +195,35 @@ def describe(engine: str, settings: dict[str, Any]) -> str:
 
 
 def table(rows: Sequence[growth.Row]) -> str:
-    """A Markdown table of pictures drawn for their own sake."""
-    headings = ["case", "engine", "CPU ms", "goal", "wall ms", "PSNR, dB", "goal", "levels", "peak RSS, MiB"]
-    lines = []
-    for case, engine, settings, result in rows:
-        ours = engine.startswith("wavesplat")
-        goals = [case.goal_cpu_ms if ours else None, case.goal_psnr if ours else None]
-        cpu_goal, psnr_goal = ["" if goal is None else f"{goal:g}" for goal in goals]
-        psnr = f"{result['psnr_db']:.1f}" if "psnr_db" in result else ""
-        levels = f"{result['levels']:.2f}" if "levels" in result else ""
-        words = describe(engine, settings)
-        if "preparation_ms" in result:
-            words += f", prepared in {result['preparation_ms']:.0f} ms"
-        cells = [case.label, words, f"{result['cpu_ms']:.1f}", cpu_goal]
-        cells += [f"{result['wall_ms']:.1f}", psnr, psnr_goal, levels, f"{result['rss_mib']:.0f}"]
-        lines.append(cells)
-    return growth.as_markdown(headings, lines)
+    """A Markdown table of pictures drawn for their own sake; columns that no row fills are left out."""
+    lines = [cells_of(row, goals.rival_of(row[0], rows)) for row in rows]
+    headings = [name for name in lines[0] if any(line[name] for line in lines)]
+    return growth.as_markdown(headings, [[line[name] for name in headings] for line in lines])
+
+
+def cells_of(row: growth.Row, rival: dict[str, float] | None) -> dict[str, str]:
+    """The cells of a row by their headings. `rival`: VTK's row of the same case."""
+    case, engine, settings, result = row
+
+    def told(form: str, *names: str) -> str:
+        return form.format(*(result[name] for name in names)) if all(name in result for name in names) else ""
+
+    is_compared = rival is not None and "psnr_db" in result
+    words = describe(engine, settings) + told(", prepared in {:.0f} ms", "preparation_ms")
+    return {
+        "case": case.label,
+        "engine": words,
+        "CPU ms": told("{:.1f}", "cpu_ms"),
+        "VTK's CPU ms / these": f"{rival['cpu_ms'] / result['cpu_ms']:.1f}" if rival else "",
+        "wall ms": told("{:.1f}", "wall_ms"),
+        "expected, dB": told("{:.1f} +- {:.1f}", "expected_psnr_db", "expected_psnr_spread_db"),
+        "PSNR, dB": told("{:.1f}", "psnr_db"),
+        "above VTK's": f"{result['psnr_db'] - rival['psnr_db']:+.1f}" if rival and is_compared else "",
+        "levels": told("{:.2f}", "levels"),
+        "sheets a slice": told("{:g}", "sheets_per_slice"),
+        "texels a pixel": told("{:.2f}", "oversampling"),
+        "peak RSS, MiB": told("{:.0f}", "rss_mib"),
+    }
 
 
 def tables(rows: Sequence[growth.Row]) -> str:
@@ -208,16 +232,17 @@ def tables(rows: Sequence[growth.Row]) -> str:
     of_time = [row for row in rows if row[0].change and row[0].group == "scaling"]
     of_memory = [row for row in rows if row[0].change and row[0].group == "large"]
     parts = [(table, of_pictures), (growth.time_table, of_time), (growth.memory_table, of_memory)]
-    return "\n\n".join(make(chosen) for make, chosen in parts if chosen)
+    texts = [make(chosen) for make, chosen in parts if chosen]
+    return "\n\n".join([*texts, *goals.verdicts(rows)])
 
 
-def show_in_readme(rows: Sequence[growth.Row]) -> None:
-    """Put the table of the goals into the README."""
-    readme = ROOT / "README.md"
-    block = f"<!-- bench -->\n\n{table(rows)}\n\n<!-- /bench -->"
-    content = readme.read_text(encoding="utf-8")
+def show_in_readme(rows: Sequence[growth.Row], record: Path) -> None:
+    """Put the table of the goals into the README of this folder, with the record that it is from."""
+    source = f"From the record of [{record.stem}]({record.relative_to(README.parent).as_posix()})."
+    block = f"<!-- bench -->\n\n{source}\n\n{tables(rows)}\n\n<!-- /bench -->"
+    content = README.read_text(encoding="utf-8")
     content = re.sub(r"<!-- bench -->.*<!-- /bench -->", lambda _: block, content, flags=re.DOTALL)
-    readme.write_text(content, encoding="utf-8")
+    README.write_text(content, encoding="utf-8")
 
 
 def main() -> int:
@@ -231,7 +256,7 @@ def main() -> int:
     )
     parser.add_argument("--rounds", type=int, default=2, help="turns of all engines; 2 if not given")
     parser.add_argument(
-        "--record", action="store_true", help="keep the tables in benches/records, the goals in the README"
+        "--record", action="store_true", help="keep the tables in benches/records, the goals also in benches/README.md"
     )
     parser.add_argument("--row", help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -266,11 +291,11 @@ def main() -> int:
     text = tables(rows)
     print(text)
     if options.record:
-        records.keep(f'make bench BENCH="{shlex.join(sys.argv[1:])}"', text)
-        goals = [row for row in rows if row[0].group == "goals"]
+        record = records.keep(f'make bench BENCH="{shlex.join(sys.argv[1:])}"', text)
+        of_goals = [row for row in rows if row[0].group == goals.GROUP]
         # All of them or none.
-        if {case.label for case, *_ in goals} == {case.label for case in scenes.cases() if case.group == "goals"}:
-            show_in_readme(goals)
+        if {case.label for case, *_ in of_goals} == set(goals.labels()):
+            show_in_readme(of_goals, record)
     return 0
 
 

@@ -6,6 +6,7 @@ import datetime as dt
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import scenes
 
@@ -15,8 +16,8 @@ import machine
 FOLDER = scenes.ROOT / "benches" / "records"
 
 
-def keep(command: str, text: str) -> None:
-    """Write what a command printed, over what it printed earlier on the same day."""
+def keep(command: str, text: str) -> Path:
+    """Write what a command printed, over what it printed earlier on the same day; the day's file."""
     git = ["git", "-C", str(scenes.ROOT), "describe", "--always", "--dirty"]
     commit = subprocess.run(git, capture_output=True, text=True, check=False).stdout.strip()
     day = f"{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}"
@@ -28,3 +29,4 @@ def keep(command: str, text: str) -> None:
     section = f"{title}\n{machine.describe()}, commit {commit}.\n\n{text}\n"
     FOLDER.mkdir(exist_ok=True)
     path.write_text(f"{kept.rstrip()}\n\n{section}", encoding="utf-8")
+    return path

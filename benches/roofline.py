@@ -23,7 +23,6 @@ import timeit
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import growth
 import numpy as np
@@ -33,14 +32,14 @@ import scenes
 from wavesplat import _native
 
 STAGES = {
-    "shading": r"shade\.rs",
-    "warp": r"warp\.rs",
-    "slices combined and turned": r"(slices|panel)\.rs",
-    "weights of footprints": r"footprint\.rs.*\bbuild\b",
-    "densities and gradients": r"sheet\.rs",
-    "look-up, opacity, compositing": r"(classify|composite|project|local_maximum|first_hit)\.rs",
-    "rays": r"(rays|interval)\.rs",
-    "active blocks": r"bricks\.rs|active_(slabs|layers)",
+    "shading": r"optics/shade\.rs",
+    "warp": r"picture/(warp|resample)\.rs",
+    "slices combined and transposed": r"source/(slices|window|transposed)\.rs",
+    "weights of footprints": r"kernel/footprint.*\bbuild\b",
+    "densities and gradients": r"sheet/(buffer|upsample)\.rs",
+    "look-up, opacity, compositing": r"optics/(classify|preintegrate)\.rs|ray/",
+    "rays": r"sheet/tile_rays\.rs|view/region\.rs",
+    "empty-space skipping": r"source/(min_max_bricks|occupancy)\.rs|render/empty_space\.rs",
     "rest of the renderer": "",
 }
 CPU_SECONDS = 4.0
@@ -51,19 +50,14 @@ def case_of(label: str) -> scenes.Case:
     return next(case for case in scenes.cases() if case.label == label)
 
 
-def settings(label: str, is_cheapest: bool) -> dict[str, Any]:
-    """Those of a frame: quality normal, or the first of its case."""
-    return case_of(label).settings[0] if is_cheapest else {"quality": "normal"}
-
-
-def draw(label: str, is_cheapest: bool) -> dict[str, float]:
+def draw(label: str, quality: str) -> dict[str, float]:
     """Frames of a case for some seconds of CPU, in a process that `perf` watches."""
-    case, how = dataclasses.replace(case_of(label), threads=1), settings(label, is_cheapest)
-    scenes.render(case, **how)
+    case = dataclasses.replace(case_of(label), threads=1)
+    scenes.render(case, quality=quality)
     n_texels = n_frames = 0
     start, cpu_0 = time.monotonic(), time.process_time()
     while time.process_time() - cpu_0 < CPU_SECONDS:
-        n_texels += scenes.render(case, 0.3 * (n_frames % 20), **how).report["n_texels"]
+        n_texels += scenes.render(case, 0.3 * (n_frames % 20), quality=quality).report["n_texels"]
         n_frames += 1
     cpu_ms = 1e3 * (time.process_time() - cpu_0) / n_frames
     return {"start": start, "end": time.monotonic(), "cpu_ms": cpu_ms, "n_texels": n_texels / n_frames}
@@ -119,12 +113,13 @@ def stages(inside: Counter[int]) -> Counter[str]:
     return counts
 
 
-def table(label: str, is_cheapest: bool, limit: dict[str, float]) -> str:
+def table(label: str, quality: str, limit: dict[str, float]) -> str:
     """A case's stages."""
-    options = ["--cheapest"] if is_cheapest else []
     with tempfile.TemporaryDirectory() as folder:
         profile = Path(folder) / "perf.data"
-        frames = alone(label, *f"perf record -q -e cpu-clock -F 2000 -k mono -o {profile}".split(), options=options)
+        frames = alone(
+            label, *f"perf record -q -e cpu-clock -F 2000 -k mono -o {profile}".split(), options=["--quality", quality]
+        )
         inside, n_outside = places(profile, frames["start"], frames["end"])
     counts = stages(inside)
     counts["memory pages, Python"] = n_outside
@@ -135,8 +130,7 @@ def table(label: str, is_cheapest: bool, limit: dict[str, float]) -> str:
         numbers = [f"{count / counts.total():.1%}", f"{ns:.3f}", f"{1e3 / ns:.0f}"]
         lines.append([name, *numbers, f"{ns * limit['flop_per_ns']:.0f}", f"{ns * limit['bytes_per_ns']:.1f}"])
     headings = ["stage", "share", "ns per texel", "M texels/s per core", "flop it could do", "bytes it could move"]
-    how = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in settings(label, is_cheapest).items())
-    head = f"{label}, {how}: {frames['n_texels'] / 1e6:.2f} M texels and {frames['cpu_ms']:.1f} ms a frame."
+    head = f"{label}, quality {quality}: {frames['n_texels'] / 1e6:.2f} M texels and {frames['cpu_ms']:.1f} ms a frame."
     return f"{head}\n\n{growth.as_markdown(headings, lines)}"
 
 
@@ -144,14 +138,12 @@ def main() -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description="Time by stage against the limits of a core.")
     parser.add_argument("cases", nargs="*", metavar="LABEL", help='as "ct soft"; else "engine soft" and "engine hard"')
-    parser.add_argument(
-        "--cheapest", action="store_true", help="with the first settings of the case, not quality normal"
-    )
+    parser.add_argument("--quality", choices=("draft", "normal", "high"), default="normal", help="normal if not given")
     parser.add_argument("--record", action="store_true", help="keep the tables in benches/records")
     parser.add_argument("--task", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.task:
-        print(json.dumps(limits() if options.task == "limits" else draw(options.task, options.cheapest)))
+        print(json.dumps(limits() if options.task == "limits" else draw(options.task, options.quality)))
         return 0
     missing = [tool for tool in ("perf", "addr2line", "readelf") if shutil.which(tool) is None]
     if missing:
@@ -160,7 +152,7 @@ def main() -> int:
     limit = alone("limits")
     text = f"One core: {limit['bytes_per_ns']:.1f} GB/s of copying, {limit['flop_per_ns']:.0f} Gflop/s of f32."
     for label in options.cases or [f"{scenes.growth_volume()} {curve}" for curve in ("soft", "hard")]:
-        text += f"\n\n{table(label, options.cheapest, limit)}"
+        text += f"\n\n{table(label, options.quality, limit)}"
     print(text)
     if options.record:
         records.keep(f'make roofline ROOFLINE="{shlex.join(sys.argv[1:])}"', text)

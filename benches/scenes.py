@@ -47,8 +47,6 @@ class Case:
     composite: str
     settings: tuple[dict[str, Any], ...]
     rival: bool = True
-    goal_cpu_ms: float | None = None
-    goal_psnr: float | None = None
     # Of cases that show how time and memory grow. Not in the name of the converged picture, which they do not have.
     change: str = field(default="", repr=False)
     grid: str = field(default="own", repr=False)
@@ -176,8 +174,7 @@ def render(case: Case, turn_deg: float = 0.0, **settings: Any) -> ws.Picture:
 
 def converged(case: Case) -> NDArray[np.float64]:
     """The converged picture over black, from the cache where it is there."""
-    plain = {"threads": 0, "group": "", "settings": (), "rival": True, "goal_cpu_ms": None, "goal_psnr": None}
-    case = dataclasses.replace(case, **plain)
+    case = dataclasses.replace(case, threads=0, group="", settings=(), rival=True)
     digest = hashlib.sha256(repr((case, transfer_function(case), camera(case), STEP_VOXELS)).encode())
     digest.update(load(case.volume).samples.tobytes())
     path = CACHE / f"{case.volume}-{case.curve}-{digest.hexdigest()[:16]}.npy"

@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 20
+    assert len(things) == 18
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -62,8 +62,9 @@ def test_pickles_hold_no_private_place():
     curves = ws.TransferFunction.diverging(10)
     table = ws.TransferFunction2D([0, 1], [0, 1], np.ones((2, 2, 4)))
     things = [volume, ws.WaveletVolume.from_volume(volume), ws.Camera.view(volume, "left"), curves, table, ws.Shading()]
-    things += [ws.Light((0, 0, 1)), ws.Crop((0, 0, 0), (1, 1, 1)), ws.Materials.preset("ct"), ws.Variant()]
-    things += [ws.Labels(np.eye(3, dtype=np.uint8)[None]), ws.StandardSplatting(), ws.Picture(np.zeros((2, 2, 4)))]
+    things += [ws.Light((0, 0, 1)), ws.Crop((0, 0, 0), (1, 1, 1)), ws.Materials.preset("ct"), ws.study.Ablation()]
+    things += [ws.study.StandardSplatting(), ws.Labels(np.eye(3, dtype=np.uint8)[None])]
+    things += [ws.Picture(np.zeros((2, 2, 4)))]
     for thing in things:
         data = pickle.dumps(thing)
         assert b"wavesplat._" not in data
@@ -121,6 +122,6 @@ def test_the_page_of_what_is_public_names_all_modules_and_commands():
     page = (Path(__file__).parents[2] / "docs" / "public_api.md").read_text(encoding="utf-8")
     modules = [f"`wavesplat.{name}`" for name in ws.__all__ if inspect.ismodule(getattr(ws, name))]
     commands = [f"`{command.callback.__name__}`" for command in app.registered_commands]
-    assert len(modules) == 3
+    assert len(modules) == 4
     assert len(commands) == 6
     assert [name for name in [*modules, *commands] if name not in page] == []

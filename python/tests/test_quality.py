@@ -83,28 +83,57 @@ def test_a_wanted_psnr_is_reached(scene, view_angle):
         picture = ws.render(volume, soft, view, size=size, psnr=wanted_db)
         report = picture.report
         assert report["expected_psnr_db"] >= wanted_db
-        # On the safe side, since the two errors are added.
-        assert -1.5 < psnr_db(picture.rgba, want) - report["expected_psnr_db"] < 9, report
-        effort.append(sum(p["share"] * p["sheets_per_slice"] * p["oversampling"] ** 2 for p in report["passes"]))
-        assert report["sheets_per_slice"] == max(p["sheets_per_slice"] for p in report["passes"])
-        assert report["oversampling"] == max(p["oversampling"] for p in report["passes"])
+        assert psnr_db(picture.rgba, want) > wanted_db - 1
+        assert 0 < report["expected_psnr_spread_db"] < 3
+        effort.append(report["sheets_per_slice"] * report["oversampling"] ** 2)
     assert effort[0] < effort[1] < effort[2]
 
 
-def test_frames_like_the_first_are_drawn_once(scene):
+# Neither views nor functions of `benches/cases.toml`. Azimuth, elevation, view angle; the front view shows cut faces
+# edge on.
+HELD_OUT_VIEWS = [(0, 0, None), (90, 0, None), (-130, 50, None), (200, -35, 30.0)]
+HELD_OUT_CURVES = {
+    "ct": ([(-200, 0), (100, 0.02), (700, 0.4)], [(299, 0), (300, 1)]),
+    "mri": ([(15, 0), (50, 0.02), (90, 0.3)], [(34, 0), (35, 1)]),
+}
+
+
+@pytest.mark.parametrize("view", HELD_OUT_VIEWS)
+@pytest.mark.parametrize(("name", "is_hard"), [("ct", False), ("mri", False), ("ct", True), ("mri", True)])
+def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
+    make, _, _, curve, _ = SCENES[name]
+    volume = make()
+    function = ws.TransferFunction(HELD_OUT_CURVES[name][is_hard], curve)
+    azimuth, elevation, view_angle = view
+    eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle)
+    size = (112, 96)
+    step = 0.02 if is_hard else 0.05
+    want = ws.reference.raycast(volume, function, eye, size=size, step=step, rays_per_pixel=16).rgba
+    for wanted_db in (30, 40, 50):
+        picture = ws.render(volume, function, eye, size=size, psnr=wanted_db)
+        reached_db, report = psnr_db(picture.rgba, want), picture.report
+        told_db, spread_db = report["expected_psnr_db"], report["expected_psnr_spread_db"]
+        print(
+            f"{name} {is_hard=} {view} {wanted_db}: reached {reached_db:.1f}, told {told_db:.1f} +- {spread_db:.1f}",
+            report["sheets_per_slice"],
+            report["oversampling"],
+        )
+        assert reached_db > wanted_db - 1
+
+
+def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
     volume, soft, _, _ = scene
     first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20), size=(96, 80), psnr=38)
     assert json.loads(json.dumps(first.report["measured"])) == first.report["measured"]
     for wanted_db in (38, 44):
         view = ws.Camera.orbit(volume, 40, 10)
         frame = ws.render(volume, soft, view, size=(96, 80), psnr=wanted_db, like=first)
-        (drawn,) = frame.report["passes"]
-        assert drawn["share"] == 1
         assert frame.report["expected_psnr_db"] >= wanted_db
-        fixed = {name: drawn[name] for name in ("sheets_per_slice", "oversampling")}
+        assert frame.report["expected_psnr_spread_db"] > first.report["expected_psnr_spread_db"]
+        fixed = {name: frame.report[name] for name in ("sheets_per_slice", "oversampling")}
         np.testing.assert_array_equal(frame.rgba, ws.render(volume, soft, view, size=(96, 80), **fixed).rgba)
         want = ws.reference.raycast(volume, soft, view, size=(96, 80), step=0.05, rays_per_pixel=16).rgba
-        assert psnr_db(frame.rgba, want) > wanted_db - 2
+        assert psnr_db(frame.rgba, want) > wanted_db - frame.report["expected_psnr_spread_db"]
         # What was measured goes from frame to frame.
         again = ws.render(volume, soft, view, size=(96, 80), psnr=wanted_db, like=frame)
         np.testing.assert_array_equal(again.rgba, frame.rgba)
@@ -128,8 +157,7 @@ def test_a_psnr_costs_nothing_where_nothing_is_seen_and_what_is_out_of_reach_is_
     volume = ws.Volume(np.zeros((8, 8, 8), np.float32))
     clear = ws.TransferFunction([(0, 0.0), (1, 0.0)], [(0, 1, 1, 1), (1, 1, 1, 1)])
     report = ws.render(volume, clear, size=(40, 30), psnr=60).report
-    assert report["sheets_per_slice"] == 0.7
-    assert report["oversampling"] == 0.5
+    assert report["expected_psnr_db"] > 80
     assert report["measured"] is None
     volume = ws.examples.ripples(16)
     hard = ws.TransferFunction([(127, 0.0), (128, 1.0)], [(0, 1, 1, 1)])

@@ -146,7 +146,7 @@ def test_a_short_offset_of_the_linear_kernel_shows_the_cells():
 
 
 def test_sheet_differences_are_footprints_a_whole_number_of_texels_wide():
-    volume = ball()
+    volume = ball(20, 6.0)
     camera = ws.Camera.view(volume, "anterior")
     # The rays run along y. Sheets lie a quarter of a slice apart, and so do texels.
     side = 2 * camera.parallel_scale

@@ -12,7 +12,7 @@ public names are defined in included: import `wavesplat.Volume`, from nowhere el
 public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`_render`, `_mesh`, `reference`, `examples`, `_cli`.
+`_render`, `_mesh`, `reference`, `study`, `examples`, `_cli`.
 """
 
 from __future__ import annotations

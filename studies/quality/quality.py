@@ -13,7 +13,7 @@ samples, affine, camera, curves, shading, size, step, rays, and a small probe pi
 itself changes.
 
 `--record` also writes the table, with date, machine and command, to RESULTS.md beside this file, and its short form
-into the README.
+into benches/README.md.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -45,7 +45,7 @@ from tables import as_markdown, as_text
 ROOT = Path(__file__).resolve().parents[2]
 CACHE = ROOT / ".cache" / "quality"
 RESULTS = Path(__file__).with_name("RESULTS.md")
-README = ROOT / "README.md"
+README = ROOT / "benches" / "README.md"
 
 STEP_VOXELS = 0.05
 QUALITIES = ("normal", "high")
@@ -288,7 +288,9 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--rows", choices=ROW_FIELDS, default="projection", help="what a row of the table stands for")
     parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
-    parser.add_argument("--record", action="store_true", help="write RESULTS.md and the README's table; all pictures")
+    parser.add_argument(
+        "--record", action="store_true", help="write RESULTS.md and the table of benches/README.md; all pictures"
+    )
     return parser.parse_args()
 
 

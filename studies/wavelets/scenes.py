@@ -103,6 +103,9 @@ class Scene:
     plain_sheets: bool = False
 
 
+#: The method as the paper has it, in place of what quality "high" says.
+PLAIN_SHEETS = {"sheets_per_slice": 1, "oversampling": 1, "pre_integration": False, "early_ray_termination": False}
+
 FOG = Scene("along z, fog, one sheet per slice: the goals' scene", "fog", False, True, plain_sheets=True)
 SOFT = Scene("oblique, soft, shaded", "soft")
 HARD = Scene("oblique, hard, shaded", "hard")
@@ -165,8 +168,7 @@ def rgba_levels(picture: ws.Picture) -> Array:
 
 def draw(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> Array:
     """A volume in place of the subject."""
-    plain: dict[str, Any] = {"sheets_per_slice": 1, "oversampling": 1, "refined": False} if scene.plain_sheets else {}
-    how: Any = {**drawing(name, scene, size_px), "quality": "high", **plain}
+    how: Any = {**drawing(name, scene, size_px), "quality": "high", **(PLAIN_SHEETS if scene.plain_sheets else {})}
     return rgba_levels(ws.render(volume, **how))
 
 

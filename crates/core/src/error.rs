@@ -5,7 +5,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Whose move is next when an [`Error`] appears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Blame {
+pub enum ErrorKind {
     /// The caller passed something that cannot be drawn.
     Argument,
     /// The machine cannot hold what was asked for.
@@ -71,11 +71,11 @@ pub enum Error {
 
 impl Error {
     /// Whose move is next.
-    pub fn blame(&self) -> Blame {
+    pub fn kind(&self) -> ErrorKind {
         match self {
-            Self::TooLarge { .. } => Blame::Limit,
-            Self::Cancelled => Blame::Cancelled,
-            _ => Blame::Argument,
+            Self::TooLarge { .. } => ErrorKind::Limit,
+            Self::Cancelled => ErrorKind::Cancelled,
+            _ => ErrorKind::Argument,
         }
     }
 

@@ -9,20 +9,19 @@ mod composite;
 mod decoder;
 mod error;
 mod grid;
-mod joint;
 mod label;
 mod level_grid;
 mod options;
 mod picture;
 mod transfer_function;
+mod transfer_function_2d;
 mod volume;
 
 pub use camera::{Camera, Projection, Ray};
 pub use composite::{Composite, CompositeNumbers};
 pub use decoder::Decoder;
-pub use error::{Blame, Error, Result};
+pub use error::{Error, ErrorKind, Result};
 pub use grid::Grid;
-pub use joint::Joint;
 pub use label::LabelLook;
 pub use level_grid::LevelGrid;
 pub use options::{
@@ -31,4 +30,5 @@ pub use options::{
 };
 pub use picture::Picture;
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
+pub use transfer_function_2d::TransferFunction2D;
 pub use volume::{Sample, Samples, Statistics, Volume};

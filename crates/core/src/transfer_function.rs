@@ -5,7 +5,7 @@
 //! same value make a step, which belongs to the upper side.
 
 use crate::error::{Error, Result};
-use crate::joint::Joint;
+use crate::transfer_function_2d::TransferFunction2D;
 
 /// A node of the opacity curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub struct TransferFunction {
     color: Vec<ColorNode>,
     opacity_unit: Option<f64>,
     gradient: Vec<GradientNode>,
-    joint: Option<Joint>,
+    joint: Option<TransferFunction2D>,
 }
 
 impl TransferFunction {
@@ -93,7 +93,7 @@ impl TransferFunction {
 
     /// Colour and opacity by value and magnitude of the gradient. Its curves over the value alone are bounds: the largest
     /// opacity of any magnitude, and the colour of the lowest.
-    pub fn two_dimensional(joint: Joint, opacity_unit: Option<f64>) -> Result<Self> {
+    pub fn two_dimensional(joint: TransferFunction2D, opacity_unit: Option<f64>) -> Result<Self> {
         let rows = || (0..joint.magnitudes().len()).map(|row| joint.row(row));
         let nodes = joint.values().iter().enumerate();
         let opacity = nodes.clone().map(|(i, &value)| {
@@ -109,7 +109,7 @@ impl TransferFunction {
     }
 
     /// Colour and opacity by value and magnitude, where there is such a table.
-    pub fn joint(&self) -> Option<&Joint> {
+    pub fn function_2d(&self) -> Option<&TransferFunction2D> {
         self.joint.as_ref()
     }
 
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn curves_of_two_dimensions_are_bounded_by_those_of_one() {
         let rgba = vec![[1.0, 0.0, 0.0, 0.1], [0.0, 1.0, 0.0, 0.6], [0.0, 0.0, 1.0, 0.5], [1.0, 1.0, 1.0, 0.2]];
-        let joint = Joint::new(vec![0.0, 10.0], vec![0.0, 2.0], rgba).unwrap();
+        let joint = TransferFunction2D::new(vec![0.0, 10.0], vec![0.0, 2.0], rgba).unwrap();
         let tf = TransferFunction::two_dimensional(joint, None).unwrap();
         assert!(tf.has_gradient());
         assert!((tf.optical_depth(0.0, 2.0) + 0.5_f64.ln()).abs() < 1e-12);

@@ -22,7 +22,7 @@
 //! quality of multi-resolution volume rendering", Eurographics Symposium on Visualization 2006. Here all positions with
 //! the same coarse value share one.
 
-use wavesplat_core::{ColorNode, Joint, OpacityNode, Result, Shading, TransferFunction};
+use wavesplat_core::{ColorNode, OpacityNode, Result, Shading, TransferFunction, TransferFunction2D};
 
 use crate::level_brightness::GrayTable;
 use crate::level_histogram::{LevelHistogram, N_BINS};
@@ -48,7 +48,7 @@ impl LevelHistogram {
         is_steep: bool,
     ) -> Result<TransferFunction> {
         let length = spacing.iter().product::<f64>().cbrt();
-        if tf.joint().is_some() || self.hi <= self.lo {
+        if tf.function_2d().is_some() || self.hi <= self.lo {
             return self.average(tf, length);
         }
         let gray = |rgba: &[[f64; 4]]| -> GrayTable {
@@ -83,11 +83,11 @@ impl LevelHistogram {
             return Ok(tf.clone());
         }
         // Gradients of coarse samples stand for themselves.
-        if let Some(joint) = tf.joint() {
+        if let Some(joint) = tf.function_2d() {
             let magnitudes = joint.magnitudes();
             let rows = magnitudes.iter().map(|m| self.averages(|value| joint.rgba(value, *m), length, 0.0));
             let rgba = rows.collect::<Vec<_>>().concat();
-            let joint = Joint::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
+            let joint = TransferFunction2D::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
             return TransferFunction::two_dimensional(joint, tf.opacity_unit());
         }
         self.function(tf, &self.averages(rgba_of(tf), length, 0.0))

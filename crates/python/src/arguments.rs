@@ -4,8 +4,8 @@ use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use wavesplat_core::{
-    Camera, ColorNode, Error, GradientNode, Joint, Light, LightFrame, OpacityNode, Projection, Shading,
-    TransferFunction,
+    Camera, ColorNode, Error, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction,
+    TransferFunction2D,
 };
 use wavesplat_splat::reference::ablation::{Ablation, FootprintTable, GradientScheme};
 
@@ -79,7 +79,7 @@ impl PyTransferFunction {
         rgba: Vec<[f64; 4]>,
         opacity_unit: Option<f64>,
     ) -> PyResult<Self> {
-        let joint = Joint::new(values, magnitudes, rgba);
+        let joint = TransferFunction2D::new(values, magnitudes, rgba);
         joint.and_then(|joint| TransferFunction::two_dimensional(joint, opacity_unit)).map(Self).map_err(to_py)
     }
 

@@ -1,7 +1,7 @@
 //! The one place where Rust errors become Python exceptions: by whose move is next.
 
 use pyo3::PyErr;
-use wavesplat_core::{Blame, Error};
+use wavesplat_core::{Error, ErrorKind};
 
 mod exceptions {
     #![allow(missing_docs, reason = "the classes are documented in wavesplat/errors.py")]
@@ -14,9 +14,9 @@ mod exceptions {
 #[expect(clippy::needless_pass_by_value, reason = "used as map_err(to_py)")]
 pub fn to_py(error: Error) -> PyErr {
     let message = error.to_string();
-    match error.blame() {
-        Blame::Argument => exceptions::ArgumentError::new_err(message),
-        Blame::Limit => exceptions::LimitError::new_err(message),
-        Blame::Cancelled => exceptions::CancelledError::new_err(message),
+    match error.kind() {
+        ErrorKind::Argument => exceptions::ArgumentError::new_err(message),
+        ErrorKind::Limit => exceptions::LimitError::new_err(message),
+        ErrorKind::Cancelled => exceptions::CancelledError::new_err(message),
     }
 }

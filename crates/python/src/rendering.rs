@@ -43,10 +43,8 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
 #[derive(Clone, Copy, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct PyMeasured {
-    along: [f64; 2],
-    along_decay: f64,
-    across: [f64; 2],
-    across_decay: [f64; 2],
+    along: [[f64; 2]; 2],
+    across: [f64; 3],
     deviation: f64,
     sheets_per_slice: f64,
     oversampling: f64,
@@ -59,13 +57,7 @@ pub struct PyMeasured {
 impl From<PyMeasured> for Measured {
     fn from(told: PyMeasured) -> Self {
         Self {
-            errors: Errors {
-                along: told.along,
-                along_decay: told.along_decay,
-                across: told.across,
-                across_decay: told.across_decay,
-                deviation: told.deviation,
-            },
+            errors: Errors { along: told.along, across: told.across, deviation: told.deviation },
             at: Sampling { sheets_per_slice: told.sheets_per_slice, oversampling: told.oversampling },
             framing: Framing {
                 pixel_in_samples: told.pixel_in_samples,
@@ -82,9 +74,7 @@ impl From<Measured> for PyMeasured {
         let Measured { errors, at, framing, is_smooth } = measured;
         Self {
             along: errors.along,
-            along_decay: errors.along_decay,
             across: errors.across,
-            across_decay: errors.across_decay,
             deviation: errors.deviation,
             sheets_per_slice: at.sheets_per_slice,
             oversampling: at.oversampling,

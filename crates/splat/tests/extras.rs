@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, Joint, Kernel, LabelLook, Light, LightFrame, Picture, Projection, RenderOptions, Shading, TransferFunction,
+    Camera, Kernel, LabelLook, Light, LightFrame, Picture, Projection, RenderOptions, Shading, TransferFunction,
+    TransferFunction2D,
 };
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
@@ -41,7 +42,7 @@ fn mean_error(a: &Picture, b: &Picture) -> f64 {
 fn two_dimensional() -> TransferFunction {
     let row = |rgb: [f64; 3], most: f64| [0.0, most, most, 0.0].map(|a| [rgb[0], rgb[1], rgb[2], a]);
     let rgba = [row([1.0, 0.2, 0.1], 0.05), row([0.9, 0.8, 0.2], 0.0), row([0.1, 0.3, 1.0], 0.5)].concat();
-    let joint = Joint::new(vec![60.0, 110.0, 150.0, 200.0], vec![0.0, 10.0, 40.0], rgba).unwrap();
+    let joint = TransferFunction2D::new(vec![60.0, 110.0, 150.0, 200.0], vec![0.0, 10.0, 40.0], rgba).unwrap();
     TransferFunction::two_dimensional(joint, None).unwrap()
 }
 

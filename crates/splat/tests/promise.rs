@@ -1,7 +1,7 @@
 //! The promise of a wanted PSNR, on volumes, functions and views that no number was fitted on.
 
 use glam::{DAffine3, DVec3};
-use wavesplat_core::{Camera, Composite, Kernel, Picture, Projection, RenderOptions, TransferFunction};
+use wavesplat_core::{Camera, Kernel, Picture, Projection, RenderOptions, TransferFunction};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::quality::target_psnr::{Estimate, Wanted, render_to_psnr};
 use wavesplat_splat::source::slices::Slices;
@@ -101,9 +101,9 @@ fn camera(phantom: &Phantom, (towards, view_angle): (DVec3, Option<f64>)) -> Cam
     camera_towards(phantom.centre(), towards, distance, projection)
 }
 
-#[test]
-#[ignore = "prints a table"]
-fn table() {
+/// Draws every so many of all scenes with a wanted PSNR; `of_picture` is told what is drawn, what is wanted, what is
+/// reached, and what was told.
+fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
     let mut n = 0;
     for (name, phantom) in phantoms() {
         let volume = phantom.volume();
@@ -111,30 +111,45 @@ fn table() {
         for (function, tf) in functions() {
             for (view, at) in VIEWS.into_iter().enumerate() {
                 n += 1;
-                if n % std::env::var("EVERY").map_or(1, |n| n.parse::<usize>().unwrap()) != 0 {
+                if n % every != 0 {
                     continue;
                 }
-                let options = RenderOptions {
-                    width_px: 160,
-                    height_px: 144,
-                    composite: Composite::Over,
-                    ..RenderOptions::default()
-                };
+                let options = RenderOptions { width_px: 160, height_px: 144, ..RenderOptions::default() };
                 let case = Case { slices: &slices, tf: &tf, camera: camera(&phantom, at), options };
                 let finest = case.fixed(24.0, 8.0);
                 for wanted_db in [30.0, 40.0, 50.0] {
                     let (picture, told) = case.wanted(Wanted { psnr_db: wanted_db, like: None });
-                    let reached = psnr_db(&picture, &finest);
-                    let Estimate { sampling, psnr_db, spread_db, .. } = told;
-                    println!(
-                        "{name:10} {function:5} view {view} {wanted_db}: reached {reached:.1} ({:+.1}), told {psnr_db:.1} +- {spread_db:.1}, off {:+.1}, {} x {}",
-                        reached - wanted_db,
-                        reached - psnr_db,
-                        sampling.sheets_per_slice,
-                        sampling.oversampling
-                    );
+                    of_picture(&format!("{name} {function} view {view}"), wanted_db, psnr_db(&picture, &finest), &told);
                 }
             }
         }
     }
+}
+
+#[test]
+fn what_is_promised_is_reached_to_a_decibel() {
+    each(7, |scene, wanted_db, reached_db, told| {
+        // Noise with a hard step has an edge in every pixel; at 50 dB the finest sampling does not do, and that is told.
+        let is_promised = !(scene.starts_with("noise") && wanted_db > 45.0);
+        let least_db = if is_promised { wanted_db } else { told.psnr_db - told.spread_db };
+        assert!(reached_db > least_db - 1.0, "{scene}, {wanted_db}: {reached_db}, {told:?}");
+    });
+}
+
+/// `cargo test -p wavesplat-splat --test promise -- --ignored --nocapture`
+#[test]
+#[ignore = "prints a table of all scenes"]
+fn table() {
+    let every = std::env::var("EVERY").map_or(1, |every| every.parse().unwrap());
+    each(every, |scene, wanted_db, reached_db, told| {
+        let Estimate { sampling, psnr_db, spread_db, .. } = told;
+        println!(
+            "{scene:26} {wanted_db}: reached {reached_db:.1} ({:+.1}), told {psnr_db:.1} +- {spread_db:.1}, off {:+.1}, \
+             {} x {:.2}",
+            reached_db - wanted_db,
+            reached_db - psnr_db,
+            sampling.sheets_per_slice,
+            sampling.oversampling
+        );
+    });
 }

@@ -1,6 +1,6 @@
 //! Errors of wavelet transforms and wavelet volumes.
 
-use crate::transform::family::WaveletFamily;
+use crate::family::WaveletFamily;
 
 /// Every message says what happened, where, and how to mend it. All of them are about what the caller passed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

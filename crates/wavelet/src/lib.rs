@@ -56,11 +56,12 @@
 //! `threads` (on by default): slices and blocks in parallel. Results are the same to the bit without.
 
 mod error;
+mod family;
 mod transform;
 mod volume;
 
 pub use error::WaveletError;
-pub use transform::family::WaveletFamily;
+pub use family::WaveletFamily;
 pub use transform::norm::{Norm, from_amplitudes, to_amplitudes};
 pub use transform::plan::{TransformPlan, max_levels};
 pub use transform::real::Real;

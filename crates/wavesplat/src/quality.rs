@@ -52,7 +52,7 @@ impl Quality {
     ) -> Result<Sampling> {
         let samples_per_pixel = camera.pixel_size(grid.middle(), height_px) / grid.mean_spacing();
         let (sheets, oversampling) = quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel)?;
-        let finer = if is_steep && tf.joint().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
+        let finer = if is_steep && tf.function_2d().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
         Ok(Sampling { sheets_per_slice: sheets * finer, oversampling })
     }
 }

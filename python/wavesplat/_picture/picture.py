@@ -31,7 +31,9 @@ class Picture:
     value : float32 array, shape (height, width), or None
         For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
     report : dict
-        How the picture was made: times, sheets, tiles.
+        How the picture was made: sheets, texels, threads; of `render` also `seconds`, the times of its stages:
+        `prepare` (bounds of bricks, spline coefficients; next to nothing after the first frame), `plan`, `draw` and
+        `warp`.
     """
 
     rgba: NDArray[np.float32]

@@ -43,6 +43,21 @@ pub struct Classifier {
     pub(super) visible: Vec<u32>,
 }
 
+/// A transfer function as plain arrays, linear between their entries: what another backend takes.
+#[derive(Clone, Copy, Debug)]
+pub struct TransferTables<'a> {
+    /// Red, green, blue, optical depth per `opacity_unit`; the last entry stands twice.
+    pub colors: &'a [Entry],
+    /// For pre-integration: integral of the optical depth; nearest visible density above and below; optical depth, capped.
+    pub segments: &'a [Entry],
+    /// Density of the first entry.
+    pub first: f32,
+    /// Entries per density.
+    pub per_density: f32,
+    /// Densities beyond which nothing is visible.
+    pub visible_range: [f32; 2],
+}
+
 impl Classifier {
     /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
     /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Grid::density_from_sample`].
@@ -118,6 +133,12 @@ impl Classifier {
             before = own;
         }
         variation
+    }
+
+    /// The tables as plain arrays.
+    pub fn arrays(&self) -> TransferTables<'_> {
+        let Self { table, segments, lo, per_density, visible_range, .. } = self;
+        TransferTables { colors: table, segments, first: *lo, per_density: *per_density, visible_range: *visible_range }
     }
 
     /// Densities beyond which nothing is visible.

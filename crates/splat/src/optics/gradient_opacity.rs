@@ -5,12 +5,12 @@
 //! properties and of 3D Slicer). The factor scales the extinction, not the opacity of a slab, so that the picture does
 //! not depend on the number of sheets: opacity `α` per unit becomes `1 − (1 − α)^f`, which for faint functions is `f · α`.
 //!
-//! A function of two dimensions ([`wavesplat_core::Joint`]) is tabulated over densities and magnitudes, evenly along
+//! A function of two dimensions ([`wavesplat_core::TransferFunction2D`]) is tabulated over densities and magnitudes, evenly along
 //! both, and looked up bilinearly.
 
 use glam::DMat3;
 use wavesplat_compute::simd::{ROUND, Wide};
-use wavesplat_core::{Joint, TransferFunction};
+use wavesplat_core::{TransferFunction, TransferFunction2D};
 
 use crate::optics::classify::{Entry, OPAQUE_DEPTH};
 use crate::optics::shade::Metric;
@@ -51,7 +51,7 @@ impl GradientOpacity {
         density_from_sample: (f64, f64),
     ) -> Option<Self> {
         let (_, density_scale) = density_from_sample;
-        let kind = if let Some(joint) = tf.joint() {
+        let kind = if let Some(joint) = tf.function_2d() {
             Kind::Both(Table::new(joint, density_from_sample))
         } else {
             // Constant beyond the last node; a curve of one node at 0 is constant everywhere.
@@ -128,7 +128,7 @@ impl Side {
 }
 
 impl Table {
-    fn new(joint: &Joint, (offset, scale): (f64, f64)) -> Self {
+    fn new(joint: &TransferFunction2D, (offset, scale): (f64, f64)) -> Self {
         let [values, magnitudes] = [Side::new(joint.values()), Side::new(joint.magnitudes())];
         let entry = |i: usize| {
             let [r, g, b, opacity] = joint.rgba(values.node(i % values.n), magnitudes.node(i / values.n));

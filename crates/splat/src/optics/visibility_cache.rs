@@ -117,8 +117,8 @@ mod tests {
         (5..13).for_each(|at| drop(cache.get(&slices, &step(f64::from(at)), 1.0)));
         let again = cache.get(&slices, &step(3.0), 1.0);
         assert!(!Arc::ptr_eq(&first, &again));
-        let visible_ranges = again.visible_ranges(slices.bricks());
-        assert_eq!(*visible_ranges, slices.bricks().visible_ranges(|[lo, hi]| again.any_opacity(lo, hi)));
+        let visible_ranges = again.visible_ranges(slices.bricks().unwrap());
+        assert_eq!(*visible_ranges, slices.bricks().unwrap().visible_ranges(|[lo, hi]| again.any_opacity(lo, hi)));
         for thickness in [1.0, 0.25, 1.0] {
             assert_eq!(again.variation(thickness), again.classifier.variation(thickness));
         }

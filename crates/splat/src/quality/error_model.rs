@@ -1,8 +1,9 @@
 //! Error model: what is known of the errors and costs of samplings.
 //!
-//! The error along the rays falls by a power of the sheets, that across them by a power of the texels, another one where
-//! pixels are one read than where they are the mean of several. [`Errors`] are measured by `probe.rs`; before that, and
-//! where nothing can be measured, there is the prior, of which no promise depends.
+//! [`Errors`] are those along the rays with two numbers of sheets and those across them with three numbers of texels, as
+//! `probe.rs` measures them. Between these the logarithm of the error is linear in that of the number; beyond them it is
+//! extrapolated, which tells where to measure next. Before anything is measured, and where nothing is seen, there is the
+//! prior, on which no promise depends.
 
 use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
 
@@ -21,56 +22,71 @@ pub struct Sampling {
     pub oversampling: f64,
 }
 
-/// Samplings that are chosen from.
+/// Samplings that are chosen from. A texel on every pixel is not among them: an edge of the volume that lies along the
+/// texels is then as jagged as with many more texels that are read once.
 const SHEETS: [f64; 11] = [0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 12.0];
-const OVERSAMPLINGS: [f64; 13] = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0, 4.0, 5.0];
+const OVERSAMPLINGS: [f64; 10] = [0.5, 0.6, 0.8, 1.2, 4.0 / 3.0, 1.5, 2.0, 8.0 / 3.0, 3.0, 4.0];
 
-/// Samplings that are measured: half as many texels are one read a pixel with the least; twice as many can be drawn.
-const MEASURED_OVERSAMPLING: [f64; 2] = [1.2, 4.0];
-const MEASURED_SHEETS: [f64; 2] = [1.4, 8.0];
+/// Those that are measured, with half of the sheets, and with two thirds and half of the texels. Where colours along a ray
+/// do not change smoothly, how good sheets between slices are depends on how they lie to the samples, and whether slabs
+/// are pre-integrated on how thick they are: only these sheets and half of them are chosen.
+const MEASURED_SHEETS: [f64; 5] = [2.0, 4.0, 6.0, 8.0, 12.0];
+const MEASURED_OVERSAMPLINGS: [f64; 4] = [1.2, 2.0, 3.0, 4.0];
 
 /// Where no sampling reaches what is wanted, the cheapest is taken with nearly the least error.
 const NEARLY: f64 = 1.1;
 
-/// Mean square errors of a picture with one sampling, and the factors by which they fall with twice the sheets or texels.
+/// Mean square errors of a picture with a sampling and with coarser ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Along the rays; of pixels that are one read, and the mean of several.
-    pub along: [f64; 2],
-    /// How they fall.
-    pub along_decay: f64,
-    /// Across the rays; of pixels that are one read, and the mean of several.
-    pub across: [f64; 2],
-    /// How these fall.
-    pub across_decay: [f64; 2],
+    /// Along the rays, with half the sheets and with all; each of pixels that are one read, and that are the mean of as
+    /// many as the texels ask for.
+    pub along: [[f64; 2]; 2],
+    /// Across the rays, with half the texels along each axis, two thirds, and all.
+    pub across: [f64; 3],
     /// Relative standard deviation of all these.
     pub deviation: f64,
 }
 
-/// Decays are not believed to be less or more than these, since few tiles tell them: errors of a smooth function fall
-/// with the fourth power of the distance in theory, those of edges at least with the first, hardly at all in noise.
+/// Beyond what was measured, errors fall with twice the sheets or texels to this share at least and at most.
 const DECAYS: [f64; 2] = [0.06, 0.7];
 
 impl Errors {
-    /// `along`: with half the sheets and as many as are measured; each of pixels that are one read, and the mean of
-    /// several. `single`: across the rays, of one read, with a half, two thirds, and all of the texels; `mean`: of several
-    /// reads, with a half and all.
-    pub(crate) fn measured(along: [[f64; 2]; 2], single: [f64; 3], mean: [f64; 2], deviation: f64) -> Self {
-        let decay = |[before, after]: [f64; 2]| {
-            if before > 0.0 { (after / before).clamp(DECAYS[0], DECAYS[1]) } else { DECAYS[1] }
-        };
-        let along_decay = decay(along.map(|[single, mean]| single + mean));
-        let single_decay = decay([single[0], single[1]]).powf(1.0 / (4.0_f64 / 3.0).log2()).clamp(DECAYS[0], DECAYS[1]);
-        let mean_decay = decay(mean);
+    /// By differences from what stands for the converged picture: three times the sheets, and twice the texels. That has
+    /// errors of its own, be they of one kind with those that are measured or another.
+    pub(crate) fn measured(along: [[f64; 2]; 2], across: [f64; 3], deviation: f64) -> Self {
+        let decay = |before: f64, after: f64| (after / before.max(f64::MIN_POSITIVE)).min(0.35);
+        let [half, all] = along.map(|[single, mean]| single + mean);
+        let along_left = decay(half, all).powf(0.5 * 3.0_f64.log2());
+        let across_left = decay(across[0], across[2]);
+        let [half, all] = along;
         Self {
-            along: along[1],
-            along_decay,
-            across: [single[1] * single_decay.powf(1.5_f64.log2()), mean[1]],
-            across_decay: [single_decay, mean_decay],
+            along: [half.map(|e| e / (1.0 - 0.5 * along_left)), all.map(|e| e / (1.0 - along_left))],
+            across: [across[0], across[1] / (1.0 - 0.5 * across_left), across[2] / (1.0 - across_left)],
             deviation,
         }
     }
 }
+
+/// Linear in logarithms through points, the number against the error; beyond them as by the two that are outermost.
+fn interpolated(points: &[(f64, f64)], number: f64) -> f64 {
+    let is_before = |pair: &[(f64, f64)]| number <= pair[1].0;
+    let pair = points.windows(2).find(|pair| is_before(pair)).unwrap_or(&points[points.len() - 2..]);
+    let [(from, before), (to, after)] = [pair[0], pair[1]];
+    let (before, after) = (before.max(LEAST_ERROR), after.max(LEAST_ERROR));
+    let share = (number / from).ln() / (to / from).ln();
+    let decay = (after / before).powf(1.0 / (to / from).log2()).clamp(DECAYS[0], DECAYS[1]);
+    if share < 0.0 {
+        before * decay.powf((number / from).log2())
+    } else if share > 1.0 {
+        after * decay.powf((number / to).log2())
+    } else {
+        before * (after / before).powf(share)
+    }
+}
+
+/// No error is less.
+const LEAST_ERROR: f64 = 1e-14;
 
 /// What a picture told of its error, for those of the same that are drawn next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +125,12 @@ const SPREAD_PER_OCTAVE_DB: f64 = 1.5;
 /// A sampling is chosen so that the picture is better than it must be by so many standard deviations.
 const DEVIATIONS: f64 = 1.0;
 
+/// What is so little beyond what was measured, in octaves, need not be measured: 0.5 texels a pixel instead of 0.6.
+const CLOSE_OCTAVES: f64 = 0.3;
+
+/// Of smooth functions, so many times the sheets are measured that are chosen: more or fewer may do.
+const SPARE_SHEETS: f64 = 1.4;
+
 /// Power of the distance of pixels by which the texels grow that leave as much error.
 const OF_DISTANCE: f64 = 0.25;
 
@@ -121,10 +143,10 @@ impl ErrorModel {
         let composite = options.composite;
         let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep(slices.grid(), tf);
         let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
-        let (along_decay, across_decay) = if is_smooth { (0.12, [0.25, 0.13]) } else { (0.16, [0.33, 0.22]) };
+        let [along_decay, across_decay] = if is_smooth { [0.12, 0.2] } else { [0.16, 0.3] };
         let [along, across] = [along_db, across_db].map(mean_square_of);
-        let errors =
-            Errors { along: [along; 2], along_decay, across: [across, 0.6 * across], across_decay, deviation: 0.0 };
+        let across = [0.5_f64, 2.0 / 3.0, 1.0].map(|of| across * f64::powf(across_decay, of.log2()));
+        let errors = Errors { along: [[along / along_decay; 2], [along; 2]], across, deviation: 0.0 };
         // The closer pixels are to each other, the less is left out between them.
         let framing = Framing::new(slices.grid(), camera, options);
         let oversampling = 0.7 * (framing.pixel_in_samples / 0.62).powf(OF_DISTANCE);
@@ -159,43 +181,67 @@ impl ErrorModel {
         };
         let more = own.covered / others.covered;
         let Errors { along, across, .. } = other.errors;
-        let errors = Errors { along: along.map(|e| more * e), across: across.map(|e| more * e), ..other.errors };
+        let along = along.map(|errors| errors.map(|e| more * e));
+        let errors = Errors { along, across: across.map(|e| more * e), ..other.errors };
         let model = Self { errors, at, other_spread_db: LIKE_SPREAD_DB, ..*self };
         // Numbers that come from elsewhere may be any.
         let is_sound = model.error(&at).is_finite() && model.spread_db(&at).is_finite();
         is_sound.then_some(model)
     }
 
-    /// The sampling to measure at, for a picture with some sampling.
+    /// The sampling to measure at, of which a chosen one is, or is close to, one of the coarser ones.
     pub fn to_measure(&self, chosen: &Sampling) -> Sampling {
-        let [least, most] = MEASURED_SHEETS;
-        let sheets_per_slice = chosen.sheets_per_slice.clamp(least, most);
-        let [least, most] = MEASURED_OVERSAMPLING;
-        let oversampling = chosen.oversampling.clamp(least, most).min(self.most_oversampling.max(least));
-        // Half of the sheets are to lie as evenly.
-        let sheets_per_slice = if self.is_smooth { sheets_per_slice } else { 2.0 * (0.5 * sheets_per_slice).ceil() };
-        Sampling { sheets_per_slice, oversampling }
+        let first = |all: &[f64], least: f64| all.iter().copied().find(|n| *n >= least).unwrap_or(all[all.len() - 1]);
+        let most = self.most_oversampling.max(MEASURED_OVERSAMPLINGS[0]);
+        let sheets = chosen.sheets_per_slice;
+        Sampling {
+            // Half of the sheets are to lie as evenly.
+            sheets_per_slice: if self.is_smooth {
+                (SPARE_SHEETS * sheets).min(12.0)
+            } else {
+                first(&MEASURED_SHEETS, sheets)
+            },
+            oversampling: first(&MEASURED_OVERSAMPLINGS, chosen.oversampling).min(most),
+        }
+    }
+
+    /// Whether a sampling is among those that were measured, or close to them.
+    pub fn covers(&self, sampling: &Sampling) -> bool {
+        self.octaves_beyond(sampling).iter().all(|octaves| *octaves <= CLOSE_OCTAVES)
     }
 
     /// The cheapest sampling that promises an error, or else nearly the least.
     pub fn cheapest(&self, error: f64) -> Sampling {
-        // How good sheets between slices are where colours do not change smoothly depends on how they lie to the samples.
-        let lies_evenly = |sampling: &Sampling| self.is_smooth || sampling.sheets_per_slice.fract() == 0.0;
-        let all = || self.samplings().filter(lies_evenly);
+        self.cheapest_of(error, |_| true)
+    }
+
+    /// The same of those that were measured.
+    pub fn cheapest_measured(&self, error: f64) -> Sampling {
+        self.cheapest_of(error, |sampling| self.covers(sampling))
+    }
+
+    fn cheapest_of(&self, error: f64, is_possible: impl Fn(&Sampling) -> bool) -> Sampling {
+        let lies_evenly = |sheets: f64| MEASURED_SHEETS.iter().any(|n| sheets == *n || 2.0 * sheets == *n);
+        let is_candidate =
+            |sampling: &Sampling| (self.is_smooth || lies_evenly(sampling.sheets_per_slice)) && is_possible(sampling);
+        let all = || self.samplings().filter(is_candidate);
         let likely_most =
             |sampling: &Sampling| self.error(sampling) * 10.0_f64.powf(0.1 * DEVIATIONS * self.spread_db(sampling));
         let best = all().map(|sampling| likely_most(&sampling)).fold(f64::INFINITY, f64::min);
         let enough = all().filter(|sampling| likely_most(sampling) <= error.max(NEARLY * best));
-        enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).expect("there are samplings")
+        enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).unwrap_or(self.at)
     }
 
     /// The mean square error with a sampling: along and across the rays.
     pub fn error(&self, new: &Sampling) -> f64 {
-        let several = usize::from(reads_per_axis(self.composite, new.oversampling) > 1);
-        let Errors { along, along_decay, across, across_decay, .. } = self.errors;
-        let along = along[several] * along_decay.powf((new.sheets_per_slice / self.at.sheets_per_slice).log2());
-        let finer = (new.oversampling / self.at.oversampling).log2();
-        along + across[several] * across_decay[several].powf(finer)
+        let reads = usize::from(reads_per_axis(self.composite, new.oversampling) > 1);
+        let Errors { along, across, .. } = self.errors;
+        let Sampling { sheets_per_slice, oversampling } = self.at;
+        let sheets = [0.5, 1.0].map(|of| of * sheets_per_slice);
+        let texels = [0.5, 2.0 / 3.0, 1.0].map(|of| of * oversampling);
+        let along = interpolated(&[(sheets[0], along[0][reads]), (sheets[1], along[1][reads])], new.sheets_per_slice);
+        let points = [0, 1, 2].map(|k| (texels[k], across[k]));
+        along + interpolated(&points, new.oversampling)
     }
 
     /// The standard deviation of the error with a sampling, dB.
@@ -210,7 +256,7 @@ impl ErrorModel {
     }
 
     /// By how many octaves the sheets and the texels are beyond what was measured.
-    pub fn octaves_beyond(&self, new: &Sampling) -> [f64; 2] {
+    fn octaves_beyond(&self, new: &Sampling) -> [f64; 2] {
         let beyond = |ratio: f64| (ratio.log2()).max(-1.0 - ratio.log2()).max(0.0);
         [beyond(new.sheets_per_slice / self.at.sheets_per_slice), beyond(new.oversampling / self.at.oversampling)]
     }

@@ -23,8 +23,9 @@ use crate::sheet::tile_layout::{TILE_U, TILE_V};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 
-/// Texels of a pilot tile, along u and v, at twice the oversampling that is measured: a tile of a base plane.
-const TILE: [usize; 2] = [TILE_U, TILE_V];
+/// Texels of a pilot tile, along u and v, at twice the oversampling that is measured: whole tiles of a base plane. The
+/// wider, the less of it is margin.
+const TILE: [usize; 2] = [TILE_U, 2 * TILE_V];
 
 /// Pilot tiles take about this share of what the picture takes, but there are so many at least and at most.
 const BUDGET: f64 = 0.2;
@@ -39,6 +40,9 @@ const MOST_CELLS: usize = 128;
 
 /// A cell without contrast counts as much as others with this share of the mean.
 const FLAT: f64 = 0.2;
+
+/// Multiples of these, less their whole parts, fill a square evenly (Roberts 2018, *R2 sequence*).
+const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
 /// Where something is seen in a picture, and how much contrast it has there.
 pub(crate) struct Overview {
@@ -99,7 +103,8 @@ impl Overview {
         self.weights.iter().sum::<f64>() / self.weights.len() as f64
     }
 
-    /// Pixels, as many as asked for, evenly spread over the weight, row by row and there and back.
+    /// Pixels, as many as asked for, evenly spread over the weight, row by row and there and back; anywhere in their cells,
+    /// so that an edge along the cells is met as often as any other.
     fn choose(&self, n: usize) -> Vec<[usize; 2]> {
         let [n_x, n_y] = self.n;
         let cells = (0..n_y).flat_map(|y| (0..n_x).map(move |x| [if y % 2 == 0 { x } else { n_x - 1 - x }, y]));
@@ -109,39 +114,24 @@ impl Overview {
         for [x, y] in cells {
             before += self.weights[y * n_x + x];
             while chosen.len() < n && (chosen.len() as f64 + 0.5) * sum <= before * n as f64 {
-                chosen.push([x, y].map(|cell| cell * self.cell_px + self.cell_px / 2));
+                let within = PLASTIC.map(|number| (chosen.len() as f64 * number).fract());
+                chosen.push([0, 1].map(|axis| ((([x, y][axis] as f64) + within[axis]) * self.cell_px as f64) as usize));
             }
         }
         chosen
     }
 }
 
-/// Samplings that are compared; the errors of the tiles and of the picture are listed in this order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum ProbeLevel {
-    /// Half the sheets, and the sheets that are measured; pixels are one read, and the mean of several.
-    Along { is_half: bool, is_mean: bool },
-    /// So many texels of the finest along each axis are left out but for one; pixels as before.
-    Across { every: usize, is_mean: bool },
+/// Squares of errors of a tile, by the sum of its weights.
+#[derive(Clone, Copy, Debug)]
+struct TileErrors {
+    /// As [`Errors::along`].
+    along: [[f64; 2]; 2],
+    /// As [`Errors::across`].
+    across: [f64; 3],
 }
 
-const LEVELS: [ProbeLevel; 9] = [
-    ProbeLevel::Along { is_half: true, is_mean: false },
-    ProbeLevel::Along { is_half: false, is_mean: false },
-    ProbeLevel::Along { is_half: true, is_mean: true },
-    ProbeLevel::Along { is_half: false, is_mean: true },
-    ProbeLevel::Across { every: 4, is_mean: false },
-    ProbeLevel::Across { every: 3, is_mean: false },
-    ProbeLevel::Across { every: 2, is_mean: false },
-    ProbeLevel::Across { every: 4, is_mean: true },
-    ProbeLevel::Across { every: 2, is_mean: true },
-];
-
-/// One number for each of [`LEVELS`].
-type PerLevel = [f64; LEVELS.len()];
-
-/// Measures the errors of a picture, at and around a sampling of at least [`LEAST_OVERSAMPLING`] texels a pixel; `None`
-/// where the tiles show nothing.
+/// Measures the errors of a picture with a sampling and with coarser ones; `None` where the tiles show nothing.
 pub(crate) fn errors(
     frame: &SampledFrame,
     overview: &Overview,
@@ -165,9 +155,10 @@ pub(crate) fn errors(
     let n = ((BUDGET * of_picture / per_tile) as usize).clamp(N_TILES[0], N_TILES[1]);
     let tiles: Vec<PilotTile> =
         overview.choose(n).into_iter().filter_map(|px| PilotTile::around(px, frame, &planes, rays)).collect();
-    let progress = Progress::new(callback, 3 * tiles.len());
+    // Each draws two pieces of fine texels, and one of coarser ones twice.
+    let progress = Progress::new(callback, 4 * tiles.len());
     let measured = parallel::map(tiles.len(), |k| tiles[k].measure(&frames, overview, &progress));
-    let per_weight: Vec<PerLevel> = measured.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+    let per_weight: Vec<TileErrors> = measured.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     Ok((!per_weight.is_empty()).then(|| summary(&per_weight, overview.mean_weight())))
 }
 
@@ -226,14 +217,13 @@ impl PilotTile {
         Some(Self { plane, pixels: PixelRectangle { first: lo, size }, is_served })
     }
 
-    /// The sum of the squares of the errors of each level, by the sum of the weights of the overview; `None` where these
-    /// are none. `frames`: with half the sheets, with those that are measured, and with more.
+    /// The squares of its errors by the weights of the overview; `None` where these are none. `frames`: with half the sheets, with those that are measured, and with more.
     fn measure(
         &self,
         frames: &[SampledFrame; 3],
         overview: &Overview,
         progress: &Progress,
-    ) -> Result<Option<PerLevel>> {
+    ) -> Result<Option<TileErrors>> {
         let draw = |plane: &BasePlane, frame: &SampledFrame| {
             let slices = frame.layer.slices;
             let family = frame.plan.family(plane.clone(), slices.bricks());
@@ -251,28 +241,24 @@ impl PilotTile {
         let frame = &frames[1];
         let composite = frame.options.composite;
         let oversampling = frame.options.oversampling;
-        let several = |oversampling: f64| {
-            let reads = reads_per_axis(composite, oversampling);
-            if composite.is_projection() { 1 } else { reads.max(2) }
-        };
         let read = |picture: &BasePicture, reads: usize| {
             warped(&frame.plan, std::slice::from_ref(picture), self.pixels, reads, false).rgba
         };
-        let converged_along = [1, several(oversampling)].map(|reads| read(&finer, reads));
-        let converged_across = read(&fine, several(2.0 * oversampling));
         let weights: f64 = self.served().map(|(_, pixel)| overview.weight(pixel)).sum();
-        let of_level = |level: ProbeLevel| match level {
-            ProbeLevel::Along { is_half, is_mean } => {
-                let reads = if is_mean { several(oversampling) } else { 1 };
-                let picture = read(if is_half { half } else { own }, reads);
-                self.sum_of_squares(&picture, &converged_along[usize::from(is_mean)])
-            }
-            ProbeLevel::Across { every: k, is_mean } => {
-                let reads = if is_mean { several(2.0 * oversampling / k as f64) } else { 1 };
-                self.sum_of_squares(&read(&every[k - 2], reads), &converged_across)
-            }
+        let mean_square = |a: &[[f32; 4]], b: &[[f32; 4]]| {
+            self.served().map(|(k, _)| f64::from(difference(&a[k], &b[k]))).sum::<f64>() / weights
         };
-        Ok((weights > 0.0).then(|| LEVELS.map(|level| of_level(level) / weights)))
+        let along = [1, reads_per_axis(composite, oversampling)].map(|reads| {
+            let converged = read(&finer, reads);
+            [half, own].map(|picture| mean_square(&read(picture, reads), &converged))
+        });
+        let converged = read(&fine, reads_per_axis(composite, 2.0 * oversampling));
+        let across = [4, 3, 2].map(|k| {
+            let reads = reads_per_axis(composite, 2.0 * oversampling / k as f64);
+            mean_square(&read(&every[k - 2], reads), &converged)
+        });
+        let along = [0, 1].map(|level| [along[0][level], along[1][level]]);
+        Ok((weights > 0.0).then_some(TileErrors { along, across }))
     }
 
     /// The pixels that it serves: their numbers in its rectangle, and in the picture.
@@ -280,10 +266,6 @@ impl PilotTile {
         let PixelRectangle { first, size } = self.pixels;
         let served = self.is_served.iter().enumerate().filter(|(_, is_served)| **is_served);
         served.map(move |(k, _)| (k, [first[0] + k % size[0], first[1] + k / size[0]]))
-    }
-
-    fn sum_of_squares(&self, a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
-        self.served().map(|(k, _)| f64::from(difference(&a[k], &b[k]))).sum()
     }
 }
 
@@ -293,23 +275,14 @@ fn difference(a: &[f32; 4], b: &[f32; 4]) -> f32 {
 }
 
 /// Errors of the picture by those of the tiles, each per weight.
-fn summary(tiles: &[PerLevel], mean_weight: f64) -> Errors {
-    let mean = |of: &dyn Fn(&PerLevel) -> f64| tiles.iter().map(of).sum::<f64>() / tiles.len() as f64;
-    let error = |level: ProbeLevel| {
-        let k = LEVELS.iter().position(|known| *known == level).expect("a level that is measured");
-        mean_weight * mean(&|tile| tile[k])
-    };
-    let along = |is_half: bool| [false, true].map(|is_mean| error(ProbeLevel::Along { is_half, is_mean }));
-    let across = |every: usize, is_mean: bool| error(ProbeLevel::Across { every, is_mean });
-    // How much tiles differ: of the levels that the picture will be like.
-    let total = |tile: &PerLevel| tile[3] + tile[8];
+fn summary(tiles: &[TileErrors], mean_weight: f64) -> Errors {
+    let mean = |of: &dyn Fn(&TileErrors) -> f64| tiles.iter().map(of).sum::<f64>() / tiles.len() as f64;
+    let along = [0, 1].map(|level| [0, 1].map(|reads| mean_weight * mean(&|tile| tile.along[level][reads])));
+    let across = [0, 1, 2].map(|level| mean_weight * mean(&|tile| tile.across[level]));
+    // How much tiles differ: in the middle of what is measured.
+    let total = |tile: &TileErrors| tile.along[1][1] + tile.across[1];
     let whole = mean(&total);
     let variance = mean(&|tile| (total(tile) - whole).powi(2));
-    let relative_deviation = (variance / (tiles.len() as f64 - 1.0).max(1.0)).sqrt() / whole.max(f64::MIN_POSITIVE);
-    Errors::measured(
-        [along(true), along(false)],
-        [across(4, false), across(3, false), across(2, false)],
-        [across(4, true), across(2, true)],
-        relative_deviation,
-    )
+    let deviation = (variance / (tiles.len() as f64 - 1.0).max(1.0)).sqrt() / whole.max(f64::MIN_POSITIVE);
+    Errors::measured(along, across, deviation)
 }

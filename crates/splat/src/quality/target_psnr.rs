@@ -52,9 +52,6 @@ pub struct Estimate {
 /// So often pilot tiles are drawn at most.
 const MOST_PILOTS: usize = 3;
 
-/// Pilot tiles are drawn again where what they choose is this many octaves beyond what was measured.
-const FAR_OCTAVES: f64 = 0.6;
-
 /// The share of the progress that the overview and the pilot tiles are.
 const PILOT_PROGRESS: f32 = 0.3;
 
@@ -74,15 +71,17 @@ pub fn render_to_psnr(
     let wanted = mean_square_of(psnr_db);
     parallel::with_threads(options.n_threads, || {
         let prior = ErrorModel::prior(layer.slices, layer.transfer_function, camera, options);
-        let (model, measured, from) = match like.and_then(|like| Some((prior.like(&like)?, like))) {
+        let (model, like, from) = match like.and_then(|like| Some((prior.like(&like)?, like))) {
             Some((model, like)) => (Some(model), Some(like), 0.0),
             None => {
                 let model = pilot(&prior, layer, camera, options, wanted, callback)?;
-                (model, model.map(|model| model.measured()), PILOT_PROGRESS)
+                (model, None, PILOT_PROGRESS)
             }
         };
         let known = model.unwrap_or(prior);
-        let sampling = known.cheapest(wanted);
+        let is_measured = model.is_some() && like.is_none();
+        let sampling = if is_measured { known.cheapest_measured(wanted) } else { known.cheapest(wanted) };
+        let measured = like.or(model.map(|model| model.measured()));
         let with_sampling = options_with(options, sampling);
         let drawing = Share { of: callback, from, to: 1.0 };
         let plan = Plan::new(Level::best(), layer, camera, &with_sampling)?;
@@ -125,8 +124,7 @@ fn pilot(
         model = Some(measured);
         let chosen = measured.cheapest(wanted);
         let next = prior.to_measure(&chosen);
-        let is_far = measured.octaves_beyond(&chosen).iter().any(|octaves| *octaves > FAR_OCTAVES);
-        if !is_far || next == at {
+        if measured.covers(&chosen) || next == at {
             break;
         }
         at = next;

@@ -5,6 +5,7 @@ pub mod frame;
 pub mod layer;
 pub mod piece;
 pub mod plan;
+pub mod plan_arrays;
 pub mod progress;
 pub mod report;
 pub mod tile;

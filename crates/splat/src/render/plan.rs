@@ -22,6 +22,7 @@ use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
 use crate::render::layer::Layer;
 use crate::sheet::spacing::SheetSpacing;
+use crate::sheet::tile_rays::RayGeometry;
 use crate::source::field::Field;
 use crate::source::min_max_bricks::Bricks;
 use crate::source::occupancy::OccupancyGrid;
@@ -281,6 +282,17 @@ impl Plan {
 }
 
 impl FamilyPlan {
+    /// What the rays of all its tiles share.
+    pub(super) fn ray_geometry<'a>(&'a self, plan: &'a Plan) -> RayGeometry<'a> {
+        RayGeometry {
+            plane: &self.plane,
+            region: &plan.region,
+            world_from_index: plan.grid.world_from_index(),
+            opacity_unit: plan.opacity_unit,
+            depth_cue: plan.depth_cue,
+        }
+    }
+
     /// Positions along rays grow with w, or fall: 1 or -1.
     pub fn sign(&self) -> f32 {
         if self.plane.family.ascending { 1.0 } else { -1.0 }
@@ -293,7 +305,7 @@ fn operator(options: &RenderOptions, tf: &TransferFunction, grid: &Grid, is_stee
     match options.composite {
         Composite::Over => Operator::Over {
             // A function of two dimensions has no integral along a slab.
-            pre_integrated: options.pre_integration && tf.joint().is_none() && is_steep(),
+            pre_integrated: options.pre_integration && tf.function_2d().is_none() && is_steep(),
             opaque: if options.early_ray_termination { OPAQUE_ENOUGH } else { OPAQUE_TO_THE_END },
         },
         Composite::FirstHit { iso_value } => Operator::FirstHit { iso: density(iso_value) },

@@ -83,13 +83,7 @@ impl<'a> TileJob<'a> {
         Self {
             family,
             geometry: SheetGeometry::new(plan.simd, plane, slices, family.gradient_offset),
-            rays: RayGeometry {
-                plane,
-                region: &plan.region,
-                world_from_index: plan.grid.world_from_index(),
-                opacity_unit: plan.opacity_unit,
-                depth_cue: plan.depth_cue,
-            },
+            rays: family.ray_geometry(plan),
             fields: plan.fields.fields.iter().map(|field| SheetGeometry::of_field(plan.simd, plane, field)).collect(),
         }
     }
@@ -169,11 +163,13 @@ impl<'a> TileJob<'a> {
                 front.combine(&self.geometry, &panel, w[0], first, blocks);
                 front_fields.place(self.fields.len(), w[0], first, blocks);
             }
-            // What is behind this slab is in front of the next.
-            let next = slabs.get(k + 1).copied().or(behind).filter(|next| next.sheets[0] == slab.sheets[1]);
-            let next = next.map_or(0, |next| next.blocks & alive);
-            back.combine(&self.geometry, &panel, w[1], first, blocks | next);
-            back_fields.place(self.fields.len(), w[1], first, blocks | next);
+            // What is behind this slab is in front of the next, be it one of another piece.
+            let follows = |next: &ActiveSlab| next.sheets[0] == slab.sheets[1];
+            let of = |next: Option<ActiveSlab>| next.filter(follows).map_or(0, |next| next.blocks & alive);
+            let next_here = of(slabs.get(k + 1).copied());
+            let next = if k + 1 == slabs.len() { of(behind) } else { next_here };
+            back.combine(&self.geometry, &panel, w[1], first, blocks | next_here);
+            back_fields.place(self.fields.len(), w[1], first, blocks | next_here);
             front.prepare(&self.geometry, blocks);
             back.prepare(&self.geometry, if compositor.looks_behind() { blocks } else { blocks & !next });
             for block in bits(blocks) {

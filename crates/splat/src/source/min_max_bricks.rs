@@ -323,7 +323,7 @@ mod tests {
         let volume = phantom.volume();
         for (name, kernel) in Kernel::NAMES {
             let slices = Slices::new(&volume, kernel);
-            let bricks = slices.bricks();
+            let bricks = slices.bricks().unwrap();
             for i in 0..4000 {
                 let share = |k: i32| (f64::from(i * 7919 % 4001) * 0.618 * f64::from(k)).fract();
                 let position: [f64; 3] = std::array::from_fn(|a| share(a as i32 + 1) * (size[a] - 1) as f64);
@@ -372,7 +372,7 @@ mod tests {
     fn what_was_asked_for_last_is_kept() {
         let phantom = Phantom::sample([9, 9, 9], glam::DAffine3::IDENTITY, |p| p.x);
         let slices = Slices::new(&phantom.volume(), Kernel::Linear);
-        let bricks = slices.bricks();
+        let bricks = slices.bricks().unwrap();
         let all_axes = [[0, 1, 2], [0, 2, 1], [1, 2, 0]];
         let above = |axes: [usize; 3], least: f32| bricks.occupied(axes, &bricks.visible_ranges(|[_, hi]| hi > least));
         let first = all_axes.map(|axes| above(axes, 5.0));
@@ -404,7 +404,7 @@ mod tests {
         });
         let slices = Slices::new(&phantom.volume(), Kernel::Linear);
         for (axes, place) in [([0, 1, 2], [270.0, 13.0, 5.0]), ([1, 2, 0], [13.0, 5.0, 270.0])] {
-            let bricks = slices.bricks();
+            let bricks = slices.bricks().unwrap();
             let occupied = bricks.occupied(axes, &bricks.visible_ranges(|[_, hi]| hi > 0.5));
             let at = |shift: f64| {
                 let around = |x: f64| [x + shift - 1.5, x + shift + 1.5];

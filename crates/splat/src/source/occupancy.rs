@@ -1,4 +1,5 @@
-//! Empty-space skipping: which min-max bricks a transfer function shows, one bit each, laid out for a slice family.
+//! Occupancy, for empty-space skipping: which min-max bricks a transfer function shows, one bit each, laid out for a
+//! slice family.
 
 /// One bit per brick, in runs along u.
 #[derive(Clone, Debug)]
@@ -24,6 +25,11 @@ impl OccupancyGrid {
     #[inline(always)]
     pub fn layer(&self, cell: usize) -> usize {
         cell >> self.log_side
+    }
+
+    /// Bricks along u, v, w; 64-bit words of a row of bricks along u; and the words, `[w][v][u / 64]`, lowest bit first.
+    pub fn arrays(&self) -> ([usize; 3], usize, &[u64]) {
+        (self.n, self.n_words, &self.bits)
     }
 
     /// Cells of a brick along each axis.

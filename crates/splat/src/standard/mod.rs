@@ -37,7 +37,7 @@
 //!
 //! The stages: densities of a tile's samples (`samples.rs`), classified and shaded (`shaded.rs`), splatted and
 //! composited (`axis.rs`, `view.rs`) with tables of the kernel (`footprint.rs`). The literal twin is
-//! [`crate::reference::standard`].
+//! `reference::standard`.
 //!
 //! Sources: Westover, *Footprint evaluation for volume rendering* (1990); Mueller, Crawfis, *Eliminating popping artifacts
 //! in sheet buffer-based splatting* (1998).
@@ -75,9 +75,8 @@ use crate::view::index_frame::world_gradient_from_index;
 use crate::view::region::Region;
 use shaded::Sight;
 
-pub(crate) use axis::NEAREST as NEAREST_SLICE;
-pub(crate) use footprint::widening;
-pub(crate) use view::NEAREST as NEAREST_SLAB;
+#[cfg(feature = "reference")]
+pub(crate) use {axis::NEAREST as NEAREST_SLICE, footprint::widening, view::NEAREST as NEAREST_SLAB};
 
 /// Where the sheet buffers lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

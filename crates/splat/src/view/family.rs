@@ -89,7 +89,7 @@ impl IndexRays {
 
 /// Largest slope of a ray in its family: rays that run along two axes nearly alike take the one whose slices are
 /// contiguous.
-const MOST_SLOPE: f64 = 1.1;
+pub const MOST_SLOPE: f64 = 1.1;
 
 /// Which axis rays run along, and which way: one of six.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec2;
 use wavesplat_compute::parallel;
 
-use crate::view::family::{Family, IndexRays};
+use crate::view::family::{Family, IndexRays, MOST_SLOPE};
 use crate::view::ray_model::RayModel;
 
 /// The pixels that a family of rays serves, in base coordinates.
@@ -36,12 +36,12 @@ pub fn pixel_spacings(rays: &IndexRays, size_px: [usize; 2], is_parallel: bool) 
     let mut spacings = Vec::new();
     if is_parallel {
         // The map is affine, so the corners of the picture are enough.
-        let [right, lower] = size_px.map(|n| n as f64);
-        for [x, y] in [[0.0, 0.0], [right, 0.0], [0.0, lower], [right, lower]] {
-            let family = Family::of(rays.direction(x, y));
-            let spacing = spacing_of(&mut spacings, rays, family, is_parallel);
-            spacing.widen(rays, &[[x, y]]);
-            spacing.add(rays, [x, y], 1.0);
+        let family = Family::of(rays.direction(0.0, 0.0));
+        let spacing = spacing_of(&mut spacings, rays, family, is_parallel);
+        let [right, lower] = size_px;
+        spacing.widen(rays, [0, right], [0, lower]);
+        for [x, y] in [[0, 0], [right, 0], [0, lower], [right, lower]] {
+            spacing.add(rays, [x as f64, y as f64], 1.0);
         }
         return spacings;
     }
@@ -68,7 +68,7 @@ fn spacings_of_rows(rays: &IndexRays, rows: Range<usize>, width_px: usize) -> Ve
         if let Some(family) = rays.family_of_all(&corners) {
             let spacing = spacing_of(&mut spacings, rays, family, false);
             // Straight lines of pixels are straight in base coordinates.
-            spacing.widen(rays, &corners);
+            spacing.widen(rays, [columns.start, columns.end], [rows.start, rows.end]);
             let [first, .., last] = corners;
             let center = [0, 1].map(|axis| 0.5 * (first[axis] + last[axis]));
             spacing.add(rays, center, (columns.len() * rows.len()) as f64);
@@ -84,10 +84,17 @@ fn spacings_of_rows(rays: &IndexRays, rows: Range<usize>, width_px: usize) -> Ve
                 let first = middle([x, y]);
                 let (family, n) = rays.families_along_x(first, columns.end - x);
                 let spacing = spacing_of(&mut spacings, rays, family, false);
-                spacing.widen(rays, &[first, middle([x + n - 1, y])]);
+                spacing.widen(rays, [x, x + n], [y, y + 1]);
                 spacing.add(rays, first, n as f64);
                 x += n;
             }
+        }
+        // The tip of a family may lie between the middles of pixels.
+        for [x, y] in (rows.start..=rows.end).flat_map(|y| (columns.start..=columns.end).map(move |x| [x, y])) {
+            let at = [x as f64, y as f64];
+            let spacing = spacing_of(&mut spacings, rays, Family::of(rays.direction(at[0], at[1])), false);
+            spacing.widen(rays, [x.saturating_sub(1), x + 1], [y.saturating_sub(1), y + 1]);
+            spacing.add(rays, at, 0.0);
         }
     }
     spacings
@@ -129,10 +136,16 @@ impl PixelSpacing {
         self.distance.merge(&distance);
     }
 
-    /// Adds pixel positions.
-    fn widen(&mut self, rays: &IndexRays, at_px: &[[f64; 2]]) {
-        for [x_px, y_px] in at_px {
-            let here = self.model.base_from_pixel(&self.family, rays, *x_px, *y_px);
+    /// Adds the pixels between edges along x and along y, as a whole: a pixel may be the mean of reads anywhere in it.
+    /// What of a pixel belongs to another family is beyond the slopes of this one.
+    fn widen(&mut self, rays: &IndexRays, edges_x: [usize; 2], edges_y: [usize; 2]) {
+        for [x_px, y_px] in edges_x.into_iter().flat_map(|x| edges_y.map(|y| [x as f64, y as f64])) {
+            let here = self.model.base_from_pixel(&self.family, rays, x_px, y_px);
+            let here = if matches!(self.model, RayModel::Perspective { .. }) {
+                here.clamp(DVec2::splat(-MOST_SLOPE), DVec2::splat(MOST_SLOPE))
+            } else {
+                here
+            };
             self.range = [self.range[0].min(here), self.range[1].max(here)];
         }
     }
@@ -148,7 +161,7 @@ impl PixelSpacing {
     /// family: texels lie as pixels do on the whole, so that they are as many.
     pub fn pixel_distance(&self) -> DVec2 {
         let PixelDistance { finest, sum, n } = self.distance;
-        (sum / n).clamp(finest, COARSER * finest)
+        if n > 0.0 { (sum / n).clamp(finest, COARSER * finest) } else { finest }
     }
 }
 

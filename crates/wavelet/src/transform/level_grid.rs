@@ -6,8 +6,8 @@
 
 use wavesplat_core::LevelGrid;
 
-use super::family::WaveletFamily;
 use super::plan::TransformPlan;
+use crate::family::WaveletFamily;
 
 impl TransformPlan {
     /// The grid of a level; level 0 is the finest grid itself. `None` where low-pass coefficients are not samples: at

@@ -26,10 +26,10 @@
 
 use std::collections::BTreeMap;
 
-use super::family::WaveletFamily;
 use super::lines::{LANES, LineRow};
 use super::real::Real;
 use super::taps::{Tap, TapRows};
+use crate::family::WaveletFamily;
 
 /// Adds `weight · (x[i + offsets[0]] + x[i + offsets[1]])` to every `x[i]` of one parity.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,5 @@
-//! Wavelet transforms: families, the plan of a transform, analysis and synthesis in place.
+//! Wavelet transforms: the plan of a transform, analysis and synthesis in place.
 
-pub(crate) mod family;
 mod level_grid;
 mod lifting;
 mod lines;

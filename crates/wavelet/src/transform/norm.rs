@@ -11,11 +11,11 @@ use std::ops::Range;
 
 use wavesplat_compute::parallel;
 
-use super::family::WaveletFamily;
 use super::plan::TransformPlan;
 use super::real::Real;
 use super::spline::{MAX_ORDER, SparseColumn, gram, knots, values};
 use super::step::LevelStep;
+use crate::family::WaveletFamily;
 
 /// Norm of a basis function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -6,12 +6,12 @@
 
 use std::ops::Range;
 
-use super::family::WaveletFamily;
 use super::lifting::LiftingScheme;
 use super::norm::AxisNorms;
 use super::semi_orthogonal::split;
 use super::step::LevelStep;
 use crate::error::WaveletError;
+use crate::family::WaveletFamily;
 
 /// A family at a size and a number of levels. Axes in the order x, y, z; data in the order `[z][y][x]`.
 #[derive(Clone, Debug)]

@@ -8,10 +8,10 @@
 
 use wavesplat_compute::simd;
 
-use super::family::WaveletFamily;
 use super::lifting::mirror;
 use super::lines::{self, LANES, LineRow, LowBox, TransformDirection};
 use super::plan::TransformPlan;
+use crate::family::WaveletFamily;
 
 /// Samples -> coefficients, all levels of a plan of [`WaveletFamily::Cdf53`], whose layout they have. Along each axis
 /// the coefficients are those of [`crate::analyse`] to about one unit.

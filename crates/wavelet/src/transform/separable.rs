@@ -107,7 +107,7 @@ fn run_level<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transform::family::WaveletFamily;
+    use crate::family::WaveletFamily;
 
     #[test]
     fn every_width_of_vectors_gives_the_same_bits() {

@@ -1,6 +1,5 @@
 //! Filter bank step: one level of a transform along one axis.
 
-use super::family::WaveletFamily;
 use super::lifting::{self, LiftingScheme};
 use super::lines::{LineBundle, LineRow};
 use super::real::Real;
@@ -8,6 +7,7 @@ use super::semi_orthogonal::SplineSplit;
 use super::solve::BandedSolver;
 use super::spline::SparseColumn;
 use super::taps::{Tap, TapRows, accumulate};
+use crate::family::WaveletFamily;
 
 /// One level of `n` numbers along one axis: `n_low` low-pass coefficients, then `n − n_low` details.
 #[derive(Clone, Debug)]

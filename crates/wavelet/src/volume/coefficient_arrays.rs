@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::retained_band::{BLOCK, EMPTY, RetainedBand, RetainedBlock, blocks_of, subbands};
 use super::wavelet_volume::WaveletVolume;
 use crate::error::WaveletError;
-use crate::transform::family::WaveletFamily;
+use crate::family::WaveletFamily;
 use crate::transform::plan::{TransformPlan, max_levels, n_samples_of};
 
 /// A wavelet volume as plain arrays, to be stored: subbands 1 to 7 of each level, the finest first, then the low-pass

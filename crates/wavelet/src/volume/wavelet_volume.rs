@@ -11,7 +11,7 @@ use wavesplat_compute::parallel;
 use super::retained_band::{RetainedBand, subbands};
 use super::threshold::{drop_below, threshold_of_fraction, threshold_of_psnr};
 use crate::error::WaveletError;
-use crate::transform::family::WaveletFamily;
+use crate::family::WaveletFamily;
 use crate::transform::norm::Norm;
 use crate::transform::plan::{TransformPlan, n_samples_of};
 use crate::transform::separable::{analyse, synthesise};

@@ -9,13 +9,13 @@ use crate::error::{Error, Result};
 
 /// Validated nodes: `values` by `magnitudes`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Joint {
+pub struct TransferFunction2D {
     values: Vec<f64>,
     magnitudes: Vec<f64>,
     rgba: Vec<[f64; 4]>,
 }
 
-impl Joint {
+impl TransferFunction2D {
     /// `values`: sample units, `magnitudes`: sample units per world unit, both in order; `rgba`: red, green, blue and
     /// opacity per `opacity_unit`, `0..=1`, one row of values per magnitude.
     pub fn new(values: Vec<f64>, magnitudes: Vec<f64>, rgba: Vec<[f64; 4]>) -> Result<Self> {
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn bilinear_between_nodes_and_constant_beyond() {
         let rgba = [0.0, 0.2, 0.4, 0.8].map(gray).to_vec();
-        let joint = Joint::new(vec![10.0, 20.0], vec![0.0, 4.0], rgba).unwrap();
+        let joint = TransferFunction2D::new(vec![10.0, 20.0], vec![0.0, 4.0], rgba).unwrap();
         for (value, magnitude, opacity) in [
             (10.0, 0.0, 0.0),
             (15.0, 0.0, 0.1),
@@ -118,14 +118,14 @@ mod tests {
 
     #[test]
     fn steps_belong_to_their_upper_side() {
-        let joint = Joint::new(vec![1.0, 1.0], vec![0.0], [0.0, 1.0].map(gray).to_vec()).unwrap();
+        let joint = TransferFunction2D::new(vec![1.0, 1.0], vec![0.0], [0.0, 1.0].map(gray).to_vec()).unwrap();
         assert_eq!([0.9, 1.0, 1.1].map(|v| joint.rgba(v, 3.0)[3]), [0.0, 1.0, 1.0]);
     }
 
     #[test]
     fn bad_tables_are_refused() {
         let check = |values: &[f64], magnitudes: &[f64], rgba: &[f64]| {
-            Joint::new(values.to_vec(), magnitudes.to_vec(), rgba.iter().map(|o| gray(*o)).collect())
+            TransferFunction2D::new(values.to_vec(), magnitudes.to_vec(), rgba.iter().map(|o| gray(*o)).collect())
         };
         assert!(check(&[0.0, 1.0], &[0.0], &[0.0, 1.0]).is_ok());
         assert!(check(&[], &[0.0], &[]).is_err());

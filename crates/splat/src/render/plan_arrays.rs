@@ -1,0 +1,58 @@
+//! The plan of a base plane as plain arrays: what a backend that does not share the CPU's code takes.
+//!
+//! The CPU asks for the same numbers tile by tile as it goes ([`crate::render::tile`]).
+
+use wavesplat_compute::simd::LANES;
+use wavesplat_core::Kernel;
+
+use crate::kernel::footprint::{Axis, AxisFootprints};
+use crate::kernel::slice_taps::SliceTap;
+use crate::render::plan::{FamilyPlan, Plan};
+use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_U, TILE_V};
+use crate::sheet::tile_rays::Rays;
+
+/// The footprints of a tile on a sheet.
+pub struct TileFootprints {
+    /// Of its texel columns along u and rows along v, with the difference footprints of gradients.
+    pub axes: [AxisFootprints; 2],
+    /// Slices that the sheet is made of, with their weights.
+    pub slices: Vec<SliceTap>,
+    /// The same for the derivative through the sheet.
+    pub slice_differences: Vec<SliceTap>,
+}
+
+impl FamilyPlan {
+    /// Positions of the sheets along w, in slices: the first on the first slice, the last on the last.
+    pub fn sheet_positions(&self) -> Vec<f64> {
+        (0..=self.spacing.n_slabs).map(|sheet| self.spacing.w(sheet)).collect()
+    }
+
+    /// The footprints of a tile on the sheet at `w`.
+    pub fn footprints(&self, plan: &Plan, kernel: Kernel, tile: [usize; 2], w: f64) -> TileFootprints {
+        let size = plan.grid.size();
+        let axis = |a: usize| Axis { kernel, n_samples: size[a], gradient_offset: self.gradient_offset };
+        let [u, v, across] = self.plane.family.axes.map(axis);
+        let [(u0, du), (v0, dv)] = self.plane.sheet(w);
+        let mut axes = [AxisFootprints::default(), AxisFootprints::default()];
+        let [along_u, along_v] = &mut axes;
+        let all = |n: usize| (1 << n) - 1;
+        along_u.build(&u, [u0 + du * (tile[0] * TILE_U) as f64, du], N_STRIPS, all(N_STRIPS));
+        along_v.build(&v, [v0 + dv * (tile[1] * TILE_V) as f64, dv], TILE_V / LANES, all(TILE_V / LANES));
+        axes.iter_mut().for_each(AxisFootprints::make_difference);
+        let (slices, differences) = (across.slice_taps(w), across.slice_difference_taps(w));
+        TileFootprints { axes, slices: slices.to_vec(), slice_differences: differences.to_vec() }
+    }
+
+    /// The interval that each ray of a tile draws, row by row: first and last position along the ray (slice coordinate w,
+    /// with the sign that makes it grow away from the eye); first >= last where it draws nothing.
+    pub fn ray_intervals(&self, plan: &Plan, tile: [usize; 2]) -> Vec<[f32; 2]> {
+        let geometry = self.ray_geometry(plan);
+        let (rays, _) = Rays::new(&geometry, plan.simd, [tile[0] * TILE_U, tile[1] * TILE_V]);
+        let interval = |k: usize| {
+            let (column, row) = (k % TILE_U, k / TILE_U);
+            let [from, to] = rays.lanes(Chunk { strip: column / LANES, row });
+            [from.0[column % LANES], to.0[column % LANES]]
+        };
+        (0..TILE_U * TILE_V).map(interval).collect()
+    }
+}

@@ -1,0 +1,73 @@
+"""Whoever searches for a term of the field finds it: in the head of the file that does it, and in the docs."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ("docs/glossary.md", "README.md")
+
+TERMS = [
+    "opacity correction",
+    "early ray termination",
+    "empty-space skipping",
+    "min-max bricks",
+    "occupancy",
+    "pre-integration",
+    "supersampling",
+    "premultiplied",
+    "shear-warp",
+    "transmittance",
+    "trilinear",
+    "isosurface",
+]
+
+
+def _plain(text: str) -> str:
+    """Lower case, a space for every break, hyphens as they are."""
+    return re.sub(r"\s+", " ", text).lower()
+
+
+def _head(path: Path) -> str:
+    """The comment that a file of Rust begins with."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    head = []
+    for line in lines:
+        if not line.startswith("//!"):
+            break
+        head.append(line.removeprefix("//!"))
+    return _plain(" ".join(head))
+
+
+@pytest.fixture(scope="module")
+def heads():
+    paths = sorted((ROOT / "crates").glob("*/src/**/*.rs"))
+    assert paths
+    return {path.relative_to(ROOT).as_posix(): _head(path) for path in paths}
+
+
+@pytest.mark.parametrize("term", TERMS)
+def test_the_code_has_the_term_where_a_file_begins(heads, term):
+    assert [path for path, head in heads.items() if term in head], f"no file of crates/*/src begins with {term!r}"
+
+
+@pytest.mark.parametrize("term", TERMS)
+def test_the_docs_have_the_term(term):
+    texts = {name: _plain((ROOT / name).read_text(encoding="utf-8")) for name in DOCS}
+    assert [name for name, text in texts.items() if term in text], f"{' and '.join(DOCS)} do not say {term!r}"
+
+
+def test_every_file_of_rust_says_what_it_is(heads):
+    silent = [path for path, head in heads.items() if not head.strip()]
+    assert silent == []
+
+
+@pytest.mark.parametrize("source", re.findall(r"`([a-z_/]+\.rs)`", (ROOT / "docs/glossary.md").read_text("utf-8")))
+def test_files_that_the_glossary_names_exist(source):
+    """`core/picture.rs` is of another crate, the others are of the renderer."""
+    crate, _, rest = source.partition("/")
+    places = (ROOT / "crates/splat/src" / source, ROOT / "crates" / crate / "src" / rest)
+    assert any(place.is_file() for place in places), source

@@ -32,6 +32,7 @@ pub struct Scene<'a> {
 
 /// What a scene draws.
 #[derive(Clone)]
+#[expect(clippy::large_enum_variant, reason = "there is one of them in a scene")]
 pub enum SceneVolume<'a> {
     /// Samples, and what is kept of them.
     Samples(Volume<'a>, Arc<VolumeCache>),

@@ -157,6 +157,7 @@ impl ErrorModel {
     }
 
     /// With errors that were measured on this picture.
+    #[must_use]
     pub fn with(&self, errors: Errors, at: Sampling) -> Self {
         Self { errors, at, other_spread_db: MODEL_SPREAD_DB, ..*self }
     }

@@ -71,12 +71,11 @@ pub fn render_to_psnr(
     let wanted = mean_square_of(psnr_db);
     parallel::with_threads(options.n_threads, || {
         let prior = ErrorModel::prior(layer.slices, layer.transfer_function, camera, options);
-        let (model, like, from) = match like.and_then(|like| Some((prior.like(&like)?, like))) {
-            Some((model, like)) => (Some(model), Some(like), 0.0),
-            None => {
-                let model = pilot(&prior, layer, camera, options, wanted, callback)?;
-                (model, None, PILOT_PROGRESS)
-            }
+        let like = like.and_then(|like| Some((prior.like(&like)?, like)));
+        let (model, like, from) = if let Some((model, like)) = like {
+            (Some(model), Some(like), 0.0)
+        } else {
+            (pilot(&prior, layer, camera, options, wanted, callback)?, None, PILOT_PROGRESS)
         };
         let known = model.unwrap_or(prior);
         let is_measured = model.is_some() && like.is_none();

@@ -74,7 +74,11 @@ fn the_picture_has_the_error_that_is_told() {
             .unwrap();
             let got_db = psnr_db(&picture, &finest);
             assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
-            assert!((-1.0..6.0).contains(&(got_db - chosen.psnr_db)), "{composite:?}: {got_db}, {chosen:?}");
+            assert!(got_db > wanted_db - 1.0, "{composite:?}: {got_db}, {chosen:?}");
+            assert!(
+                (-2.0 * chosen.spread_db..9.0).contains(&(got_db - chosen.psnr_db)),
+                "{composite:?}: {got_db}, {chosen:?}"
+            );
             reached.push(got_db);
             let Sampling { sheets_per_slice, oversampling } = chosen.sampling;
             efforts.push(sheets_per_slice * oversampling.powi(2));
@@ -164,7 +168,7 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
                     told.psnr_db >= wanted_db && reached >= wanted_db - told.spread_db,
                     "{wanted_db}: {reached}, {told:?}"
                 );
-                assert!(reached < told.psnr_db + 8.0, "{reached}, {told:?}");
+                assert!(reached < told.psnr_db + 10.0, "{reached}, {told:?}");
             }
         }
         // From so near that other errors count, or with a function of another kind, it is measured.

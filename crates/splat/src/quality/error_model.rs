@@ -53,12 +53,16 @@ const DECAYS: [f64; 2] = [0.06, 0.7];
 
 impl Errors {
     /// By differences from what stands for the converged picture: three times the sheets, and twice the texels. That has
-    /// errors of its own, be they of one kind with those that are measured or another.
+    /// errors of its own, be they of one kind with those that are measured or another. Across the rays errors are not
+    /// believed to fall faster than those of straight edges under a regular grid of reads, with the cube of its number.
     pub(crate) fn measured(along: [[f64; 2]; 2], across: [f64; 3], deviation: f64) -> Self {
         let decay = |before: f64, after: f64| (after / before.max(f64::MIN_POSITIVE)).min(0.35);
         let [half, all] = along.map(|[single, mean]| single + mean);
         let along_left = decay(half, all).powf(0.5 * 3.0_f64.log2());
         let across_left = decay(across[0], across[2]);
+        // Where an edge of the volume lies along the texels, the finer ones may be as wrong by chance.
+        let at_least = |texels: f64| across[0] * texels.powi(-3);
+        let across = [across[0], across[1].max(at_least(4.0 / 3.0)), across[2].max(at_least(2.0))];
         let [half, all] = along;
         Self {
             along: [half.map(|e| e / (1.0 - 0.5 * along_left)), all.map(|e| e / (1.0 - along_left))],

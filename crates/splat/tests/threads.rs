@@ -29,7 +29,7 @@ fn draw(tile: usize, texels: &mut TileTexels) {
     for j in 0..TILE[1] {
         for i in (0..TILE[0]).step_by(LANES) {
             let number = |k: usize| ((tile * 7919 + j * 31 + i + k) % 251) as f32 / 251.0;
-            let is_drawn = (tile + j / 8) % 5 != 0;
+            let is_drawn = !(tile + j / 8).is_multiple_of(5);
             let chunk = std::array::from_fn(|k| if is_drawn { [number(k), number(k + 1), 0.5, 1.0] } else { [0.0; 4] });
             texels.put(i, j, &chunk, Some(&std::array::from_fn(number)));
         }
@@ -74,7 +74,7 @@ impl MeetingPoint {
         *n_there += 1;
         self.all_there.notify_all();
         let (n_there, _) =
-            self.all_there.wait_timeout_while(n_there, Duration::from_secs(60), |n_there| *n_there < self.n).unwrap();
+            self.all_there.wait_timeout_while(n_there, Duration::from_mins(1), |n_there| *n_there < self.n).unwrap();
         assert!(*n_there >= self.n, "{} of {} tiles are worked on at the same time", *n_there, self.n);
     }
 }

@@ -64,7 +64,7 @@ pub trait DensityRows: Sync {
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]);
 }
 
-/// DensityRows of densities.
+/// [`DensityRows`] of densities.
 pub struct FloatRows<'a> {
     /// All densities.
     pub densities: &'a [f32],

@@ -463,7 +463,7 @@ fn is_identity(density_from_sample: (f64, f64)) -> bool {
     density_from_sample == (0.0, 1.0)
 }
 
-/// DensityRows of the samples, for the bounds of bricks.
+/// [`DensityRows`] of the samples, for the bounds of bricks.
 struct NativeRows<'a> {
     samples: Samples<'a>,
     map: (f64, f64),

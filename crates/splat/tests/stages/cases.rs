@@ -306,7 +306,7 @@ fn preintegrate() -> Fixture {
         (100.0, 164.0),
         (176.0, 248.0),
         (150.0, 150.0),
-        (60.0, 60.0078125),
+        (60.0, 60.007_812_5),
         (24.0, 200.0),
         (-64.0, 48.0),
         (300.0, 130.0),
@@ -340,14 +340,19 @@ fn preintegrate() -> Fixture {
     }
 }
 
+/// Directions to lights, and their colours.
+type Lights<'a> = (&'a [[f64; 3]], &'a [[f64; 3]]);
+
+/// The columns of a matrix.
+type Matrix = [[f64; 3]; 3];
+
 fn shade() -> Fixture {
     let mut random = Random(23);
     let straight = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let aslant = [[0.5, 0.125, 0.0], [-0.25, 1.25, 0.125], [0.0, 0.25, 2.0]];
     let eye = [[0.0, 0.0, -1.0]];
     let two = [[2.0, 1.0, -2.0], [-1.0, 0.5, 0.25]];
-    type Lights<'a> = (&'a [[f64; 3]], &'a [[f64; 3]]);
-    let lights: [(&str, Lights, [[f64; 3]; 3], [usize; 3]); 4] = [
+    let lights: [(&str, Lights, Matrix, [usize; 3]); 4] = [
         ("a white light at the eye", (&eye, &[[1.0; 3]]), straight, [0, 1, 2]),
         ("a white light at the eye, samples aslant", (&eye, &[[1.0; 3]]), aslant, [0, 1, 2]),
         ("a white light", (&two[..1], &[[1.0; 3]]), aslant, [1, 2, 0]),

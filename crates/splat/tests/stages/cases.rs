@@ -1,7 +1,8 @@
 //! The fixtures: small inputs of each stage, with the answers of the formulas.
 
 use crate::fixture::{Case, Fixture};
-use crate::formulas::{self, Curves, Light, Phong};
+use crate::formulas::{self, Curves, Phong};
+use crate::ray_cases;
 
 /// All stages, in the order in which a frame runs them.
 pub fn fixtures() -> Vec<Fixture> {
@@ -15,31 +16,32 @@ pub fn fixtures() -> Vec<Fixture> {
         opacity(),
         preintegrate(),
         shade(),
-        over(),
-        project(),
-        first_hit(),
-        local_maximum(),
+        ray_cases::over(),
+        ray_cases::project(),
+        ray_cases::first_hit(),
+        ray_cases::local_maximum(),
         resample(),
     ]
 }
 
-const FORMULAS: &str = "formulas in f64 (crates/splat/tests/stages/formulas.rs), which call nothing of the renderer";
+pub const FORMULAS: &str =
+    "formulas in f64 (crates/splat/tests/stages/formulas.rs), which call nothing of the renderer";
 
 /// How far other backends may be off, as a rule; the absolute part is f32's rounding of sums of numbers of about 1.
-const TOLERANCE: [f64; 2] = [1e-5, 2e-6];
+pub const TOLERANCE: [f64; 2] = [1e-5, 2e-6];
 
 const KERNELS: [&str; 5] = ["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"];
 
 /// Numbers without a visible pattern, `0..1`, of few digits.
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 54) as f64 / 1024.0
     }
 
-    fn many(&mut self, n: usize) -> Vec<f64> {
+    pub fn many(&mut self, n: usize) -> Vec<f64> {
         (0..n).map(|_| self.next()).collect()
     }
 }
@@ -237,21 +239,21 @@ fn look_up() -> Fixture {
 }
 
 /// Transfer functions whose nodes are entries of the tables that are made of them.
-fn curves() -> [(&'static str, Curves); 2] {
+pub fn curves() -> [(&'static str, Curves); 2] {
     let color = vec![(0.0, [1.0, 0.5, 0.0]), (128.0, [0.25, 0.75, 0.5]), (256.0, [0.0, 0.5, 1.0])];
     let hill = vec![(0.0, 0.0), (32.0, 0.0), (96.0, 0.5), (128.0, 0.25), (192.0, 0.0), (256.0, 0.0)];
     let two = vec![(0.0, 0.25), (32.0, 0.0), (112.0, 0.0), (144.0, 0.625), (256.0, 0.625)];
     [("a hill", Curves { opacity: hill, color: color.clone() }), ("two parts", Curves { opacity: two, color })]
 }
 
-fn with_curves(case: Case, Curves { opacity, color }: &Curves) -> Case {
+pub fn with_curves(case: Case, Curves { opacity, color }: &Curves) -> Case {
     case.with_array("opacity_nodes", opacity.iter().flat_map(|(value, opacity)| [*value, *opacity]))
         .with_array("color_nodes", color.iter().flat_map(|(value, [r, g, b])| [*value, *r, *g, *b]))
 }
 
 /// Densities between which tables are made: 2048 entries from the first node to the last, 1/8 apart.
 const RANGE: [f64; 2] = [0.0, 256.0];
-const ENTRY: f64 = 0.125;
+pub const ENTRY: f64 = 0.125;
 
 fn classify() -> Fixture {
     let densities: Vec<f64> = (0..64).map(|i| -40.0 + 5.3125 * f64::from(i)).collect();
@@ -410,180 +412,6 @@ fn shade() -> Fixture {
         tolerance: [1e-5, 1e-5],
         exact: &[],
         cases,
-    }
-}
-
-const N_RAYS: usize = 16;
-const N_SHEETS: usize = 6;
-
-/// Densities[sheet][ray] at s = 0, 1, 2, ..., smooth enough to be thin here and opaque there.
-fn ray_densities(random: &mut Random) -> Vec<f64> {
-    let mut densities: Vec<f64> = random.many(N_SHEETS * N_RAYS).iter().map(|x| (x * 256.0).floor()).collect();
-    // Nothing at all; a plateau; the whole range.
-    (0..N_SHEETS).for_each(|k| densities[k * N_RAYS] = 8.0);
-    (0..N_SHEETS).for_each(|k| densities[k * N_RAYS + 1] = [40.0, 100.0, 100.0, 100.0, 40.0, 20.0][k]);
-    (0..N_SHEETS).for_each(|k| densities[k * N_RAYS + 2] = [0.0, 255.0, 0.0, 255.0, 0.0, 255.0][k]);
-    densities
-}
-
-fn of_ray(densities: &[f64], ray: usize) -> Vec<f64> {
-    densities.iter().skip(ray).step_by(N_RAYS).copied().collect()
-}
-
-/// Whole rays, rays that begin and end between sheets, and slices wider apart.
-const RAYS: [(&str, [f64; 2], f64); 3] = [
-    ("whole rays", [0.0, 5.0], 1.0),
-    ("from s = 0.75 to 3.25", [0.75, 3.25], 1.0),
-    ("slices 2.5 apart", [0.0, 5.0], 2.5),
-];
-
-fn rays_case(name: String, densities: &[f64], interval: [f64; 2], length_per_s: f64) -> Case {
-    Case::new(name)
-        .with_array("interval", interval)
-        .with("length_per_s", length_per_s)
-        .with_array("density", densities.iter().copied())
-}
-
-fn over() -> Fixture {
-    let mut random = Random(31);
-    let mut cases = Vec::new();
-    for (curves_name, curves) in curves() {
-        for (rays, interval, per_s) in RAYS {
-            for is_preintegrated in [false, true] {
-                let densities = ray_densities(&mut random);
-                let light = |ray: usize| -> Light {
-                    let densities = of_ray(&densities, ray);
-                    if is_preintegrated {
-                        formulas::over_segments(&curves, &densities, interval, per_s, 0.25 * ENTRY)
-                    } else {
-                        formulas::over(&curves, &densities, interval, per_s)
-                    }
-                };
-                let lights: Vec<Light> = (0..N_RAYS).map(light).collect();
-                let kind = if is_preintegrated { "pre-integrated" } else { "sheets" };
-                let case = rays_case(format!("{curves_name}, {rays}, {kind}"), &densities, interval, per_s);
-                let channel = |c: usize| lights.iter().map(|light| light.rgba[c]).collect::<Vec<_>>();
-                let case = with_curves(case, &curves)
-                    .with("pre_integrated", f64::from(u8::from(is_preintegrated)))
-                    .answer("r", channel(0))
-                    .answer("g", channel(1))
-                    .answer("b", channel(2))
-                    .answer("a", channel(3))
-                    .answer("s_half", lights.iter().map(|light| light.s_half));
-                cases.push(case);
-            }
-        }
-    }
-    Fixture {
-        stage: "over",
-        what: "Emission and absorption, front to back, without early ray termination. Sixteen rays through sheets at s = 0, \
-               1, 2, ... with density[sheet][ray]; interval, the part of s that is drawn; length_per_s, length along a ray \
-               per s. Associated colour and opacity, and s of opacity 1/2, null where it is not reached. Each sheet stands \
-               for what is nearer to it than to others; pre_integrated: densities are linear from sheet to sheet, the \
-               colour is that of the place where the light comes from on the mean. The transfer function is as in \
-               classify.",
-        made_from: FORMULAS,
-        // Of a place: rounding of opacities near 1/2, divided by what is gathered there.
-        tolerance: [1e-5, 4e-5],
-        exact: &[],
-        cases,
-    }
-}
-
-fn project() -> Fixture {
-    let mut random = Random(41);
-    let mut cases = Vec::new();
-    for operator in ["maximum", "minimum", "mean", "sum", "x-ray", "depth-shaded maximum"] {
-        for (rays, interval, per_s) in RAYS {
-            let densities = ray_densities(&mut random);
-            let (level, strength) = (if operator == "x-ray" { 96.0 } else { 16.0 }, 0.75);
-            // From the nearest point that is drawn to the farthest.
-            let fade = |s: f64| 1.0 - strength * (s - interval[0]) / (interval[1] - interval[0]);
-            let answers: Vec<[f64; 2]> = (0..N_RAYS)
-                .map(|ray| {
-                    let parts = formulas::drawn(&of_ray(&densities, ray), interval);
-                    formulas::project(operator, &parts, per_s, level, fade)
-                })
-                .collect();
-            let mut case =
-                rays_case(format!("{operator}, {rays}"), &densities, interval, per_s).with_text("operator", operator);
-            if operator == "x-ray" || operator == "depth-shaded maximum" {
-                case = case.with("level", level);
-            }
-            if operator == "depth-shaded maximum" {
-                case = case.with("strength", strength);
-            }
-            let case = case
-                .answer("value", answers.iter().map(|answer| answer[0]))
-                .answer("length", answers.iter().map(|answer| answer[1]));
-            cases.push(case);
-        }
-    }
-    Fixture {
-        stage: "project",
-        what: "Projections of sixteen rays through sheets at s = 0, 1, 2, ... with density[sheet][ray], linear in between; \
-               interval, the part of s that is drawn; length_per_s, length along a ray per s. value: the extreme, or the \
-               integral over the length: of the density (mean, sum), or of what of it is above level (x-ray). Depth shading \
-               multiplies what is above level by 1 - strength (s - interval[0]) / (interval[1] - interval[0]) first, at the \
-               ends of each space between two sheets. length: of the way.",
-        made_from: FORMULAS,
-        tolerance: [1e-5, 1e-5],
-        exact: &[],
-        cases,
-    }
-}
-
-fn first_hit() -> Fixture {
-    let mut random = Random(53);
-    let case = |(rays, interval, per_s): (&str, [f64; 2], f64)| {
-        let (_, curves) = &curves()[0];
-        let densities = ray_densities(&mut random);
-        let iso = 100.5;
-        let places: Vec<f64> =
-            (0..N_RAYS).map(|ray| formulas::first_hit(&of_ray(&densities, ray), interval, iso)).collect();
-        let channel =
-            |c: usize| places.iter().map(|s| if s.is_nan() { 0.0 } else { curves.color(iso)[c] }).collect::<Vec<_>>();
-        with_curves(rays_case(rays.to_owned(), &densities, interval, per_s), curves)
-            .with("iso", iso)
-            .answer("found", places.iter().map(|s| if s.is_nan() { 0.0 } else { 1.0 }))
-            .answer("s_half", places.iter().copied())
-            .answer("r", channel(0))
-            .answer("g", channel(1))
-            .answer("b", channel(2))
-    };
-    Fixture {
-        stage: "first_hit",
-        what: "The first place of sixteen rays, as in over, where the density crosses iso between two sheets, from either \
-               side: s_half, null where there is none. The colour is that of iso, without shading.",
-        made_from: FORMULAS,
-        tolerance: TOLERANCE,
-        exact: &["found"],
-        cases: RAYS.into_iter().map(case).collect(),
-    }
-}
-
-fn local_maximum() -> Fixture {
-    let mut random = Random(61);
-    let case = |(rays, interval, per_s): (&str, [f64; 2], f64)| {
-        let densities = ray_densities(&mut random);
-        let threshold = 96.5;
-        let answers: Vec<[f64; 2]> = (0..N_RAYS)
-            .map(|ray| formulas::local_maximum(&formulas::drawn(&of_ray(&densities, ray), interval), threshold))
-            .collect();
-        rays_case(rays.to_owned(), &densities, interval, per_s)
-            .with("threshold", threshold)
-            .answer("value", answers.iter().map(|answer| answer[0]))
-            .answer("found", answers.iter().map(|answer| answer[1]))
-    };
-    Fixture {
-        stage: "local_maximum",
-        what: "The first local maximum of at least threshold of sixteen rays, as in project: the largest density before the \
-               first that falls below it by more than 1e-6 of it, looked for at the ends of each space between two sheets. \
-               found: whether there is one; else the value is the largest density.",
-        made_from: FORMULAS,
-        tolerance: TOLERANCE,
-        exact: &["found"],
-        cases: RAYS.into_iter().map(case).collect(),
     }
 }
 

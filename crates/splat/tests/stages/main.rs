@@ -4,6 +4,7 @@
 mod cases;
 mod fixture;
 mod formulas;
+mod ray_cases;
 mod run;
 
 use wavesplat_compute::simd::Level;

@@ -117,10 +117,12 @@ pub fn check(arrays: &CoefficientArrays, bytes: &mut Bytes) -> bool {
     let [bx, by, bz] = [0, 1, 2].map(|a| hi[a] - lo[a]);
     let mut part = vec![f32::NAN; bx * by * bz];
     decoder.decode(lo, hi, &mut part);
-    for (i, sample) in part.iter().enumerate() {
-        let [x, y, z] = [lo[0] + i % bx, lo[1] + i / bx % by, lo[2] + i / (bx * by)];
-        let same = all[(z * ny + y) * nx + x];
-        assert!(sample.to_bits() == same.to_bits() || (sample.is_nan() && same.is_nan()), "{sample} and {same}");
+    // Damaged coefficients may be finite, and sums of them not: then neither box means anything.
+    if all.iter().all(|sample| sample.is_finite()) {
+        for (i, sample) in part.iter().enumerate() {
+            let [x, y, z] = [lo[0] + i % bx, lo[1] + i / bx % by, lo[2] + i / (bx * by)];
+            assert_eq!(sample.to_bits(), all[(z * ny + y) * nx + x].to_bits(), "a box differs at {x} {y} {z}");
+        }
     }
     let _ = decoder.range();
     assert!(CoefficientDecoder::new(volume.clone(), volume.plan().n_levels() + 1, &[]).is_err());

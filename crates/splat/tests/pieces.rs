@@ -214,7 +214,7 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
                 states[tile[1] * n_tiles_u + tile[0]] = state;
             }
         }
-        let mut picture = BasePicture::new(family.plane.clone(), plan.has_depth());
+        let mut picture = BasePicture::new(family.plane.clone(), plan.with_depth);
         let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
         picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
             if let Some(state) = states[k].lock().unwrap().take() {

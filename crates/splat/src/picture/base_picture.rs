@@ -99,7 +99,7 @@ impl BasePicture {
                 tile.rows.push(texels);
             }
         }
-        for (j, row) in self.w_half.chunks_exact_mut(n_u).enumerate() {
+        for (j, row) in self.w_half.chunks_exact_mut(n_u.max(1)).enumerate() {
             for (places, tile) in row.chunks_mut(tile_u).zip(&mut tiles[j / tile_v * n_tiles_u..]) {
                 tile.w_half.push(places);
             }

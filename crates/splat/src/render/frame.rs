@@ -109,7 +109,7 @@ pub(crate) fn draw_base_plane(
 ) -> Result<(BasePicture, Work)> {
     let job = TileJob::new(plan, family, slices);
     let [n_tiles_u, _] = n_tiles(&family.plane);
-    let mut picture = BasePicture::new(family.plane.clone(), plan.has_depth());
+    let mut picture = BasePicture::new(family.plane.clone(), plan.with_depth);
     let (n_texels, n_skipped) = (AtomicU64::new(0), AtomicU64::new(0));
     picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
         if progress.is_stopped() {

@@ -270,11 +270,6 @@ impl Plan {
         }
     }
 
-    /// Whether base planes hold the position of opacity 1/2.
-    pub fn has_depth(&self) -> bool {
-        self.with_depth && self.operator.projection().is_none()
-    }
-
     /// Whether colours along a ray change smoothly from sheet to sheet.
     pub fn is_smooth(&self) -> bool {
         matches!(self.operator, Operator::Over { pre_integrated: false, .. }) && !self.transfer_function.has_gradient()

@@ -33,7 +33,7 @@ pub const TOLERANCE: [f64; 2] = [1e-5, 2e-6];
 const KERNELS: [&str; 5] = ["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"];
 
 /// Numbers without a visible pattern, `0..1`, of few digits.
-pub struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     pub fn next(&mut self) -> f64 {

@@ -190,7 +190,10 @@ impl ErrorModel {
         let errors = Errors { along, across: across.map(|e| more * e), ..other.errors };
         let model = Self { errors, at, other_spread_db: LIKE_SPREAD_DB, ..*self };
         // Numbers that come from elsewhere may be any.
-        let is_sound = model.error(&at).is_finite() && model.spread_db(&at).is_finite();
+        let all = errors.along.as_flattened().iter().chain(&errors.across);
+        let is_sound = all.chain([&errors.deviation]).all(|e| e.is_finite() && *e >= 0.0)
+            && model.error(&at).is_finite()
+            && model.spread_db(&at).is_finite();
         is_sound.then_some(model)
     }
 

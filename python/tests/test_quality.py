@@ -89,27 +89,34 @@ def test_a_wanted_psnr_is_reached(scene, view_angle):
     assert effort[0] < effort[1] < effort[2]
 
 
-# Neither views nor functions of `benches/cases.toml`. Azimuth, elevation, view angle. Views along an axis and 50 dB are
-# tested on made-up volumes, in `crates/splat/tests/promise.rs`.
-HELD_OUT_VIEWS = [(-130, 50, None), (200, -35, 30.0)]
-HELD_OUT_CURVES = {"ct": [(-200, 0), (100, 0.02), (700, 0.4)], "mri": [(15, 0), (50, 0.02), (90, 0.3)]}
+# Neither views nor functions of `benches/cases.toml`. Azimuth, elevation, view angle; the first two look along an axis,
+# where cut faces lie along the texels.
+HELD_OUT_VIEWS = [(0, 0, None), (90, 0, None), (-130, 50, None), (200, -35, 30.0)]
+HELD_OUT_CURVES = {
+    "ct": ([(-200, 0), (100, 0.02), (700, 0.4)], [(299, 0), (300, 1)]),
+    "mri": ([(15, 0), (50, 0.02), (90, 0.3)], [(34, 0), (35, 1)]),
+}
 
 
 @pytest.mark.parametrize("view", HELD_OUT_VIEWS)
+@pytest.mark.parametrize("is_hard", [False, True])
 @pytest.mark.parametrize("name", HELD_OUT_CURVES)
-def test_the_promise_of_a_psnr_holds_to_a_decibel(name, view):
+def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
     make, _, _, curve, _ = SCENES[name]
     volume = make()
-    function = ws.TransferFunction(HELD_OUT_CURVES[name], curve)
+    function = ws.TransferFunction(HELD_OUT_CURVES[name][is_hard], curve)
     azimuth, elevation, view_angle = view
     eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle)
     size = (72, 60)
-    want = ws.reference.raycast(volume, function, eye, size=size, step=0.05, rays_per_pixel=16).rgba
-    for wanted_db in (30, 40):
+    step = 0.02 if is_hard else 0.05
+    want = ws.reference.raycast(volume, function, eye, size=size, step=step, rays_per_pixel=16).rgba
+    for wanted_db in (30, 40, 50):
         picture = ws.render(volume, function, eye, size=size, psnr=wanted_db)
         told_db, spread_db = (picture.report[f"expected_psnr_{name}"] for name in ("db", "spread_db"))
-        least_db = min(wanted_db, told_db - spread_db)
-        assert psnr_db(picture.rgba, want) > least_db - 1, (wanted_db, told_db, spread_db)
+        reached_db = psnr_db(picture.rgba, want)
+        print(f"{name} {is_hard=} {view} {wanted_db}: reached {reached_db:.1f}, told {told_db:.1f} +- {spread_db:.1f}")
+        # What cannot be promised is told.
+        assert reached_db > min(wanted_db, told_db - spread_db) - 1, (wanted_db, told_db, spread_db)
 
 
 def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):

@@ -126,21 +126,26 @@ fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
     }
 }
 
+/// What a picture may be short of the decibels that were wanted, or of what was told less its spread.
+const SHORT_DB: f64 = 1.0;
+
+/// The least that a picture promises: what was wanted, or less where it tells so.
+fn promised_db(wanted_db: f64, told: &Estimate) -> f64 {
+    wanted_db.min(told.psnr_db - told.spread_db)
+}
+
 #[test]
 fn what_is_promised_is_reached_to_a_decibel() {
-    let (mut n_promised, mut n) = (0, 0);
+    let (mut n_wanted, mut n) = (0, 0);
     each(7, |scene, wanted_db, reached_db, told| {
-        // Noise with a hard step has an edge in every pixel: at 50 dB the finest sampling does not do, and that is told.
-        let is_promised = told.psnr_db >= wanted_db;
-        let least_db = if is_promised { wanted_db } else { told.psnr_db - told.spread_db };
-        // Seen along an axis, cut faces lie along the texels; 50 dB of ripples is 2 dB short there, told +- 3.4 dB.
-        let is_along_axis = scene.ends_with("view 1") || scene.ends_with("view 3");
-        let short_db = if is_along_axis && wanted_db > 45.0 { 3.0 } else { 1.0 };
-        assert!(reached_db > least_db - short_db, "{scene}, {wanted_db}: {reached_db}, {told:?}");
-        n_promised += usize::from(is_promised);
+        let least_db = promised_db(wanted_db, told);
+        assert!(reached_db > least_db - SHORT_DB, "{scene}, {wanted_db}: {reached_db}, {told:?}");
+        n_wanted += usize::from(reached_db > wanted_db - SHORT_DB);
         n += 1;
     });
-    assert!(10 * n_promised >= 8 * n, "{n_promised} of {n} are promised");
+    // Noise with a hard step has an edge in every pixel, and faces seen along an axis lie along the texels: at 50 dB the
+    // finest sampling does not do there, and that is told.
+    assert!(10 * n_wanted >= 9 * n, "{n_wanted} of {n} reach what was wanted");
 }
 
 /// `cargo test -p wavesplat-splat --test promise -- --ignored --nocapture`
@@ -149,14 +154,16 @@ fn what_is_promised_is_reached_to_a_decibel() {
 fn table() {
     let every = std::env::var("EVERY").map_or(1, |every| every.parse().unwrap());
     each(every, |scene, wanted_db, reached_db, told| {
+        let is_short = reached_db <= promised_db(wanted_db, told) - SHORT_DB;
         let Estimate { sampling, psnr_db, spread_db, .. } = told;
         println!(
             "{scene:26} {wanted_db}: reached {reached_db:.1} ({:+.1}), told {psnr_db:.1} +- {spread_db:.1}, off {:+.1}, \
-             {} x {:.2}",
+             {} x {:.2}{}",
             reached_db - wanted_db,
             reached_db - psnr_db,
             sampling.sheets_per_slice,
-            sampling.oversampling
+            sampling.oversampling,
+            if is_short { ", short" } else { "" }
         );
     });
 }

@@ -72,12 +72,14 @@ impl Errors {
     }
 }
 
-/// Linear in logarithms through points, the number against the error; beyond them as by the two that are outermost.
+/// Linear in logarithms through points, the number against the error. Before them as by the first two; beyond them as by
+/// the outermost, since the last two can be closer by chance.
 fn interpolated(points: &[(f64, f64)], number: f64) -> f64 {
+    let (first, last) = (points[0], points[points.len() - 1]);
     let is_before = |pair: &[(f64, f64)]| number <= pair[1].0;
-    let pair = points.windows(2).find(|pair| is_before(pair)).unwrap_or(&points[points.len() - 2..]);
-    let [(from, before), (to, after)] = [pair[0], pair[1]];
-    let (before, after) = (before.max(LEAST_ERROR), after.max(LEAST_ERROR));
+    let [from, to] = points.windows(2).find(|pair| is_before(pair)).map_or([first, last], |pair| [pair[0], pair[1]]);
+    let (before, after) = (from.1.max(LEAST_ERROR), to.1.max(LEAST_ERROR));
+    let (from, to) = (from.0, to.0);
     let share = (number / from).ln() / (to / from).ln();
     let decay = (after / before).powf(1.0 / (to / from).log2()).clamp(DECAYS[0], DECAYS[1]);
     if share < 0.0 {

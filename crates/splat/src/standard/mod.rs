@@ -55,7 +55,7 @@ use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, Composite, Error, Grid, Kernel, Picture, Projection, RenderOptions, Result, TransferFunction,
+    Camera, Composite, Error, Gradient, Grid, Kernel, Picture, Projection, RenderOptions, Result, TransferFunction,
 };
 
 use crate::kernel::prefilter;
@@ -210,15 +210,11 @@ pub(crate) fn validate(options: &RenderOptions) -> Result<()> {
         return refuse("depth of standard splatting", "wanted".to_owned(), "available", mend);
     }
     if let Some(shading) = &options.shading
-        && shading.gradient_offset != 1.0
+        && shading.gradient != Gradient::Difference(1.0)
     {
-        let mend = "samples are shaded with the differences of their neighbours; leave it at 1";
-        return refuse(
-            "gradient_offset (voxels) of standard splatting",
-            shading.gradient_offset.to_string(),
-            "1",
-            mend,
-        );
+        let mend = "samples are shaded with the differences of their neighbours; pass Shading.headlight()";
+        let value = format!("{:?}", shading.gradient);
+        return refuse("gradient of standard splatting", value, "differences over one voxel", mend);
     }
     if let Some(shading) = &options.shading
         && (shading.ambient_occlusion != 0.0 || shading.shadow != 0.0)

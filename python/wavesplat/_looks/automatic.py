@@ -1,0 +1,286 @@
+"""The look that a volume gets by itself: by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
+
+What is homogeneous, or noise, must not cover what lies behind it. Where nothing is known but the values, opacities follow
+Kindlmann and Durkin (1998): at the values that boundaries between two materials pass through, where gradients are largest,
+and not at the values of the materials themselves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import histogram
+from wavesplat._looks.kinds import Evidence, Kind, evidence
+from wavesplat._looks.look import Look
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.labels import Labels
+from wavesplat._model import units
+from wavesplat._model.units import METRES
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.options import Composite
+    from wavesplat._model.volume import Volume
+
+__all__ = ["automatic"]
+
+Rgb = tuple[float, float, float]
+
+#: Light that lets depth be seen, for solid things.
+SOLID = Shading(ambient_occlusion=0.5)
+#: Of translucent things: a highlight on every faint boundary is noise.
+SOFT = Shading(specular=0.1)
+
+#: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are solid.
+CT_OPACITY = [(-160, 0.0), (-90, 0.0012), (20, 0.004), (80, 0.007), (130, 0.02), (200, 0.16), (320, 0.5), (900, 0.9)]
+CT_COLOR = [
+    (-160, 0.93, 0.74, 0.52),
+    (-20, 0.93, 0.68, 0.5),
+    (60, 0.85, 0.42, 0.34),
+    (130, 0.88, 0.45, 0.34),
+    (200, 0.96, 0.78, 0.6),
+    (320, 1.0, 0.95, 0.85),
+    (900, 1.0, 1.0, 0.97),
+]
+#: From faint to bright: tissue in warm colours, as it is expected; other scans from blue to ivory.
+TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.97, 0.92)]
+MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
+#: Of fluorescence without a colour of its own: green, as GFP has it, white where it is brightest.
+GREEN = (0.35, 1.0, 0.45)
+MASK = (0.98, 0.80, 0.56)
+#: The map of `cmap` that fields are shown in.
+FIELD_MAP = "inferno"
+
+
+def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Look:
+    """See `Look.auto`."""
+    low, high = volume.value_range
+    if not low < high:
+        raise ArgumentError(
+            f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
+            "pass a transfer function, or check the file"
+        )
+    if isinstance(volume, WaveletVolume) and volume.is_detail and composite in (None, "over"):
+        function = histogram.signed(volume)
+        return Look(transfer_function=function, name="auto", reason="details of wavelets: values with two signs")
+    known = evidence(volume)
+    if composite is None and known.kind == "PET":
+        return _inverted_maximum(volume, known)
+    if composite in histogram.PROJECTIONS:
+        function = histogram.projected(volume, composite)
+        return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
+    if known.kind == "labels" and composite is None and volume.dtype.kind in "iu":
+        clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
+        return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
+    function, shading = LOOKS[known.kind](volume, known)
+    return Look(
+        transfer_function=function,
+        shading=shading,
+        composite=composite or "over",
+        name="auto",
+        reason=known.reason,
+    )
+
+
+def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """The largest uptake along each ray, black on white."""
+    greys = histogram.projected(volume, "maximum")
+    first, last = greys.color[0][0], greys.color[-1][0]
+    # Faint uptake must show: half of the greys for the lower third.
+    color = [(first, 1.0, 1.0, 1.0), (first + 0.3 * (last - first), 0.55, 0.55, 0.55), (last, 0.0, 0.0, 0.0)]
+    function = TransferFunction([(first, 1.0)], color)
+    return Look(
+        transfer_function=function,
+        composite="maximum",
+        shading=None,
+        background="white",
+        name="auto",
+        reason=known.reason,
+    )
+
+
+Made = tuple[TransferFunction, "Shading | None"]
+
+
+def _ct(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
+    function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
+    return function, Shading(specular=0.15, ambient_occlusion=0.4)
+
+
+def _tissue(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """Skin and organs as surfaces: opaque soon above the background."""
+    low, threshold, high = _parted(known)
+    inside = known.values[known.values > threshold]
+    middle, upper = np.percentile(inside, (40.0, 85.0))
+    nodes = _increasing([threshold - 0.4 * (threshold - low), threshold, middle, upper], high - low)
+    opacity = [0.0, 0.05, 0.25, 0.5]
+    return _curves(nodes, opacity, TISSUE, [nodes[0], nodes[1], nodes[2], nodes[3]]), SOLID
+
+
+def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """Boundaries: opacity by how large gradients are at a value, compared with those of the other values."""
+    low, threshold, high = _parted(known)
+    colors = TISSUE if volume.is_anatomical else MATTER
+    values = np.linspace(low, high, 65)
+    strength = _boundary_strength(known, values)
+    rise = np.clip((values - threshold) / max(high - threshold, 1e-12), 0.0, 1.0)
+    seen = values > threshold - 0.5 * (threshold - low) / 2
+    alpha = np.where(seen, strength * (0.02 + 0.6 * rise**1.2), 0.0)
+    alpha[-1] = max(alpha[-1], 0.5)
+    nodes = list(zip(values.tolist(), np.clip(alpha, 0.0, 1.0).tolist(), strict=True))
+    return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
+
+
+def _ultrasound(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    low, threshold, high = _parted(known)
+    nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
+    return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
+
+
+def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """Light of its own, in the colour of the channel: nothing is shaded."""
+    background, high = np.percentile(known.values, (50.0, 99.9))
+    spread = 1.4826 * float(np.median(np.abs(known.values - background)))
+    low = min(float(background) + 2.0 * spread, float(background) + 0.5 * (float(high) - float(background)))
+    high = max(float(high), low + 1e-6 * max(abs(low), 1.0))
+    channel = volume.facts.channel
+    color = channel.color if channel is not None and channel.color is not None else GREEN
+    # A colour that is dark itself, such as a pure blue, becomes lighter with the value.
+    white = tuple(share + 0.65 * (1.0 - share) for share in color)
+    middle = low + 0.4 * (high - low)
+    across = _across(volume)
+    opacity = [(low, 0.0), (middle, _per_voxel(0.75, across)), (high, _per_voxel(0.995, across))]
+    nodes = [(low, *(0.55 * share for share in color)), (middle, *color), (high, *white)]
+    return TransferFunction(opacity, nodes), None
+
+
+def _em(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A block that is cut where the volume ends: grey, opaque, as the slices look."""
+    low, high = np.percentile(known.values, (0.5, 99.5))
+    high = high if high > low else low + 1.0
+    return TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)]), None
+
+
+def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    limit = float(np.percentile(np.abs(known.values), 99.5))
+    across = _across(volume)
+    function = TransferFunction.diverging(limit)
+    opacity = [(value, _per_voxel(0.97 * (alpha > 0), across)) for value, alpha in function.opacity]
+    return TransferFunction(opacity, function.color), SOFT
+
+
+def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A perceptual colour map, in the logarithm of the value where a few values are far larger than the others."""
+    low, middle, upper, high = (float(v) for v in np.percentile(known.values, (1.0, 50.0, 99.0, 99.9)))
+    positive = known.values[known.values > 0]
+    is_heavy = positive.size > 0.9 * known.values.size and high > 8.0 * max(middle, 1e-300) and middle > 0
+    places = np.linspace(0.0, 1.0, 17)
+    if is_heavy:
+        low = float(np.percentile(positive, 5.0))
+        nodes = low * (high / low) ** places
+    else:
+        nodes = low + (upper - low) * places
+    nodes = np.array(_increasing(nodes.tolist(), high - low))
+    across = _across(volume)
+    # What half of the volume exceeds is nearly clear.
+    clear = float(np.interp(np.percentile(known.values, 60.0), nodes, places))
+    rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
+    opacity = [(float(v), _per_voxel(0.985 * float(r) ** 1.3, across)) for v, r in zip(nodes, rise, strict=True)]
+    return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.25)), SOFT
+
+
+def _mask(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    low, high = float(known.values.min()), float(known.values.max())
+    return _solid(low, high), SOLID
+
+
+def _labels(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    return _solid(0.0, 1.0), SOLID
+
+
+def _solid(low: float, high: float) -> TransferFunction:
+    """Opaque from halfway between two values on."""
+    middle = 0.5 * (low + high)
+    return TransferFunction([(middle, 0.0), (middle, 1.0)], [(middle, *MASK)])
+
+
+LOOKS: dict[Kind, Callable[[Any, Evidence], Made]] = {
+    "CT": _ct,
+    "MR": _tissue,
+    "PET": _tissue,
+    "ultrasound": _ultrasound,
+    "fluorescence": _fluorescence,
+    "EM": _em,
+    "signed field": _signed_field,
+    "field": _field,
+    "mask": _mask,
+    "labels": _labels,
+    "scan": _scan,
+}
+
+
+def _parted(known: Evidence) -> tuple[float, float, float]:
+    """Values that count as smallest and largest, and the threshold between background and object."""
+    low, high = histogram.robust_range_of(known.values)
+    return low, histogram.otsu(known.values, low, high), high
+
+
+def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How large gradients are at each value, 0..1: the mean over samples near it, against the largest mean."""
+    step = float(values[1] - values[0])
+    place = np.clip(np.round((known.values - values[0]) / step).astype(np.int64), 0, values.size - 1)
+    counts = np.bincount(place, minlength=values.size).astype(np.float64)
+    sums = np.bincount(place, weights=known.gradients, minlength=values.size)
+    around = np.array([0.25, 0.5, 0.25])
+    counts, sums = (np.convolve(np.pad(array, 1, mode="edge"), around, mode="valid") for array in (counts, sums))
+    mean = np.where(counts > 0, sums / np.maximum(counts, 1e-9), 0.0)
+    enough = counts > 1e-5 * known.values.size
+    return np.asarray(mean / max(float(mean[enough].max(initial=0.0)), 1e-12)).clip(0.0, 1.0)
+
+
+def _across(volume: Volume | WaveletVolume) -> float:
+    """Voxels that a ray goes through, about."""
+    return float(np.mean(volume.shape))
+
+
+def _per_voxel(opacity: float, n_voxels: float) -> float:
+    """What a voxel must be for a quarter of the volume's depth to have an opacity."""
+    return 1.0 - (1.0 - min(opacity, 0.9999)) ** (4.0 / max(n_voxels, 4.0))
+
+
+def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
+    """Equal percentiles would make steps; they are kept a small distance apart."""
+    least = 1e-3 * extent
+    out = [float(nodes[0])]
+    for node in nodes[1:]:
+        out.append(max(float(node), out[-1] + least))
+    return out
+
+
+def _curves(nodes: list[float], opacity: list[float], colors: Sequence[Rgb], places: Any) -> TransferFunction:
+    return TransferFunction(
+        list(zip(nodes, opacity, strict=True)),
+        [(float(place), *color) for place, color in zip(places, colors, strict=True)],
+    )
+
+
+def _colored(colors: Sequence[Rgb], low: float, high: float) -> list[tuple[float, float, float, float]]:
+    return [(float(v), *color) for v, color in zip(np.linspace(low, high, len(colors)), colors, strict=True)]
+
+
+def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, float, float, float]]:
+    """Colours of a map from `start` on: its dark end cannot be seen on black."""
+    from cmap import Colormap
+
+    places = np.linspace(start, 1.0, nodes.size)
+    return [
+        (float(v), *(float(c) for c in Colormap(name)(place).rgba[:3])) for v, place in zip(nodes, places, strict=True)
+    ]

@@ -68,12 +68,12 @@ def weights(text: str) -> tuple[float, ...]:
         raise typer.BadParameter(f"{text!r} is not numbers with commas between, such as 1,1,0") from None
 
 
-def color(text: str) -> tuple[float, ...] | None:
-    """A colour as `wavesplat.colors` reads it."""
+def color(text: str) -> tuple[float, ...] | str:
+    """A colour as `wavesplat.colors` reads it; "transparent" stays, since None means that none is given."""
     from wavesplat._looks import colors
 
     try:
-        return colors.parse(text)
+        return colors.parse(text) or "transparent"
     except ArgumentError as error:
         raise typer.BadParameter(str(error)) from None
 

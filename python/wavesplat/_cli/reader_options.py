@@ -6,15 +6,14 @@ option for each field of `ReaderOptions` in the place of `reader`, and the comma
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import wraps
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.option_groups import with_options_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -60,26 +59,7 @@ class ReaderOptions:
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command these options on the command line, in the place of its parameter `reader`."""
-    hints = get_type_hints(ReaderOptions, include_extras=True)
-    options = [
-        inspect.Parameter(
-            field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
-        )
-        for field in fields(ReaderOptions)
-    ]
-
-    @wraps(command)
-    def with_options(**given: Any) -> None:
-        reader = ReaderOptions(**{option.name: given.pop(option.name) for option in options})
-        command(**given, reader=reader)
-
-    parameters: list[inspect.Parameter] = []
-    for parameter in inspect.signature(command, eval_str=True).parameters.values():
-        parameters += options if parameter.name == "reader" else [parameter]
-    # Typer asks for both, depending on its release.
-    with_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    with_options.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    return with_options
+    return with_options_of(ReaderOptions, "reader", command)
 
 
 def open_samples(path: str, reader: ReaderOptions) -> Volume:

@@ -27,9 +27,9 @@ from wavesplat._cli.shared_options import (
 )
 from wavesplat._cli.transfer_function_options import (
     TransferFunctionFile,
-    chosen_transfer_function,
-    function_in_file,
+    function_of_histogram,
     function_of_materials,
+    named_look,
 )
 from wavesplat._model.options import BY_VIEW, VIEWS, Composite, Quality
 from wavesplat.errors import ArgumentError
@@ -52,7 +52,8 @@ def render(
     output: PictureOutput,
     *,
     preset: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Transfer function by name; auto if neither is given.")
+        str | None,
+        typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
     ] = None,
     tf: TransferFunctionFile = None,
     materials: Annotated[
@@ -85,7 +86,7 @@ def render(
     ] = None,
     size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels.")] = "512x512",
     kernel: Kernel = "linear",
-    composite: Annotated[Any, parsers.choice(get_args(Composite))] = "over",
+    composite: Annotated[Any, parsers.choice(get_args(Composite))] = None,
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None,
     local_threshold: Annotated[
         float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
@@ -122,7 +123,7 @@ def render(
         ),
     ] = None,
     family: Family = "cdf97",
-    background: Background = "black",
+    background: Background = None,
     crop: Annotated[Any, box("Draw only this box, world units.")] = None,
     crop_index: Annotated[Any, box("The same, in samples.")] = None,
     shading: Annotated[bool, typer.Option(help="Light the surfaces, or draw colours as they are.")] = True,
@@ -154,14 +155,18 @@ def render(
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
     transfer_function: TransferFunction | TransferFunction2D | None
-    if tf is not None:
-        transfer_function = function_in_file(tf, volume)
+    look = named_look(volume, preset=preset, tf=tf, quiet=quiet)
+    composite = composite or (look.composite if look else "over")
+    if look is not None:
+        transfer_function = look.transfer_function
+        view, background = view or look.view, background or look.background
+        light = look.shading if shading and not occlusion and not shadow else light
     elif materials is not None:
         transfer_function = function_of_materials(volume, materials, surfaces)
-    elif composite in BY_VIEW and preset in (None, "auto"):
+    elif composite in BY_VIEW:
         transfer_function = None  # greys that depend on the view are left to the renderer
     else:
-        transfer_function = chosen_transfer_function(volume, input, preset=preset, tf=None, composite=composite)
+        transfer_function = function_of_histogram(volume, input, composite)
     segmentation = _labels(labels, label_table)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
@@ -186,7 +191,7 @@ def render(
         psnr=psnr,
         drop_levels=drop_levels,
         crop=chosen_crop(crop, crop_index),
-        background=background,
+        background=background or "black",
         threads=threads,
     )
     picture.save(output, bits=bits)

@@ -26,7 +26,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["auto", "robust_range"]
+__all__ = ["auto", "finite_samples", "is_hounsfield", "otsu", "robust_range"]
 
 #: Samples looked at, at most: enough for steady percentiles, and a fraction of a second on any volume.
 N_SAMPLES_MAX = 2_000_000
@@ -94,15 +94,28 @@ def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
     return _robust_range(_finite(_subsampled(volume)))
 
 
+def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
+    """Samples that are numbers, some millions at most, spread evenly over the volume."""
+    return _finite(_subsampled(volume))
+
+
+def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
+    """Whether the values look like Hounsfield units: a CT has air and soft tissue, at the fixed points of its scale."""
+    return _are_hounsfield(finite_samples(volume))
+
+
+def _are_hounsfield(values: NDArray[np.float64]) -> bool:
+    air, soft_tissue = (np.mean(np.abs(values - value) < 200) for value in (-1000, 0))
+    return bool(air > 0.02 and soft_tissue > 0.02)
+
+
 def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """The value that absorbs no x-rays, and absorption per world unit and sample unit above it.
 
     Those of Hounsfield units where the values look like them; else the range of values decides.
     """
-    values = _finite(_subsampled(volume))
-    # A CT has air and soft tissue, at the two fixed points of its scale.
-    air, soft_tissue = (np.mean(np.abs(values - value) < 200) for value in (-1000, 0))
-    if air > 0.02 and soft_tissue > 0.02:
+    values = finite_samples(volume)
+    if _are_hounsfield(values):
         return HOUNSFIELD_ATTENUATION
     clear, _ = _robust_range(values)
     most = float(np.percentile(_projected(volume, "x-ray", clear), 99.5))
@@ -128,7 +141,7 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
 
 def _veil_and_solid(values: NDArray[np.float64]) -> TransferFunction:
     low, high = _robust_range(values)
-    threshold = _otsu(values, low, high)
+    threshold = otsu(values, low, high)
     inside = values[values > threshold]
     middle, upper, top = np.percentile(inside, (50, 90, 99.5))
     # Equal percentiles would make steps; keep a small distance, relative to the whole range.
@@ -151,7 +164,7 @@ def _signed(volume: WaveletVolume) -> TransferFunction:
     return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
 
 
-def _otsu(values: NDArray[np.float64], low: float, high: float) -> float:
+def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
     """The threshold that parts the values into the two classes with the largest variance between their square roots."""
     roots = np.sqrt(np.clip((values - low) / (high - low), 0.0, 1.0))
     counts, edges = np.histogram(roots, bins=N_BINS, range=(0.0, 1.0))

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from wavesplat import _native
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
@@ -50,7 +51,7 @@ def chosen_transfer_function(
     if given is None or given == "auto":
         return TransferFunction.auto(volume, composite)
     if isinstance(given, str):
-        return TransferFunction.preset(given, volume)
+        return Look.preset(given, volume).transfer_function
     raise ArgumentError(
         f"transfer_function is a {type(given).__name__}; give a TransferFunction, Materials or the name of a preset"
     )

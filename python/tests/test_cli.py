@@ -119,7 +119,7 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
         (["IN", "-o", "OUT", "--composite", "x-ray", "--attenuation", "3"], "'3' is not 2 numbers"),
         (["IN", "-o", "OUT", "--quality", "best"], "'best' is not one of: draft"),
         (["IN", "-o", "OUT", "--view", "front"], "'front' is not one of: anterior"),
-        (["IN", "-o", "OUT", "--preset", "bone"], "unknown preset 'bone'; use one of: auto, ct-bone"),
+        (["IN", "-o", "OUT", "--preset", "bone"], "unknown preset 'bone'; did you mean ct-bone"),
         (["IN", "-o", "OUT", "--preset", "grey", "--tf", "a.json"], "--preset and --tf"),
         (["IN", "-o", "OUT", "--view", "left", "--azimuth", "3"], "--view and --azimuth"),
         (["IN", "-o", "OUT", "--background", "#12"], "color is '#12'"),

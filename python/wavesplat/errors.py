@@ -5,7 +5,15 @@ Each message says what happened, where, and how to mend it; a path comes last.
 
 from __future__ import annotations
 
-__all__ = ["ArgumentError", "CancelledError", "FileError", "LibraryError", "LimitError", "WavesplatError"]
+__all__ = [
+    "ArgumentError",
+    "CancelledError",
+    "FileError",
+    "LibraryError",
+    "LimitError",
+    "WavesplatError",
+    "WavesplatWarning",
+]
 
 
 class WavesplatError(Exception):
@@ -30,3 +38,7 @@ class LimitError(WavesplatError):
 
 class CancelledError(WavesplatError):
     """The progress callback asked to stop; no picture was made."""
+
+
+class WavesplatWarning(UserWarning):
+    """The work was done, but perhaps not what was meant: a preset for other units, say."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavesplat._cli import parsers
-from wavesplat._cli.grouped_options import given, takes
+from wavesplat._cli.option_groups import given, with_options_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -53,8 +54,9 @@ class LightOptions:
     ] = None
 
 
-#: Gives a command these options, in the place of its parameter `lighting`.
-takes_light_options = takes(LightOptions, "lighting")
+def takes_light_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `lighting`."""
+    return with_options_of(LightOptions, "lighting", command)
 
 
 def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None:

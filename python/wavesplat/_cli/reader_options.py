@@ -5,13 +5,14 @@ A command that reads a volume has a parameter `reader` and the decorator `takes_
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavesplat._cli import parsers
-from wavesplat._cli.grouped_options import given, takes
+from wavesplat._cli.option_groups import given, with_options_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -50,8 +51,9 @@ class ReaderOptions:
     offset: Annotated[int, typer.Option(metavar="BYTES", help="Raw: bytes before the first sample.")] = 0
 
 
-#: Gives a command these options, in the place of its parameter `reader`.
-takes_reader_options = takes(ReaderOptions, "reader")
+def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `reader`."""
+    return with_options_of(ReaderOptions, "reader", command)
 
 
 def open_samples(path: str, reader: ReaderOptions) -> Volume:

@@ -28,8 +28,8 @@ from wavesplat._cli.shared_options import (
 )
 from wavesplat._cli.transfer_function_options import (
     TransferFunctionFile,
-    function_in_file,
     function_of_materials,
+    named_look,
 )
 from wavesplat._model.options import BY_VIEW, COMPOSITE_SYNONYMS, VIEWS, Composite, Quality
 from wavesplat.errors import ArgumentError, FileError
@@ -52,7 +52,8 @@ def render(
     output: PictureOutput,
     *,
     preset: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Transfer function by name; auto if neither is given.")
+        str | None,
+        typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
     ] = None,
     tf: TransferFunctionFile = None,
     materials: Annotated[
@@ -149,9 +150,13 @@ def render(
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
-    look = _look(volume, input, preset=preset, tf=tf, materials=materials, surfaces=surfaces, composite=composite)
+    look = _look(
+        volume, input, preset=preset, tf=tf, materials=materials, surfaces=surfaces, composite=composite, quiet=quiet
+    )
     crop_box = chosen_crop(crop, crop_index)
-    camera = _camera(volume, look, view, azimuth, elevation, crop=crop_box, zoom=zoom, view_angle=perspective, size=size)
+    camera = _camera(
+        volume, look, view, azimuth, elevation, crop=crop_box, zoom=zoom, view_angle=perspective, size=size
+    )
     # Greys that depend on the view are left to the renderer.
     by_view = look.name == "auto" and look.composite in BY_VIEW
     if not quiet:
@@ -195,22 +200,20 @@ def _look(
     materials: str | None,
     surfaces: float | None,
     composite: Any,
+    quiet: bool,
 ) -> Look:
     """The look that is named, or the one that suits the data. `path`: where the volume came from, for messages."""
     from wavesplat._looks.look import Look
     from wavesplat._render.arguments import chosen_look
 
-    if tf is not None:
-        return Look(transfer_function=function_in_file(tf, volume), composite=composite or "over")
     if materials is not None:
-        return Look(
-            transfer_function=function_of_materials(volume, materials, surfaces), composite=composite or "over"
-        )
+        return Look(transfer_function=function_of_materials(volume, materials, surfaces), composite=composite or "over")
+    named = named_look(volume, preset=preset, tf=tf, quiet=quiet)
+    if named is not None:
+        return chosen_look(named, volume, composite)
     try:
-        return chosen_look(preset, volume, composite)
+        return Look.auto(volume, composite)
     except ArgumentError as error:
-        if preset not in (None, "auto"):
-            raise
         # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
         raise FileError(f"{error}: {path}") from None
 
@@ -317,9 +320,7 @@ def _drawn(
     from wavesplat._cli import progress
     from wavesplat._render.rendering import render as draw
 
-    return progress.run(
-        lambda report: draw(volume, look, camera, progress=report, **options), "drawing", shown=shown
-    )
+    return progress.run(lambda report: draw(volume, look, camera, progress=report, **options), "drawing", shown=shown)
 
 
 def _write_report(path: Path, facts: dict[str, Any]) -> None:

@@ -7,7 +7,6 @@ and not at the values of the materials themselves.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,10 +15,10 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import histogram
 from wavesplat._looks.kinds import Evidence, Kind, evidence
+from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.labels import Labels
 from wavesplat._model import units
 from wavesplat._model.units import METRES
 from wavesplat._model.wavelet_volume import WaveletVolume

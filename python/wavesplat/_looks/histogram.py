@@ -25,7 +25,17 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["attenuation", "exposed", "otsu", "projected", "robust_range", "robust_range_of", "signed"]
+__all__ = [
+    "attenuation",
+    "exposed",
+    "finite_samples",
+    "is_hounsfield",
+    "otsu",
+    "projected",
+    "robust_range",
+    "robust_range_of",
+    "signed",
+]
 
 #: Samples looked at, at most: enough for steady percentiles, and a fraction of a second on any volume.
 N_SAMPLES_MAX = 2_000_000
@@ -83,12 +93,22 @@ def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
     return robust_range_of(_finite(_subsampled(volume)))
 
 
+def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
+    """Samples that are numbers, some millions at most, spread evenly over the volume."""
+    return _finite(_subsampled(volume))
+
+
+def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
+    """Whether the values look like Hounsfield units."""
+    return looks_like_hounsfield(finite_samples(volume))
+
+
 def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """The value that absorbs no x-rays, and absorption per world unit and sample unit above it.
 
     Those of Hounsfield units where the values look like them; else the range of values decides.
     """
-    values = _finite(_subsampled(volume))
+    values = finite_samples(volume)
     if looks_like_hounsfield(values):
         return HOUNSFIELD_ATTENUATION
     clear, _ = robust_range_of(values)

@@ -111,7 +111,10 @@ def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: fl
         return "signed field", "a field with two signs, by the values"
     if volume.is_anatomical and numbers != "u" and values.min() >= 0:
         if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
-            return "PET", "PET: coarse samples and a few very bright spots, by the values; pass another look if it is not"
+            return (
+                "PET",
+                "PET: coarse samples and a few very bright spots, by the values; pass another look if it is not",
+            )
         return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
     if volume.is_anatomical:
         return "scan", "a scan of no fixed scale"

@@ -5,7 +5,8 @@ What 3D Slicer calls a volume property preset, with the operator and the view th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from os import PathLike
 from typing import TYPE_CHECKING
 
 from wavesplat._looks.shading import Shading
@@ -55,7 +56,7 @@ class Look:
     """
 
     transfer_function: TransferFunction | TransferFunction2D
-    shading: Shading | None = Shading()
+    shading: Shading | None = field(default_factory=Shading)
     composite: Composite = "over"
     view: str | None = None
     background: str | None = None
@@ -64,13 +65,8 @@ class Look:
     reason: str = ""
 
     @classmethod
-    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> Look:
-        """A look by name."""
-        return cls(transfer_function=TransferFunction.preset(name, volume), name=name)
-
-    @classmethod
     def auto(cls, volume: Volume | WaveletVolume, composite: Composite | None = None) -> Look:
-        """A look for a first picture, by what kind of data the volume holds; `reason` says which, and how that is known.
+        """A look for a first picture, by the kind of data that the volume holds; `reason` says which, and why.
 
         Parameters
         ----------
@@ -87,3 +83,85 @@ class Look:
         from wavesplat._looks import automatic
 
         return automatic.automatic(volume, composite)
+
+    @classmethod
+    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> Look:
+        """A look by name: what usually looks good on that kind of data.
+
+        Parameters
+        ----------
+        name : str
+            Of CT in Hounsfield units: "ct-bone", "ct-angio", "ct-lung", "ct-skin", "ct-muscle", "ct-heart",
+            "ct-soft-tissue", "ct-vessels". Fitted to the volume's values: presets for MR, PET, microscopy and
+            simulation, and "auto" (see `auto`). Those of 3D Slicer, such as "CT-AAA" or "MR-Default"; where ours has
+            the same name, "slicer-" before it means theirs. `wavesplat presets` lists all. Case does not matter, and
+            "-", "_" and a blank are alike.
+        volume : Volume or WaveletVolume, optional
+            Needed for the presets that are fitted to the volume's values; the others are checked against it.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no preset of that name (the message offers near ones), or it needs a volume.
+
+        Warns
+        -----
+        WavesplatWarning
+            If the preset is for Hounsfield units and the volume's values do not look like them.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Look.preset("CT Bone").transfer_function.opacity_unit
+        1.0
+        """
+        from wavesplat._looks import presets
+
+        return presets.preset(name, volume)
+
+    @classmethod
+    def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> Look:
+        """The look that a JSON text describes, as `to_json` writes it.
+
+        Parameters
+        ----------
+        text : str
+            An object with `version` 1 and `transfer_function`, which is an object as `TransferFunction.to_json` or
+            `TransferFunction2D.to_json` writes it. Optional: `shading` (the arguments of `Shading`, or null),
+            `composite`, `view`, `background`, `name` and `description`.
+        volume : Volume or WaveletVolume, optional
+            Needed when the values of the transfer function are relative to a volume's.
+
+        Raises
+        ------
+        ArgumentError
+            If it is not such a text; the message names the field.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> look = ws.Look.preset("ct-bone")
+        >>> ws.Look.from_json(look.to_json()) == look
+        True
+        """
+        from wavesplat._looks import look_json
+
+        return look_json.parse(text, volume)
+
+    def to_json(self) -> str:
+        """The look as a JSON text, which `from_json` reads back exactly."""
+        from wavesplat._looks import look_json
+
+        return look_json.write(self)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the look to a JSON file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; nothing is left behind.
+        """
+        from wavesplat._files import json_object
+
+        json_object.save(path, self.to_json())

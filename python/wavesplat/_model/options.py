@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = ["BY_VIEW", "COMPOSITE_SYNONYMS", "PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Plane", "Quality", "Slab"]
+__all__ = [
+    "BY_VIEW",
+    "COMPOSITE_SYNONYMS",
+    "PLANES",
+    "VIEWS",
+    "Buffer",
+    "Composite",
+    "Kernel",
+    "Plane",
+    "Quality",
+    "Slab",
+]
 
 Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]

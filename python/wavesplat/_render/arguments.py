@@ -58,7 +58,7 @@ def chosen_transfer_function(
     if given is None or given == "auto":
         return TransferFunction.auto(volume, composite)
     if isinstance(given, str):
-        return TransferFunction.preset(given, volume)
+        return Look.preset(given, volume).transfer_function
     raise ArgumentError(
         f"transfer_function is a {type(given).__name__}; give a TransferFunction, Materials or the name of a preset"
     )

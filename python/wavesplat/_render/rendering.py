@@ -49,7 +49,7 @@ def render(
     local_threshold: float | None = None,
     depth_shading: float | None = None,
     attenuation: tuple[float, float] | None = None,
-    shading: Shading | None | Literal["look"] = "look",
+    shading: Shading | Literal["look"] | None = "look",
     quality: Quality = "normal",
     sheets_per_slice: float | None = None,
     oversampling: float | None = None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wavesplat._cli.printing import message
-from wavesplat.errors import WavesplatWarning
+from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look

@@ -118,8 +118,8 @@ pub struct Shading {
 impl Default for Shading {
     fn default() -> Self {
         Self {
-            ambient: 0.25,
-            diffuse: 0.8,
+            ambient: 0.3,
+            diffuse: 1.0,
             specular: 0.25,
             specular_power: 16.0,
             gradient: Gradient::Smoothed(0.8),

@@ -33,18 +33,18 @@ __all__ = ["automatic"]
 Rgb = tuple[float, float, float]
 
 #: Light that lets depth be seen, for solid things.
-SOLID = Shading(ambient_occlusion=0.5)
+SOLID = Shading(ambient_occlusion=0.3)
 #: Of translucent things: a highlight on every faint boundary is noise.
 SOFT = Shading(specular=0.1)
 
 #: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are solid.
-CT_OPACITY = [(-160, 0.0), (-90, 0.0012), (20, 0.004), (80, 0.007), (130, 0.02), (200, 0.16), (320, 0.5), (900, 0.9)]
+CT_OPACITY = [(-160, 0.0), (-90, 0.001), (20, 0.004), (80, 0.008), (130, 0.03), (180, 0.2), (280, 0.6), (900, 0.95)]
 CT_COLOR = [
-    (-160, 0.93, 0.74, 0.52),
-    (-20, 0.93, 0.68, 0.5),
-    (60, 0.85, 0.42, 0.34),
-    (130, 0.88, 0.45, 0.34),
-    (200, 0.96, 0.78, 0.6),
+    (-160, 1.0, 0.9, 0.74),
+    (-20, 1.0, 0.82, 0.66),
+    (60, 1.0, 0.62, 0.5),
+    (130, 0.98, 0.55, 0.42),
+    (200, 1.0, 0.84, 0.68),
     (320, 1.0, 0.95, 0.85),
     (900, 1.0, 1.0, 0.97),
 ]
@@ -53,6 +53,8 @@ TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.9
 MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
 #: Of fluorescence without a colour of its own: green, as GFP has it, white where it is brightest.
 GREEN = (0.35, 1.0, 0.45)
+#: Of values below and above zero, brighter than on paper: they are seen against black.
+SIGNS = [(0.22, 0.5, 1.0), (0.72, 0.86, 1.0), (1.0, 0.84, 0.74), (1.0, 0.34, 0.2)]
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
 FIELD_MAP = "inferno"
@@ -93,7 +95,7 @@ def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
     greys = histogram.projected(volume, "maximum")
     first, last = greys.color[0][0], greys.color[-1][0]
     # Faint uptake must show: half of the greys for the lower third.
-    color = [(first, 1.0, 1.0, 1.0), (first + 0.3 * (last - first), 0.55, 0.55, 0.55), (last, 0.0, 0.0, 0.0)]
+    color = [(first, 1.0, 1.0, 1.0), (first + 0.3 * (last - first), 0.48, 0.48, 0.48), (last, 0.0, 0.0, 0.0)]
     function = TransferFunction([(first, 1.0)], color)
     return Look(
         transfer_function=function,
@@ -111,7 +113,7 @@ Made = tuple[TransferFunction, "Shading | None"]
 def _ct(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
     function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
-    return function, Shading(specular=0.15, ambient_occlusion=0.4)
+    return function, Shading(specular=0.15, ambient_occlusion=0.3)
 
 
 def _tissue(volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -131,7 +133,8 @@ def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     values = np.linspace(low, high, 65)
     strength = _boundary_strength(known, values)
     rise = np.clip((values - threshold) / max(high - threshold, 1e-12), 0.0, 1.0)
-    seen = values > threshold - 0.5 * (threshold - low) / 2
+    strength = 0.3 + 0.7 * strength
+    seen = values > threshold - 0.25 * (threshold - low)
     alpha = np.where(seen, strength * (0.02 + 0.6 * rise**1.2), 0.0)
     alpha[-1] = max(alpha[-1], 0.5)
     nodes = list(zip(values.tolist(), np.clip(alpha, 0.0, 1.0).tolist(), strict=True))
@@ -148,7 +151,7 @@ def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """Light of its own, in the colour of the channel: nothing is shaded."""
     background, high = np.percentile(known.values, (50.0, 99.9))
     spread = 1.4826 * float(np.median(np.abs(known.values - background)))
-    low = min(float(background) + 2.0 * spread, float(background) + 0.5 * (float(high) - float(background)))
+    low = min(float(background) + 1.2 * spread, float(background) + 0.3 * (float(high) - float(background)))
     high = max(float(high), low + 1e-6 * max(abs(low), 1.0))
     channel = volume.facts.channel
     color = channel.color if channel is not None and channel.color is not None else GREEN
@@ -156,7 +159,7 @@ def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     white = tuple(share + 0.65 * (1.0 - share) for share in color)
     middle = low + 0.4 * (high - low)
     across = _across(volume)
-    opacity = [(low, 0.0), (middle, _per_voxel(0.75, across)), (high, _per_voxel(0.995, across))]
+    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 3 * across)), (high, _per_voxel(0.995, 2 * across))]
     nodes = [(low, *(0.55 * share for share in color)), (middle, *color), (high, *white)]
     return TransferFunction(opacity, nodes), None
 
@@ -171,9 +174,10 @@ def _em(volume: Volume | WaveletVolume, known: Evidence) -> Made:
 def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     limit = float(np.percentile(np.abs(known.values), 99.5))
     across = _across(volume)
-    function = TransferFunction.diverging(limit)
-    opacity = [(value, _per_voxel(0.97 * (alpha > 0), across)) for value, alpha in function.opacity]
-    return TransferFunction(opacity, function.color), SOFT
+    solid = _per_voxel(0.995, across)
+    places = [(-limit, solid), (-0.3 * limit, 0.0), (0.3 * limit, 0.0), (limit, solid)]
+    nodes = [(value, *color) for value, color in zip((-1.0, -0.3, 0.3, 1.0), SIGNS, strict=True)]
+    return TransferFunction(places, [(limit * value, *color) for value, *color in nodes]), SOFT
 
 
 def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -190,10 +194,10 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     nodes = np.array(_increasing(nodes.tolist(), high - low))
     across = _across(volume)
     # What half of the volume exceeds is nearly clear.
-    clear = float(np.interp(np.percentile(known.values, 60.0), nodes, places))
+    clear = float(np.interp(np.percentile(known.values, 70.0), nodes, places))
     rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
-    opacity = [(float(v), _per_voxel(0.985 * float(r) ** 1.3, across)) for v, r in zip(nodes, rise, strict=True)]
-    return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.25)), SOFT
+    opacity = [(float(v), _per_voxel(0.999 * float(r) ** 0.9, across)) for v, r in zip(nodes, rise, strict=True)]
+    return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.4)), SOFT
 
 
 def _mask(volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -251,8 +255,8 @@ def _across(volume: Volume | WaveletVolume) -> float:
 
 
 def _per_voxel(opacity: float, n_voxels: float) -> float:
-    """What a voxel must be for a quarter of the volume's depth to have an opacity."""
-    return 1.0 - (1.0 - min(opacity, 0.9999)) ** (4.0 / max(n_voxels, 4.0))
+    """What a voxel must be for a tenth of so many to have an opacity."""
+    return 1.0 - (1.0 - min(opacity, 0.9999)) ** (10.0 / max(n_voxels, 10.0))
 
 
 def _increasing(nodes: Sequence[float], extent: float) -> list[float]:

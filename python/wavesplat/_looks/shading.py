@@ -100,7 +100,7 @@ class Shading:
     --------
     >>> import wavesplat as ws
     >>> ws.Shading(specular=0).diffuse
-    0.8
+    1.0
     >>> explaining = ws.Shading(ambient_occlusion=0.8, shadow=0.5)
     >>> picture = ws.render(ws.examples.ct_pelvis(), "ct-bone", shading=explaining, size=(32, 32))
 
@@ -126,8 +126,8 @@ class Shading:
     def __init__(
         self,
         *,
-        ambient: float = 0.25,
-        diffuse: float = 0.8,
+        ambient: float = 0.3,
+        diffuse: float = 1.0,
         specular: float = 0.25,
         specular_power: float = 16.0,
         gradient_smoothing: float = 0.8,

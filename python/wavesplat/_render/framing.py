@@ -37,15 +37,13 @@ WITHIN = (0.05, 99.95)
 
 def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """Azimuth and elevation, degrees: a patient from the front, a thin stack along its thin side, else three-quarter."""
+    sides = np.ptp(volume.bounds, axis=0)
+    thinnest = int(sides.argmin())
+    is_thin = sides[thinnest] < THIN * np.sort(sides)[1]
     if volume.is_anatomical:
-        return VIEWS["anterior"]
-    x, y, z = np.ptp(volume.bounds, axis=0)
-    sides = sorted((x, y, z))
-    if sides[0] < THIN * sides[1]:
-        if sides[0] == z:
-            return VIEWS["xy"]
-        return VIEWS["xz"] if sides[0] == y else VIEWS["yz"]
-    return VIEWS["isometric"]
+        # As radiologists look at slices: sagittal from the left, coronal from the front, axial from the feet.
+        return VIEWS[("left", "anterior", "inferior")[thinnest] if is_thin else "anterior"]
+    return VIEWS[("yz", "xz", "xy")[thinnest] if is_thin else "isometric"]
 
 
 def framed(

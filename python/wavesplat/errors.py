@@ -5,7 +5,15 @@ Each message says what happened, where, and how to mend it; a path comes last.
 
 from __future__ import annotations
 
-__all__ = ["ArgumentError", "CancelledError", "FileError", "LibraryError", "LimitError", "WavesplatError"]
+__all__ = [
+    "ArgumentError",
+    "CancelledError",
+    "FileError",
+    "FileWarning",
+    "LibraryError",
+    "LimitError",
+    "WavesplatError",
+]
 
 
 class WavesplatError(Exception):
@@ -18,6 +26,14 @@ class ArgumentError(WavesplatError, ValueError):
 
 class FileError(WavesplatError, OSError):
     """A file is missing, unreadable, truncated, of an unknown kind, or cannot be written."""
+
+
+class FileWarning(UserWarning):
+    """A file was read although a part of it is missing or damaged; the message names and counts it.
+
+    Not an error, since the rest is worth a look; `warnings.simplefilter("error", wavesplat.errors.FileWarning)` makes
+    it one.
+    """
 
 
 class LibraryError(WavesplatError, ImportError):

@@ -152,7 +152,7 @@ def render(
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
-    volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
+    volume, drop_levels = _levels(open_any(input, reader, quiet=quiet), family, threshold, levels, bands)
     transfer_function: TransferFunction | TransferFunction2D | None
     if tf is not None:
         transfer_function = function_in_file(tf, volume)

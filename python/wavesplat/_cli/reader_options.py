@@ -13,6 +13,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -49,6 +50,17 @@ class ReaderOptions:
     ] = None
     byte_order: Annotated[str | None, typer.Option(metavar="little|big", help="Raw: byte order of the samples.")] = None
     offset: Annotated[int, typer.Option(metavar="BYTES", help="Raw: bytes before the first sample.")] = 0
+    unit: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Unit of lengths, instead of the file's: mm, um, nm, m, ...")
+    ] = None
+    gaps: Annotated[
+        Any,
+        typer.Option(
+            metavar="fill|refuse",
+            parser=parsers.one_of(("fill", "refuse")),
+            help="DICOM: fill in slices that are missing, or refuse the series.",
+        ),
+    ] = "fill"
 
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -56,17 +68,26 @@ def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_options_of(ReaderOptions, "reader", command)
 
 
-def open_samples(path: str, reader: ReaderOptions) -> Volume:
-    """A volume of samples."""
+def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume:
+    """A volume of samples; what was guessed is told on stderr, a note each, unless `quiet`."""
+    import warnings
+
     from wavesplat._readers.opening import open as open_volume
+    from wavesplat.errors import FileWarning
 
-    return open_volume(path, **vars(reader))
+    with warnings.catch_warnings():
+        # They are among the guesses.
+        warnings.simplefilter("ignore", FileWarning)
+        volume = open_volume(path, **vars(reader))
+    for guess in () if quiet else volume.guesses:
+        message(f"note: {guess}")
+    return volume
 
 
-def open_any(path: str, reader: ReaderOptions) -> Volume | WaveletVolume:
+def open_any(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume | WaveletVolume:
     """A volume of samples, or a file of wavelet coefficients."""
     if not path.lower().endswith(".wavelets"):
-        return open_samples(path, reader)
+        return open_samples(path, reader, quiet=quiet)
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     if given(reader):

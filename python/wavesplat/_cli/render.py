@@ -149,7 +149,7 @@ def render(
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
-    volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
+    volume, drop_levels = _levels(open_any(input, reader, quiet=quiet), family, threshold, levels, bands)
     look = _look(
         volume, input, preset=preset, tf=tf, materials=materials, surfaces=surfaces, composite=composite, quiet=quiet
     )

@@ -54,7 +54,6 @@ NAMES = {name: name for name in (*METRES, *FOREIGN)} | {
     "feet": "foot",
     "yd": "yard",
     "mi": "mile",
-    "li": "thou",
     "pt": "point",
 }
 #: In which lengths are shown, the longest first.

@@ -155,7 +155,7 @@ def test_failures_exit_with_1_and_leave_nothing(wavesplat, ramp_file, tmp_path):
     check(
         wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "no.json"),
         1,
-        stderr="cannot read the transfer function",
+        stderr="cannot read the look",
     )
     assert not [entry for entry in tmp_path.iterdir() if "a." in entry.name]
 

@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 __all__ = ["TransferFunctionFile", "function_of_histogram", "function_of_materials", "named_look"]
 
 TransferFunctionFile = Annotated[
-    Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")
+    Path | None,
+    typer.Option(
+        "--tf",
+        metavar="FILE[#NAME]",
+        help="Look from a file: ours (.json), 3D Slicer's (.vp, .vp.json, presets.xml), ParaView's (.json, .xml).",
+    ),
 ]
 
 
@@ -33,7 +38,8 @@ def named_look(
     from wavesplat._looks.look import Look
 
     if tf is not None:
-        return Look(transfer_function=function_in_file(tf, volume))
+        path, _, name = str(tf).rpartition("#") if not tf.exists() and "#" in str(tf) else (str(tf), "", None)
+        return Look.load(path, volume, name)
     if preset in (None, "auto"):
         return None
     with warnings.catch_warnings(record=True) as caught:
@@ -54,17 +60,6 @@ def function_of_histogram(volume: Volume | WaveletVolume, path: str) -> Transfer
     except ArgumentError as error:
         # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
         raise FileError(f"{error}: {path}") from None
-
-
-def function_in_file(path: Path, volume: Volume | WaveletVolume) -> TransferFunction | TransferFunction2D:
-    """Of the sample value alone, or of value and gradient magnitude; the fields of the file tell."""
-    from wavesplat._files import json_object
-    from wavesplat._looks.transfer_function import TransferFunction
-    from wavesplat._looks.transfer_function_2d import TransferFunction2D
-
-    what = "transfer function"
-    document = json_object.load(path, what, lambda text: json_object.parse(text, what, "opacity and color"))
-    return TransferFunction2D.load(path) if "rgba" in document else TransferFunction.load(path, volume)
 
 
 def function_of_materials(

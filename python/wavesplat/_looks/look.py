@@ -154,6 +154,45 @@ class Look:
 
         return look_json.write(self)
 
+    @classmethod
+    def load(
+        cls, path: str | PathLike[str], volume: Volume | WaveletVolume | None = None, name: str | None = None
+    ) -> Look:
+        """The look in a file, ours or one of 3D Slicer or ParaView; what is in the file decides which.
+
+        Parameters
+        ----------
+        path : path
+            JSON as `save` or `TransferFunction.save` writes it; 3D Slicer's `.vp`, `.vp.json` and scenes such as
+            `presets.xml`, with their light; ParaView's colour maps, `.json` and `.xml`.
+        volume : Volume or WaveletVolume, optional
+            Needed where values are relative to a volume's. Colour maps of ParaView from 0 to 1 are stretched over its
+            values; Slicer's gradients are per mean of its spacings.
+        name : str, optional
+            Which one, if the file holds several; case does not matter.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        ArgumentError
+            If it is none of these, or holds several and none is named.
+
+        Notes
+        -----
+        Opacities of Slicer are taken as those of 1 mm, VTK's ScalarOpacityUnitDistance where nothing else is said.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Look.preset("ct-bone").save("bone.json")
+        >>> ws.Look.load("bone.json").name
+        'ct-bone'
+        """
+        from wavesplat._looks import look_files
+
+        return look_files.load(path, volume, name)
+
     def save(self, path: str | PathLike[str]) -> None:
         """Write the look to a JSON file.
 

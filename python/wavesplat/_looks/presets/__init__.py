@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from wavesplat._files import json_object
-from wavesplat._looks import look_json
+from wavesplat._looks import look_json, slicer_files
 from wavesplat._looks.histogram import is_hounsfield
 from wavesplat._looks.look import Look
 from wavesplat.errors import ArgumentError, WavesplatWarning
@@ -49,12 +51,8 @@ class Preset:
     name: str
     kind: str
     description: str
-    document: dict[str, Any]
-
-    @property
-    def is_hounsfield(self) -> bool:
-        """Whether its values are Hounsfield units."""
-        return bool(self.document["transfer_function"].get("values") == "hounsfield")
+    is_hounsfield: bool
+    build: Callable[[Volume | WaveletVolume | None], Look]
 
 
 @cache
@@ -62,6 +60,11 @@ def catalogue() -> dict[str, Preset]:
     """All presets but `auto`, by name, in groups; names within a group are in alphabetical order."""
     found = [_read(name) for name in json_object.names_in(files(__name__))]
     found.sort(key=lambda preset: (list(GROUPS).index(preset.kind), preset.name))
+    ours = {plain(preset.name) for preset in found}
+    for one in slicer_files.built_in():
+        name = f"{PREFIX}{one.name}" if plain(one.name) in ours else one.name
+        is_hounsfield = one.name.startswith("CT-")
+        found.append(Preset(name, "slicer", _in_words(one), is_hounsfield, one.look))
     return {preset.name: preset for preset in found}
 
 
@@ -80,7 +83,7 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
     entry = catalogue()[found]
     if entry.is_hounsfield and volume is not None:
         warn_of_other_units(found, volume)
-    return look_json.build(entry.document, volume)
+    return replace(entry.build(volume), name=found)
 
 
 def warn_of_other_units(name: str, volume: Volume | WaveletVolume) -> None:
@@ -107,17 +110,28 @@ def plain(name: str) -> str:
 def _read(name: str) -> Preset:
     text = (files(__name__) / f"{name}.json").read_text(encoding="utf-8")
     document = json_object.parse(text, "preset", "transfer_function")
-    return Preset(name, document["kind"], document["description"], document)
+    is_hounsfield = document["transfer_function"].get("values") == "hounsfield"
+    build = partial(look_json.build, document)
+    return Preset(name, document["kind"], document["description"], is_hounsfield, build)
+
+
+def _in_words(one: slicer_files.VolumeProperty) -> str:
+    """Slicer has no descriptions; where its presets are not clear, and whether they are lit."""
+    low = next((at for (at, _), (_, after) in pairwise(one.opacity) if after > 0), one.opacity[0][0])
+    lit = "lit" if one.shade else "without light"
+    return f"Shows what is above {low:g}, {lit}."
 
 
 def _found(name: str) -> str:
     """The preset's own spelling of a name, or an `ArgumentError` that offers near ones."""
     wanted = plain(name)
-    spellings = {plain(known): known for known in reversed(names())}
+    spellings = {plain(known): known for known in names()}
+    # Slicer's own names have no prefix; all of them may have it.
+    spellings |= {PREFIX + plain(known.name): known.name for known in catalogue().values() if known.kind == "slicer"}
     if wanted in spellings:
         return spellings[wanted]
     within = [known for spelled, known in spellings.items() if wanted and wanted in spelled]
     near = [spellings[spelled] for spelled in get_close_matches(wanted, spellings, N_OFFERED, CLOSE)]
-    offered = list(dict.fromkeys([*reversed(within), *near]))[:N_OFFERED]
+    offered = list(dict.fromkeys([*within, *near]))[:N_OFFERED]
     hint = f"did you mean {', '.join(offered)}? " if offered else ""
     raise ArgumentError(f"unknown preset {name!r}; {hint}`wavesplat presets` lists all")

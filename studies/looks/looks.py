@@ -18,9 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import wavesplat as ws
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
+
+import wavesplat as ws
 
 DATA = Path(os.environ.get("BENCH_DATA", "../shared/data"))
 SIDE = 512

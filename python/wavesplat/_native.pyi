@@ -143,6 +143,7 @@ class Shading:
         specular_power: float,
         gradient_smoothing: float,
         gradient_offset: float,
+        unoriented: float,
         shoulder: float,
         lights: Sequence[tuple[str, tuple[float, float, float], tuple[float, float, float]]],
         ambient_occlusion: float,

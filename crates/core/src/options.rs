@@ -86,8 +86,9 @@ pub enum Gradient {
 
 /// Phong shading with the reflection vector, two-sided.
 ///
-/// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes only the
-/// ambient term is left. What is brighter than [`Shading::shoulder`] approaches 1, so that highlights keep their form.
+/// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes `|n·l|` is
+/// [`Shading::unoriented`]. What is brighter than [`Shading::shoulder`] in the picture approaches 1, so that highlights
+/// keep their form.
 ///
 /// The default is made for looking at pictures: a key light from the upper left, a fill light at the eye, smoothed
 /// gradients. [`Shading::headlight`] is the light of VTK's volume mappers, for comparisons.
@@ -103,7 +104,10 @@ pub struct Shading {
     pub specular_power: f32,
     /// What normals are taken from.
     pub gradient: Gradient,
-    /// From this brightness on, `0..=1`, colours are compressed: `x` becomes `s + (x − s) / (1 + (x − s) / (1 − s))`. 1: none.
+    /// Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is turned
+    /// to the light, `0..=1`: one half is the mean over all normals.
+    pub unoriented: f32,
+    /// From this brightness on, `0..=1`, colours of the picture are compressed ([`crate::Picture::finish`]). 1: none are.
     pub shoulder: f32,
     /// At least one light.
     pub lights: Vec<Light>,
@@ -123,6 +127,7 @@ impl Default for Shading {
             specular: 0.25,
             specular_power: 16.0,
             gradient: Gradient::Smoothed(0.8),
+            unoriented: 0.5,
             shoulder: 0.75,
             lights: vec![Light::KEY, Light::FILL],
             ..Self::headlight()
@@ -142,6 +147,7 @@ impl Shading {
             specular: 0.2,
             specular_power: 10.0,
             gradient: Gradient::Difference(1.0),
+            unoriented: 0.0,
             shoulder: 1.0,
             lights: vec![Light::HEADLIGHT],
             ambient_occlusion: 0.0,
@@ -181,8 +187,12 @@ impl Shading {
             }
             _ => {}
         }
-        let shares =
-            [("ambient_occlusion", self.ambient_occlusion), ("shadow", self.shadow), ("shoulder", self.shoulder)];
+        let shares = [
+            ("ambient_occlusion", self.ambient_occlusion),
+            ("shadow", self.shadow),
+            ("shoulder", self.shoulder),
+            ("unoriented", self.unoriented),
+        ];
         for (name, strength) in shares {
             if !(0.0..=1.0).contains(&strength) {
                 let mend = "pass 0 for none and 1 for all of it";

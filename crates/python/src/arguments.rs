@@ -135,6 +135,7 @@ impl PyShading {
         specular_power: f32,
         gradient_smoothing: f64,
         gradient_offset: f64,
+        unoriented: f32,
         shoulder: f32,
         lights: Vec<(String, Triple, (f32, f32, f32))>,
         ambient_occlusion: f32,
@@ -163,6 +164,7 @@ impl PyShading {
             } else {
                 Gradient::Smoothed(gradient_smoothing)
             },
+            unoriented,
             shoulder,
             lights: world_lights,
             ambient_occlusion,

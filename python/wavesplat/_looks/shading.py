@@ -77,9 +77,13 @@ class Shading:
         differences of what is drawn.
     gradient_offset : float, 0.01 to 4
         Without smoothing: half the width of these differences, in voxels.
+    unoriented : float, 0 to 1
+        Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is
+        turned to the light: 0.5 is the mean over all normals.
     shoulder : float, 0 to 1
-        Colours brighter than this after shading are compressed, so that they approach 1 and keep their form: x becomes
-        s + (x - s) / (1 + (x - s) / (1 - s)). 1 leaves them as they are. Colours that are not shaded are never changed.
+        Colours of the picture that are brighter than this are compressed, so that they approach 1 and keep their form:
+        x becomes s + (x - s) / (1 + (x - s) / (1 - s)). 1 leaves them as they are. Pictures without shading are never
+        changed.
     exposure : float, 0 or more
         Factor of all three Phong terms.
     lights : sequence of `Light`
@@ -115,6 +119,7 @@ class Shading:
     specular_power: float
     gradient_smoothing: float
     gradient_offset: float
+    unoriented: float
     shoulder: float
     exposure: float
     lights: tuple[Light, ...]
@@ -132,6 +137,7 @@ class Shading:
         specular_power: float = 16.0,
         gradient_smoothing: float = 0.8,
         gradient_offset: float = 1.0,
+        unoriented: float = 0.5,
         shoulder: float = 0.75,
         exposure: float = 1.0,
         lights: Iterable[Light] = (),
@@ -145,7 +151,7 @@ class Shading:
             raise ArgumentError(f"shading: exposure is {exposure}; it must be 0 or more, 1 is neutral")
         native_lights = [(light.frame, light.direction, light.color) for light in lights or (KEY_LIGHT, FILL_LIGHT)]
         exposed = (exposure * ambient, exposure * diffuse, exposure * specular)
-        surface = (specular_power, gradient_smoothing, gradient_offset, shoulder)
+        surface = (specular_power, gradient_smoothing, gradient_offset, unoriented, shoulder)
         held_off = (ambient_occlusion, occlusion_radius, shadow)
         core = _native.Shading(*exposed, *surface, native_lights, *held_off)
         given = (ambient, diffuse, specular, *surface, exposure, lights, *held_off, core)
@@ -172,6 +178,7 @@ class Shading:
             specular=specular,
             specular_power=specular_power,
             gradient_smoothing=0.0,
+            unoriented=0.0,
             shoulder=1.0,
             lights=[Light((0, 0, 1))],
         )

@@ -1,10 +1,9 @@
-//! Phong shading with the reflection vector, two-sided, and a shoulder that keeps highlights from clipping.
+//! Phong shading with the reflection vector, two-sided.
 //!
 //! `colour · (ambient + Σ diffuse · |n·l| · light) + Σ specular · max(0, r·v)^power · light`, with the normal `n` along
 //! the world gradient, `l` to the light, `v` to the eye and `r = 2 (n·l) n − l`. Two-sided: `r` is the same for `n`
-//! and `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes only the ambient term is left.
-//! What is brighter than the shoulder `s` becomes `s + (x − s) / (1 + (x − s) / (1 − s))`, which approaches 1 and has no
-//! kink. With one headlight and no shoulder this is what VTK's volume mappers have.
+//! and `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes `|n·l|` is a number of
+//! the shading, 0 with the headlight of other renderers, and there is no highlight.
 //! The world gradient is the index-space difference times the inverse transpose of `world_from_index`.
 
 use glam::DMat3;
@@ -49,8 +48,8 @@ pub struct Shader {
     lights: Vec<WorldLight>,
     /// Whether all lights are the same for all colours.
     is_grey: bool,
-    /// Where highlights begin to be compressed, if they are.
-    shoulder: Option<f32>,
+    /// `|n · l|` where there is no normal.
+    unoriented: f32,
     metric: Metric,
     /// Squared world gradients below this are rounding noise.
     vanishing: f32,
@@ -98,7 +97,7 @@ impl Shader {
             specular_power: shading.specular_power,
             lights: lights.collect(),
             is_grey: shading.lights.iter().all(|light| light.rgb == [light.rgb[0]; 3]),
-            shoulder: (shading.shoulder < 1.0).then_some(shading.shoulder),
+            unoriented: shading.unoriented,
             metric: Metric::new(world_from_index, family),
             vanishing: vanishing_gradient_squared(world_from_index, range) as f32,
         }
@@ -118,16 +117,7 @@ impl Shader {
             lit = s.add_mul(lit, diffuse, s.splat(light.rgb[0]));
             highlight = s.add_mul(highlight, specular, s.splat(light.rgb[0]));
         }
-        rgb.map(|c| self.compressed(s, s.add(s.mul(c, lit), highlight)))
-    }
-
-    /// With the shoulder.
-    #[inline(always)]
-    fn compressed<S: Wide>(&self, s: S, x: S::F) -> S::F {
-        let Some(shoulder) = self.shoulder else { return x };
-        let room = s.splat((1.0 - shoulder).max(1e-6));
-        let above = s.max(s.sub(x, s.splat(shoulder)), s.splat(0.0));
-        s.add(s.sub(x, above), s.div(s.mul(above, room), s.add(room, above)))
+        rgb.map(|c| s.add(s.mul(c, lit), highlight))
     }
 
     /// As [`Shader::shade`], where only a share of the first light gets there.
@@ -179,7 +169,7 @@ impl Shader {
         }
         let mut shaded = rgb;
         for c in 0..3 {
-            shaded[c] = self.compressed(s, s.add(s.mul(rgb[c], lit[c]), highlight[c]));
+            shaded[c] = s.add(s.mul(rgb[c], lit[c]), highlight[c]);
         }
         shaded
     }
@@ -196,15 +186,16 @@ impl Shader {
         to_eye: [S::F; 3],
         (exists, inverse, n_v): (S::M, S::F, S::F),
     ) -> (S::F, S::F) {
+        let unoriented = s.splat(self.unoriented);
         if light.is_at_eye {
-            let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_v));
+            let diffuse = s.mul(s.splat(self.diffuse), s.select(exists, s.abs(n_v), unoriented));
             let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_v), n_v), s.splat(1.0));
             let reflected = s.max(reflected, s.splat(0.0));
             return (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)));
         }
         let n_l = s.mul(dot(s, light.on_gradient, gradient), inverse);
         let l_v = dot(s, light.on_view, to_eye);
-        let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_l));
+        let diffuse = s.mul(s.splat(self.diffuse), s.select(exists, s.abs(n_l), unoriented));
         let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_l), n_v), l_v);
         // Without a normal there is no reflection: r·v would be −l·v.
         let reflected = s.select(exists, s.max(reflected, s.splat(0.0)), s.splat(0.0));
@@ -285,15 +276,13 @@ mod tests {
     }
 
     #[test]
-    fn the_shoulder_compresses_what_is_bright_and_nothing_else() {
-        let lit = |ambient: f32| {
-            let shading = Shading { ambient, diffuse: 0.0, specular: 0.0, shoulder: 0.75, ..Shading::headlight() };
-            f64::from(shade_one(&shading, [0.0; 3], [0.0, 0.0, 1.0])[0])
-        };
-        assert!((lit(1.4) - 0.7).abs() < 1e-6, "below it colours are as they are");
-        assert!((lit(2.0) - (0.75 + 0.25 / 2.0)).abs() < 1e-6, "half of the room where twice as much is above");
-        let bright: Vec<f64> = (0..200).map(|n| lit(n as f32)).collect();
-        assert!(bright.is_sorted() && bright[199] < 1.0);
+    fn matter_without_a_gradient_has_a_share_of_the_light_of_a_face() {
+        let even = Shading { unoriented: 0.5, lights: vec![Light::KEY, Light::FILL], ..Shading::headlight() };
+        let got = shade_one(&even, [0.0; 3], [0.0, 0.0, 1.0]);
+        assert!((got[0] - 0.5 * (0.1 + 0.7 * 0.5 * 1.35)).abs() < 1e-6, "{got:?}");
+        let coloured = Light { rgb: [1.0, 0.5, 0.0], ..Light::KEY };
+        let got = shade_one(&Shading { lights: vec![coloured], ..even }, [0.0; 3], [0.0, 0.0, 1.0]);
+        assert!((got[1] - 0.5 * (0.1 + 0.7 * 0.5 * 0.5)).abs() < 1e-6 && (got[2] - 0.05).abs() < 1e-6, "{got:?}");
     }
 
     #[test]

@@ -107,9 +107,7 @@ pub fn raycast_labelled(
         }
         let (width_px, height_px) = (options.width_px, options.height_px);
         let mut picture = Picture { width_px, height_px, rgba: rows.concat(), depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
     })
 }
@@ -252,13 +250,10 @@ impl<'a> Sampler<'a> {
         let Some(shading) = self.shading else { return rgb };
         let gradient = self.gradient_from_index * index_gradient;
         let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
-        let compressed = |x: f64| {
-            let shoulder = f64::from(shading.shoulder);
-            let (above, room) = (x - shoulder, 1.0 - shoulder);
-            if above > 0.0 && room > 0.0 { shoulder + above / (1.0 + above / room) } else { x }
-        };
         if gradient.length_squared() <= vanishing {
-            return rgb.map(|c| compressed(c * ambient));
+            let even = diffuse * f64::from(shading.unoriented);
+            let light = |c: usize| self.lights.iter().map(|(_, light)| light[c]).sum::<f64>();
+            return [0, 1, 2].map(|c| rgb[c] * (ambient + even * light(c)));
         }
         let normal = gradient.normalize();
         let mut out = rgb.map(|c| c * ambient);
@@ -270,7 +265,7 @@ impl<'a> Sampler<'a> {
                 out[c] += light[c] * (rgb[c] * diffuse * n_l.abs() + f64::from(shading.specular) * highlight);
             }
         }
-        out.map(compressed)
+        out
     }
 
     /// The thickness that opacities belong to.

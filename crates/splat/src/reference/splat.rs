@@ -301,9 +301,7 @@ pub fn picture(
         let reads = reads_per_axis(Composite::Over, options.oversampling);
         let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false).rgba;
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
     })
 }
@@ -429,9 +427,7 @@ pub fn image(
         }
         let rgba = image.iter().map(|p| p.map(|c| c as f32)).collect();
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
     })
 }

@@ -326,16 +326,20 @@ impl FieldPlan {
         let shading = options.shading.as_ref().filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0);
         if let Some(shading) = shading {
             let grid = layer.slices.grid();
-            let extinction = ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels)?;
+            let extinction = || ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels);
             let mut terms = LightTerms::default();
             if shading.ambient_occlusion > 0.0 {
                 let sides = grid.spacing() * DVec3::from_array(grid.size().map(|n| n as f64));
                 let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
                 terms.openness = Some((plan.fields.len(), shading.ambient_occlusion));
-                plan.fields.push(extinction.field(extinction.openness(radius))?);
+                let openness = || extinction().and_then(|grid| grid.field(grid.openness(radius)));
+                // Labels are not among what the tables are kept by.
+                let kept = layer.labels.is_none();
+                plan.fields.push(if kept { tables.openness(radius, openness)? } else { openness()? });
             }
             if let Some(light) = shading.lights.first().filter(|_| shading.shadow > 0.0) {
                 terms.shadow = Some((plan.fields.len(), shading.shadow));
+                let extinction = extinction()?;
                 plan.fields.push(extinction.field(extinction.shadow(light_direction(camera, light)))?);
             }
             plan.light = Some(terms);

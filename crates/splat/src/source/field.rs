@@ -7,6 +7,7 @@ use wavesplat_core::Gradient;
 use crate::source::slices::Slices;
 
 /// Samples of a field and where they lie.
+#[derive(Clone)]
 pub struct Field<'a> {
     /// Their values are densities.
     pub slices: Slices<'a>,

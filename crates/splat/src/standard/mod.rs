@@ -163,9 +163,7 @@ pub fn render(
             Buffer::View => view::draw(&scene, monitor, &mut report)?,
         };
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok((picture, report))
     })
 }

@@ -41,7 +41,8 @@ class Ablation:
         A sheet is made of all slices within the kernel's radius, weighted by the kernel there. False: of the samples of
         the nearest slice alone, so that sheets between two slices repeat them.
     gradient : str, default "footprint"
-        Where shading takes gradients, axis by axis of the grid; d is `Shading.gradient_offset`, in samples; there must be no smoothing.
+        Where shading takes gradients, axis by axis of the grid; d is `Shading.gradient_offset`, in samples,
+        and there must be no smoothing.
         "footprint": [V(x + d) - V(x - d)] / 2d at every texel. "footprint-forward": [V(x + d) - V(x)] / d, towards
         larger indices. "sheet-central", "sheet-forward": the same differences of the texels and sheets that there are,
         as sheet buffers give them: d becomes the nearest whole number of texels (along x and y) or of sheets (along z),

@@ -19,7 +19,7 @@ __all__ = ["LightOptions", "chosen_shading", "takes_light_options"]
 
 
 def _light(text: str) -> Any:
-    """ "key", "headlight", or a direction."""
+    """A light by name, or its direction."""
     if text in ("key", "headlight"):
         return text
     return parsers.numbers(3, "-1,1,1.5, key or headlight")(text)

@@ -1,8 +1,8 @@
 """The look that a volume gets by itself: by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
 
-What is homogeneous, or noise, must not cover what lies behind it. Where nothing is known but the values, opacities follow
-Kindlmann and Durkin (1998): at the values that boundaries between two materials pass through, where gradients are largest,
-and not at the values of the materials themselves.
+What is homogeneous, or noise, must not cover what lies behind it. Where nothing is known but the values, opacities
+follow Kindlmann and Durkin (1998): high at the values that boundaries between two materials pass through, where
+gradients are largest, and low at the values of the materials themselves.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model import units
 from wavesplat._model.units import METRES
+from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.options import Composite
-    from wavesplat._model.volume import Volume
 
 __all__ = ["automatic"]
 
@@ -37,7 +37,8 @@ SOLID = Shading(ambient_occlusion=0.3)
 #: Of translucent things: a highlight on every faint boundary is noise.
 SOFT = Shading(specular=0.1)
 
-#: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are solid.
+#: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are
+#: solid.
 CT_OPACITY = [(-160, 0.0), (-90, 0.001), (20, 0.004), (80, 0.008), (130, 0.03), (180, 0.2), (280, 0.6), (900, 0.95)]
 CT_COLOR = [
     (-160, 1.0, 0.9, 0.74),
@@ -77,7 +78,7 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Lo
     if composite in histogram.PROJECTIONS:
         function = histogram.projected(volume, composite)
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
-    if known.kind == "labels" and composite is None and volume.dtype.kind in "iu":
+    if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
         return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
     function, shading = LOOKS[known.kind](volume, known)
@@ -110,13 +111,13 @@ def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
 Made = tuple[TransferFunction, "Shading | None"]
 
 
-def _ct(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
     millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
     function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
     return function, Shading(specular=0.15, ambient_occlusion=0.3)
 
 
-def _tissue(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """Skin and organs as surfaces: opaque soon above the background."""
     low, threshold, high = _parted(known)
     inside = known.values[known.values > threshold]
@@ -141,7 +142,7 @@ def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
 
 
-def _ultrasound(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     low, threshold, high = _parted(known)
     nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
     return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
@@ -164,7 +165,7 @@ def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(opacity, nodes), None
 
 
-def _em(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A block that is cut where the volume ends: grey, opaque, as the slices look."""
     low, high = np.percentile(known.values, (0.5, 99.5))
     high = high if high > low else low + 1.0
@@ -200,12 +201,12 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.4)), SOFT
 
 
-def _mask(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _mask(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     low, high = float(known.values.min()), float(known.values.max())
     return _solid(low, high), SOLID
 
 
-def _labels(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _labels(_volume: Volume | WaveletVolume, _known: Evidence) -> Made:
     return _solid(0.0, 1.0), SOLID
 
 
@@ -251,7 +252,7 @@ def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[
 
 def _across(volume: Volume | WaveletVolume) -> float:
     """Voxels that a ray goes through, about."""
-    return float(np.mean(volume.shape))
+    return sum(volume.shape) / 3.0
 
 
 def _per_voxel(opacity: float, n_voxels: float) -> float:
@@ -284,6 +285,5 @@ def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tupl
     from cmap import Colormap
 
     places = np.linspace(start, 1.0, nodes.size)
-    return [
-        (float(v), *(float(c) for c in Colormap(name)(place).rgba[:3])) for v, place in zip(nodes, places, strict=True)
-    ]
+    colors = (Colormap(name)(place) for place in places)
+    return [(float(v), float(c.r), float(c.g), float(c.b)) for v, c in zip(nodes, colors, strict=True)]

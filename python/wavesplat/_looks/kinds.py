@@ -1,9 +1,9 @@
 """What kind of data a volume holds: what its file says, else what its values look like.
 
-Facts of the file (modality, unit, whether the axes are a patient's) come first. Where they are missing, the values decide by
-tests that are told with the result: Hounsfield units have air and soft tissue at the two fixed points of their scale; a mask
-has two values; labels are whole numbers that are the same from sample to sample; a field has both signs; PET has no
-negative values, coarse samples and a few very bright spots.
+Facts of the file (modality, unit, whether the axes are a patient's) come first. Where they are missing, the values
+decide by tests that are told with the result: Hounsfield units have air and soft tissue at the fixed points of their
+scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs;
+PET has no negative values, coarse samples and a few very bright spots.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ MODALITIES: dict[str, Kind] = {
 }
 #: Least shares of samples within 200 of air (-1000) and of soft tissue (0), Hounsfield units.
 LEAST_SHARE = 0.02
-#: PET: samples at least so far apart, millimetres, and so much between the 90th and the 99.9th percentile. (pet_body: 3.4 mm,
-#: 13 times; MR of heads: 1 mm, 2 to 3 times.)
+#: PET: samples at least so far apart, millimetres, and so much between the 90th and the 99.9th percentile. (A PET of a
+#: body: 3.4 mm, 13 times; MR of heads: 1 mm, 2 to 3 times.)
 PET_SPACING_MM, PET_TAIL = 1.8, 8.0
 #: Labels: at most so many, and at least this share of neighbours inside them is the same. (Nuclei: 0.9; noise: 0.05.)
 MAX_LABELS, LEAST_ALIKE = 2000, 0.75
@@ -59,13 +59,13 @@ class Evidence:
     kind: Kind
     reason: str
     values: NDArray[np.float64]
-    #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`; empty for volumes of one sample.
+    #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`.
     gradients: NDArray[np.float64]
 
     @property
     def is_guess(self) -> bool:
         """Whether only the values speak for it."""
-        return "values" in self.reason
+        return self.reason.endswith("by the values")
 
 
 def evidence(volume: Volume | WaveletVolume) -> Evidence:
@@ -93,46 +93,55 @@ def looks_like_hounsfield(values: NDArray[Any]) -> bool:
 
 
 def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:
-    modality = volume.modality
-    is_whole = bool(np.all(values == np.round(values)))
+    return _segmentation(values, alike) or _by_facts(volume, values) or _by_values(volume, values)
+
+
+def _segmentation(values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2:
-        return "mask", "a mask: its values are but two"
+        return "mask", "a mask: it has but two values"
+    is_whole = bool(np.all(values == np.round(values)))
     if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= LEAST_ALIKE:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
-    if looks_like_hounsfield(values) and modality in (None, "CT"):
+    return None
+
+
+def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
+    modality = volume.modality
+    if modality in (None, "CT") and looks_like_hounsfield(values):
         told = "the file says CT, and " if modality == "CT" else ""
         return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
     if modality in MODALITIES:
         return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
-    if volume.unit in SMALL_UNITS:
-        return _of_microscope(volume.unit or "", values)
-    low, middle, high = np.percentile(values, (0.5, 50.0, 99.5))
+    if volume.unit not in SMALL_UNITS:
+        return None
+    # Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture.
+    if _is_dense(values):
+        return "EM", f"dense microscopy: lengths in {volume.unit}, and mostly bright, by the values"
+    return "fluorescence", f"fluorescence: lengths in {volume.unit}, and mostly dark, by the values"
+
+
+def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str]:
     numbers = getattr(volume, "dtype", np.dtype(np.float32)).kind
-    if low < 0 < high and min(-low, high) >= LEAST_TAIL * max(-low, high) and numbers == "f":
+    low, high = np.percentile(values, (0.5, 99.5))
+    if numbers == "f" and low < 0 < high and min(-low, high) >= LEAST_TAIL * max(-low, high):
         return "signed field", "a field with two signs, by the values"
-    if volume.is_anatomical and numbers != "u" and values.min() >= 0:
-        if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
-            return (
-                "PET",
-                "PET: coarse samples and a few very bright spots, by the values; pass another look if it is not",
-            )
-        return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
-    if not volume.is_anatomical and numbers in "iu" and middle > low + LEAST_BRIGHT * (high - low):
-        return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
     if volume.is_anatomical:
-        return "scan", "a scan of no fixed scale"
+        if numbers == "u" or values.min() < 0:
+            return "scan", "a scan of no fixed scale"
+        if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
+            return "PET", "PET: coarse samples and a few very bright spots, by the values"
+        return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
     if numbers == "f":
         return "field", "a field of floating-point numbers"
+    if _is_dense(values):
+        return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
     return "scan", "a scan of no fixed scale"
 
 
-def _of_microscope(unit: str, values: NDArray[np.float64]) -> tuple[Kind, str]:
-    """Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture."""
+def _is_dense(values: NDArray[np.float64]) -> bool:
     low, middle, high = np.percentile(values, (1.0, 50.0, 99.0))
-    if middle < low + LEAST_BRIGHT * (high - low):
-        return "fluorescence", f"fluorescence: lengths in {unit}, and the values are mostly dark"
-    return "EM", f"dense microscopy: lengths in {unit}, and the values are mostly bright"
+    return bool(middle > low + LEAST_BRIGHT * (high - low))
 
 
 def _tail(values: NDArray[np.float64]) -> float:

@@ -61,8 +61,8 @@ FILL_LIGHT = Light((0.0, 0.0, 1.0), color=(0.35, 0.35, 0.35))
 class Shading:
     """How surfaces answer to light: colour * (ambient + diffuse) + specular highlight.
 
-    The default is made for looking at pictures: a key light from the upper left of the camera, a weaker fill light at the
-    camera, smoothed gradients, highlights that do not clip. `Shading.headlight` is what VTK and 3D Slicer have, for
+    The default is made for looking at pictures: a key light from the upper left of the camera, a weaker fill light at
+    the camera, smoothed gradients, highlights that do not clip. `Shading.headlight` is what VTK and 3D Slicer have, for
     comparisons.
 
     Parameters
@@ -159,29 +159,34 @@ class Shading:
             object.__setattr__(self, name, value)
 
     @classmethod
-    def headlight(
-        cls, *, ambient: float = 0.1, diffuse: float = 0.7, specular: float = 0.2, specular_power: float = 10.0
-    ) -> Shading:
+    def headlight(cls, **settings: Any) -> Shading:
         """The light of VTK's volume mappers and of 3D Slicer: one headlight, gradients by central differences.
 
-        Two-sided as all shading here. Highlights clip.
+        Two-sided as all shading here. Highlights clip, and matter without a gradient has the ambient light alone.
+
+        Parameters
+        ----------
+        **settings
+            What is to be otherwise, as for `Shading`.
 
         Examples
         --------
         >>> import wavesplat as ws
-        >>> ws.Shading.headlight(ambient=0.2).shoulder
-        1.0
+        >>> light = ws.Shading.headlight(ambient=0.2)
+        >>> light.ambient, light.diffuse, light.shoulder
+        (0.2, 0.7, 1.0)
         """
-        return cls(
-            ambient=ambient,
-            diffuse=diffuse,
-            specular=specular,
-            specular_power=specular_power,
-            gradient_smoothing=0.0,
-            unoriented=0.0,
-            shoulder=1.0,
-            lights=[Light((0, 0, 1))],
-        )
+        plain: dict[str, Any] = {
+            "ambient": 0.1,
+            "diffuse": 0.7,
+            "specular": 0.2,
+            "specular_power": 10.0,
+            "gradient_smoothing": 0.0,
+            "unoriented": 0.0,
+            "shoulder": 1.0,
+            "lights": [Light((0, 0, 1))],
+        }
+        return cls(**(plain | settings))
 
     def changed(self, **settings: Any) -> Shading:
         """The same with other settings.

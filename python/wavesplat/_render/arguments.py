@@ -100,10 +100,10 @@ def chosen_camera(
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits."""
     if isinstance(given, Camera):
         return given
+    if not (given is None or isinstance(given, str)):
+        raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
     view = look.view if given is None else given
-    if view is not None and (not isinstance(view, str) or view not in VIEWS):
-        if not isinstance(view, str):
-            raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
+    if view is not None and view not in VIEWS:
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
     azimuth, elevation = framing.natural_view(volume) if view is None else VIEWS[view]
     # A picture without pixels has no aspect; the compiled module refuses it.

@@ -36,7 +36,7 @@ WITHIN = (0.05, 99.95)
 
 
 def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
-    """Azimuth and elevation, degrees: a patient from the front, a thin stack along its thin side, else three-quarter."""
+    """Azimuth and elevation, degrees: a patient from the front, a stack along its thin side, else three-quarter."""
     sides = np.ptp(volume.bounds, axis=0)
     thinnest = int(sides.argmin())
     is_thin = sides[thinnest] < THIN * np.sort(sides)[1]

@@ -87,10 +87,11 @@ def render(
         Reconstruction between samples: "linear", the sharper "catmull-rom", the smooth interpolating "bspline2" and
         "bspline3", or the blurring "gaussian".
     composite : str, optional
-        None is the look's own. "over": emission and absorption. "first-hit": the surface at `iso_value`. The others are projections: one number
-        per ray, `Picture.value`, which is then coloured. "maximum", "minimum", "mean" and "sum" (the integral) of the
-        values; "depth-shaded-maximum", which dims what is far; "local-maximum", which stops at the first maximum that
-        reaches `local_threshold`; "x-ray": the share of light that comes through, 0..1, as a radiograph.
+        None is the look's own. "over": emission and absorption. "first-hit": the isosurface at `iso_value`. The others
+        are projections: one number per ray, `Picture.value`, which is then coloured. "maximum" (MIP), "minimum",
+        "mean" and "sum" (the integral) of the values; "depth-shaded-maximum", which dims what is far; "local-maximum",
+        which stops at the first maximum that reaches `local_threshold`; "x-ray": the share of light that comes through,
+        0..1, as a radiograph. On a light background greys that are chosen here are inverted: black is much.
     iso_value : float, optional
         Sample value of the surface that "first-hit" shows.
     local_threshold : float, optional
@@ -179,17 +180,12 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
-    if not isinstance(volume, Volume | WaveletVolume):
-        raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume, as wavesplat.Volume(array)")
+    volume, drawn = _levels(volume, drop_levels, band_weights)
     automatic = look is None or (isinstance(look, str) and look.lower() == "auto")
-    if isinstance(volume, WaveletVolume):
-        volume = volume.bands(band_weights)
     chosen = chosen_look(look, volume, composite)
     composite = chosen.composite
-    if shading == "look":
-        shading = chosen.shading
-    if labels is None:
-        labels = chosen.labels
+    shading = chosen.shading if shading == "look" else shading
+    labels = chosen.labels if labels is None else labels
     projection.check_owners(
         composite,
         iso_value=iso_value,
@@ -197,12 +193,6 @@ def render(
         depth_shading=depth_shading,
         attenuation=attenuation,
     )
-    if isinstance(volume, WaveletVolume):
-        drawn: _native.Volume | _native.DecodedVolume = volume._decoded(drop_levels)
-    elif drop_levels != 0 or band_weights is not None:
-        raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
-    else:
-        drawn = volume._core
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     measured = measured_by(like, psnr, composite)
@@ -212,21 +202,16 @@ def render(
     camera = chosen_camera(camera, volume, chosen, crop, width / max(height, 1))
     function = chosen.transfer_function
     if automatic and composite in BY_VIEW:
-        overview = render(
-            volume,
-            projection.ANY_CURVES,
-            camera,
-            size=projection.overview_size(width, height),
-            composite=composite,
-            attenuation=absorbs,
-            quality="draft",
-            sheets_per_slice=1,
-            drop_levels=drop_levels,
-            crop=crop,
-            clip_planes=clip_planes,
-            threads=threads,
-        )
-        function = projection.exposed(volume, composite, overview) or function
+
+        def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
+            drawn_as: Any = {"composite": composite, "attenuation": absorbs, "drop_levels": drop_levels}
+            within: Any = {"crop": crop, "clip_planes": clip_planes, "threads": threads}
+            return render(volume, curves, at, size=of, quality="draft", sheets_per_slice=1, **drawn_as, **within)
+
+        function = projection.exposed_by(overview, volume, composite, camera, (width, height)) or function
+    behind = colors.parse(chosen.background if background is None else background)
+    if automatic and chosen.background is None:
+        function = projection.on(behind, composite, function)
     numbers = projection.numbers(composite, function, local_threshold, depth_shading, absorbs)
     curves, eye = function._core, camera._core
     light = None if shading is None else shading._core
@@ -250,7 +235,7 @@ def render(
         psnr=None if psnr is None else float(psnr),
         like=measured,
         **region(crop, clip_planes),
-        background=colors.parse(chosen.background if background is None else background),
+        background=behind,
         threads=checked_count(threads, "threads"),
         depth=bool(depth),
         pre_integration=bool(pre_integration),
@@ -262,6 +247,20 @@ def render(
     if isinstance(told, dict):
         told["composite"] = composite
     return Picture(result["rgba"], result["depth"], result["value"], report)
+
+
+def _levels(
+    volume: Volume | WaveletVolume, drop_levels: int, band_weights: Sequence[float] | None
+) -> tuple[Volume | WaveletVolume, _native.Volume | _native.DecodedVolume]:
+    """The volume with its bands weighted, and what of it is drawn."""
+    if isinstance(volume, WaveletVolume):
+        weighted = volume.bands(band_weights)
+        return weighted, weighted._decoded(drop_levels)
+    if not isinstance(volume, Volume):
+        raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume, as wavesplat.Volume(array)")
+    if drop_levels != 0 or band_weights is not None:
+        raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
+    return volume, volume._core
 
 
 def measured_by(like: object, psnr: float | None, composite: str) -> dict[str, Any] | None:

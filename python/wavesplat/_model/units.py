@@ -118,7 +118,8 @@ def in_one_unit(units: tuple[str | None, str | None, str | None]) -> tuple[str |
     """
     first = next((unit for unit in units if metres(unit) is not None), None)
     if first is None:
-        return next((unit for unit in units if unit is not None), None), (1.0, 1.0, 1.0)
+        named = {unit for unit in units if unit is not None}
+        return named.pop() if len(named) == 1 else None, (1.0, 1.0, 1.0)
     common = FOREIGN[first][1] if first in FOREIGN else first
     x, y, z = (_factor(unit, common) if metres(unit) is not None else _factor(first, common) for unit in units)
     return common, (x, y, z)

@@ -14,6 +14,7 @@ from wavesplat import _native
 from wavesplat._model import affine, units
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
+from wavesplat._model.labelled_array import is_labelled, unlabelled
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -36,6 +37,8 @@ class Volume(Grid):
         writing to your own array call `changed`: what was prepared for earlier pictures would make wrong ones.
         Do not write to it while a picture is drawn. Any other array is copied.
         NaN and infinity are drawn as empty.
+        Of an array of xarray, names and coordinates of the axes count: it is turned to (z, y, x), and spacing, origin
+        and unit are those of the coordinates, unless `spacing` or `world_from_index` is given.
     spacing : three numbers (x, y, z), optional
         Distances between neighbouring samples, in world units.
         Sample (0, 0, 0) is then at the world origin. Default 1.
@@ -77,6 +80,14 @@ class Volume(Grid):
         name: str = "volume",
         facts: Facts | None = None,
     ) -> None:
+        if is_labelled(samples):
+            labelled = unlabelled(samples, has_place=spacing is not None or world_from_index is not None)
+            samples, name = labelled.samples, labelled.name or name if name == "volume" else name
+            if labelled.world_from_index is not None:
+                world_from_index = labelled.world_from_index
+            facts = replace(
+                facts or Facts(unit=labelled.unit), guesses=(*(facts or Facts()).guesses, *labelled.guesses)
+            )
         name = str(name)
         self._samples = _renderable(_as_array(samples), name)
         n_z, n_y, n_x = self._samples.shape

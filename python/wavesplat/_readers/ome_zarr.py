@@ -17,6 +17,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
 from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, several
+from wavesplat._readers.zarr_chunks import check_chunks
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -38,7 +39,14 @@ def read(request: Request) -> Grid:
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
         payload.check_memory(payload.n_bytes(sorted(node.shape)[-3:], node.dtype), request.path)
+        check_chunks(node, _all_axes(index, node.ndim), request.path)
         return Grid(np.asarray(node[index]), np.eye(4), Facts(n_times=n_times_of(node.shape, request)))
+
+
+def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
+    """What is picked of each axis, where `...` stands for some."""
+    at = index.index(...)
+    return [*index[:at], *[slice(None)] * (n_axes - len(index) + 1), *index[at + 1 :]]
 
 
 def _open(request: Request) -> Any:
@@ -93,6 +101,7 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     picked = tuple(_picked(name, n, spatial, request, names) for name, n in zip(axes, array.shape, strict=True))
     n_samples = [n for n, part in zip(array.shape, picked, strict=True) if isinstance(part, slice)]
     payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
+    check_chunks(array, picked, request.path)
     samples = np.asarray(array[picked])
     kept = [name for name in axes if name in spatial]
     samples = np.transpose(samples, [kept.index(name) for name in spatial])

@@ -73,7 +73,7 @@ def test_pickles_hold_no_private_place():
 
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
-    heavy += ["skimage", "trimesh", "sklearn"]
+    heavy += ["skimage", "trimesh", "sklearn", "cmap"]
     modules = (
         "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing"
     )

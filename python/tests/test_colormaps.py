@@ -129,3 +129,76 @@ def test_mistakes(arguments, complaint):
 def test_every_opacity_rises_from_0_to_1():
     for rise in colormaps.OPACITIES.values():
         np.testing.assert_allclose(rise(np.array([0.0, 1.0])), [0, 1], atol=1e-12)
+
+
+# The command line
+
+
+def test_render_takes_a_map(wavesplat, ramp_file, tmp_path):
+    import tifffile
+
+    out = tmp_path / "a.tif"
+    options = ("--cmap", "inferno", "--clim", "10,200", "--opacity", "0,0.1,0.5", "--gamma", "0.7", "--size", "16x16")
+    assert wavesplat("render", ramp_file, "-o", out, *options).returncode == 0
+    curves = ws.TransferFunction.from_colormap("inferno", clim=(10, 200), opacity=(0, 0.1, 0.5), gamma=0.7)
+    expected = ws.render(ws.open(ramp_file), curves, size=(16, 16), background="black")
+    np.testing.assert_array_equal(tifffile.imread(out), expected.rgba)
+
+
+def test_projections_are_opaque_over_the_whole_range(wavesplat, ramp_file, tmp_path):
+    import tifffile
+
+    out = tmp_path / "a.tif"
+    options = ("--composite", "maximum", "--cmap", "viridis", "--clim", "0,255", "--size", "16x16", "--view", "left")
+    assert wavesplat("render", ramp_file, "-o", out, *options).returncode == 0
+    assert tifffile.imread(out)[8, 8, 2] > 0.1  # the darkest of viridis is violet
+
+
+def test_what_a_logarithm_leaves_out_is_a_note(wavesplat, tmp_path):
+    np.save(tmp_path / "counts.npy", COUNTS.samples)
+    done = wavesplat("render", tmp_path / "counts.npy", "-o", tmp_path / "a.png", "--log", "--size", "8x8")
+    assert done.returncode == 0
+    assert done.stderr.startswith("wavesplat: note: 27.1 % of volume")
+    assert done.stderr.count("\n") == 1
+
+
+def test_slices_take_maps_ranges_and_windows(wavesplat, ramp_file, tmp_path):
+    import json
+
+    import tifffile
+
+    out, volume = tmp_path / "a.tif", ws.open(ramp_file)
+
+    def drawn(*options):
+        done = wavesplat("slice", ramp_file, "-o", out, "--json", *options)
+        assert done.returncode == 0, done.stderr
+        return tifffile.imread(out), json.loads(done.stdout)["report"], done.stderr
+
+    colored, _, _ = drawn("--cmap", "viridis", "--clim", "0,255")
+    curves = ws.TransferFunction.from_colormap("viridis", clim=(0, 255), opacity=1.0)
+    np.testing.assert_array_equal(colored, ws.slice(volume, transfer_function=curves).rgba)
+    grey, report, _ = drawn("--clim", "10,200")
+    np.testing.assert_array_equal(grey, ws.slice(volume, clim=(10, 200)).rgba)
+    assert report["window"] == [105, 190]
+    _, report, stderr = drawn("--window", "brain")
+    assert (report["window"], report["clim"]) == ([40, 80], [0, 80])
+    assert stderr.startswith("wavesplat: note: window 'brain' is for Hounsfield units")
+    assert stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--cmap", "virids"], "did you mean viridis"),
+        (["--cmap", "viridis", "--tf", "a.json"], "without --preset and --tf"),
+        (["--log", "--preset", "grey"], "without --preset and --tf"),
+        (["--cmap", "viridis", "--materials", "ct"], "--cmap and --materials"),
+        (["--cmap", "viridis", "--opacity", "steep"], "'steep'; give linear"),
+        (["--cmap", "viridis", "--opacity", "0,x"], "'0,x' is not numbers"),
+        (["--clim", "5"], "'5' is not 2 numbers"),
+    ],
+)
+def test_mistakes_of_the_command_line(wavesplat, ramp_file, tmp_path, options, message):
+    done = wavesplat("render", ramp_file, "-o", tmp_path / "a.png", *options)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert message in done.stderr

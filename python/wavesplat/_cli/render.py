@@ -26,10 +26,12 @@ from wavesplat._cli.shared_options import (
     Zoom,
 )
 from wavesplat._cli.transfer_function_options import (
+    ColorOptions,
     TransferFunctionFile,
     function_of_histogram,
     function_of_materials,
     named_look,
+    takes_color_options,
 )
 from wavesplat._model.options import BY_VIEW, VIEWS, Composite, Quality
 from wavesplat.errors import ArgumentError
@@ -47,6 +49,7 @@ __all__ = ["render"]
 
 
 @takes_reader_options
+@takes_color_options
 def render(
     input: Input,
     output: PictureOutput,
@@ -56,6 +59,7 @@ def render(
         typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
     ] = None,
     tf: TransferFunctionFile = None,
+    colors: ColorOptions,
     materials: Annotated[
         str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
     ] = None,
@@ -142,6 +146,7 @@ def render(
     parsers.refuse_pairs(preset=preset, tf=tf)
     parsers.refuse_pairs(preset=preset, materials=materials)
     parsers.refuse_pairs(tf=tf, materials=materials)
+    parsers.refuse_pairs(cmap=colors.cmap, materials=materials)
     parsers.refuse_pairs(view=view, azimuth=azimuth)
     parsers.refuse_pairs(view=view, elevation=elevation)
     parsers.refuse_pairs(crop=crop, crop_index=crop_index)
@@ -155,7 +160,9 @@ def render(
 
     volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
     transfer_function: TransferFunction | TransferFunction2D | None
-    look = named_look(volume, preset=preset, tf=tf, quiet=quiet)
+    is_projection = composite not in (None, "over", "first-hit")
+    opacity = 1.0 if is_projection else "linear"
+    look = named_look(volume, preset=preset, tf=tf, colors=colors, opacity=opacity, quiet=quiet)
     composite = composite or (look.composite if look else "over")
     if look is not None:
         transfer_function = look.transfer_function

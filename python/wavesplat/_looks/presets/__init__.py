@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["GROUPS", "Preset", "catalogue", "fitting", "names", "preset", "warn_of_other_units"]
+__all__ = ["GROUPS", "Preset", "catalogue", "fitting", "names", "plain", "preset", "warn_of_other_units"]
 
 #: Kinds of data that presets are for, in the order of lists, and their titles.
 GROUPS = {
@@ -84,7 +84,7 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
         return Look.auto(volume)
     entry = catalogue()[found]
     if entry.is_hounsfield and volume is not None:
-        warn_of_other_units(found, volume)
+        warn_of_other_units(f"preset {found!r}", volume)
     return replace(entry.build(volume), name=found)
 
 
@@ -111,8 +111,8 @@ def _kinds(volume: Volume | WaveletVolume) -> tuple[str, ...]:
     return ("mr", "pet", "microscopy", "simulation", "any")
 
 
-def warn_of_other_units(name: str, volume: Volume | WaveletVolume) -> None:
-    """Warn if a preset for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
+def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
+    """Warn if what is for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
     # Not all volumes say where they come from.
     modality = getattr(volume, "modality", None)
     if modality == "CT" or (not modality and is_hounsfield(volume)):
@@ -120,8 +120,8 @@ def warn_of_other_units(name: str, volume: Volume | WaveletVolume) -> None:
     why = f"the file says {modality}" if modality else "there is no air near -1000 with soft tissue near 0"
     low, high = volume.value_range
     warnings.warn(
-        f"preset {name!r} is for Hounsfield units, and the values of volume {volume.name!r}, {low:g} to {high:g}, do "
-        f"not look like them: {why}; its colours and opacities may be wrong",
+        f"{what} is for Hounsfield units, and the values of volume {volume.name!r}, {low:g} to {high:g}, do not look "
+        f"like them: {why}; what it shows may be wrong",
         WavesplatWarning,
         stacklevel=4,
     )

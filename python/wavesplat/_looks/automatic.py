@@ -252,12 +252,12 @@ def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[
 
 def _across(volume: Volume | WaveletVolume) -> float:
     """Voxels that a ray goes through, about."""
-    return sum(volume.shape) / 3.0
+    return float(sum(volume.shape)) / 3.0
 
 
 def _per_voxel(opacity: float, n_voxels: float) -> float:
     """What a voxel must be for a tenth of so many to have an opacity."""
-    return 1.0 - (1.0 - min(opacity, 0.9999)) ** (10.0 / max(n_voxels, 10.0))
+    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
 
 
 def _increasing(nodes: Sequence[float], extent: float) -> list[float]:

@@ -76,7 +76,7 @@ ENTRIES = (
     Entry("surfaces", "Surfaces between materials", "Their boundaries strengthened by the gradient.",
           "render ct_pelvis.nii.gz --materials ct --surfaces 0.95 --azimuth 25 --elevation 15"),
     Entry("gradient_opacity", "Gradient opacity", "What is homogeneous recedes, boundaries stay.",
-          code="""soft = ws.TransferFunction.preset("ct-soft-tissue", ct)
+          code="""soft = ws.Look.preset("ct-soft-tissue", ct).transfer_function
 edges = ws.TransferFunction(soft.opacity, soft.color, soft.opacity_unit, gradient_opacity=[(15, 0), (120, 1)])
 picture = ws.render(ct, edges, **view)
 """),

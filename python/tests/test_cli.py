@@ -119,7 +119,7 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
         (["IN", "-o", "OUT", "--composite", "x-ray", "--attenuation", "3"], "'3' is not 2 numbers"),
         (["IN", "-o", "OUT", "--quality", "best"], "'best' is not one of: draft"),
         (["IN", "-o", "OUT", "--view", "front"], "'front' is not one of: anterior"),
-        (["IN", "-o", "OUT", "--preset", "bone"], "unknown preset 'bone'; use one of: auto, ct-bone"),
+        (["IN", "-o", "OUT", "--preset", "bone"], "unknown preset 'bone'; did you mean ct-bone"),
         (["IN", "-o", "OUT", "--preset", "grey", "--tf", "a.json"], "--preset and --tf"),
         (["IN", "-o", "OUT", "--view", "left", "--azimuth", "3"], "--view and --azimuth"),
         (["IN", "-o", "OUT", "--background", "#12"], "color is '#12'"),
@@ -155,7 +155,7 @@ def test_failures_exit_with_1_and_leave_nothing(wavesplat, ramp_file, tmp_path):
     check(
         wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "no.json"),
         1,
-        stderr="cannot read the transfer function",
+        stderr="cannot read the look",
     )
     assert not [entry for entry in tmp_path.iterdir() if "a." in entry.name]
 

@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 20
+    assert len(things) == 21
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -63,7 +63,7 @@ def test_pickles_hold_no_private_place():
     table = ws.TransferFunction2D([0, 1], [0, 1], np.ones((2, 2, 4)))
     things = [volume, ws.WaveletVolume.from_volume(volume), ws.Camera.view(volume, "left"), curves, table, ws.Shading()]
     things += [ws.Light((0, 0, 1)), ws.Crop((0, 0, 0), (1, 1, 1)), ws.Materials.preset("ct"), ws.study.Ablation()]
-    things += [ws.study.StandardSplatting(), ws.Labels(np.eye(3, dtype=np.uint8)[None])]
+    things += [ws.study.StandardSplatting(), ws.Look.preset("ct-bone"), ws.Labels(np.eye(3, dtype=np.uint8)[None])]
     things += [ws.Picture(np.zeros((2, 2, 4)))]
     for thing in things:
         data = pickle.dumps(thing)

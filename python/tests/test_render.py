@@ -26,7 +26,7 @@ def test_a_picture_of_defaults():
 def test_names_stand_for_presets_and_views():
     by_name = ws.render(VOLUME, "mr-head", "left", **SMALL)
     camera = ws.Camera.view(VOLUME, "left", aspect=24 / 16)
-    by_object = ws.render(VOLUME, ws.TransferFunction.preset("mr-head", VOLUME), camera, **SMALL)
+    by_object = ws.render(VOLUME, ws.Look.preset("mr-head", VOLUME).transfer_function, camera, **SMALL)
     np.testing.assert_array_equal(by_name.rgba, by_object.rgba)
 
 

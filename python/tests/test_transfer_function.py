@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wavesplat as ws
-from wavesplat._looks import presets
 from wavesplat.errors import ArgumentError, FileError
 
 unit = st.floats(0, 1)
@@ -106,31 +105,11 @@ def test_file_errors_end_with_the_path(tmp_path):
         ws.TransferFunction.load(path)
 
 
-@pytest.mark.parametrize("name", presets.names())
-def test_every_preset_shows_something_of_a_scan(name):
-    volume = ws.examples.ct_pelvis() if name.startswith("ct") else ws.examples.mri_head()
-    alpha = ws.TransferFunction.preset(name, volume)(np.linspace(*volume.value_range, 500))[:, 3]
-    assert alpha[0] == 0  # the background stays clear
-    assert alpha.max() > 0.1
-
-
-def test_presets_that_need_a_volume_say_so():
-    with pytest.raises(ArgumentError, match="pass the volume"):
-        ws.TransferFunction.preset("mr-head")
-    with pytest.raises(ArgumentError, match="pass the volume"):
-        ws.TransferFunction.preset("auto")
-
-
-def test_unknown_presets_list_the_known():
-    with pytest.raises(ArgumentError, match="unknown preset 'bone'.*ct-bone"):
-        ws.TransferFunction.preset("bone")
-
-
 def test_fitted_presets_follow_the_scale_of_the_values():
     samples = np.random.default_rng(1).gamma(2.0, 10.0, (20, 20, 20))
     small, large = ws.Volume(samples), ws.Volume(samples * 1000 - 500)
     for name in ("mr-head", "auto", "grey"):
-        one, two = (ws.TransferFunction.preset(name, volume) for volume in (small, large))
+        one, two = (ws.Look.preset(name, volume).transfer_function for volume in (small, large))
         np.testing.assert_allclose([v * 1000 - 500 for v, _ in one.opacity], [v for v, _ in two.opacity], rtol=1e-6)
 
 

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from wavesplat import errors, examples, reference
     from wavesplat._looks.labels import Label, Labels
+    from wavesplat._looks.look import Look
     from wavesplat._looks.materials import Material, Materials
     from wavesplat._looks.shading import Light, Shading
     from wavesplat._looks.transfer_function import TransferFunction
@@ -47,6 +48,7 @@ __all__ = [
     "Label",
     "Labels",
     "Light",
+    "Look",
     "Material",
     "Materials",
     "Mesh",
@@ -76,6 +78,7 @@ _HOMES = {
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
     "Light": "_looks.shading",
+    "Look": "_looks.look",
     "Material": "_looks.materials",
     "Materials": "_looks.materials",
     "Mesh": "_mesh.meshing",

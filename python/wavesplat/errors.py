@@ -13,6 +13,7 @@ __all__ = [
     "LibraryError",
     "LimitError",
     "WavesplatError",
+    "WavesplatWarning",
 ]
 
 
@@ -28,7 +29,11 @@ class FileError(WavesplatError, OSError):
     """A file is missing, unreadable, truncated, of an unknown kind, or cannot be written."""
 
 
-class FileWarning(UserWarning):
+class WavesplatWarning(UserWarning):
+    """The work was done, but perhaps not what was meant: a preset for other units, say."""
+
+
+class FileWarning(WavesplatWarning):
     """A file was read although a part of it is missing or damaged; the message names and counts it.
 
     Not an error, since the rest is worth a look; `warnings.simplefilter("error", wavesplat.errors.FileWarning)` makes

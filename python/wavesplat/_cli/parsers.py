@@ -68,14 +68,15 @@ def weights(text: str) -> tuple[float, ...]:
         raise typer.BadParameter(f"{text!r} is not numbers with commas between, such as 1,1,0") from None
 
 
-def color(text: str) -> tuple[float, ...] | None:
-    """A colour as `wavesplat.colors` reads it."""
+def color(text: str) -> str:
+    """A colour that can be read."""
     from wavesplat._looks import colors
 
     try:
-        return colors.parse(text)
+        colors.parse(text)
     except ArgumentError as error:
         raise typer.BadParameter(str(error)) from None
+    return text
 
 
 def refuse_pairs(**given: object) -> None:

@@ -1,20 +1,18 @@
 """The options of `wavesplat.open` on the command line, declared once, and the volume that they and INPUT name.
 
-A command that reads a volume has a parameter `reader` and the decorator `takes_reader_options`: Typer then sees one
-option for each field of `ReaderOptions` in the place of `reader`, and the command gets them together.
+A command that reads a volume has a parameter `reader` and the decorator `takes_reader_options`.
 """
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
-from dataclasses import dataclass, fields
-from functools import wraps
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.option_groups import given, with_options_of
 from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError
 
@@ -64,34 +62,10 @@ class ReaderOptions:
         ),
     ] = "fill"
 
-    def given(self) -> list[str]:
-        """The options that were set, as they are written."""
-        names = [field.name for field in fields(self) if getattr(self, field.name) != field.default]
-        return sorted("--" + name.replace("_", "-") for name in names)
-
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command these options on the command line, in the place of its parameter `reader`."""
-    hints = get_type_hints(ReaderOptions, include_extras=True)
-    options = [
-        inspect.Parameter(
-            field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
-        )
-        for field in fields(ReaderOptions)
-    ]
-
-    @wraps(command)
-    def with_options(**given: Any) -> None:
-        reader = ReaderOptions(**{option.name: given.pop(option.name) for option in options})
-        command(**given, reader=reader)
-
-    parameters: list[inspect.Parameter] = []
-    for parameter in inspect.signature(command, eval_str=True).parameters.values():
-        parameters += options if parameter.name == "reader" else [parameter]
-    # Typer asks for both, depending on its release.
-    with_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    with_options.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    return with_options
+    return with_options_of(ReaderOptions, "reader", command)
 
 
 def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume:
@@ -116,8 +90,8 @@ def open_any(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume
         return open_samples(path, reader, quiet=quiet)
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    if reader.given():
+    if given(reader):
         raise ArgumentError(
-            f"{', '.join(reader.given())} say nothing about a file of wavelet coefficients; leave them out"
+            f"{', '.join(given(reader))} say nothing about a file of wavelet coefficients; leave them out"
         )
     return WaveletVolume.load(path)

@@ -11,7 +11,11 @@ from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import message, print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
-from wavesplat._cli.transfer_function_options import TransferFunctionFile, chosen_transfer_function
+from wavesplat._cli.transfer_function_options import (
+    TransferFunctionFile,
+    function_of_histogram,
+    named_look,
+)
 from wavesplat._model.options import PLANES, Slab
 from wavesplat.errors import ArgumentError
 
@@ -94,7 +98,10 @@ def slice(
 
     check_bits(bits)
     volume = open_any(input, reader, quiet=quiet)
-    is_colored = preset is not None or tf is not None
+    look = named_look(volume, preset=preset, tf=tf)
+    transfer_function: Any = look and look.transfer_function
+    if preset == "auto":
+        transfer_function = function_of_histogram(volume, input)
     picture = cut(
         volume,
         (plane or "axial") if normal is None else (point, normal),
@@ -106,7 +113,7 @@ def slice(
         thickness=thickness,
         slab=slab,
         window=window,
-        transfer_function=chosen_transfer_function(volume, input, preset=preset, tf=tf) if is_colored else None,
+        transfer_function=transfer_function,
         letters=letters,
         scale_bar=scale_bar,
         background=background,

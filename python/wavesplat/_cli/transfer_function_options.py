@@ -7,52 +7,59 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._cli.printing import message
+from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
 if TYPE_CHECKING:
+    from wavesplat._looks.look import Look
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["TransferFunctionFile", "chosen_transfer_function", "function_in_file", "function_of_materials"]
+__all__ = ["TransferFunctionFile", "function_of_histogram", "function_of_materials", "named_look"]
 
 TransferFunctionFile = Annotated[
-    Path | None, typer.Option("--tf", metavar="FILE.json", help="Transfer function from a file.")
+    Path | None,
+    typer.Option(
+        "--tf",
+        metavar="FILE[#NAME]",
+        help="Look from a file: ours (.json), 3D Slicer's (.vp, .vp.json, presets.xml), ParaView's (.json, .xml).",
+    ),
 ]
 
 
-def chosen_transfer_function(
-    volume: Volume | WaveletVolume,
-    path: str,
-    *,
-    preset: str | None,
-    tf: Path | None,
-    composite: str = "over",
-) -> TransferFunction:
-    """The one that is named, or one from the histogram. `path`: where the volume came from, for messages."""
-    from wavesplat._looks.transfer_function import TransferFunction
+def named_look(
+    volume: Volume | WaveletVolume, *, preset: str | None, tf: Path | None, quiet: bool = False
+) -> Look | None:
+    """The look of a preset or a file; None if neither is named, or `auto` is. What it warns of becomes notes."""
+    import warnings
+
+    from wavesplat._looks.look import Look
 
     if tf is not None:
-        return TransferFunction.load(tf, volume)
-    if preset not in (None, "auto"):
-        return TransferFunction.preset(preset, volume)
+        path, _, name = str(tf).rpartition("#") if not tf.exists() and "#" in str(tf) else (str(tf), "", None)
+        return Look.load(path, volume, name)
+    if preset in (None, "auto"):
+        return None
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", WavesplatWarning)
+        look = Look.preset(preset, volume)
+    if not quiet:
+        for warning in caught:
+            message(f"note: {warning.message}")
+    return look
+
+
+def function_of_histogram(volume: Volume | WaveletVolume, path: str) -> TransferFunction:
+    """One for a first look. `path`: where the volume came from, for messages."""
+    from wavesplat._looks.transfer_function import TransferFunction
+
     try:
-        return TransferFunction.auto(volume, composite)
+        return TransferFunction.auto(volume)
     except ArgumentError as error:
         # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
         raise FileError(f"{error}: {path}") from None
-
-
-def function_in_file(path: Path, volume: Volume | WaveletVolume) -> TransferFunction | TransferFunction2D:
-    """Of the sample value alone, or of value and gradient magnitude; the fields of the file tell."""
-    from wavesplat._files import json_object
-    from wavesplat._looks.transfer_function import TransferFunction
-    from wavesplat._looks.transfer_function_2d import TransferFunction2D
-
-    what = "transfer function"
-    document = json_object.load(path, what, lambda text: json_object.parse(text, what, "opacity and color"))
-    return TransferFunction2D.load(path) if "rgba" in document else TransferFunction.load(path, volume)
 
 
 def function_of_materials(

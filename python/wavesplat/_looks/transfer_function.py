@@ -19,6 +19,7 @@ from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.options import Composite
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -87,34 +88,7 @@ class TransferFunction:
         return self._core.evaluate(np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64).ravel())
 
     @classmethod
-    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
-        """A transfer function by name: what usually looks good on that kind of data.
-
-        Parameters
-        ----------
-        name : str
-            CT in Hounsfield units: "ct-bone", "ct-soft-tissue", "ct-lung", "ct-vessels".
-            Any units, fitted to the volume's values: "mr-head", "mr-vessels", "grey", and "auto" (see `auto`).
-        volume : Volume, optional
-            Needed for the presets that are fitted to the volume's values.
-
-        Raises
-        ------
-        ArgumentError
-            If there is no preset of that name, or it needs a volume.
-
-        Examples
-        --------
-        >>> import wavesplat as ws
-        >>> ws.TransferFunction.preset("ct-bone").opacity_unit
-        1.0
-        """
-        from wavesplat._looks import presets
-
-        return presets.preset(name, volume)
-
-    @classmethod
-    def auto(cls, volume: Volume | WaveletVolume, composite: str = "over") -> TransferFunction:
+    def auto(cls, volume: Volume | WaveletVolume, composite: Composite = "over") -> TransferFunction:
         """A transfer function from the volume's histogram, for a first look at any kind of data.
 
         Parameters
@@ -136,9 +110,11 @@ class TransferFunction:
         >>> ws.TransferFunction.auto(ws.examples.ripples(16)).opacity[0][1]
         0.0
         """
-        from wavesplat._looks import histogram
+        from wavesplat._looks import automatic
 
-        return histogram.auto(volume, composite)
+        function = automatic.automatic(volume, composite).transfer_function
+        assert isinstance(function, cls)
+        return function
 
     @classmethod
     def diverging(cls, limit: float, *, opacity: float = 0.5) -> TransferFunction:
@@ -179,7 +155,7 @@ class TransferFunction:
         Parameters
         ----------
         text : str
-            An object with `version` 1, `opacity`, `color` and, optionally, `opacity_unit`.
+            An object with `version` 1, `opacity`, `color` and, optionally, `opacity_unit` and `gradient_opacity`.
             With `"values": "fraction"` its values are fractions of the volume's robust range, 0..1.
         volume : Volume, optional
             Needed when the values are fractions.

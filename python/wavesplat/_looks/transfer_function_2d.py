@@ -191,9 +191,15 @@ class TransferFunction2D:
         """
         from wavesplat._files import json_object
 
-        document = json_object.parse(text, WHAT, "values, magnitudes and rgba")
-        needed = ("version", "values", "magnitudes", "rgba")
-        known = {*needed, "name", "description", "opacity_unit"}
+        return cls._of_fields(json_object.parse(text, WHAT, "values, magnitudes and rgba"))
+
+    @classmethod
+    def _of_fields(cls, document: dict[str, Any]) -> TransferFunction2D:
+        """The function that such an object describes."""
+        from wavesplat._files import json_object
+
+        needed = ("values", "magnitudes", "rgba")
+        known = {*needed, "version", "name", "description", "opacity_unit"}
         json_object.check_fields(document, WHAT, needed=needed, known=known, hint="TransferFunction2D.to_json")
         unit = document.get("opacity_unit")
         if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
@@ -202,8 +208,12 @@ class TransferFunction2D:
 
     def to_json(self) -> str:
         """The function as a JSON text, which `from_json` reads back exactly."""
-        table = {"version": 1, "opacity_unit": self.opacity_unit, "values": self.values, "magnitudes": self.magnitudes}
-        return json.dumps({**table, "rgba": self.rgba.tolist()}) + "\n"
+        return json.dumps({"version": 1, **self._fields()}) + "\n"
+
+    def _fields(self) -> dict[str, Any]:
+        """The table as the fields of such an object."""
+        table = {"opacity_unit": self.opacity_unit, "values": self.values, "magnitudes": self.magnitudes}
+        return {**table, "rgba": self.rgba.tolist()}
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> TransferFunction2D:

@@ -4,16 +4,19 @@
      "opacity": [[150, 0], [400, 0.8]],
      "color": [[150, 0.8, 0.5, 0.3], [400, 1, 1, 0.9]]}
 
-`"values": "fraction"` marks curves whose values are fractions of a volume's robust range (`histogram.robust_range`).
+`"values": "fraction"` marks curves whose values are fractions of a volume's robust range; `value_scale` has others.
+`"opacity_unit_share": 0.01` instead of a unit is a share of the longest side of the volume's box.
 `"gradient_opacity": [[magnitude, factor], ...]` may be left out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files import json_object
+from wavesplat._looks import value_scale
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat.errors import ArgumentError
 
@@ -21,14 +24,30 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["load", "parse", "write"]
+__all__ = ["FIELDS", "build", "fields_of", "load", "parse", "write"]
 
 WHAT = "transfer function"
-FIELDS = {"version", "name", "description", "values", "opacity_unit", "opacity", "color", "gradient_opacity"}
+FIELDS = {
+    "version",
+    "name",
+    "description",
+    "values",
+    "opacity_unit",
+    "opacity_unit_share",
+    "opacity",
+    "color",
+    "gradient_opacity",
+}
+NEEDED = ("version", "opacity", "color")
 
 
 def write(transfer_function: TransferFunction) -> str:
     """JSON text of a transfer function; numbers read back exactly."""
+    return json_object.write(fields_of(transfer_function))
+
+
+def fields_of(transfer_function: TransferFunction) -> dict[str, Any]:
+    """Its curves as the fields of such an object."""
     curves: dict[str, Any] = {
         "opacity_unit": transfer_function.opacity_unit,
         "opacity": transfer_function.opacity,
@@ -36,7 +55,7 @@ def write(transfer_function: TransferFunction) -> str:
     }
     if transfer_function.gradient_opacity:
         curves["gradient_opacity"] = transfer_function.gradient_opacity
-    return json_object.write(curves)
+    return curves
 
 
 def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None) -> TransferFunction:
@@ -46,36 +65,34 @@ def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None) -> Tr
 
 def parse(text: str, volume: Volume | WaveletVolume | None) -> TransferFunction:
     """The transfer function in a JSON text."""
-    document = json_object.parse(text, WHAT, "opacity and color")
-    _check_fields(document)
-    return _build(document, volume)
+    return build(json_object.parse(text, WHAT, "opacity and color"), volume)
 
 
-def _check_fields(document: dict[str, Any]) -> None:
-    needed = ("version", "opacity", "color")
+def build(
+    document: dict[str, Any], volume: Volume | WaveletVolume | None, needed: Collection[str] = NEEDED
+) -> TransferFunction:
+    """The transfer function that an object describes. `needed`: fields that it must have."""
     json_object.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="TransferFunction.to_json")
     for name in ("opacity", "color", "gradient_opacity"):
         json_object.check_list(document, WHAT, name, "nodes, [[value, ...], ...]")
-    if document.get("values", "samples") not in ("samples", "fraction"):
-        raise ArgumentError(
-            f'transfer function: field \'values\' is {document["values"]!r}; it is "samples" or "fraction"'
-        )
-
-
-def _build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> TransferFunction:
+    scale = document.get("values", "samples")
+    if scale not in value_scale.NAMES:
+        names = ", ".join(f'"{name}"' for name in value_scale.NAMES)
+        raise ArgumentError(f"transfer function: field 'values' is {scale!r}; it is one of: {names}")
     unit = json_object.optional_number(document, WHAT, "opacity_unit")
-    gradient = document.get("gradient_opacity", [])
-    curves = TransferFunction(document["opacity"], document["color"], unit, gradient)
-    if document.get("values") != "fraction":
+    share = json_object.optional_number(document, WHAT, "opacity_unit_share")
+    curves = TransferFunction(document["opacity"], document["color"], unit, document.get("gradient_opacity", []))
+    if scale in value_scale.ABSOLUTE and share is None:
         return curves
     if volume is None:
         name = document.get("name", "these curves")
         raise ArgumentError(f"transfer function: {name} is relative to a volume's values; pass the volume too")
-    from wavesplat._looks.histogram import robust_range
-
-    low, high = robust_range(volume)
-    opacity = [(low + value * (high - low), alpha) for value, alpha in curves.opacity]
-    color = [(low + value * (high - low), *rgb) for value, *rgb in curves.color]
-    # A fitted curve follows the volume: its opacities are per voxel.
-    gradient = [(magnitude * (high - low), factor) for magnitude, factor in curves.gradient_opacity]
-    return TransferFunction(opacity, color, curves.opacity_unit, gradient)
+    if share is not None:
+        lower, upper = volume.bounds
+        unit = share * float(max(upper - lower))
+    return TransferFunction(
+        value_scale.nodes_on(scale, curves.opacity, volume),
+        value_scale.nodes_on(scale, curves.color, volume),
+        unit,
+        value_scale.widths_on(scale, curves.gradient_opacity, volume),
+    )

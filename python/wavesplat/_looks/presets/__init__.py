@@ -1,33 +1,137 @@
-"""Named transfer functions, one JSON file each, and `auto`."""
+"""Looks by name: ours, one JSON file each, and those of 3D Slicer.
+
+How a name is written does not matter: case, and `-`, `_` or a blank between words, are alike.
+Where Slicer has a preset of the same name as ours, the plain name is ours, and `slicer-` before it means Slicer's.
+"""
 
 from __future__ import annotations
 
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from functools import cache, partial
 from importlib.resources import files
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from wavesplat._files import json_object
-from wavesplat._looks import transfer_function_json
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat.errors import ArgumentError
+from wavesplat._looks import look_json, slicer_files
+from wavesplat._looks.histogram import is_hounsfield
+from wavesplat._looks.look import Look
+from wavesplat.errors import ArgumentError, WavesplatWarning
 
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["names", "preset"]
+__all__ = ["GROUPS", "Preset", "catalogue", "names", "preset", "warn_of_other_units"]
+
+#: Kinds of data that presets are for, in the order of lists, and their titles.
+GROUPS = {
+    "ct": "CT, in Hounsfield units",
+    "mr": "Magnetic resonance, in any units",
+    "pet": "PET and SPECT, in any units",
+    "microscopy": "Microscopy, in any units",
+    "simulation": "Simulation, in any units",
+    "any": "Any data",
+    "slicer": "3D Slicer's presets: their points and light",
+}
+PREFIX = "slicer-"
+#: Names that are offered where one is unknown, at most.
+N_OFFERED = 6
+CLOSE = 0.5
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A preset of the catalogue; `kind` is one of `GROUPS`."""
+
+    name: str
+    kind: str
+    description: str
+    is_hounsfield: bool
+    build: Callable[[Volume | WaveletVolume | None], Look]
+
+
+@cache
+def catalogue() -> dict[str, Preset]:
+    """All presets but `auto`, by name, in groups; names within a group are in alphabetical order."""
+    found = [_read(name) for name in json_object.names_in(files(__name__))]
+    found.sort(key=lambda preset: (list(GROUPS).index(preset.kind), preset.name))
+    ours = {plain(preset.name) for preset in found}
+    for one in slicer_files.built_in():
+        name = f"{PREFIX}{one.name}" if plain(one.name) in ours else one.name
+        is_hounsfield = one.name.startswith("CT-")
+        found.append(Preset(name, "slicer", _in_words(one), is_hounsfield, one.look))
+    return {preset.name: preset for preset in found}
 
 
 def names() -> list[str]:
-    """Names of all presets, in alphabetical order."""
-    return sorted(["auto", *json_object.names_in(files(__name__))])
+    """Names of all presets, `auto` first."""
+    return ["auto", *catalogue()]
 
 
-def preset(name: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
-    """The preset of a name; see `TransferFunction.preset`."""
-    if name not in names():
-        raise ArgumentError(f"unknown preset {name!r}; use one of: {', '.join(names())}")
-    if name == "auto":
+def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
+    """See `Look.preset`."""
+    found = _found(name)
+    if found == "auto":
         if volume is None:
             raise ArgumentError("preset 'auto' is made from a volume's histogram; pass the volume too")
-        return TransferFunction.auto(volume)
-    return transfer_function_json.parse((files(__name__) / f"{name}.json").read_text(encoding="utf-8"), volume)
+        return Look.auto(volume)
+    entry = catalogue()[found]
+    if entry.is_hounsfield and volume is not None:
+        warn_of_other_units(found, volume)
+    return replace(entry.build(volume), name=found)
+
+
+def warn_of_other_units(name: str, volume: Volume | WaveletVolume) -> None:
+    """Warn if a preset for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
+    # Not all volumes say where they come from.
+    modality = getattr(volume, "modality", None)
+    if modality == "CT" or (not modality and is_hounsfield(volume)):
+        return
+    why = f"the file says {modality}" if modality else "there is no air near -1000 with soft tissue near 0"
+    low, high = volume.value_range
+    warnings.warn(
+        f"preset {name!r} is for Hounsfield units, and the values of volume {volume.name!r}, {low:g} to {high:g}, do "
+        f"not look like them: {why}; its colours and opacities may be wrong",
+        WavesplatWarning,
+        stacklevel=4,
+    )
+
+
+def plain(name: str) -> str:
+    """A name without what does not matter."""
+    return re.sub(r"[\s_-]+", "-", name.strip().lower())
+
+
+def _read(name: str) -> Preset:
+    text = (files(__name__) / f"{name}.json").read_text(encoding="utf-8")
+    document = json_object.parse(text, "preset", "transfer_function")
+    is_hounsfield = document["transfer_function"].get("values") == "hounsfield"
+    build = partial(look_json.build, document)
+    return Preset(name, document["kind"], document["description"], is_hounsfield, build)
+
+
+def _in_words(one: slicer_files.VolumeProperty) -> str:
+    """Slicer has no descriptions; where its presets are not clear, and whether they are lit."""
+    low = next((at for (at, _), (_, after) in pairwise(one.opacity) if after > 0), one.opacity[0][0])
+    lit = "lit" if one.shade else "without light"
+    return f"Shows what is above {low:g}, {lit}."
+
+
+def _found(name: str) -> str:
+    """The preset's own spelling of a name, or an `ArgumentError` that offers near ones."""
+    wanted = plain(name)
+    spellings = {plain(known): known for known in names()}
+    # Slicer's own names have no prefix; all of them may have it.
+    spellings |= {PREFIX + plain(known.name): known.name for known in catalogue().values() if known.kind == "slicer"}
+    if wanted in spellings:
+        return spellings[wanted]
+    within = [known for spelled, known in spellings.items() if wanted and wanted in spelled]
+    near = [spellings[spelled] for spelled in get_close_matches(wanted, spellings, N_OFFERED, CLOSE)]
+    offered = list(dict.fromkeys([*within, *near]))[:N_OFFERED]
+    hint = f"did you mean {', '.join(offered)}? " if offered else ""
+    raise ArgumentError(f"unknown preset {name!r}; {hint}`wavesplat presets` lists all")

@@ -1,0 +1,206 @@
+"""Look: all that decides how a volume is shown, but the camera's distance and the picture's size.
+
+What 3D Slicer calls a volume property preset, with the operator and the view that go with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import TYPE_CHECKING
+
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.options import Composite
+from wavesplat._public import public
+
+if TYPE_CHECKING:
+    from wavesplat._looks.labels import Labels
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["Look"]
+
+
+@public
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """A transfer function, the light, the operator, the view and the background that it is made for.
+
+    Parameters
+    ----------
+    transfer_function : TransferFunction or TransferFunction2D
+        Colours and opacities of the values.
+    shading : Shading or None
+        Light; None draws the colours as given.
+    composite : str, default "over"
+        Operator along a ray, as for `render`.
+    view : str, optional
+        Name of a view, as for `render`; None is the view that fits the volume.
+    background : str, optional
+        Colour behind the volume, as for `render`; None leaves it open.
+    labels : Labels, optional
+        A segmentation that is drawn with it.
+    name : str
+        Name of the preset, "auto", or "" for one of your own.
+    reason : str
+        For which data it is, or why it was chosen for these.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> look = ws.Look.auto(ws.examples.ct_pelvis())
+    >>> look.composite
+    'over'
+    """
+
+    transfer_function: TransferFunction | TransferFunction2D
+    shading: Shading | None = field(default_factory=Shading)
+    composite: Composite = "over"
+    view: str | None = None
+    background: str | None = None
+    labels: Labels | None = None
+    name: str = ""
+    reason: str = ""
+
+    @classmethod
+    def auto(cls, volume: Volume | WaveletVolume, composite: Composite | None = None) -> Look:
+        """A look for a first picture, by the kind of data that the volume holds; `reason` says which, and why.
+
+        Parameters
+        ----------
+        volume : Volume or WaveletVolume
+            Any data.
+        composite : str, optional
+            Operator; None takes the one that suits the kind of data.
+
+        Raises
+        ------
+        ArgumentError
+            If all samples are equal: there is nothing to tell apart.
+        """
+        from wavesplat._looks import automatic
+
+        return automatic.automatic(volume, composite)
+
+    @classmethod
+    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> Look:
+        """A look by name: what usually looks good on that kind of data.
+
+        Parameters
+        ----------
+        name : str
+            Of CT in Hounsfield units: "ct-bone", "ct-angio", "ct-lung", "ct-skin", "ct-muscle", "ct-heart",
+            "ct-soft-tissue", "ct-vessels". Fitted to the volume's values: presets for MR, PET, microscopy and
+            simulation, and "auto" (see `auto`). Those of 3D Slicer, such as "CT-AAA" or "MR-Default"; where ours has
+            the same name, "slicer-" before it means theirs. `wavesplat presets` lists all. Case does not matter, and
+            "-", "_" and a blank are alike.
+        volume : Volume or WaveletVolume, optional
+            Needed for the presets that are fitted to the volume's values; the others are checked against it.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no preset of that name (the message offers near ones), or it needs a volume.
+
+        Warns
+        -----
+        WavesplatWarning
+            If the preset is for Hounsfield units and the volume's values do not look like them.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Look.preset("CT Bone").transfer_function.opacity_unit
+        1.0
+        """
+        from wavesplat._looks import presets
+
+        return presets.preset(name, volume)
+
+    @classmethod
+    def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> Look:
+        """The look that a JSON text describes, as `to_json` writes it.
+
+        Parameters
+        ----------
+        text : str
+            An object with `version` 1 and `transfer_function`, which is an object as `TransferFunction.to_json` or
+            `TransferFunction2D.to_json` writes it. Optional: `shading` (the arguments of `Shading`, or null),
+            `composite`, `view`, `background`, `name` and `description`.
+        volume : Volume or WaveletVolume, optional
+            Needed when the values of the transfer function are relative to a volume's.
+
+        Raises
+        ------
+        ArgumentError
+            If it is not such a text; the message names the field.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> look = ws.Look.preset("ct-bone")
+        >>> ws.Look.from_json(look.to_json()) == look
+        True
+        """
+        from wavesplat._looks import look_json
+
+        return look_json.parse(text, volume)
+
+    def to_json(self) -> str:
+        """The look as a JSON text, which `from_json` reads back exactly."""
+        from wavesplat._looks import look_json
+
+        return look_json.write(self)
+
+    @classmethod
+    def load(
+        cls, path: str | PathLike[str], volume: Volume | WaveletVolume | None = None, name: str | None = None
+    ) -> Look:
+        """The look in a file, ours or one of 3D Slicer or ParaView; what is in the file decides which.
+
+        Parameters
+        ----------
+        path : path
+            JSON as `save` or `TransferFunction.save` writes it; 3D Slicer's `.vp`, `.vp.json` and scenes such as
+            `presets.xml`, with their light; ParaView's colour maps, `.json` and `.xml`.
+        volume : Volume or WaveletVolume, optional
+            Needed where values are relative to a volume's. Colour maps of ParaView from 0 to 1 are stretched over its
+            values; Slicer's gradients are per mean of its spacings.
+        name : str, optional
+            Which one, if the file holds several; case does not matter.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        ArgumentError
+            If it is none of these, or holds several and none is named.
+
+        Notes
+        -----
+        Opacities of Slicer are taken as those of 1 mm, VTK's ScalarOpacityUnitDistance where nothing else is said.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Look.preset("ct-bone").save("bone.json")
+        >>> ws.Look.load("bone.json").name
+        'ct-bone'
+        """
+        from wavesplat._looks import look_files
+
+        return look_files.load(path, volume, name)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the look to a JSON file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; nothing is left behind.
+        """
+        from wavesplat._files import json_object
+
+        json_object.save(path, self.to_json())

@@ -1,0 +1,120 @@
+"""Colour maps of ParaView: `.json` files, as it exports them, and the older `.xml`.
+
+What is taken over, and how:
+
+- Values: where the points reach from 0 to 1 and a volume is given, they are fractions of its robust range, as ParaView
+  stretches a map over the data; any other points are sample values.
+- Colours: interpolated in the map's colour space, by short lines in RGB; CIEDE2000 is taken as Lab.
+- Opacity: the map's points, over the range of its colours if they reach from 0 to 1; without any a ramp from 0 to 1,
+  ParaView's own. ParaView's opacity unit is a property of the representation; here it is one voxel.
+- Not taken over: colours of NaN and of what is out of range, and maps of categories.
+
+Sources: ParaView's Remoting/Views/ColorMaps.json and `vtkSMTransferFunctionProxy`, version 5 and 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wavesplat._looks import color_spaces, value_scale, vtk_curves
+from wavesplat._looks.look import Look
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["from_json", "from_xml", "look"]
+
+WHAT = "colour map of ParaView"
+TAG = "ColorMap"
+#: Lines between two points of a map, where they are not lines already.
+N_LINES = 16
+#: The whole range.
+UNIT = (0.0, 1.0)
+
+
+def from_json(document: list[Any]) -> list[dict[str, Any]]:
+    """The maps of a JSON file."""
+    found = [one for one in document if isinstance(one, dict) and "RGBPoints" in one]
+    if not found:
+        raise ArgumentError(f'{WHAT}: none has "RGBPoints"; maps of categories are not read')
+    return found
+
+
+def from_xml(root: Element) -> list[dict[str, Any]]:
+    """The maps of an XML file, as those of a JSON file are."""
+    found = []
+    for element in root.iter(TAG):
+        points = [
+            [float(point.get(name, "nan")) for name in ("x", "r", "g", "b")] + [float(point.get("o", "nan"))]
+            for point in element.iter("Point")
+        ]
+        if not points:
+            raise ArgumentError(f"{WHAT}: {element.get('name', '')!r} has no <Point>")
+        document: dict[str, Any] = {
+            "Name": element.get("name", ""),
+            "ColorSpace": element.get("space", "RGB"),
+            "RGBPoints": [number for *node, _ in points for number in node],
+        }
+        opacities = [(x, alpha) for x, *_, alpha in points if not np.isnan(alpha)]
+        # Most files say 1 everywhere, and mean that they say nothing.
+        if any(alpha != 1 for _, alpha in opacities):
+            document["Points"] = [number for x, alpha in opacities for number in (x, alpha, 0.5, 0.0)]
+        found.append(document)
+    if not found:
+        raise ArgumentError(f"{WHAT}: the file has no <{TAG}>")
+    return found
+
+
+def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Look:
+    """The look of one map; see the head of this file."""
+    name = str(document.get("Name", ""))
+    space = document.get("ColorSpace", "RGB")
+    space = "HSVWrap" if space == "HSV" and document.get("HSVWrap") else space
+    if space not in color_spaces.SPACES:
+        raise ArgumentError(f"{WHAT}: {name!r} is in the space {space!r}; read are {', '.join(color_spaces.SPACES)}")
+    color = _color(_table(document["RGBPoints"], 4, "RGBPoints"), space)
+    low, high = color[0][0], color[-1][0]
+    points = document.get("Points")
+    opacity = vtk_curves.line_nodes(_table(points, 4, "Points")) if points else [(low, 0.0), (high, 1.0)]
+    if (opacity[0][0], opacity[-1][0]) == UNIT:
+        opacity = [(low + place * (high - low), alpha) for place, alpha in opacity]
+    if (low, high) == UNIT and volume is not None:
+        opacity, color = (value_scale.nodes_on("fraction", nodes, volume) for nodes in (opacity, color))
+    reason = f"ParaView's colour map {name}." if name else "A colour map of ParaView."
+    return Look(transfer_function=TransferFunction(opacity, color), name=name, reason=reason)
+
+
+def _color(nodes: list[tuple[float, ...]], space: str) -> list[tuple[float, ...]]:
+    nodes = sorted(nodes, key=lambda node: node[0])
+    n_lines = 1 if space == "RGB" else N_LINES
+    parts = np.linspace(0, 1, n_lines + 1)
+    found = nodes[:1]
+    for (x, *first), (next_x, *second) in pairwise(nodes):
+        if x == next_x or space == "Step":
+            found.append((x, *second))
+        else:
+            red, green, blue = first
+            colors = color_spaces.between(space, (red, green, blue), (second[0], second[1], second[2]), parts[1:-1])
+            found += [(x + float(part) * (next_x - x), *rgb) for part, rgb in zip(parts[1:-1], colors, strict=True)]
+        if x < next_x:
+            found.append((next_x, *second))
+    return found
+
+
+def _table(numbers: Any, n_each: int, what: str) -> list[tuple[float, ...]]:
+    try:
+        flat: Sequence[float] = [float(number) for number in numbers]
+    except (TypeError, ValueError):
+        flat = []
+    if not flat or len(flat) % n_each:
+        raise ArgumentError(f'{WHAT}: "{what}" must be numbers, {n_each} for every point')
+    return [tuple(flat[start : start + n_each]) for start in range(0, len(flat), n_each)]

@@ -94,9 +94,9 @@ labels = ws.Labels(segmentation, {1: ws.Label("grey", 0, scan=0), 2: ws.Label("#
 picture = ws.render(ct, "ct-soft-tissue", labels=labels, **view)
 """),
     Entry("slice", "A slice", "Coronal, with the letters of the directions and a scale bar.",
-          "slice ct_pelvis.nii.gz --plane coronal --window -150,350 --letters --scale-bar"),
+          "slice ct_pelvis.nii.gz --plane coronal --window abdomen --letters --scale-bar"),
     Entry("slab", "A thick slab", "The maximum over 40 mm.",
-          "slice ct_pelvis.nii.gz --plane coronal --thickness 40 --slab maximum --window 0,700"),
+          "slice ct_pelvis.nii.gz --plane coronal --thickness 40 --slab maximum --clim 0,700"),
     Entry("head", "A head", "Magnetic resonance, the brain under a translucent scalp.",
           "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15"),
     Entry("maximum", "Maximum projection", "Vessels are bright.",

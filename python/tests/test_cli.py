@@ -11,7 +11,7 @@ import pytest
 
 import wavesplat as ws
 
-COMMANDS = ("render", "slice", "info", "wavelet", "mesh", "demo")
+COMMANDS = ("render", "slice", "info", "presets", "wavelet", "mesh", "demo")
 
 
 def check(done, code, *, stdout="", stderr=""):
@@ -59,7 +59,8 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
 
     out = tmp_path / "a.tif"
     options = "--preset grey --azimuth 30 --elevation 20 --zoom 1.5 --perspective 40 --size 40x30 --kernel bspline3"
-    more = "--quality draft --background #102030 --crop-index 0,0,0,15,15,9.5 --no-shading --threads 1"
+    more = "--quality draft --background #102030 --crop-index 0,0,0,15,15,9.5 --no-shading --composite over"
+    more += " --threads 1"
     assert wavesplat("render", ramp_file, "-o", out, *options.split(), *more.split()).returncode == 0
     volume = ws.open(ramp_file)
     expected = ws.render(

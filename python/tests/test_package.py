@@ -73,7 +73,7 @@ def test_pickles_hold_no_private_place():
 
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
-    heavy += ["skimage", "trimesh", "sklearn"]
+    heavy += ["skimage", "trimesh", "sklearn", "cmap"]
     modules = (
         "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing"
     )
@@ -123,5 +123,5 @@ def test_the_page_of_what_is_public_names_all_modules_and_commands():
     modules = [f"`wavesplat.{name}`" for name in ws.__all__ if inspect.ismodule(getattr(ws, name))]
     commands = [f"`{command.callback.__name__}`" for command in app.registered_commands]
     assert len(modules) == 4
-    assert len(commands) == 6
+    assert len(commands) == 7
     assert [name for name in [*modules, *commands] if name not in page] == []

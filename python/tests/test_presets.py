@@ -1,3 +1,4 @@
+import json
 import warnings
 
 import numpy as np
@@ -32,7 +33,7 @@ def test_every_preset_of_ours_shows_something(name):
         look.transfer_function,
         size=(24, 24),
         shading=look.shading,
-        composite="maximum" if name == "grey" else look.composite,
+        composite=look.composite,
         background=look.background,
     )
     assert np.ptp(picture.rgba[..., :3]) > 0.2
@@ -101,6 +102,66 @@ def test_a_preset_brings_operator_and_background_to_the_command_line(wavesplat, 
     preset, given = tifffile.imread(by_preset), tifffile.imread(by_options)
     assert preset[0, 0].tolist() == [1, 1, 1, 1]
     assert given[0, 0].tolist() == [0, 0, 0, 1]
+
+
+# The list and the sheet
+
+
+def test_the_command_line_lists_all_in_groups(wavesplat):
+    done = wavesplat("presets")
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert [line.split()[0] for line in lines if line.startswith("  ")] == list(presets.catalogue())
+    assert [line for line in lines if line in presets.GROUPS.values()] == list(presets.GROUPS.values())
+    facts = json.loads(wavesplat("presets", "--json").stdout)["presets"]
+    assert facts[0]["name"] == "ct-angio"
+    assert set(facts[0]) == {"name", "kind", "description"}
+
+
+@pytest.mark.parametrize(
+    ("volume", "has", "lacks"),
+    [
+        (ws.examples.ct_pelvis(), {"ct-bone", "grey"}, {"mr-head", "CT-AAA", "signed"}),
+        (ws.examples.mri_head(), {"mr-head", "heat", "log"}, {"ct-bone", "signed"}),
+        (SIGNED, {"signed", "log", "pet"}, {"ct-bone"}),
+        (ws.Volume(POSITIVE.samples - 1e5), {"signed"}, {"log"}),
+    ],
+)
+def test_presets_that_fit_a_volume(volume, has, lacks):
+    names = {preset.name for preset in presets.fitting(volume)}
+    assert has <= names
+    assert not lacks & names
+
+
+def test_facts_from_the_file_narrow_the_choice(monkeypatch):
+    monkeypatch.setattr(ws.Volume, "is_anatomical", False, raising=False)
+    kinds = {preset.kind for preset in presets.fitting(SIGNED)}
+    assert kinds == {"microscopy", "simulation", "any"}
+    monkeypatch.setattr(ws.Volume, "modality", "PT", raising=False)
+    assert {preset.kind for preset in presets.fitting(SIGNED)} == {"pet", "any"}
+
+
+def test_a_sheet_shows_the_volume_with_each(wavesplat, ramp_file, tmp_path):
+    import tifffile
+
+    out = tmp_path / "sheet.tif"
+    done = wavesplat("presets", ramp_file, "--sheet", out, "--size", "40x30", "--json")
+    assert done.returncode == 0, done.stderr
+    facts = json.loads(done.stdout)
+    assert facts["presets"][:2] == ["auto", "mr-angio"]
+    width, height = facts["size"]
+    assert (width - 2) // 42 * ((height - 2) // 32) >= len(facts["presets"])
+    sheet = tifffile.imread(out)
+    assert sheet.shape == (height, width, 4)
+    first, second = sheet[2:32, 2:42], sheet[2:32, 44:84]
+    assert not np.array_equal(first, second)
+    assert sheet[..., 3].min() == 1
+
+
+def test_a_sheet_needs_a_volume(wavesplat, tmp_path):
+    done = wavesplat("presets", "--sheet", tmp_path / "a.png")
+    assert done.returncode == 2
+    assert "name the volume too" in done.stderr
 
 
 # Scales

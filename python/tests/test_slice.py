@@ -8,6 +8,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._picture import annotation
+from wavesplat.errors import WavesplatWarning
 
 KERNELS = ("linear", "catmull-rom", "bspline2", "bspline3", "gaussian")
 
@@ -194,14 +195,25 @@ def test_nan_is_background_and_thick_slabs_see_past_it():
 
 def test_the_window_is_black_to_white():
     volume = in_memory_order("RAS")
-    picture = ws.slice(volume, "axial", 40, window=(-500, 1500))
+    picture = ws.slice(volume, "axial", 40, window=(500, 2000))
     want = np.clip((SAMPLES[0, ::-1, ::-1] + 500) / 2000, 0, 1)
     np.testing.assert_allclose(picture.rgba[..., :3], np.repeat(want[..., None], 3, axis=2), atol=1e-6)
     assert (picture.rgba[..., 3] == 1).all()
-    assert picture.report["window"] == (-500, 1500)
-    low, high = ws.slice(volume).report["window"]
+    assert picture.report["window"] == (500, 2000)
+    assert picture.report["clim"] == (-500, 1500)
+    same = ws.slice(volume, "axial", 40, clim=(-500, 1500))
+    np.testing.assert_array_equal(picture.rgba, same.rgba)
+    low, high = ws.slice(volume).report["clim"]
     assert SAMPLES.min() <= low < high <= SAMPLES.max()
     assert ws.slice(ws.Volume(np.full((3, 3, 3), 7.0))).rgba[0, 0].tolist() == [0, 0, 0, 1]
+
+
+def test_windows_of_ct_by_name():
+    volume = ws.examples.ct_pelvis()
+    assert ws.slice(volume, window="bone").report["window"] == (400, 1800)
+    assert ws.slice(volume, window="Soft Tissue").report["clim"] == (-147.5, 227.5)
+    with pytest.warns(WavesplatWarning, match="window 'bone' is for Hounsfield units.*no air near -1000"):
+        ws.slice(ws.examples.mri_head(), window="bone")
 
 
 def test_transfer_functions_give_opaque_colours():
@@ -290,14 +302,14 @@ def test_files_in_any_orientation_give_one_picture(oblique, tmp_path):
 
 def test_letters_and_scale_bar_are_drawn_at_the_edges():
     volume = ws.Volume(np.zeros((40, 40, 40), np.uint8), anatomical=True)
-    plain, lettered = (ws.slice(volume, size=(200, 200), window=(0, 1), letters=on).rgba for on in (False, True))
+    plain, lettered = (ws.slice(volume, size=(200, 200), clim=(0, 1), letters=on).rgba for on in (False, True))
     changed = (plain != lettered).any(axis=2)
     height, width = changed.shape
     for part in (changed[:, :30], changed[:, -30:], changed[:30], changed[-30:]):
         assert part.any()
     assert not changed[30:-30, 30:-30].any()
     assert lettered.max() == 1
-    barred = ws.slice(volume, size=(200, 200), window=(0, 1), scale_bar="µm")
+    barred = ws.slice(volume, size=(200, 200), clim=(0, 1), scale_bar="µm")
     changed = (plain != barred.rgba).any(axis=2)
     assert changed[height // 2 :, : width // 2].any()
     assert not changed[: height // 2].any()
@@ -344,9 +356,14 @@ def test_threads_do_not_matter(oblique):
         (("sagittal", -1), {}, "from 0 to 6"),
         (("axial", float("nan")), {}, "position is nan"),
         ((((0, 0, 0), (0, 0, 1)), 9), {}, "from 0 to 4"),
-        ((), {"window": (100, -100)}, "window is (100, -100); low must be less than high; did you mean (-100, 100)?"),
-        ((), {"window": (1, 1)}, "window is (1, 1)"),
-        ((), {"window": 5}, "window is 5; give (low, high)"),
+        ((), {"clim": (100, -100)}, "clim is (100, -100); low must be less than high; did you mean (-100, 100)?"),
+        ((), {"clim": (1, 1)}, "clim is (1, 1)"),
+        ((), {"clim": 5}, "clim is 5; give (low, high)"),
+        ((), {"window": (-150, -250)}, "window is (-150, -250), level and width; the width must be positive"),
+        ((), {"window": 5}, "window is 5; give (level, width), such as (40, 400), or a name: abdomen"),
+        ((), {"window": "lungs"}, "unknown window 'lungs'; did you mean lung?"),
+        ((), {"window": (1, 1), "clim": (0, 1)}, "window and clim both say"),
+        ((), {"clim": (0, 1), "transfer_function": "grey"}, "give one of them"),
         ((), {"window": (0, 1), "transfer_function": "grey"}, "give one of them"),
         ((), {"thickness": -1}, "thickness is -1"),
         ((), {"slab": "median"}, "slab is 'median'; use one of: maximum, minimum, mean"),
@@ -368,7 +385,7 @@ def test_mistakes_say_how_to_mend_them(arguments, options, message):
 
 def test_command_line(wavesplat, ramp_file, tmp_path):
     out = tmp_path / "a.png"
-    options = ["--plane", "coronal", "--position", "3", "--window", "0,200", "--letters", "--scale-bar"]
+    options = ["--plane", "coronal", "--position", "3", "--window", "100,200", "--letters", "--scale-bar"]
     done = wavesplat("slice", ramp_file, "-o", out, *options)
     assert (done.returncode, done.stdout, done.stderr) == (0, f"{out}\n", "")
     assert out.read_bytes().startswith(b"\x89PNG")
@@ -384,7 +401,11 @@ def test_command_line(wavesplat, ramp_file, tmp_path):
     [
         (["--plane", "top"], "'top' is not one of: axial, coronal, sagittal"),
         (["--position", "99"], "it reaches from 0 to 15"),
-        (["--window", "9,3"], "did you mean (3, 9)"),
+        (["--clim", "9,3"], "did you mean (3, 9)"),
+        (["--window", "40,-400"], "the width must be positive"),
+        (["--window", "bones"], "did you mean bone?"),
+        (["--window", "1,2", "--clim", "1,2"], "window and clim both say"),
+        (["--preset", "grey", "--cmap", "gray"], "without --preset"),
         (["--point", "1,2,3"], "--point and --normal belong together"),
         (["--plane", "axial", "--point", "1,2,3", "--normal", "0,0,1"], "--plane and --normal"),
         (["--slab", "median"], "'median' is not one of: maximum, minimum, mean"),

@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, slice, info, wavelet, mesh, demo, each in a file of its name.
+"""The command line: `wavesplat` render, slice, info, presets, wavelet, mesh, demo, each in a file of its name.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -12,7 +12,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from wavesplat._cli import demo, info, mesh, render, slice, wavelet
+from wavesplat._cli import demo, info, mesh, presets, render, slice, wavelet
 from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -38,7 +38,15 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (render.render, slice.slice, info.info, wavelet.wavelet, mesh.mesh, demo.demo):
+for command in (
+    render.render,
+    slice.slice,
+    info.info,
+    presets.presets,
+    wavelet.wavelet,
+    mesh.mesh,
+    demo.demo,
+):
     app.command(epilog=EPILOG)(command)
 
 

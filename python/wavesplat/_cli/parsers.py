@@ -9,7 +9,18 @@ import typer
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["choice", "color", "numbers", "one_of", "refuse_pairs", "size", "weights", "whole_numbers"]
+__all__ = [
+    "choice",
+    "color",
+    "numbers",
+    "one_of",
+    "opacity",
+    "refuse_pairs",
+    "size",
+    "weights",
+    "whole_numbers",
+    "window",
+]
 
 
 def choice(names: Sequence[str]) -> Any:
@@ -66,6 +77,19 @@ def weights(text: str) -> tuple[float, ...]:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
         raise typer.BadParameter(f"{text!r} is not numbers with commas between, such as 1,1,0") from None
+
+
+def opacity(text: str) -> str | float | tuple[float, ...]:
+    """A name, a number, or several."""
+    if text.isalpha():
+        return text
+    given = weights(text)
+    return given[0] if len(given) == 1 else given
+
+
+def window(text: str) -> str | tuple[float, ...]:
+    """A name, or level and width."""
+    return text if any(letter.isalpha() for letter in text) else numbers(2, "40,400")(text)
 
 
 def color(text: str) -> str:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["json_text", "message", "print_result"]
+from wavesplat.errors import WavesplatWarning
+
+__all__ = ["json_text", "message", "print_result", "warnings_as_notes"]
 
 
 def print_result(facts: dict[str, Any], text: object, *, as_json: bool) -> None:
@@ -23,3 +27,17 @@ def json_text(facts: dict[str, Any]) -> str:
 def message(text: str) -> None:
     """A line on stderr."""
     print(f"wavesplat: {text}", file=sys.stderr)
+
+
+@contextmanager
+def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
+    """What is warned of inside becomes a note on stderr each, or nothing if `quiet`."""
+    import warnings
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", WavesplatWarning)
+        yield
+    for warning in caught:
+        if quiet and issubclass(warning.category, WavesplatWarning):
+            continue
+        message(f"note: {warning.message}")

@@ -27,9 +27,11 @@ from wavesplat._cli.shared_options import (
     Zoom,
 )
 from wavesplat._cli.transfer_function_options import (
+    ColorOptions,
     TransferFunctionFile,
     function_of_materials,
     named_look,
+    takes_color_options,
 )
 from wavesplat._model.options import BY_VIEW, COMPOSITE_SYNONYMS, VIEWS, Composite, Quality
 from wavesplat.errors import ArgumentError, FileError
@@ -47,6 +49,7 @@ __all__ = ["render"]
 
 @takes_light_options
 @takes_reader_options
+@takes_color_options
 def render(
     input: Input,
     output: PictureOutput,
@@ -56,6 +59,7 @@ def render(
         typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
     ] = None,
     tf: TransferFunctionFile = None,
+    colors: ColorOptions,
     materials: Annotated[
         str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
     ] = None,
@@ -140,6 +144,7 @@ def render(
     parsers.refuse_pairs(preset=preset, tf=tf)
     parsers.refuse_pairs(preset=preset, materials=materials)
     parsers.refuse_pairs(tf=tf, materials=materials)
+    parsers.refuse_pairs(cmap=colors.cmap, materials=materials)
     parsers.refuse_pairs(crop=crop, crop_index=crop_index)
     check_outputs(input, output, "pictures", report)
     from wavesplat._picture.picture import check_bits
@@ -151,7 +156,15 @@ def render(
 
     volume, drop_levels = _levels(open_any(input, reader, quiet=quiet), family, threshold, levels, bands)
     look = _look(
-        volume, input, preset=preset, tf=tf, materials=materials, surfaces=surfaces, composite=composite, quiet=quiet
+        volume,
+        input,
+        preset=preset,
+        tf=tf,
+        materials=materials,
+        surfaces=surfaces,
+        colors=colors,
+        composite=composite,
+        quiet=quiet,
     )
     crop_box = chosen_crop(crop, crop_index)
     camera = _camera(
@@ -199,6 +212,7 @@ def _look(
     tf: Path | None,
     materials: str | None,
     surfaces: float | None,
+    colors: ColorOptions,
     composite: Any,
     quiet: bool,
 ) -> Look:
@@ -208,7 +222,8 @@ def _look(
 
     if materials is not None:
         return Look(transfer_function=function_of_materials(volume, materials, surfaces), composite=composite or "over")
-    named = named_look(volume, preset=preset, tf=tf, quiet=quiet)
+    opacity = 1.0 if composite not in (None, "over", "first-hit") else "linear"
+    named = named_look(volume, preset=preset, tf=tf, colors=colors, opacity=opacity, quiet=quiet)
     if named is not None:
         return chosen_look(named, volume, composite)
     try:

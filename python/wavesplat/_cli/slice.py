@@ -8,13 +8,15 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import message, print_result
+from wavesplat._cli.printing import message, print_result, warnings_as_notes
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
 from wavesplat._cli.transfer_function_options import (
+    ColorOptions,
     TransferFunctionFile,
     function_of_histogram,
     named_look,
+    takes_color_options,
 )
 from wavesplat._model.options import PLANES, Slab
 from wavesplat.errors import ArgumentError
@@ -23,6 +25,7 @@ __all__ = ["slice"]
 
 
 @takes_reader_options
+@takes_color_options
 def slice(
     input: Input,
     output: PictureOutput,
@@ -69,11 +72,14 @@ def slice(
     window: Annotated[
         Any,
         typer.Option(
-            metavar="LOW,HIGH", parser=parsers.numbers(2, "-150,250"), help="Values shown as black and white."
+            metavar="NAME|LEVEL,WIDTH",
+            parser=parsers.window,
+            help="Greys: bone, lung, brain, abdomen, mediastinum, liver, stroke, ..., or level and width.",
         ),
     ] = None,
     preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
     tf: TransferFunctionFile = None,
+    colors: ColorOptions,
     letters: Annotated[
         bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges, where the file has anatomy.")
     ] = False,
@@ -98,27 +104,31 @@ def slice(
 
     check_bits(bits)
     volume = open_any(input, reader, quiet=quiet)
-    look = named_look(volume, preset=preset, tf=tf)
+    # A range alone is one of greys, as a window is.
+    clim = colors.clim if colors == ColorOptions(clim=colors.clim) else None
+    look = named_look(volume, preset=preset, tf=tf, colors=colors if clim is None else None, opacity=1.0, quiet=quiet)
     transfer_function: Any = look and look.transfer_function
     if preset == "auto":
         transfer_function = function_of_histogram(volume, input)
-    picture = cut(
-        volume,
-        (plane or "axial") if normal is None else (point, normal),
-        position,
-        size=size,
-        zoom=zoom,
-        center=center,
-        kernel=kernel,
-        thickness=thickness,
-        slab=slab,
-        window=window,
-        transfer_function=transfer_function,
-        letters=letters,
-        scale_bar=scale_bar,
-        background=background,
-        threads=threads,
-    )
+    with warnings_as_notes(quiet=quiet):
+        picture = cut(
+            volume,
+            (plane or "axial") if normal is None else (point, normal),
+            position,
+            size=size,
+            zoom=zoom,
+            center=center,
+            kernel=kernel,
+            thickness=thickness,
+            slab=slab,
+            window=window,
+            clim=clim,
+            transfer_function=transfer_function,
+            letters=letters,
+            scale_bar=scale_bar,
+            background=background,
+            threads=threads,
+        )
     if scale_bar and volume.unit is None and not quiet:
         message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")
     picture.save(output, bits=bits)

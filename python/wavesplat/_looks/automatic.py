@@ -7,6 +7,7 @@ gradients are largest, and low at the values of the materials themselves.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import histogram
+from wavesplat._looks.colormaps import colors_of
 from wavesplat._looks.kinds import Evidence, Kind, evidence
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
@@ -252,12 +254,12 @@ def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[
 
 def _across(volume: Volume | WaveletVolume) -> float:
     """Voxels that a ray goes through, about."""
-    return sum(volume.shape) / 3.0
+    return float(sum(volume.shape)) / 3.0
 
 
 def _per_voxel(opacity: float, n_voxels: float) -> float:
     """What a voxel must be for a tenth of so many to have an opacity."""
-    return 1.0 - (1.0 - min(opacity, 0.9999)) ** (10.0 / max(n_voxels, 10.0))
+    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
 
 
 def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
@@ -282,8 +284,7 @@ def _colored(colors: Sequence[Rgb], low: float, high: float) -> list[tuple[float
 
 def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, float, float, float]]:
     """Colours of a map from `start` on: its dark end cannot be seen on black."""
-    from cmap import Colormap
-
-    places = np.linspace(start, 1.0, nodes.size)
-    colors = (Colormap(name)(place) for place in places)
-    return [(float(v), float(c.r), float(c.g), float(c.b)) for v, c in zip(nodes, colors, strict=True)]
+    places, colors = colors_of(name)
+    wanted = np.linspace(start, 1.0, nodes.size)
+    red, green, blue = (np.interp(wanted, places, colors[:, c]).tolist() for c in range(3))
+    return list(zip(nodes.tolist(), red, green, blue, strict=True))

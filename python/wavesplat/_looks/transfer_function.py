@@ -19,6 +19,7 @@ from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._looks.colormaps import Opacity
     from wavesplat._model.options import Composite
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
@@ -146,6 +147,63 @@ class TransferFunction:
         return cls(
             [(-limit, opacity), (-near, 0.0), (near, 0.0), (limit, opacity)],
             [(-limit, *blue), (-near, 0.55, 0.69, 1.0), (near, 0.96, 0.6, 0.48), (limit, *red)],
+        )
+
+    @classmethod
+    def from_colormap(
+        cls,
+        name: str,
+        volume: Volume | WaveletVolume | None = None,
+        *,
+        clim: tuple[float, float] | None = None,
+        opacity: Opacity = "linear",
+        log: bool = False,
+        gamma: float = 1.0,
+        opacity_unit: float | None = None,
+    ) -> TransferFunction:
+        """The colours of a map by name over a range of values: "viridis", "inferno", "gray", "coolwarm_r", ...
+
+        Parameters
+        ----------
+        name : str
+            A map of matplotlib, cmocean, ColorBrewer, Crameri, napari or another collection of the package `cmap`; for
+            one of a certain collection "cmocean:ice". "_r" turns it round. Case does not matter.
+        volume : Volume or WaveletVolume, optional
+            Needed if `clim` is not given.
+        clim : (low, high), optional
+            Values of the first and the last colour; None takes those that count as the volume's smallest and largest,
+            for `log` as its smallest and largest of those above 0, with a warning if there are others.
+        opacity : str, float, sequence of float, or sequence of (value, alpha)
+            Of a slab one `opacity_unit` thick: "linear", "sigmoid" or "sqrt" from 0 at low to 1 at high; the same
+            everywhere; numbers evenly over the range; or nodes in sample values. Numbers are 0..1.
+        log : bool
+            Colours even in the logarithm of the values.
+        gamma : float, default 1
+            Colours and opacities go with ((value - low) / (high - low)) ** gamma: less than 1 brightens.
+        opacity_unit : float, optional
+            As for the class.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no map of that name (the message offers near ones), or a range or an opacity cannot work.
+
+        Warns
+        -----
+        WavesplatWarning
+            If `log` is taken of a volume with values of 0 or less.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> tf = ws.TransferFunction.from_colormap("gray", clim=(0, 500), opacity=[0, 0.1, 0.5])
+        >>> tf([250, 500])[:, [0, 3]].round(2).tolist()  # red and opacity
+        [[0.5, 0.1], [1.0, 0.5]]
+        """
+        from wavesplat._looks import colormaps
+
+        return colormaps.transfer_function(
+            name, volume, clim=clim, opacity=opacity, log=log, gamma=gamma, opacity_unit=opacity_unit
         )
 
     @classmethod

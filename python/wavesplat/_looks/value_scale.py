@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["ABSOLUTE", "NAMES", "nodes_on", "positive_range", "widths_on"]
+__all__ = ["ABSOLUTE", "NAMES", "ends", "nodes_on", "positive_range", "widths_on"]
 
 Nodes: TypeAlias = list[tuple[float, ...]]
 
@@ -102,7 +102,7 @@ def nodes_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | Wave
     """Nodes whose first number is a place on a scale, with the sample value instead."""
     if scale in ABSOLUTE:
         return [tuple(node) for node in nodes]
-    low, high = _ends(scale, volume)
+    low, high = ends(scale, volume)
     if scale == "log":
         return _even_in_the_logarithm(nodes, low, high)
     return [(low + place * (high - low), *rest) for place, *rest in nodes]
@@ -112,11 +112,12 @@ def widths_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | Wav
     """The same for differences of values, such as gradients."""
     if scale in ABSOLUTE:
         return [tuple(node) for node in nodes]
-    low, high = _ends(scale, volume)
+    low, high = ends(scale, volume)
     return [(width * (high - low), *rest) for width, *rest in nodes]
 
 
-def _ends(scale: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
+def ends(scale: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
+    """The values at places 0 and 1 of a scale."""
     low, high = ENDS[scale](volume)
     # A volume that is the same everywhere has no range; any will do.
     return (low, high) if low < high else (low, low + (abs(low) or 1.0))

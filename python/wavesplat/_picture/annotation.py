@@ -1,4 +1,4 @@
-"""What is written on a slice: the anatomical letters of its edges and a scale bar.
+"""What is written on a picture: the anatomical letters of its edges, a scale bar, a caption.
 
 Text is drawn by Pillow, with the font that comes with it, white with a black outline to be seen on anything.
 """
@@ -16,7 +16,7 @@ from wavesplat._files.libraries import library
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["bar_length", "edge_letters", "round_length", "with_letters", "with_scale_bar"]
+__all__ = ["bar_length", "edge_letters", "round_length", "with_caption", "with_letters", "with_scale_bar"]
 
 #: Letters of the negative and the positive direction of the RAS world's x, y and z.
 LETTERS = ("LR", "PA", "IS")
@@ -80,6 +80,12 @@ def with_scale_bar(rgba: Rgba, length: float, pixel: float, text: str) -> Rgba:
         pen.text((left + length_px / 2, bottom - bar_px - margin / 2), text, font=font, anchor="md")
 
     return _drawn(rgba, draw)
+
+
+def with_caption(rgba: Rgba, text: str) -> Rgba:
+    """The picture with a line of text at its lower edge."""
+    height, width = rgba.shape[:2]
+    return _drawn(rgba, lambda pen, font, margin: pen.text((width / 2, height - margin), text, font=font, anchor="md"))
 
 
 class _Pen:

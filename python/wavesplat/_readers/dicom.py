@@ -84,6 +84,8 @@ def _scanned_file(file: Path) -> Header | Exception | None:
     # Parsers of damaged files raise nearly anything.
     try:
         return header_of(file)
+    except ImportError:
+        raise
     except Exception as error:  # noqa: BLE001
         return error
 

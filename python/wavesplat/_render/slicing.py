@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors
-from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine, units
@@ -30,6 +29,7 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
+from wavesplat._render import windows
 from wavesplat._render.arguments import checked_count, checked_size, chosen_transfer_function
 from wavesplat.errors import ArgumentError
 
@@ -55,7 +55,8 @@ def slice(
     kernel: Kernel = "linear",
     thickness: float = 0.0,
     slab: Slab = "maximum",
-    window: tuple[float, float] | None = None,
+    window: str | tuple[float, float] | None = None,
+    clim: tuple[float, float] | None = None,
     transfer_function: TransferFunction | str | None = None,
     letters: bool = False,
     scale_bar: bool | str = False,
@@ -87,8 +88,13 @@ def slice(
         Of a slab with the plane in its middle, world units. Two planes for every sample across it, and both its faces.
     slab : str
         "maximum", "minimum" or "mean" of the values across the slab.
-    window : (low, high), optional
-        Values shown as black and as white; None takes those that count as the volume's smallest and largest.
+    window : (level, width) or str, optional
+        As radiologists say it: black is level - width / 2, white is level + width / 2. Or a name, for Hounsfield units:
+        "abdomen", "angio", "bone", "brain", "liver", "lung", "mediastinum", "soft-tissue", "spine", "stroke",
+        "subdural" or "temporal-bone".
+    clim : (low, high), optional
+        Instead of a window: the values shown as black and as white. Without both these are the ones that count as the
+        volume's smallest and largest.
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent.
     letters : bool
@@ -107,7 +113,8 @@ def slice(
     Picture
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
         `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
-        `pixel`), the letters of the four edges (None without anatomy), the window, and length and text of the bar.
+        `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
+        (low, high), and length and text of the bar.
 
     Raises
     ------
@@ -117,6 +124,11 @@ def slice(
     LibraryError
         If letters or a scale bar are wanted and Pillow is not installed (`pip install ".[annotation]"` in the
         checkout).
+
+    Warns
+    -----
+    WavesplatWarning
+        If a window for Hounsfield units is named and the volume's values do not look like them.
 
     Examples
     --------
@@ -134,9 +146,9 @@ def slice(
     offsets = _offsets(volume, cut, float(thickness))
     if slab not in get_args(Slab):
         raise ArgumentError(f"slab is {slab!r}; use one of: {', '.join(get_args(Slab))}")
-    if window is not None and transfer_function is not None:
-        raise ArgumentError("window and transfer_function both say how values look; give one of them")
-    window = None if window is None else checked_window(window)
+    if (window is not None or clim is not None) and transfer_function is not None:
+        raise ArgumentError("window or clim and transfer_function both say how values look; give one of them")
+    low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
     drawn = volume._decoded() if isinstance(volume, WaveletVolume) else volume._core
     first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
     values = _native.plane(
@@ -164,7 +176,7 @@ def slice(
         "kernel": kernel,
     }
     if transfer_function is None:
-        low, high = report["window"] = window or _whole_range(volume)
+        report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
         rgb = np.repeat(np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None], 3, axis=2)
         shown = np.isfinite(values)
     else:
@@ -324,24 +336,6 @@ def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
 def _triple(numbers: Array) -> Vector:
     x, y, z = numbers.tolist()
     return x, y, z
-
-
-def checked_window(window: Iterable[float]) -> tuple[float, float]:
-    """Low and high, or an `ArgumentError` that says what was given."""
-    try:
-        low, high = (float(value) for value in window)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"window is {window!r}; give (low, high), the values shown as black and white") from None
-    if not (isfinite(low) and isfinite(high) and low < high):
-        hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
-        raise ArgumentError(f"window is ({low:g}, {high:g}); low must be less than high{hint}")
-    return low, high
-
-
-def _whole_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
-    """The window of a volume: one that is the same everywhere is black."""
-    low, high = robust_range(volume)
-    return (low, high) if low < high else (low, low + 1.0)
 
 
 def _on_background(

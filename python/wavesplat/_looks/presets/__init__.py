@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["GROUPS", "Preset", "catalogue", "names", "preset", "warn_of_other_units"]
+__all__ = ["GROUPS", "Preset", "catalogue", "fitting", "names", "plain", "preset", "warn_of_other_units"]
 
 #: Kinds of data that presets are for, in the order of lists, and their titles.
 GROUPS = {
@@ -39,6 +39,8 @@ GROUPS = {
     "slicer": "3D Slicer's presets: their points and light",
 }
 PREFIX = "slicer-"
+#: By the names of DICOM.
+KIND_OF_MODALITY = {"CT": "ct", "MR": "mr", "PT": "pet", "NM": "pet", "SM": "microscopy", "GM": "microscopy"}
 #: Names that are offered where one is unknown, at most.
 N_OFFERED = 6
 CLOSE = 0.5
@@ -82,12 +84,35 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
         return Look.auto(volume)
     entry = catalogue()[found]
     if entry.is_hounsfield and volume is not None:
-        warn_of_other_units(found, volume)
+        warn_of_other_units(f"preset {found!r}", volume)
     return replace(entry.build(volume), name=found)
 
 
-def warn_of_other_units(name: str, volume: Volume | WaveletVolume) -> None:
-    """Warn if a preset for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
+def fitting(volume: Volume | WaveletVolume) -> list[Preset]:
+    """Those of ours that fit the kind of data a volume seems to hold; where that is not known, a few more."""
+    kinds = _kinds(volume)
+    low, high = volume.value_range
+    # Nothing is on the other side of zero, or on the side that has logarithms.
+    out = {"signed"} if low >= 0 else set()
+    out |= {"log"} if high <= 0 else set()
+    return [preset for preset in catalogue().values() if preset.kind in kinds and preset.name not in out]
+
+
+def _kinds(volume: Volume | WaveletVolume) -> tuple[str, ...]:
+    # Not all volumes say where they come from.
+    modality = getattr(volume, "modality", None)
+    if modality in KIND_OF_MODALITY:
+        return (KIND_OF_MODALITY[modality], "any")
+    if is_hounsfield(volume):
+        return ("ct", "any")
+    is_anatomical = getattr(volume, "is_anatomical", None)
+    if is_anatomical is not None:
+        return ("mr", "pet", "any") if is_anatomical else ("microscopy", "simulation", "any")
+    return ("mr", "pet", "microscopy", "simulation", "any")
+
+
+def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
+    """Warn if what is for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
     # Not all volumes say where they come from.
     modality = getattr(volume, "modality", None)
     if modality == "CT" or (not modality and is_hounsfield(volume)):
@@ -95,8 +120,8 @@ def warn_of_other_units(name: str, volume: Volume | WaveletVolume) -> None:
     why = f"the file says {modality}" if modality else "there is no air near -1000 with soft tissue near 0"
     low, high = volume.value_range
     warnings.warn(
-        f"preset {name!r} is for Hounsfield units, and the values of volume {volume.name!r}, {low:g} to {high:g}, do "
-        f"not look like them: {why}; its colours and opacities may be wrong",
+        f"{what} is for Hounsfield units, and the values of volume {volume.name!r}, {low:g} to {high:g}, do not look "
+        f"like them: {why}; what it shows may be wrong",
         WavesplatWarning,
         stacklevel=4,
     )

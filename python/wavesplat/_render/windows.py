@@ -1,0 +1,94 @@
+"""Windows of slices: which values are black and which are white, as radiologists and as others say it.
+
+A window has a level, its middle, and a width: black is level - width / 2, white is level + width / 2. DICOM calls that
+LINEAR_EXACT (PS3.3, C.11.2.1.3.2); its older LINEAR (C.11.2.1.2) is half a unit lower and one narrower.
+Names stand for windows of CT, in Hounsfield units, from the table of radiopaedia.org/articles/windowing-ct, the middle
+of the range where it gives one; those of angiography are of everyday use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from wavesplat._looks.histogram import robust_range
+from wavesplat._looks.presets import plain, warn_of_other_units
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["CT_WINDOWS", "limits"]
+
+#: Level and width, Hounsfield units.
+CT_WINDOWS = {
+    "abdomen": (50.0, 400.0),
+    "angio": (300.0, 600.0),
+    "bone": (400.0, 1800.0),
+    "brain": (40.0, 80.0),
+    "liver": (30.0, 150.0),
+    "lung": (-600.0, 1500.0),
+    "mediastinum": (50.0, 350.0),
+    "soft-tissue": (40.0, 375.0),
+    "spine": (50.0, 250.0),
+    "stroke": (40.0, 40.0),
+    "subdural": (75.0, 215.0),
+    "temporal-bone": (600.0, 2800.0),
+}
+
+
+def limits(
+    volume: Volume | WaveletVolume, window: str | Iterable[float] | None, clim: Iterable[float] | None
+) -> tuple[float, float]:
+    """The values that are black and white; without a window those that count as the volume's smallest and largest."""
+    if window is not None and clim is not None:
+        raise ArgumentError("window and clim both say which values are black and white; give one of them")
+    if clim is not None:
+        return _checked(clim)
+    if window is not None:
+        level, width = _named(window, volume) if isinstance(window, str) else _level_and_width(window)
+        return level - width / 2, level + width / 2
+    low, high = robust_range(volume)
+    # One that is the same everywhere is black.
+    return (low, high) if low < high else (low, low + 1.0)
+
+
+def _named(name: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
+    found = plain(name)
+    if found not in CT_WINDOWS:
+        near = get_close_matches(found, CT_WINDOWS, 1, 0.6)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise ArgumentError(
+            f"unknown window {name!r}; {hint}use one of: {', '.join(CT_WINDOWS)}, or give (level, width)"
+        )
+    warn_of_other_units(f"window {found!r}", volume)
+    return CT_WINDOWS[found]
+
+
+def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
+    try:
+        level, width = (float(value) for value in window)
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            f"window is {window!r}; give (level, width), such as (40, 400), or a name: {', '.join(CT_WINDOWS)}"
+        ) from None
+    if not (isfinite(level) and isfinite(width) and width > 0):
+        raise ArgumentError(
+            f"window is ({level:g}, {width:g}), level and width; the width must be positive; "
+            "the lowest and the highest value are given as clim"
+        )
+    return level, width
+
+
+def _checked(clim: Iterable[float]) -> tuple[float, float]:
+    try:
+        low, high = (float(value) for value in clim)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"clim is {clim!r}; give (low, high), the values shown as black and white") from None
+    if not (isfinite(low) and isfinite(high) and low < high):
+        hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
+        raise ArgumentError(f"clim is ({low:g}, {high:g}); low must be less than high{hint}")
+    return low, high

@@ -168,7 +168,7 @@ def render(case: Case, turn_deg: float = 0.0, **settings: Any) -> ws.Picture:
         kernel=case.kernel,
         composite=case.composite,
         threads=case.threads,
-        **{"shading": ws.Shading(), **settings},
+        **{"shading": ws.Shading.headlight(), **settings},
     )
 
 
@@ -187,7 +187,7 @@ def converged(case: Case) -> NDArray[np.float64]:
             step=STEP_VOXELS,
             rays_per_pixel=case.rays_per_pixel,
             kernel=case.kernel,
-            shading=ws.Shading(),
+            shading=ws.Shading.headlight(),
         )
         CACHE.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(".part")

@@ -219,12 +219,14 @@ def test_dicom_gantry_tilt_is_kept(tmp_path, oblique):
     check(ws.open(folder), oblique.samples, np.diag([-1, -1, 1, 1]) @ tilted)
 
 
-def test_dicom_gaps_are_named(tmp_path, oblique):
+def test_dicom_gaps_are_named_where_they_are_refused(tmp_path, oblique):
     folder = save_dicom(tmp_path / "ct", oblique.samples, oblique.lps_from_index)
     (folder / "002.dcm").unlink()
     with pytest.raises(FileError, match=r"1.5 mm \(2x\), 3 mm \(1x\); 3 mm lie between 001.dcm and 003.dcm.*ct$"):
-        ws.open(folder)
+        ws.open(folder, gaps="refuse")
     assert ws.open(folder, spacing=(0.7, 0.8, 1.5)).shape == (4, 6, 7)
+    with pytest.raises(ArgumentError, match="gaps is 'leave'"):
+        ws.open(folder, gaps="leave")
 
 
 def test_dicom_several_series(tmp_path, oblique):

@@ -36,7 +36,7 @@ def in_memory_order(order):
         if flipped:
             samples = np.flip(samples, 2 - axis)
     samples = samples.transpose([2 - axis for axis in reversed(axes)])
-    return ws.Volume(samples, world_from_index=world_from_ras @ ras_from_index)
+    return ws.Volume(samples, world_from_index=world_from_ras @ ras_from_index, anatomical=True)
 
 
 @pytest.mark.parametrize("order", ["RAS", "LPS", "LAS", "SAR", "PIR"])
@@ -77,7 +77,7 @@ def index_of_pixels(picture, world_from_index):
 def ramp_of(oblique):
     z, y, x = np.indices(oblique.samples.shape)
     world = np.stack([x, y, z], axis=-1) @ oblique.world_from_index[:3, :3].T + oblique.world_from_index[:3, 3]
-    return ws.Volume(world @ np.array([2.0, -3.0, 5.0]), world_from_index=oblique.world_from_index)
+    return ws.Volume(world @ np.array([2.0, -3.0, 5.0]), world_from_index=oblique.world_from_index, anatomical=True)
 
 
 @pytest.mark.parametrize("normal", [(0, 0, 1), (1, 0, 0), (0.2, -0.5, 1), (1, 1, 1), (-3, 0.1, 0.2)])
@@ -273,7 +273,7 @@ def test_letters_of_named_planes(order):
     ],
 )
 def test_letters_of_oblique_planes(oblique, normal, letters):
-    volume = ws.Volume(oblique.samples, world_from_index=oblique.world_from_index)
+    volume = ws.Volume(oblique.samples, world_from_index=oblique.world_from_index, anatomical=True)
     picture = ws.slice(volume, (volume.bounds.mean(axis=0), normal))
     got = list(picture.report["letters"].values())
     assert got == (letters.split() if " " in letters else list(letters))
@@ -301,7 +301,7 @@ def test_files_in_any_orientation_give_one_picture(oblique, tmp_path):
 
 
 def test_letters_and_scale_bar_are_drawn_at_the_edges():
-    volume = ws.Volume(np.zeros((40, 40, 40), np.uint8))
+    volume = ws.Volume(np.zeros((40, 40, 40), np.uint8), anatomical=True)
     plain, lettered = (ws.slice(volume, size=(200, 200), clim=(0, 1), letters=on).rgba for on in (False, True))
     changed = (plain != lettered).any(axis=2)
     height, width = changed.shape
@@ -326,7 +326,7 @@ def test_without_pillow_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     assert ws.slice(ws.Volume(SAMPLES)).size == (7, 6)
     with pytest.raises(ws.errors.LibraryError, match=r'PIL is not installed; .*: pip install "\.\[annotation\]"'):
-        ws.slice(ws.Volume(SAMPLES), letters=True)
+        ws.slice(ws.Volume(SAMPLES), scale_bar=True)
 
 
 @pytest.mark.parametrize("kernel", ["linear", "bspline3"])

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from wavesplat._mesh.meshing import Mesh, mesh
     from wavesplat._model.camera import Camera
     from wavesplat._model.crop import Crop
+    from wavesplat._model.facts import Channel, Facts
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._native import __version__
@@ -41,7 +42,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Camera",
+    "Channel",
     "Crop",
+    "Facts",
     "Label",
     "Labels",
     "Light",
@@ -69,7 +72,9 @@ __all__ = [
 #: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
 _HOMES = {
     "Camera": "_model.camera",
+    "Channel": "_model.facts",
     "Crop": "_model.crop",
+    "Facts": "_model.facts",
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
     "Light": "_looks.shading",

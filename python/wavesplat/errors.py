@@ -9,6 +9,7 @@ __all__ = [
     "ArgumentError",
     "CancelledError",
     "FileError",
+    "FileWarning",
     "LibraryError",
     "LimitError",
     "WavesplatError",
@@ -28,6 +29,18 @@ class FileError(WavesplatError, OSError):
     """A file is missing, unreadable, truncated, of an unknown kind, or cannot be written."""
 
 
+class WavesplatWarning(UserWarning):
+    """The work was done, but perhaps not what was meant: a preset for other units, say."""
+
+
+class FileWarning(WavesplatWarning):
+    """A file was read although a part of it is missing or damaged; the message names and counts it.
+
+    Not an error, since the rest is worth a look; `warnings.simplefilter("error", wavesplat.errors.FileWarning)` makes
+    it one.
+    """
+
+
 class LibraryError(WavesplatError, ImportError):
     """A library that only this task needs is not installed; the message says how to install it."""
 
@@ -38,7 +51,3 @@ class LimitError(WavesplatError):
 
 class CancelledError(WavesplatError):
     """The progress callback asked to stop; no picture was made."""
-
-
-class WavesplatWarning(UserWarning):
-    """The work was done, but perhaps not what was meant: a preset for other units, say."""

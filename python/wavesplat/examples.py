@@ -5,6 +5,7 @@ Source, licence and citation of the scans lie beside them, in `wavesplat/data`.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.resources import as_file, files
 
 import numpy as np
@@ -25,7 +26,7 @@ def mri_head() -> Volume:
     >>> ws.examples.mri_head().shape
     (171, 171, 128)
     """
-    return _bundled("mri_head")
+    return _bundled("mri_head", "MR")
 
 
 def ct_pelvis() -> Volume:
@@ -37,7 +38,7 @@ def ct_pelvis() -> Volume:
     >>> ws.examples.ct_pelvis().spacing
     (3.0, 3.0, 3.0)
     """
-    return _bundled("ct_pelvis")
+    return _bundled("ct_pelvis", "CT")
 
 
 def ripples(n: int = 32) -> Volume:
@@ -78,6 +79,8 @@ def ripples(n: int = 32) -> Volume:
     return Volume((255 * rho).astype(np.float32), name=f"ripples({n})")
 
 
-def _bundled(name: str) -> Volume:
+def _bundled(name: str, modality: str) -> Volume:
     with as_file(files("wavesplat") / "data" / name / f"{name}.nii.gz") as path:
-        return open_volume(path)
+        volume = open_volume(path)
+    facts = replace(volume.facts, modality=modality)
+    return Volume(volume.samples, world_from_index=volume.world_from_index, name=volume.name, facts=facts)

@@ -67,10 +67,11 @@ def raycast(
     if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
         raise ArgumentError("the reference knows no ambient_occlusion and no shadow; give a Shading without them")
     width, height = arguments.checked_size(size)
+    look = arguments.chosen_look(transfer_function, volume, "over")
     rgba = _native.raycast(
         volume._core,
-        arguments.chosen_transfer_function(transfer_function, volume)._core,
-        arguments.chosen_camera(camera, volume, width / max(height, 1))._core,
+        look.transfer_function._core,
+        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1))._core,
         labels=arguments.chosen_labels(labels, volume),
         width=width,
         height=height,
@@ -122,10 +123,11 @@ def splat_literal(
     """
     _check_samples(volume)
     width, height = arguments.checked_size(size)
+    look = arguments.chosen_look(transfer_function, volume, "over")
     rgba = _native.splat_literal(
         volume._core,
-        arguments.chosen_transfer_function(transfer_function, volume)._core,
-        arguments.chosen_camera(camera, volume, width / max(height, 1))._core,
+        look.transfer_function._core,
+        arguments.chosen_camera(camera, volume, look, None, width / max(height, 1))._core,
         width=width,
         height=height,
         kernel=kernel,

@@ -41,7 +41,8 @@ class Ablation:
         A sheet is made of all slices within the kernel's radius, weighted by the kernel there. False: of the samples of
         the nearest slice alone, so that sheets between two slices repeat them.
     gradient : str, default "footprint"
-        Where shading takes gradients, axis by axis of the grid; d is `Shading.gradient_offset`, in samples.
+        Where shading takes gradients, axis by axis of the grid; d is `Shading.gradient_offset`, in samples,
+        and there must be no smoothing.
         "footprint": [V(x + d) - V(x - d)] / 2d at every texel. "footprint-forward": [V(x + d) - V(x)] / d, towards
         larger indices. "sheet-central", "sheet-forward": the same differences of the texels and sheets that there are,
         as sheet buffers give them: d becomes the nearest whole number of texels (along x and y) or of sheets (along z),
@@ -107,7 +108,7 @@ def splat(
     ablation: Ablation | None = None,
     size: tuple[int, int] = (512, 512),
     kernel: Kernel = "linear",
-    shading: Shading | None = arguments.DEFAULT_SHADING,
+    shading: Shading | None = arguments.HEADLIGHT,
     sheets_per_slice: float = 2.0,
     oversampling: float = 1.0,
     crop: Crop | None = None,
@@ -159,10 +160,11 @@ def splat(
     if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
         raise ArgumentError("the study knows no ambient_occlusion and no shadow; give a Shading without them")
     width, height = arguments.checked_size(size)
+    look = arguments.chosen_look(transfer_function, volume, "over")
     rgba = _native.splat_ablated(
         volume._core,
-        arguments.chosen_transfer_function(transfer_function, volume)._core,
-        arguments.chosen_camera(camera, volume, width / max(height, 1))._core,
+        look.transfer_function._core,
+        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1))._core,
         ablation=(ablation or Ablation())._core,
         width=width,
         height=height,
@@ -218,7 +220,7 @@ def standard(
     standard: StandardSplatting | None = None,
     size: tuple[int, int] = (512, 512),
     kernel: Kernel = "linear",
-    shading: Shading | None = arguments.DEFAULT_SHADING,
+    shading: Shading | None = arguments.HEADLIGHT,
     oversampling: float = 1.0,
     crop: Crop | None = None,
     clip_planes: Sequence[arguments.ClipPlane] = (),
@@ -274,10 +276,11 @@ def standard(
         )
     chosen = standard or StandardSplatting()
     width, height = arguments.checked_size(size)
+    look = arguments.chosen_look(transfer_function, volume, "over")
     result = _native.render_standard(
         volume._decoded(0) if isinstance(volume, WaveletVolume) else volume._core,
-        arguments.chosen_transfer_function(transfer_function, volume)._core,
-        arguments.chosen_camera(camera, volume, width / max(height, 1))._core,
+        look.transfer_function._core,
+        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1))._core,
         width=width,
         height=height,
         kernel=kernel,

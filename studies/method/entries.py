@@ -32,7 +32,7 @@ class Entry:
 
     def draw(self, volume: ws.Volume, scene: dict[str, Any]) -> ws.Picture:
         """The picture of a scene, which is what all ways have in common."""
-        arguments = {**scene, "shading": ws.Shading(gradient_offset=self.gradient_offset), **self.how}
+        arguments = {**scene, "shading": ws.Shading.headlight(gradient_offset=self.gradient_offset), **self.how}
         return self.draws(volume, **arguments)
 
 

@@ -45,7 +45,7 @@ def gradient(index: Array, n: int) -> Array:
 
 def lit(rgb: Array, normal: Array, to_eye: Array) -> Array:
     """Colours under one white headlight."""
-    shading = ws.Shading()
+    shading = ws.Shading.headlight()
     unit = normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     n_l = unit @ to_eye
     # The light is where the eye is: r e = 2 (n e)^2 - 1.

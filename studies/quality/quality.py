@@ -119,7 +119,7 @@ class Case:
         opacity, color = CURVES[self.volume, self.curve]
         azimuth, elevation = next((a, e) for name, a, e in VIEWS if name == self.view)
         camera = ws.Camera.orbit(volume, azimuth, elevation, view_angle=PROJECTIONS[self.projection])
-        return volume, ws.TransferFunction(opacity, color), camera, ws.Shading() if self.shaded else None
+        return volume, ws.TransferFunction(opacity, color), camera, ws.Shading.headlight() if self.shaded else None
 
 
 def all_cases() -> Iterator[Case]:

@@ -156,7 +156,7 @@ def drawing(name: str, scene: Scene, size_px: int) -> dict[str, Any]:
         "transfer_function": transfer_function(name, scene.curve),
         "camera": camera,
         "size": volume.shape[:0:-1] if scene.along_z else (size_px, size_px),
-        "shading": ws.Shading() if scene.shaded else None,
+        "shading": ws.Shading.headlight() if scene.shaded else None,
         "crop": drawn.crop if scene.cropped and not scene.along_z else None,
     }
 

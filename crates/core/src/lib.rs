@@ -25,7 +25,7 @@ pub use grid::Grid;
 pub use label::LabelLook;
 pub use level_grid::LevelGrid;
 pub use options::{
-    ClipPlane, Crop, Kernel, Light, LightFrame, MAX_GRADIENT_OFFSET, MAX_SIDE_PX, RenderOptions, Shading,
+    ClipPlane, Crop, Gradient, Kernel, Light, LightFrame, MAX_GRADIENT_OFFSET, MAX_SIDE_PX, RenderOptions, Shading,
     quality_settings,
 };
 pub use picture::Picture;

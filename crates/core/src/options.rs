@@ -66,14 +66,32 @@ pub struct Light {
 }
 
 impl Light {
-    /// The default light: white, along the view direction.
+    /// White, along the view direction.
     pub const HEADLIGHT: Self = Self { frame: LightFrame::Camera, to_light: DVec3::Z, rgb: [1.0; 3] };
+    /// White, from the upper left of the eye.
+    pub const KEY: Self = Self { frame: LightFrame::Camera, to_light: DVec3::new(-0.55, 0.65, 1.0), rgb: [1.0; 3] };
+    /// A weaker one at the eye: what the key light does not reach keeps its form.
+    pub const FILL: Self = Self { rgb: [0.35; 3], ..Self::HEADLIGHT };
 }
 
-/// Phong shading with the reflection vector, two-sided, as VTK's volume mappers have it.
+/// How the gradient is estimated that surfaces are lit by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Gradient {
+    /// Central differences of what the kernel reconstructs; half their distance, voxels, `0.01..=4`, the whole distance
+    /// where they go to one side. 1 is what other renderers have; it shows the steps of voxels as rings on smooth surfaces.
+    Difference(f64),
+    /// The derivative of the samples smoothed by a cubic B-spline of this standard deviation, voxels, `0.4..=1.25`.
+    Smoothed(f64),
+}
+
+/// Phong shading with the reflection vector, two-sided.
 ///
-/// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes only the
-/// ambient term is left.
+/// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes `|n·l|` is
+/// [`Shading::unoriented`]. What is brighter than [`Shading::shoulder`] in the picture approaches 1, so that highlights
+/// keep their form.
+///
+/// The default is made for looking at pictures: a key light from the upper left, a fill light at the eye, smoothed
+/// gradients. [`Shading::headlight`] is the light of VTK's volume mappers, for comparisons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shading {
     /// Weight of the colour without light.
@@ -84,8 +102,13 @@ pub struct Shading {
     pub specular: f32,
     /// Exponent of the highlight.
     pub specular_power: f32,
-    /// Half distance of the gradient's differences, voxels; the whole distance where they go to one side.
-    pub gradient_offset: f64,
+    /// What normals are taken from.
+    pub gradient: Gradient,
+    /// Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is turned
+    /// to the light, `0..=1`: one half is the mean over all normals.
+    pub unoriented: f32,
+    /// From this brightness on, `0..=1`, colours of the picture are compressed ([`crate::Picture::finish`]). 1: none are.
+    pub shoulder: f32,
     /// At least one light.
     pub lights: Vec<Light>,
     /// How much hollows darken, `0..=1`.
@@ -99,15 +122,15 @@ pub struct Shading {
 impl Default for Shading {
     fn default() -> Self {
         Self {
-            ambient: 0.1,
-            diffuse: 0.7,
-            specular: 0.2,
-            specular_power: 10.0,
-            gradient_offset: 1.0,
-            lights: vec![Light::HEADLIGHT],
-            ambient_occlusion: 0.0,
-            occlusion_radius: None,
-            shadow: 0.0,
+            ambient: 0.3,
+            diffuse: 1.0,
+            specular: 0.25,
+            specular_power: 16.0,
+            gradient: Gradient::Smoothed(0.8),
+            unoriented: 0.5,
+            shoulder: 0.75,
+            lights: vec![Light::KEY, Light::FILL],
+            ..Self::headlight()
         }
     }
 }
@@ -116,6 +139,23 @@ impl Default for Shading {
 pub const MAX_GRADIENT_OFFSET: f64 = 4.0;
 
 impl Shading {
+    /// The light of VTK's volume mappers: one headlight, gradients by central differences, no shoulder.
+    pub fn headlight() -> Self {
+        Self {
+            ambient: 0.1,
+            diffuse: 0.7,
+            specular: 0.2,
+            specular_power: 10.0,
+            gradient: Gradient::Difference(1.0),
+            unoriented: 0.0,
+            shoulder: 1.0,
+            lights: vec![Light::HEADLIGHT],
+            ambient_occlusion: 0.0,
+            occlusion_radius: None,
+            shadow: 0.0,
+        }
+    }
+
     /// Checks ranges.
     pub fn validate(&self) -> Result<()> {
         let terms = [("ambient", self.ambient), ("diffuse", self.diffuse), ("specular", self.specular)];
@@ -134,12 +174,26 @@ impl Shading {
                 mend,
             ));
         }
-        if !(self.gradient_offset >= 0.01 && self.gradient_offset <= MAX_GRADIENT_OFFSET) {
-            let mend = "pass 1 for the usual central differences";
-            let what = "shading: gradient_offset (voxels)";
-            return Err(Error::out_of_range(what, self.gradient_offset, "between 0.01 and 4", mend));
+        match self.gradient {
+            Gradient::Difference(offset) if !(0.01..=MAX_GRADIENT_OFFSET).contains(&offset) => {
+                let mend = "pass 1 for the usual central differences";
+                let what = "shading: gradient_offset (voxels)";
+                return Err(Error::out_of_range(what, offset, "between 0.01 and 4", mend));
+            }
+            Gradient::Smoothed(deviation) if !(0.4..=1.25).contains(&deviation) => {
+                let mend = "pass 0.8 for smooth surfaces, 0 for central differences";
+                let what = "shading: gradient_smoothing (voxels)";
+                return Err(Error::out_of_range(what, deviation, "0, or between 0.4 and 1.25", mend));
+            }
+            _ => {}
         }
-        for (name, strength) in [("ambient_occlusion", self.ambient_occlusion), ("shadow", self.shadow)] {
+        let shares = [
+            ("ambient_occlusion", self.ambient_occlusion),
+            ("shadow", self.shadow),
+            ("shoulder", self.shoulder),
+            ("unoriented", self.unoriented),
+        ];
+        for (name, strength) in shares {
             if !(0.0..=1.0).contains(&strength) {
                 let mend = "pass 0 for none and 1 for all of it";
                 return Err(Error::out_of_range(format!("shading: {name}"), strength, "between 0 and 1", mend));

@@ -1,5 +1,7 @@
 //! Picture: premultiplied RGBA (associated alpha), depth, and the values of projections.
 
+use crate::options::Shading;
+
 /// A float picture: red, green, blue associated with (multiplied by) opacity, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -17,6 +19,32 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// What is done to a picture of rays: highlights are compressed as its shading says, then the background is put behind.
+    /// `shading`: `None` where colours are as given.
+    pub fn finish(&mut self, shading: Option<&Shading>, background: Option<[f32; 4]>) {
+        if let Some(shading) = shading.filter(|shading| shading.shoulder < 1.0) {
+            self.compress_highlights(shading.shoulder);
+        }
+        if let Some(background) = background {
+            self.over_background(background);
+        }
+    }
+
+    /// Where a colour is brighter than the shoulder `s`, it becomes `s + (x − s) / (1 + (x − s) / (1 − s))`, which approaches 1
+    /// and has no kink: highlights keep their form. Colours are those of what covers the pixel, not mixed with what is
+    /// behind.
+    fn compress_highlights(&mut self, shoulder: f32) {
+        for [r, g, b, alpha] in &mut self.rgba {
+            let (first, room) = (shoulder * *alpha, ((1.0 - shoulder) * *alpha).max(f32::MIN_POSITIVE));
+            for color in [r, g, b] {
+                let above = *color - first;
+                if above > 0.0 {
+                    *color = first + above / (1.0 + above / room);
+                }
+            }
+        }
+    }
+
     /// Puts an unassociated `background` behind the picture (Porter & Duff 1984, over).
     pub fn over_background(&mut self, background: [f32; 4]) {
         let [r, g, b, a] = background;
@@ -27,5 +55,31 @@ impl Picture {
                 *front += transmittance * back;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finished(pixel: [f32; 4], shading: Option<&Shading>) -> [f32; 4] {
+        let mut picture = Picture { width_px: 1, height_px: 1, rgba: vec![pixel], depth: None, value: None };
+        picture.finish(shading, None);
+        picture.rgba[0]
+    }
+
+    #[test]
+    fn the_shoulder_compresses_what_is_bright_and_nothing_else() {
+        let shading = Shading { shoulder: 0.75, ..Shading::headlight() };
+        let of = |x: f32| finished([x, 0.0, 0.0, 1.0], Some(&shading))[0];
+        assert_eq!([of(0.2), of(0.75)], [0.2, 0.75]);
+        assert!((of(1.0) - 0.875).abs() < 1e-6, "half of the room where twice as much is above");
+        let bright: Vec<f32> = (0..200).map(|n| of(0.1 * n as f32)).collect();
+        assert!(bright.is_sorted() && bright[199] < 1.0);
+        // A veil is compressed as what is opaque, and colours that are not shaded are as they were.
+        assert!((finished([0.5, 0.0, 0.0, 0.5], Some(&shading))[0] - 0.4375).abs() < 1e-6);
+        assert_eq!(finished([1.0, 0.9, 0.0, 1.0], None), [1.0, 0.9, 0.0, 1.0]);
+        assert_eq!(finished([1.3, 0.9, 0.0, 1.0], Some(&Shading::headlight())), [1.3, 0.9, 0.0, 1.0]);
+        assert_eq!(finished([0.0; 4], Some(&shading)), [0.0; 4]);
     }
 }

@@ -119,7 +119,7 @@ fn a_level_is_as_bright_as_the_samples() {
     let size = [48, 44, 40];
     let between = size.map(|n| 2 * n - 1);
     let spacing = [0.7, 1.0, 1.6];
-    let shading = Shading::default();
+    let shading = Shading::headlight();
     for family in LIFTED {
         let volume = volume(family, size, grains);
         // Level 0 is the samples.
@@ -168,7 +168,7 @@ fn thin_volumes_have_rays_too() {
             let levels = 1..=volume.plan().n_levels().min(3);
             for level in levels.filter(|level| volume.plan().level_grid(*level).is_some()) {
                 let filtered =
-                    histogram_of(&volume, level).filter(&tf, [1.0; 3], Some(&Shading::default()), true).unwrap();
+                    histogram_of(&volume, level).filter(&tf, [1.0; 3], Some(&Shading::headlight()), true).unwrap();
                 let opacities = (0..=10).map(|value| filtered.opacity(f64::from(value)));
                 assert!(opacities.clone().all(|o| (0.0..=1.0).contains(&o)), "{family:?} {size:?}");
                 assert!(opacities.clone().any(|o| o > 0.0), "{family:?} {size:?}");

@@ -94,7 +94,7 @@ fn what_is_opaque_gets_lost_light_back_as_color() {
     let opacity = [(99.0, 0.0), (100.0, 1.0)].map(|(value, opacity)| OpacityNode { value, opacity }).to_vec();
     let color = vec![ColorNode { value: 0.0, rgb: [0.5, 0.995, 0.0] }];
     let step = TransferFunction::new(opacity, color, Some(1.0)).unwrap();
-    let shiny = Shading { ambient: 0.1, diffuse: 0.7, specular: 0.2, ..Shading::default() };
+    let shiny = Shading { ambient: 0.1, diffuse: 0.7, specular: 0.2, ..Shading::headlight() };
     let histogram = histogram_of(&volume, 1);
     let colors = |shading| histogram.filter(&step, [1.0; 3], shading, true).unwrap().color(200.0);
     assert_eq!(colors(None), [0.5, 0.995, 0.0]);
@@ -148,7 +148,7 @@ fn what_is_opaque_everywhere_stays_opaque_and_what_is_clear_stays_clear() {
             let filtered = histogram.average(&opaque, length).unwrap();
             assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level} length {length}");
         }
-        let shading = Some(&Shading::default());
+        let shading = Some(&Shading::headlight());
         let filtered = histogram.filter(&step, [0.3, 1.0, 2.0], shading, true).unwrap();
         assert!(filtered.opacity(100.0) == 1.0 && filtered.opacity(0.0) == 0.0, "level {level}");
         let filtered = histogram.filter(&opaque, [0.3, 1.0, 2.0], shading, true).unwrap();

@@ -4,8 +4,8 @@ use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use wavesplat_core::{
-    Camera, ColorNode, Error, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading, TransferFunction,
-    TransferFunction2D,
+    Camera, ColorNode, Error, Gradient, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading,
+    TransferFunction, TransferFunction2D,
 };
 use wavesplat_splat::reference::ablation::{Ablation, FootprintTable, GradientScheme};
 
@@ -133,7 +133,10 @@ impl PyShading {
         diffuse: f32,
         specular: f32,
         specular_power: f32,
+        gradient_smoothing: f64,
         gradient_offset: f64,
+        unoriented: f32,
+        shoulder: f32,
         lights: Vec<(String, Triple, (f32, f32, f32))>,
         ambient_occlusion: f32,
         occlusion_radius: Option<f64>,
@@ -151,15 +154,18 @@ impl PyShading {
             };
             world_lights.push(Light { frame, to_light: vector(direction), rgb: [r, g, b] });
         }
-        if world_lights.is_empty() {
-            world_lights.push(Light::HEADLIGHT);
-        }
         let shading = Shading {
             ambient,
             diffuse,
             specular,
             specular_power,
-            gradient_offset,
+            gradient: if gradient_smoothing == 0.0 {
+                Gradient::Difference(gradient_offset)
+            } else {
+                Gradient::Smoothed(gradient_smoothing)
+            },
+            unoriented,
+            shoulder,
             lights: world_lights,
             ambient_occlusion,
             occlusion_radius,

@@ -51,7 +51,7 @@ fn functions_of_two_dimensions_are_those_of_direct_evaluation() {
     let phantom = Phantom::ripples(20);
     let volume = phantom.volume();
     let camera = oblique(&phantom, 8.0);
-    for shading in [None, Some(Shading::default())] {
+    for shading in [None, Some(Shading::headlight())] {
         let options = fine(shading);
         let tf = two_dimensional();
         let want = raycast(&volume, &tf, &camera, &options, SAMPLING, &()).unwrap();
@@ -97,7 +97,7 @@ fn labels_are_those_of_direct_evaluation() {
         [("hidden", looks(LabelLook::NONE, hidden)), ("tinted", looks(tinted, hidden)), ("solid", looks(solid, tinted))]
     {
         for kernel in [Kernel::Linear, Kernel::Gaussian] {
-            for shading in [None, Some(Shading::default())] {
+            for shading in [None, Some(Shading::headlight())] {
                 let codes = Codes::U8(Arc::from(&codes[..]));
                 let labels = Labels::new(codes, looks.clone(), volume.grid(), kernel, 1 << 24).unwrap();
                 let options = fine(shading);
@@ -133,7 +133,7 @@ fn labels_with_the_looks_of_nothing_change_nothing() {
     let codes = Codes::U16(codes.iter().map(|c| u16::from(*c)).collect());
     let labels = Labels::new(codes, vec![LabelLook::NONE; 3], volume.grid(), Kernel::Linear, 1 << 24).unwrap();
     let slices = Slices::new(&volume, Kernel::Linear);
-    let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(Shading::default())) };
+    let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(Shading::headlight())) };
     let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
     let got = render_layer(
         &Layer { slices: &slices, transfer_function: &tf, labels: Some(&labels), cache: &VisibilityCache::default() },
@@ -169,7 +169,7 @@ fn shadows_fall_where_the_light_does_not_get() {
     .unwrap();
     let light = Light { frame: LightFrame::World, to_light: DVec3::new(0.7, 0.0, 1.0), rgb: [1.0; 3] };
     let draw = |shadow: f32| {
-        let shading = Shading { lights: vec![light], shadow, ..Shading::default() };
+        let shading = Shading { lights: vec![light], shadow, ..Shading::headlight() };
         let options = RenderOptions { width_px: 30, height_px: 30, ..fine(Some(shading)) };
         render(&Slices::new(&volume, Kernel::Linear), &tf, &camera, &options, &()).unwrap().0
     };
@@ -195,7 +195,7 @@ fn ambient_occlusion_darkens_hollows_more_than_faces() {
         let options = RenderOptions { width_px: 32, height_px: 32, ..fine(Some(shading)) };
         render(&Slices::new(&volume, Kernel::Linear), &tf, &camera, &options, &()).unwrap().0
     };
-    let (open, closed) = (draw(0.0, Shading::default()), draw(1.0, Shading::default()));
+    let (open, closed) = (draw(0.0, Shading::headlight()), draw(1.0, Shading::headlight()));
     let brightness = |picture: &Picture, in_shaft: bool| {
         let pixels = picture.rgba.iter().enumerate().filter(|(i, _)| {
             let (x, y) = (i % 32, i / 32);
@@ -216,7 +216,7 @@ fn every_simd_level_gives_the_same_bits() {
     let (phantom, _) = labelled();
     let volume = phantom.volume();
     let camera = oblique(&phantom, 11.0);
-    let shading = Shading { ambient_occlusion: 0.7, shadow: 0.5, ..Shading::default() };
+    let shading = Shading { ambient_occlusion: 0.7, shadow: 0.5, ..Shading::headlight() };
     let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(shading)) };
     let slices = Slices::new(&volume, Kernel::Linear);
     for tf in [two_dimensional(), opacity_ramp(&[(90.0, 0.0), (110.0, 0.95)], None)] {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, ClipPlane, Composite, Crop, GradientNode, Kernel, LabelLook, Light, Projection, RenderOptions, Samples,
-    Shading, TransferFunction, Volume,
+    Camera, ClipPlane, Composite, Crop, Gradient, GradientNode, Kernel, LabelLook, Light, Projection, RenderOptions,
+    Samples, Shading, TransferFunction, Volume,
 };
 use wavesplat_splat::Layer;
 use wavesplat_splat::optics::labels::{Codes, Labels};
@@ -151,7 +151,7 @@ fn cases() -> Vec<Case> {
         add(name, bytes(), kernel, &soft, &aslant, &plain);
         add(&format!("{name} with holes"), with_holes(), kernel, &hard, &views[0].1, &plain);
     }
-    let wide = Some(Shading { gradient_offset: 2.5, ..Shading::default() });
+    let wide = Some(Shading { gradient: Gradient::Difference(2.5), ..Shading::headlight() });
     add(
         "wide gradient",
         bytes(),
@@ -166,7 +166,7 @@ fn cases() -> Vec<Case> {
     let normal = DVec3::new(0.5, -0.3, 1.0);
     let clip_planes = vec![ClipPlane { origin: phantom.centre(), normal }];
     add("cut", bytes(), Kernel::Linear, &soft, &three_families, &RenderOptions { crop, clip_planes, ..plain.clone() });
-    let light = Shading { ambient_occlusion: 0.7, shadow: 0.5, lights: vec![Light::HEADLIGHT], ..Shading::default() };
+    let light = Shading { ambient_occlusion: 0.7, shadow: 0.5, lights: vec![Light::HEADLIGHT], ..Shading::headlight() };
     add("occlusion", bytes(), Kernel::Linear, &soft, &aslant, &RenderOptions { shading: Some(light), ..plain.clone() });
     add("labels", bytes(), Kernel::Linear, &soft, &aslant, &plain);
     let codes: Vec<u8> = (0..SIZE.iter().product()).map(|i: usize| u8::from(i / SIZE[0] % SIZE[1] > 20)).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, Decoder, Error, GradientNode, Kernel, Light, LightFrame,
+    Camera, ClipPlane, ColorNode, Composite, Crop, Decoder, Error, Gradient, GradientNode, Kernel, Light, LightFrame,
     OpacityNode, Picture, Projection, RenderOptions, Samples, Shading, TransferFunction, Volume,
 };
 use wavesplat_splat::kernel::weights::{radius, weight};
@@ -71,8 +71,8 @@ fn the_fast_path_equals_the_literal_twin() {
     let coloured = Light { frame: LightFrame::World, to_light: DVec3::new(1.0, 2.0, -1.0), rgb: [1.0, 0.4, 0.2] };
     let shadings = [
         None,
-        Some(Shading::default()),
-        Some(Shading { lights: vec![Light::HEADLIGHT, coloured], ..Shading::default() }),
+        Some(Shading::headlight()),
+        Some(Shading { lights: vec![Light::HEADLIGHT, coloured], ..Shading::headlight() }),
     ];
     let (mut n_compared, mut n_scenes) = (0, 0);
     for (_, kernel) in Kernel::NAMES {
@@ -523,8 +523,8 @@ fn what_cannot_be_drawn_is_refused() {
         let linear = Kernel::Linear;
         assert!(message(linear, &|o| o.composite = Composite::Maximum).contains("projections"));
         assert!(message(linear, &|o| o.with_depth = true).contains("depth"));
-        let offset = Some(Shading { gradient_offset: 0.5, ..Shading::default() });
-        assert!(message(linear, &|o| o.shading = offset.clone()).contains("gradient_offset"));
+        let offset = Some(Shading { gradient: Gradient::Difference(0.5), ..Shading::headlight() });
+        assert!(message(linear, &|o| o.shading = offset.clone()).contains("gradient"));
         assert!(message(linear, &|o| o.width_px = 0).contains("width"));
         assert!(message(Kernel::Bspline3, &|_| ()).contains("coefficients"));
         let nothing = Some(Crop::Index { lo: DVec3::splat(90.0), hi: DVec3::splat(99.0) });

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Composite, Crop, Decoder, GradientNode, Kernel, Light, LightFrame, Picture, Projection, RenderOptions, Shading,
-    TransferFunction,
+    Composite, Crop, Decoder, Gradient, GradientNode, Kernel, Light, LightFrame, Picture, Projection, RenderOptions,
+    Shading, TransferFunction,
 };
 use wavesplat_splat::reference::ablation::Ablation;
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
@@ -43,8 +43,12 @@ fn the_fast_path_equals_the_literal_splatter() {
     let coloured = Light { frame: LightFrame::World, to_light: DVec3::new(1.0, 2.0, -1.0), rgb: [1.0, 0.4, 0.2] };
     let shadings = [
         None,
-        Some(Shading::default()),
-        Some(Shading { gradient_offset: 0.4, lights: vec![Light::HEADLIGHT, coloured], ..Shading::default() }),
+        Some(Shading::headlight()),
+        Some(Shading {
+            gradient: Gradient::Difference(0.4),
+            lights: vec![Light::HEADLIGHT, coloured],
+            ..Shading::headlight()
+        }),
     ];
     let mut n_compared = 0;
     for (_, kernel) in Kernel::NAMES {
@@ -114,7 +118,7 @@ fn sparse_texels_equal_their_literal_twin() {
     let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
     for oversampling in [2.0, 0.5] {
         for (kernel, gradient_offset) in [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)] {
-            let shading = Shading { gradient_offset, ..Shading::default() };
+            let shading = Shading { gradient: Gradient::Difference(gradient_offset), ..Shading::headlight() };
             let n_compared = check_twin(&phantom, &tf, kernel, Some(&shading), oversampling);
             assert!(n_compared > 100, "{kernel:?} {oversampling}: {n_compared} texels show something");
         }
@@ -132,7 +136,7 @@ fn the_original_form_draws_the_same_scene() {
         (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, None, 30.0),
         (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE, None, 29.0),
         // Its gradient is a difference over one texel and one sheet, ours over a voxel either way: less smooth.
-        (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, Some(Shading::default()), 28.0),
+        (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, Some(Shading::headlight()), 28.0),
     ] {
         let camera = camera_towards(phantom.centre(), from, 30.0, projection);
         let options = RenderOptions {
@@ -246,7 +250,7 @@ fn every_processor_gives_the_same_bits() {
     });
     let volume = phantom.volume();
     let (soft, hard) = (&SOFT[..], &[(149.0, 0.0), (150.0, 1.0)][..]);
-    let shaded = || Some(Shading::default());
+    let shaded = || Some(Shading::headlight());
     let orthographic = Projection::Orthographic { parallel_scale: 5.0 };
     let mut wrong = Vec::new();
     for (name, kernel, nodes, shading, projection, want) in [
@@ -407,7 +411,7 @@ fn panels_hold_what_wide_differences_need() {
         for gradient_offset in [0.5, 1.7, 2.0, 2.5, 4.0] {
             for from in [DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.2, -1.0, 0.3)] {
                 let camera = camera_towards(phantom.centre(), from, 90.0, projection);
-                let shading = Some(Shading { gradient_offset, ..Shading::default() });
+                let shading = Some(Shading { gradient: Gradient::Difference(gradient_offset), ..Shading::headlight() });
                 let options = RenderOptions { width_px: 48, height_px: 48, shading, ..RenderOptions::default() };
                 let draw = |slices: &Slices| render(slices, &tf, &camera, &options, &()).unwrap().0;
                 let difference = max_difference(&draw(&decoded).rgba, &draw(&slices).rgba);
@@ -460,7 +464,7 @@ fn gradient_opacity_is_that_of_direct_evaluation() {
     let phantom = scene();
     let volume = phantom.volume();
     let tf = with_gradient(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6)]);
-    for shading in [None, Some(Shading { gradient_offset: 0.5, ..Shading::default() })] {
+    for shading in [None, Some(Shading { gradient: Gradient::Difference(0.5), ..Shading::headlight() })] {
         let camera = camera_towards(phantom.centre(), DVec3::new(-1.0, 0.5, 0.4), 30.0, ORTHOGRAPHIC);
         let options = RenderOptions {
             width_px: 40,

@@ -81,8 +81,8 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
 }
 
 pub use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, Error, GradientNode, Grid, Kernel, LabelLook, Light, LightFrame,
-    OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction, Volume,
+    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, Light,
+    LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction, Volume,
 };
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;

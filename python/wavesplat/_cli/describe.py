@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +12,60 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["describe", "describe_wavelets", "lines", "wavelet_lines"]
+__all__ = ["Choice", "describe", "describe_wavelets", "lines", "wavelet_lines"]
 
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 #: Samples that the percentiles are taken from, at most.
 N_SAMPLES_MAX = 10_000_000
+#: Facts that are told as they are.
+OF_FILE = (
+    "modality",
+    "channel",
+    "channels",
+    "n_times",
+    "time_step",
+    "time_unit",
+    "levels",
+    "conventions",
+    "guesses",
+)
+#: Channels, datasets and so on that are listed for people, at most.
+N_LISTED = 40
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Something of which a file holds several: the option that chooses, what it may be, and what is shown of it."""
+
+    option: str
+    names: tuple[str | int, ...]
+    described: tuple[str, ...] = ()
+    #: Why the first of them could not be shown.
+    problem: str | None = None
+
+    def facts(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        facts = {"option": self.option, "names": list(self.names), "described": list(self._described())}
+        return facts if self.problem is None else {**facts, "problem": self.problem}
+
+    def lines(self) -> list[str]:
+        """For people."""
+        plural = self.option if self.option == "series" else f"{self.option}s"
+        described = self._described()
+        text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
+        first = self.names[0]
+        lines = [f"{plural:<12} {len(self.names)}, choose with --{self.option}: {text}"]
+        if self.problem is None:
+            return [*lines, f"{'':<12} below is --{self.option} {first}"]
+        return [*lines, f"{'':<12} the first cannot be shown: {self.problem}"]
+
+    def _described(self) -> tuple[str, ...]:
+        names = tuple(str(name) for name in self.names)
+        if not any(self.described):
+            return names
+        if isinstance(self.names[0], int):
+            return tuple(f"{name} {text}".strip() for name, text in zip(names, self.described, strict=False))
+        return self.described
 
 
 def describe(volume: Volume) -> dict[str, Any]:
@@ -70,6 +120,7 @@ def wavelet_lines(facts: dict[str, Any]) -> list[str]:
         f"threshold    {facts['threshold']:.6g}",
         f"kept         {100 * facts['kept_fraction']:.4g} % of the coefficients",
         f"memory       {size}",
+        *_place_lines(facts),
         f"values       {low:g} to {high:g}",
     ]
     if "psnr_db" in facts:
@@ -80,31 +131,66 @@ def wavelet_lines(facts: dict[str, Any]) -> list[str]:
 
 
 def _place(grid: Grid) -> dict[str, Any]:
+    facts = grid.facts.as_json()
     return {
         "name": grid.name,
         "shape_zyx": list(grid.shape),
         "spacing_xyz": list(grid.spacing),
-        "orientation": grid.orientation,
+        "unit": grid.unit,
+        "is_anatomical": grid.is_anatomical,
+        "orientation": grid.orientation if grid.is_anatomical else None,
         "bounds_xyz": grid.bounds.tolist(),
         "world_from_index": grid.world_from_index.tolist(),
+        **{name: facts[name] for name in OF_FILE},
     }
 
 
 def lines(facts: dict[str, Any]) -> list[str]:
     """The same for people, one fact a line."""
     z, y, x = facts["shape_zyx"]
-    lower, upper = facts["bounds_xyz"]
     percentiles = "  ".join(f"{name} %: {value:g}" for name, value in facts["percentiles"].items())
     return [
         f"name         {facts['name']}",
         f"samples      {x} x {y} x {z} (x, y, z), {facts['dtype']}, {facts['n_bytes'] / 2**20:.1f} MiB",
-        f"spacing      {_joined(facts['spacing_xyz'], ' x ')}",
-        f"orientation  {facts['orientation']} (where the axes x, y, z point)",
-        f"world box    ({_joined(lower, ', ')}) to ({_joined(upper, ', ')})",
+        *_place_lines(facts),
         f"values       {facts['value_range'][0]:g} to {facts['value_range'][1]:g}",
         f"percentiles  {percentiles}",
         f"not finite   {facts['n_nonfinite']} samples",
+        *(f"convention   {text}" for text in facts["conventions"]),
+        *(f"guess        {text}" for text in facts["guesses"]),
     ]
+
+
+def _place_lines(facts: dict[str, Any]) -> list[str]:
+    lower, upper = facts["bounds_xyz"]
+    unit = f" {facts['unit']}" if facts["unit"] else ", of a unit that the file does not name"
+    orientation = (
+        f"{facts['orientation']} (where the axes x, y, z point)"
+        if facts["is_anatomical"]
+        else "none: the file says nothing of a patient"
+    )
+    text = [
+        f"spacing      {_joined(facts['spacing_xyz'], ' x ')}{unit}",
+        f"orientation  {orientation}",
+        f"world box    ({_joined(lower, ', ')}) to ({_joined(upper, ', ')})",
+    ]
+    if facts["modality"]:
+        text.append(f"modality     {facts['modality']}")
+    text += [f"channel {n:<4} {_channel_text(channel)}" for n, channel in enumerate(facts["channels"])]
+    if facts["n_times"] > 1:
+        step = f", {facts['time_step']:g} {facts['time_unit'] or ''}".rstrip() + " apart" if facts["time_step"] else ""
+        text.append(f"times        {facts['n_times']}{step}")
+    shapes = (f"{x} x {y} x {z}" for z, y, x in facts["levels"])
+    return [*text, f"levels       {', '.join(shapes)}"] if facts["levels"] else text
+
+
+def _channel_text(channel: dict[str, Any]) -> str:
+    parts = [channel["name"] or "without a name"]
+    if channel["color"]:
+        parts.append("#" + "".join(f"{round(255 * share):02x}" for share in channel["color"]))
+    if channel["emission_nm"]:
+        parts.append(f"{channel['emission_nm']:g} nm")
+    return ", ".join(parts)
 
 
 def _percentiles(volume: Volume) -> dict[str, float]:

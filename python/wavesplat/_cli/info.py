@@ -2,24 +2,59 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import Json
+
+if TYPE_CHECKING:
+    from wavesplat._cli import describe
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["info"]
 
 
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
-    """Say what a volume holds: size, spacing, type, orientation, values."""
+    """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
     from wavesplat._cli import describe
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    volume = open_any(input, reader)
-    if isinstance(volume, WaveletVolume):
-        facts = describe.describe_wavelets(volume)
-        text = describe.wavelet_lines(facts)
+    choices, volume = _first(input, reader, [])
+    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices]}
+    text = [line for choice in choices for line in choice.lines()]
+    if volume is None:
+        pass
+    elif isinstance(volume, WaveletVolume):
+        facts |= describe.describe_wavelets(volume)
+        text += describe.wavelet_lines(facts)
     else:
-        facts = describe.describe(volume)
-        text = describe.lines(facts)
+        facts |= describe.describe(volume)
+        text += describe.lines(facts)
     print_result(facts, "\n".join(text), as_json=json)
+
+
+def _first(
+    input: str, reader: ReaderOptions, choices: list[describe.Choice]
+) -> tuple[list[describe.Choice], Volume | WaveletVolume | None]:
+    """What the file leaves open, and its first volume; None where what it offers first is none."""
+    from wavesplat._cli.describe import Choice
+    from wavesplat._readers.request import SeveralError
+    from wavesplat.errors import FileError
+
+    try:
+        return choices, open_any(input, reader, quiet=True)
+    except SeveralError as several:
+        if not several.names or several.option in [choice.option for choice in choices]:
+            raise
+        first: dict[str, Any] = {several.option: several.names[0]}
+        choice = Choice(several.option, several.names, several.described)
+        return _first(input, replace(reader, **first), [*choices, choice])
+    except FileError as error:
+        # Of one among several, which another may be better than.
+        if not choices:
+            raise
+        return [*choices[:-1], replace(choices[-1], problem=str(error))], None

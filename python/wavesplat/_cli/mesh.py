@@ -12,7 +12,7 @@ from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.parsers import refuse_pairs
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
-from wavesplat._cli.shared_options import Json
+from wavesplat._cli.shared_options import Json, Quiet
 
 __all__ = ["mesh"]
 
@@ -34,13 +34,14 @@ def mesh(
     crop_index: Annotated[Any, box("The same, in samples.")] = None,
     reader: ReaderOptions,
     json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write the surface of one value as a triangle mesh, in world units, and print its path."""
     refuse_pairs(crop=crop, crop_index=crop_index)
     check_outputs(input, output, "meshes")
     from wavesplat._mesh import meshing
 
-    volume = open_any(input, reader)
+    volume = open_any(input, reader, quiet=quiet)
     surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=chosen_crop(crop, crop_index))
     surface.save(output)
     print_result({"mesh": str(output), "input": input, **surface.facts()}, output, as_json=json)

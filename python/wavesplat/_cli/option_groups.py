@@ -8,7 +8,7 @@ from dataclasses import fields
 from functools import wraps
 from typing import Any, get_type_hints
 
-__all__ = ["with_options_of"]
+__all__ = ["given", "with_options_of"]
 
 
 def with_options_of(group: Any, name: str, command: Callable[..., None]) -> Callable[..., None]:
@@ -33,3 +33,9 @@ def with_options_of(group: Any, name: str, command: Callable[..., None]) -> Call
     with_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     with_options.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return with_options
+
+
+def given(group: Any) -> list[str]:
+    """The options of a group that were set, as they are written."""
+    names = [field.name for field in fields(group) if getattr(group, field.name) != field.default]
+    return sorted("--" + name.replace("_", "-") for name in names)

@@ -92,14 +92,15 @@ def window(text: str) -> str | tuple[float, ...]:
     return text if any(letter.isalpha() for letter in text) else numbers(2, "40,400")(text)
 
 
-def color(text: str) -> tuple[float, ...] | str:
-    """A colour as `wavesplat.colors` reads it; "transparent" stays, since None means that none is given."""
+def color(text: str) -> str:
+    """A colour that can be read."""
     from wavesplat._looks import colors
 
     try:
-        return colors.parse(text) or "transparent"
+        colors.parse(text)
     except ArgumentError as error:
         raise typer.BadParameter(str(error)) from None
+    return text
 
 
 def refuse_pairs(**given: object) -> None:

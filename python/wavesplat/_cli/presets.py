@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.option_groups import given
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import message, print_result
 from wavesplat._cli.reader_options import ReaderOptions, open_any, takes_reader_options
@@ -39,7 +40,7 @@ def presets(
     from wavesplat._looks import presets as known
 
     if input is None:
-        if sheet is not None or reader.given():
+        if sheet is not None or given(reader):
             raise ArgumentError("--sheet shows a volume; name the volume too")
         _print(list(known.catalogue().values()), as_json=json)
         return

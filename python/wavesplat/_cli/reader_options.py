@@ -1,19 +1,19 @@
 """The options of `wavesplat.open` on the command line, declared once, and the volume that they and INPUT name.
 
-A command that reads a volume has a parameter `reader` and the decorator `takes_reader_options`: Typer then sees one
-option for each field of `ReaderOptions` in the place of `reader`, and the command gets them together.
+A command that reads a volume has a parameter `reader` and the decorator `takes_reader_options`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavesplat._cli import parsers
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -50,11 +50,17 @@ class ReaderOptions:
     ] = None
     byte_order: Annotated[str | None, typer.Option(metavar="little|big", help="Raw: byte order of the samples.")] = None
     offset: Annotated[int, typer.Option(metavar="BYTES", help="Raw: bytes before the first sample.")] = 0
-
-    def given(self) -> list[str]:
-        """The options that were set, as they are written."""
-        names = [field.name for field in fields(self) if getattr(self, field.name) != field.default]
-        return sorted("--" + name.replace("_", "-") for name in names)
+    unit: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Unit of lengths, instead of the file's: mm, um, nm, m, ...")
+    ] = None
+    gaps: Annotated[
+        Any,
+        typer.Option(
+            metavar="fill|refuse",
+            parser=parsers.one_of(("fill", "refuse")),
+            help="DICOM: fill in slices that are missing, or refuse the series.",
+        ),
+    ] = "fill"
 
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -62,21 +68,30 @@ def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_options_of(ReaderOptions, "reader", command)
 
 
-def open_samples(path: str, reader: ReaderOptions) -> Volume:
-    """A volume of samples."""
+def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume:
+    """A volume of samples; what was guessed is told on stderr, a note each, unless `quiet`."""
+    import warnings
+
     from wavesplat._readers.opening import open as open_volume
+    from wavesplat.errors import FileWarning
 
-    return open_volume(path, **vars(reader))
+    with warnings.catch_warnings():
+        # They are among the guesses.
+        warnings.simplefilter("ignore", FileWarning)
+        volume = open_volume(path, **vars(reader))
+    for guess in () if quiet else volume.guesses:
+        message(f"note: {guess}")
+    return volume
 
 
-def open_any(path: str, reader: ReaderOptions) -> Volume | WaveletVolume:
+def open_any(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume | WaveletVolume:
     """A volume of samples, or a file of wavelet coefficients."""
     if not path.lower().endswith(".wavelets"):
-        return open_samples(path, reader)
+        return open_samples(path, reader, quiet=quiet)
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    if reader.given():
+    if given(reader):
         raise ArgumentError(
-            f"{', '.join(reader.given())} say nothing about a file of wavelet coefficients; leave them out"
+            f"{', '.join(given(reader))} say nothing about a file of wavelet coefficients; leave them out"
         )
     return WaveletVolume.load(path)

@@ -10,6 +10,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import box, chosen_crop
+from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import json_text, message, print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
@@ -28,26 +29,25 @@ from wavesplat._cli.shared_options import (
 from wavesplat._cli.transfer_function_options import (
     ColorOptions,
     TransferFunctionFile,
-    function_of_histogram,
     function_of_materials,
     named_look,
     takes_color_options,
 )
-from wavesplat._model.options import BY_VIEW, VIEWS, Composite, Quality
-from wavesplat.errors import ArgumentError
+from wavesplat._model.options import BY_VIEW, COMPOSITE_SYNONYMS, VIEWS, Composite, Quality
+from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
-    from wavesplat._looks.shading import Shading
-    from wavesplat._looks.transfer_function import TransferFunction
-    from wavesplat._looks.transfer_function_2d import TransferFunction2D
+    from wavesplat._looks.look import Look
     from wavesplat._model.camera import Camera
+    from wavesplat._model.crop import Crop
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["render"]
 
 
+@takes_light_options
 @takes_reader_options
 @takes_color_options
 def render(
@@ -77,20 +77,22 @@ def render(
     view: Annotated[
         Any,
         typer.Option(
-            metavar="NAME", parser=parsers.one_of(tuple(VIEWS)), help=f"{', '.join(VIEWS)}; anterior if not given."
+            metavar="NAME",
+            parser=parsers.one_of(tuple(VIEWS)),
+            help=f"{', '.join(VIEWS)}; the one that suits the data if not given.",
         ),
     ] = None,
     azimuth: Annotated[
-        float | None, typer.Option(metavar="DEG", help="Turn the eye from the front to the patient's left.")
+        float | None, typer.Option(metavar="DEG", help="Turn the eye from the view to the patient's left.")
     ] = None,
-    elevation: Annotated[float | None, typer.Option(metavar="DEG", help="Lift the eye.")] = None,
+    elevation: Annotated[float | None, typer.Option(metavar="DEG", help="Lift the eye from the view.")] = None,
     zoom: Zoom = 1.0,
     perspective: Annotated[
         float | None, typer.Option(metavar="DEG", help="Perspective with this vertical angle.")
     ] = None,
     size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels.")] = "512x512",
     kernel: Kernel = "linear",
-    composite: Annotated[Any, parsers.choice(get_args(Composite))] = None,
+    composite: Annotated[Any, parsers.choice((*get_args(Composite), *COMPOSITE_SYNONYMS))] = None,
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None,
     local_threshold: Annotated[
         float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
@@ -130,11 +132,7 @@ def render(
     background: Background = None,
     crop: Annotated[Any, box("Draw only this box, world units.")] = None,
     crop_index: Annotated[Any, box("The same, in samples.")] = None,
-    shading: Annotated[bool, typer.Option(help="Light the surfaces, or draw colours as they are.")] = True,
-    occlusion: Annotated[float, typer.Option(metavar="0..1", help="How much hollows darken.")] = 0.0,
-    shadow: Annotated[
-        float, typer.Option(metavar="0..1", help="How dark shadows are, with the light from the upper left.")
-    ] = 0.0,
+    lighting: LightOptions,
     bits: Bits = 8,
     threads: Threads = None,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
@@ -147,58 +145,56 @@ def render(
     parsers.refuse_pairs(preset=preset, materials=materials)
     parsers.refuse_pairs(tf=tf, materials=materials)
     parsers.refuse_pairs(cmap=colors.cmap, materials=materials)
-    parsers.refuse_pairs(view=view, azimuth=azimuth)
-    parsers.refuse_pairs(view=view, elevation=elevation)
     parsers.refuse_pairs(crop=crop, crop_index=crop_index)
     check_outputs(input, output, "pictures", report)
     from wavesplat._picture.picture import check_bits
 
     check_bits(bits)
-    light = _shading(shading, occlusion, shadow)
+    composite = COMPOSITE_SYNONYMS.get(composite, composite)
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
-    volume, drop_levels = _levels(open_any(input, reader), family, threshold, levels, bands)
-    transfer_function: TransferFunction | TransferFunction2D | None
-    is_projection = composite not in (None, "over", "first-hit")
-    opacity = 1.0 if is_projection else "linear"
-    look = named_look(volume, preset=preset, tf=tf, colors=colors, opacity=opacity, quiet=quiet)
-    composite = composite or (look.composite if look else "over")
-    if look is not None:
-        transfer_function = look.transfer_function
-        view, background = view or look.view, background or look.background
-        light = look.shading if shading and not occlusion and not shadow else light
-    elif materials is not None:
-        transfer_function = function_of_materials(volume, materials, surfaces)
-    elif composite in BY_VIEW:
-        transfer_function = None  # greys that depend on the view are left to the renderer
-    else:
-        transfer_function = function_of_histogram(volume, input, composite)
-    segmentation = _labels(labels, label_table)
-    camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
+    volume, drop_levels = _levels(open_any(input, reader, quiet=quiet), family, threshold, levels, bands)
+    look = _look(
+        volume,
+        input,
+        preset=preset,
+        tf=tf,
+        materials=materials,
+        surfaces=surfaces,
+        colors=colors,
+        composite=composite,
+        quiet=quiet,
+    )
+    crop_box = chosen_crop(crop, crop_index)
+    camera = _camera(
+        volume, look, view, azimuth, elevation, crop=crop_box, zoom=zoom, view_angle=perspective, size=size
+    )
+    # Greys that depend on the view are left to the renderer.
+    by_view = look.name == "auto" and look.composite in BY_VIEW
     if not quiet:
-        _note_what_stays_hidden(volume, transfer_function, composite)
+        _note_what_stays_hidden(volume, look)
     picture = _drawn(
         volume,
-        transfer_function,
+        None if by_view else look,
         camera,
         shown=not quiet and sys.stderr.isatty(),
-        labels=segmentation,
+        labels=_labels(labels, label_table),
         size=size,
         kernel=kernel,
-        composite=composite,
+        composite=look.composite,
         iso_value=iso_value,
         local_threshold=local_threshold,
         depth_shading=depth_shading,
         attenuation=attenuation,
-        shading=light,
+        shading=chosen_shading(lighting, look.shading),
         quality=quality,
         sheets_per_slice=sheets_per_slice,
         oversampling=oversampling,
         psnr=psnr,
         drop_levels=drop_levels,
-        crop=chosen_crop(crop, crop_index),
-        background=background or "black",
+        crop=crop_box,
+        background=background or look.background or "black",
         threads=threads,
     )
     picture.save(output, bits=bits)
@@ -208,16 +204,33 @@ def render(
     print_result(facts, output, as_json=json)
 
 
-def _shading(is_lit: bool, occlusion: float, shadow: float) -> Shading | None:
-    """The usual light; with shadows, one from the upper left of the eye, since those of a headlight are not seen."""
-    from wavesplat._looks.shading import Light, Shading
+def _look(
+    volume: Volume | WaveletVolume,
+    path: str,
+    *,
+    preset: str | None,
+    tf: Path | None,
+    materials: str | None,
+    surfaces: float | None,
+    colors: ColorOptions,
+    composite: Any,
+    quiet: bool,
+) -> Look:
+    """The look that is named, or the one that suits the data. `path`: where the volume came from, for messages."""
+    from wavesplat._looks.look import Look
+    from wavesplat._render.arguments import chosen_look
 
-    if not is_lit:
-        if occlusion or shadow:
-            raise ArgumentError("--occlusion and --shadow are light; leave out --no-shading")
-        return None
-    lights = [Light((-1, 1, 1.5))] if shadow else []
-    return Shading(lights=lights, ambient_occlusion=occlusion, shadow=shadow)
+    if materials is not None:
+        return Look(transfer_function=function_of_materials(volume, materials, surfaces), composite=composite or "over")
+    opacity = 1.0 if composite not in (None, "over", "first-hit") else "linear"
+    named = named_look(volume, preset=preset, tf=tf, colors=colors, opacity=opacity, quiet=quiet)
+    if named is not None:
+        return chosen_look(named, volume, composite)
+    try:
+        return Look.auto(volume, composite)
+    except ArgumentError as error:
+        # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
+        raise FileError(f"{error}: {path}") from None
 
 
 def _labels(path: str | None, table: Path | None) -> Labels | None:
@@ -258,32 +271,48 @@ def _levels(
 
 def _camera(
     volume: Volume | WaveletVolume,
+    look: Look,
     view: str | None,
     azimuth: float | None,
     elevation: float | None,
     *,
+    crop: Crop | None,
     zoom: float,
     view_angle: float | None,
     size: tuple[int, int],
 ) -> Camera:
-    from wavesplat._model.camera import Camera
+    """From a view, turned by the angles; without any, from the side that suits the data."""
+    from wavesplat._model.camera import checked_lens
+    from wavesplat._render.framing import framed, natural_view
 
+    turned = (azimuth or 0.0, elevation or 0.0)
+    if view is None and look.view is None:
+        from_view = natural_view(volume) if azimuth is None and elevation is None else VIEWS["anterior"]
+    else:
+        from_view = VIEWS[view or look.view or "anterior"]
     aspect = size[0] / size[1] if min(size) > 0 else 1.0  # the renderer refuses an empty picture
-    if azimuth is None and elevation is None:
-        return Camera.view(volume, view or "anterior", zoom=zoom, view_angle=view_angle, aspect=aspect)
-    return Camera.orbit(volume, azimuth or 0.0, elevation or 0.0, zoom=zoom, view_angle=view_angle, aspect=aspect)
+    checked_lens(zoom, view_angle)
+    return framed(
+        volume,
+        look,
+        from_view[0] + turned[0],
+        from_view[1] + turned[1],
+        crop=crop,
+        zoom=zoom,
+        view_angle=view_angle,
+        aspect=aspect,
+    )
 
 
-def _note_what_stays_hidden(
-    volume: Volume | WaveletVolume, transfer_function: TransferFunction | TransferFunction2D | None, composite: str
-) -> None:
+def _note_what_stays_hidden(volume: Volume | WaveletVolume, look: Look) -> None:
     import numpy as np
 
     from wavesplat._looks.transfer_function import TransferFunction
 
     if volume.n_nonfinite:
         message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
-    if composite != "over" or not isinstance(transfer_function, TransferFunction):
+    transfer_function = look.transfer_function
+    if look.composite != "over" or look.labels is not None or not isinstance(transfer_function, TransferFunction):
         return
     low, high = volume.value_range
     nodes = [value for value, _ in transfer_function.opacity if low <= value <= high]
@@ -296,7 +325,7 @@ def _note_what_stays_hidden(
 
 def _drawn(
     volume: Volume | WaveletVolume,
-    transfer_function: TransferFunction | TransferFunction2D | None,
+    look: Look | None,
     camera: Camera,
     *,
     shown: bool,
@@ -306,9 +335,7 @@ def _drawn(
     from wavesplat._cli import progress
     from wavesplat._render.rendering import render as draw
 
-    return progress.run(
-        lambda report: draw(volume, transfer_function, camera, progress=report, **options), "drawing", shown=shown
-    )
+    return progress.run(lambda report: draw(volume, look, camera, progress=report, **options), "drawing", shown=shown)
 
 
 def _write_report(path: Path, facts: dict[str, Any]) -> None:

@@ -8,9 +8,9 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import print_result, warnings_as_notes
+from wavesplat._cli.printing import message, print_result, warnings_as_notes
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
-from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Threads, Zoom
+from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
 from wavesplat._cli.transfer_function_options import (
     ColorOptions,
     TransferFunctionFile,
@@ -80,13 +80,18 @@ def slice(
     preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
     tf: TransferFunctionFile = None,
     colors: ColorOptions,
-    letters: Annotated[bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges.")] = False,
-    scale_bar: Annotated[bool, typer.Option("--scale-bar", help="Draw a bar of a round length.")] = False,
+    letters: Annotated[
+        bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges, where the file has anatomy.")
+    ] = False,
+    scale_bar: Annotated[
+        bool, typer.Option("--scale-bar", help="Draw a bar of a round length, in the file's unit or --unit.")
+    ] = False,
     background: Background = "black",
     bits: Bits = 8,
     threads: Threads = None,
     reader: ReaderOptions,
     json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Draw a slice through a volume, thin or thick, and print the picture's path."""
     parsers.refuse_pairs(preset=preset, tf=tf)
@@ -98,14 +103,14 @@ def slice(
     from wavesplat._render.slicing import slice as cut
 
     check_bits(bits)
-    volume = open_any(input, reader)
+    volume = open_any(input, reader, quiet=quiet)
     # A range alone is one of greys, as a window is.
     clim = colors.clim if colors == ColorOptions(clim=colors.clim) else None
-    look = named_look(volume, preset=preset, tf=tf, colors=colors if clim is None else None, opacity=1.0)
+    look = named_look(volume, preset=preset, tf=tf, colors=colors if clim is None else None, opacity=1.0, quiet=quiet)
     transfer_function: Any = look and look.transfer_function
     if preset == "auto":
         transfer_function = function_of_histogram(volume, input)
-    with warnings_as_notes():
+    with warnings_as_notes(quiet=quiet):
         picture = cut(
             volume,
             (plane or "axial") if normal is None else (point, normal),
@@ -124,6 +129,8 @@ def slice(
             background=background,
             threads=threads,
         )
+    if scale_bar and volume.unit is None and not quiet:
+        message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")
     picture.save(output, bits=bits)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print_result(facts, output, as_json=json)

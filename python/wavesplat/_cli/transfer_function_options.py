@@ -121,12 +121,12 @@ def named_look(
         return None if preset in (None, "auto") else Look.preset(preset, volume)
 
 
-def function_of_histogram(volume: Volume | WaveletVolume, path: str, composite: str = "over") -> TransferFunction:
+def function_of_histogram(volume: Volume | WaveletVolume, path: str) -> TransferFunction:
     """One for a first look. `path`: where the volume came from, for messages."""
     from wavesplat._looks.transfer_function import TransferFunction
 
     try:
-        return TransferFunction.auto(volume, composite)
+        return TransferFunction.auto(volume)
     except ArgumentError as error:
         # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
         raise FileError(f"{error}: {path}") from None

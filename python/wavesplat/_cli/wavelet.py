@@ -11,7 +11,7 @@ from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.parsers import one_of
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_samples, takes_reader_options
-from wavesplat._cli.shared_options import Family, Json, Threshold
+from wavesplat._cli.shared_options import Family, Json, Quiet, Threshold
 
 __all__ = ["wavelet"]
 
@@ -36,6 +36,7 @@ def wavelet(
     ] = "l2",
     reader: ReaderOptions,
     json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Analyse a volume, drop small wavelet coefficients, say what is left, and keep it in a file."""
     if output is not None:
@@ -43,7 +44,7 @@ def wavelet(
     from wavesplat._cli import describe
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    volume = open_samples(input, reader)
+    volume = open_samples(input, reader, quiet=quiet)
     wavelets = WaveletVolume.from_volume(
         volume, family, threshold=threshold, keep=keep, psnr=psnr, levels=levels, normalisation=normalisation
     )

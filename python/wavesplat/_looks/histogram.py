@@ -1,10 +1,9 @@
-"""Transfer functions from a volume's histogram.
+"""What a volume's histogram tells: its range, the threshold of the object, greys for projections.
 
 Otsu's threshold (1979) parts the background (air, empty field) from the object: it maximises the variance between the
 two classes.
 It is taken on the square roots, so that a few very bright spots (tracer in a bladder, vessels) do not become the object
 and everything else its background.
-The object's own percentiles then place the curves: its faint half stays a veil, its brightest part becomes solid.
 Percentiles stand in for smallest and largest so that a hot pixel or a metal implant cannot flatten the curves.
 
 Projections get a grey ramp over the values that they project to, along the three index axes or in a view.
@@ -19,14 +18,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.kinds import looks_like_hounsfield
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.wavelet_volume import WaveletVolume
-from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["auto", "finite_samples", "is_hounsfield", "otsu", "robust_range"]
+__all__ = [
+    "attenuation",
+    "exposed",
+    "finite_samples",
+    "is_hounsfield",
+    "otsu",
+    "projected",
+    "robust_range",
+    "robust_range_of",
+    "signed",
+]
 
 #: Samples looked at, at most: enough for steady percentiles, and a fraction of a second on any volume.
 N_SAMPLES_MAX = 2_000_000
@@ -61,22 +70,12 @@ HOUNSFIELD_ATTENUATION = (-1000.0, 2.059e-5)
 UNKNOWN_DEPTH = 5.0
 
 
-def auto(volume: Volume | WaveletVolume, composite: str) -> TransferFunction:
-    """See `TransferFunction.auto`."""
-    low, high = volume.value_range
-    if not low < high:
-        raise ArgumentError(
-            f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
-            "pass a transfer function, or check the file"
-        )
+def projected(volume: Volume | WaveletVolume, composite: str) -> TransferFunction:
+    """Greys for what a projection along the three index axes gives."""
     if composite == "x-ray":
         clear, per_unit = attenuation(volume)
         return exposed(volume, composite, np.exp(-per_unit * _projected(volume, composite, clear)))
-    if composite in PROJECTIONS:
-        return exposed(volume, composite, _projected(volume, composite))
-    if isinstance(volume, WaveletVolume) and volume.is_detail:
-        return _signed(volume)
-    return _veil_and_solid(_finite(_subsampled(volume)))
+    return exposed(volume, composite, _projected(volume, composite))
 
 
 def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.floating[Any]]) -> TransferFunction:
@@ -91,7 +90,7 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
 
 def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """Values that count as smallest and largest: the 0.1 and 99.9 percentiles, or the extremes if those are equal."""
-    return _robust_range(_finite(_subsampled(volume)))
+    return robust_range_of(_finite(_subsampled(volume)))
 
 
 def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
@@ -100,13 +99,8 @@ def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
 
 
 def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
-    """Whether the values look like Hounsfield units: a CT has air and soft tissue, at the fixed points of its scale."""
-    return _are_hounsfield(finite_samples(volume))
-
-
-def _are_hounsfield(values: NDArray[np.float64]) -> bool:
-    air, soft_tissue = (np.mean(np.abs(values - value) < 200) for value in (-1000, 0))
-    return bool(air > 0.02 and soft_tissue > 0.02)
+    """Whether the values look like Hounsfield units."""
+    return looks_like_hounsfield(finite_samples(volume))
 
 
 def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
@@ -115,14 +109,15 @@ def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     Those of Hounsfield units where the values look like them; else the range of values decides.
     """
     values = finite_samples(volume)
-    if _are_hounsfield(values):
+    if looks_like_hounsfield(values):
         return HOUNSFIELD_ATTENUATION
-    clear, _ = _robust_range(values)
+    clear, _ = robust_range_of(values)
     most = float(np.percentile(_projected(volume, "x-ray", clear), 99.5))
     return clear, UNKNOWN_DEPTH / most if most > 0 else 1.0
 
 
-def _robust_range(values: NDArray[np.float64]) -> tuple[float, float]:
+def robust_range_of(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Of finite values, any number of them."""
     low, high = np.percentile(values, ROBUST)
     if not low < high:
         low, high = values.min(), values.max()
@@ -139,27 +134,7 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
     return values[np.isfinite(values)]
 
 
-def _veil_and_solid(values: NDArray[np.float64]) -> TransferFunction:
-    low, high = _robust_range(values)
-    threshold = otsu(values, low, high)
-    inside = values[values > threshold]
-    middle, upper, top = np.percentile(inside, (50, 90, 99.5))
-    # Equal percentiles would make steps; keep a small distance, relative to the whole range.
-    least = (high - low) * 1e-3
-    middle = max(middle, threshold + least)
-    upper = max(upper, middle + least)
-    top = max(top, upper + least)
-    opacity = [(threshold, 0.0), (middle, 0.04), (upper, 0.25), (top, 0.7)]
-    color = [
-        (threshold, 0.72, 0.36, 0.22),
-        (middle, 0.95, 0.64, 0.44),
-        (upper, 1.00, 0.88, 0.68),
-        (top, 1.00, 0.99, 0.95),
-    ]
-    return TransferFunction(opacity, color)
-
-
-def _signed(volume: WaveletVolume) -> TransferFunction:
+def signed(volume: WaveletVolume) -> TransferFunction:
     """Details: what is as large as the largest thousandth is solid."""
     return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
 

@@ -16,6 +16,7 @@ from wavesplat._model.options import Composite
 from wavesplat._public import public
 
 if TYPE_CHECKING:
+    from wavesplat._looks.labels import Labels
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -37,8 +38,10 @@ class Look:
         Operator along a ray, as for `render`.
     view : str, optional
         Name of a view, as for `render`; None is the view that fits the volume.
-    background : str, default "black"
-        Colour behind the volume, as for `render`.
+    background : str, optional
+        Colour behind the volume, as for `render`; None leaves it open.
+    labels : Labels, optional
+        A segmentation that is drawn with it.
     name : str
         Name of the preset, "auto", or "" for one of your own.
     reason : str
@@ -56,7 +59,8 @@ class Look:
     shading: Shading | None = field(default_factory=Shading)
     composite: Composite = "over"
     view: str | None = None
-    background: str = "black"
+    background: str | None = None
+    labels: Labels | None = None
     name: str = ""
     reason: str = ""
 
@@ -76,8 +80,9 @@ class Look:
         ArgumentError
             If all samples are equal: there is nothing to tell apart.
         """
-        transfer_function = TransferFunction.auto(volume, composite or "over")
-        return cls(transfer_function=transfer_function, composite=composite or "over", name="auto")
+        from wavesplat._looks import automatic
+
+        return automatic.automatic(volume, composite)
 
     @classmethod
     def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> Look:

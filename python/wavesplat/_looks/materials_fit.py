@@ -88,7 +88,7 @@ def _quantiles(volume: Volume | WaveletVolume, n_materials: int) -> NDArray[np.f
     usable = np.isfinite(samples) & np.isfinite(steepness)
     counts, edges = np.zeros(1), np.zeros(2)
     if usable.any():
-        low, high = histogram._robust_range(samples[usable])
+        low, high = histogram.robust_range_of(samples[usable])
         weights = 1.0 / (1.0 + (steepness[usable] / (CALM * ((high - low) or 1.0))) ** 2)
         counts, edges = np.histogram(samples[usable], N_BINS, (low, high), weights=weights)
     n_different = np.count_nonzero(counts)

@@ -1,4 +1,4 @@
-"""Phong shading and lights, as VTK's volume mappers have them, but two-sided."""
+"""Phong shading and lights, two-sided: a key light and a fill light, or the headlight of other renderers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, Literal
 from wavesplat import _native
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
+from wavesplat.errors import ArgumentError
 
 __all__ = ["Light", "Shading"]
 
@@ -50,10 +51,19 @@ class Light:
         object.__setattr__(self, "frame", frame)
 
 
+#: The lights that a picture has where none are given: the same as `Light::KEY` and `Light::FILL` of the engine.
+KEY_LIGHT = Light((-0.55, 0.65, 1.0))
+FILL_LIGHT = Light((0.0, 0.0, 1.0), color=(0.35, 0.35, 0.35))
+
+
 @public
 @dataclass(frozen=True, init=False)
 class Shading:
     """How surfaces answer to light: colour * (ambient + diffuse) + specular highlight.
+
+    The default is made for looking at pictures: a key light from the upper left of the camera, a weaker fill light at
+    the camera, smoothed gradients, highlights that do not clip. `Shading.headlight` is what VTK and 3D Slicer have, for
+    comparisons.
 
     Parameters
     ----------
@@ -61,10 +71,23 @@ class Shading:
         Weights of the Phong terms.
     specular_power : float, 1 to 1000
         Higher is a smaller, sharper highlight.
+    gradient_smoothing : float, 0 or 0.4 to 1.25
+        Normals are along the gradient of the samples smoothed by so many voxels, the standard deviation of a cubic
+        B-spline: surfaces do not show the steps of voxels as rings. Edges and opacities are not smoothed. 0 takes
+        differences of what is drawn.
     gradient_offset : float, 0.01 to 4
-        Half the width of the difference that estimates the gradient, in voxels.
+        Without smoothing: half the width of these differences, in voxels.
+    unoriented : float, 0 to 1
+        Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is
+        turned to the light: 0.5 is the mean over all normals.
+    shoulder : float, 0 to 1
+        Colours of the picture that are brighter than this are compressed, so that they approach 1 and keep their form:
+        x becomes s + (x - s) / (1 + (x - s) / (1 - s)). 1 leaves them as they are. Pictures without shading are never
+        changed.
+    exposure : float, 0 or more
+        Factor of all three Phong terms.
     lights : sequence of `Light`
-        Empty means one white headlight.
+        Empty means a key light and a fill light: `Light((-0.55, 0.65, 1))` and `Light((0, 0, 1), color=3 * [0.35])`.
     ambient_occlusion : float, 0 to 1
         How much hollows darken: all light is multiplied by the share of directions that are open near by.
     occlusion_radius : float, optional
@@ -81,8 +104,8 @@ class Shading:
     --------
     >>> import wavesplat as ws
     >>> ws.Shading(specular=0).diffuse
-    0.7
-    >>> explaining = ws.Shading(ambient_occlusion=0.8, shadow=0.5, lights=[ws.Light((-1, 1, 1))])
+    1.0
+    >>> explaining = ws.Shading(ambient_occlusion=0.8, shadow=0.5)
     >>> picture = ws.render(ws.examples.ct_pelvis(), "ct-bone", shading=explaining, size=(32, 32))
 
     Notes
@@ -94,7 +117,11 @@ class Shading:
     diffuse: float
     specular: float
     specular_power: float
+    gradient_smoothing: float
     gradient_offset: float
+    unoriented: float
+    shoulder: float
+    exposure: float
     lights: tuple[Light, ...]
     ambient_occlusion: float
     occlusion_radius: float | None
@@ -104,11 +131,15 @@ class Shading:
     def __init__(
         self,
         *,
-        ambient: float = 0.1,
-        diffuse: float = 0.7,
-        specular: float = 0.2,
-        specular_power: float = 10.0,
+        ambient: float = 0.3,
+        diffuse: float = 1.0,
+        specular: float = 0.25,
+        specular_power: float = 16.0,
+        gradient_smoothing: float = 0.8,
         gradient_offset: float = 1.0,
+        unoriented: float = 0.5,
+        shoulder: float = 0.75,
+        exposure: float = 1.0,
         lights: Iterable[Light] = (),
         ambient_occlusion: float = 0.0,
         occlusion_radius: float | None = None,
@@ -116,12 +147,58 @@ class Shading:
     ) -> None:
         # Checked at once, so that an error points at the line that made it.
         lights = tuple(lights)
-        native_lights = [(light.frame, light.direction, light.color) for light in lights]
-        terms = (ambient, diffuse, specular, specular_power, gradient_offset)
+        if not 0 <= exposure < float("inf"):
+            raise ArgumentError(f"shading: exposure is {exposure}; it must be 0 or more, 1 is neutral")
+        native_lights = [(light.frame, light.direction, light.color) for light in lights or (KEY_LIGHT, FILL_LIGHT)]
+        exposed = (exposure * ambient, exposure * diffuse, exposure * specular)
+        surface = (specular_power, gradient_smoothing, gradient_offset, unoriented, shoulder)
         held_off = (ambient_occlusion, occlusion_radius, shadow)
-        core = _native.Shading(*terms, native_lights, *held_off)
-        for name, value in zip(self.__dataclass_fields__, (*terms, lights, *held_off, core), strict=True):
+        core = _native.Shading(*exposed, *surface, native_lights, *held_off)
+        given = (ambient, diffuse, specular, *surface, exposure, lights, *held_off, core)
+        for name, value in zip(self.__dataclass_fields__, given, strict=True):
             object.__setattr__(self, name, value)
+
+    @classmethod
+    def headlight(cls, **settings: Any) -> Shading:
+        """The light of VTK's volume mappers and of 3D Slicer: one headlight, gradients by central differences.
+
+        Two-sided as all shading here. Highlights clip, and matter without a gradient has the ambient light alone.
+
+        Parameters
+        ----------
+        **settings
+            What is to be otherwise, as for `Shading`.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> light = ws.Shading.headlight(ambient=0.2)
+        >>> light.ambient, light.diffuse, light.shoulder
+        (0.2, 0.7, 1.0)
+        """
+        plain: dict[str, Any] = {
+            "ambient": 0.1,
+            "diffuse": 0.7,
+            "specular": 0.2,
+            "specular_power": 10.0,
+            "gradient_smoothing": 0.0,
+            "unoriented": 0.0,
+            "shoulder": 1.0,
+            "lights": [Light((0, 0, 1))],
+        }
+        return cls(**(plain | settings))
+
+    def changed(self, **settings: Any) -> Shading:
+        """The same with other settings.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Shading().changed(ambient=0.4).ambient
+        0.4
+        """
+        own = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "_core"}
+        return type(self)(**(own | settings))
 
     def __reduce__(self) -> tuple[Any, ...]:
         settings = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "_core"}

@@ -20,6 +20,7 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.colormaps import Opacity
+    from wavesplat._model.options import Composite
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -88,7 +89,7 @@ class TransferFunction:
         return self._core.evaluate(np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64).ravel())
 
     @classmethod
-    def auto(cls, volume: Volume | WaveletVolume, composite: str = "over") -> TransferFunction:
+    def auto(cls, volume: Volume | WaveletVolume, composite: Composite = "over") -> TransferFunction:
         """A transfer function from the volume's histogram, for a first look at any kind of data.
 
         Parameters
@@ -110,9 +111,11 @@ class TransferFunction:
         >>> ws.TransferFunction.auto(ws.examples.ripples(16)).opacity[0][1]
         0.0
         """
-        from wavesplat._looks import histogram
+        from wavesplat._looks import automatic
 
-        return histogram.auto(volume, composite)
+        function = automatic.automatic(volume, composite).transfer_function
+        assert isinstance(function, cls)
+        return function
 
     @classmethod
     def diverging(cls, limit: float, *, opacity: float = 0.5) -> TransferFunction:

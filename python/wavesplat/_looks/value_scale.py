@@ -64,9 +64,9 @@ def _signed(volume: Volume | WaveletVolume) -> tuple[float, float]:
 
 
 def _maximum(volume: Volume | WaveletVolume) -> tuple[float, float]:
-    from wavesplat._looks.histogram import auto
+    from wavesplat._looks.histogram import projected
 
-    greys = auto(volume, "maximum").color
+    greys = projected(volume, "maximum").color
     return greys[0][0], greys[-1][0]
 
 

@@ -9,7 +9,7 @@ from math import atan, cos, degrees, isfinite, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._model import affine
@@ -21,7 +21,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
 
-__all__ = ["Camera"]
+__all__ = ["Camera", "checked_lens"]
 
 
 @public
@@ -90,6 +90,7 @@ class Camera:
         zoom: float = 1.0,
         view_angle: float | None = None,
         aspect: float = 1.0,
+        points: ArrayLike | None = None,
     ) -> Camera:
         """Camera on a circle around the volume, with the whole volume just in view.
 
@@ -109,6 +110,8 @@ class Camera:
             Perspective with this vertical angle (at zoom 1); None is orthographic.
         aspect : float, default 1
             Width over height of the picture that the volume must fit.
+        points : array, shape (n, 3), optional
+            What must be in view instead of the corners of the volume's box, world positions.
 
         Raises
         ------
@@ -126,10 +129,17 @@ class Camera:
         _check_orbit(azimuth, elevation, zoom, view_angle, aspect)
         axes = _orbit_axes(azimuth, elevation)
         corners = affine.box_corners(volume.world_from_index, volume.shape)
-        center = (corners.min(axis=0) + corners.max(axis=0)) / 2
-        in_view = (corners - center) @ axes.T
+        shown = corners if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        if points is None:
+            center = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        else:
+            # The middle of what is seen from there.
+            seen = shown @ axes.T
+            center = (seen.min(axis=0) + seen.max(axis=0)) / 2 @ axes
+        in_view = (shown - center) @ axes.T
         if view_angle is None:
-            distance = float(np.ptp(in_view[:, 2]))  # clear of the box, so that depths are positive
+            beyond = (corners - center) @ axes.T
+            distance = float(np.ptp(beyond[:, 2]))  # clear of the box, so that depths are positive
             half_height = np.maximum(np.abs(in_view[:, 1]), np.abs(in_view[:, 0]) / aspect).max()
             parallel_scale, narrowed_angle = float(half_height) / zoom, None
         else:
@@ -142,7 +152,7 @@ class Camera:
     def view(
         cls, volume: Grid, name: str, *, zoom: float = 1.0, view_angle: float | None = None, aspect: float = 1.0
     ) -> Camera:
-        """Camera of a named anatomical view, with the whole volume just in view.
+        """Camera of a named view, with the whole volume just in view.
 
         Parameters
         ----------
@@ -150,7 +160,9 @@ class Camera:
             What to look at.
         name : str
             "anterior", "posterior", "left", "right", "superior" or "inferior": where the eye is.
-            Anterior and inferior show the patient's right at the left of the picture.
+            Anterior and inferior show the patient's right at the left of the picture. "front" and "back", "top" and
+            "bottom" are others for "anterior" and "posterior", "superior" and "inferior". "xy", "xz" and "yz" show
+            these world axes, the first to the right, and "isometric" is a three-quarter view from above.
         zoom, view_angle, aspect
             As for `Camera.orbit`.
 
@@ -173,6 +185,11 @@ class Camera:
     def __reduce__(self) -> tuple[Any, ...]:
         lens = partial(type(self), parallel_scale=self.parallel_scale, view_angle=self.view_angle)
         return lens, (self.position, self.focal_point, self.view_up)
+
+
+def checked_lens(zoom: float, view_angle: float | None) -> None:
+    """Refuse a magnification or an angle of view that cannot be."""
+    _check_orbit(0.0, 0.0, zoom, view_angle, 1.0)
 
 
 def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:

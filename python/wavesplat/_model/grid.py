@@ -6,19 +6,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model import affine
+from wavesplat._model.facts import Facts
 
 __all__ = ["Grid"]
 
 
 class Grid:
-    """A name, a shape, and an affine."""
+    """A name, a shape, an affine, and what the file says beside them."""
 
-    __slots__ = ("_name", "_shape", "_world_from_index")
+    __slots__ = ("_facts", "_name", "_shape", "_world_from_index")
 
-    def __init__(self, name: str, shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> None:
+    def __init__(
+        self, name: str, shape: tuple[int, int, int], world_from_index: NDArray[np.float64], facts: Facts
+    ) -> None:
         self._name = name
         self._shape = shape
         self._world_from_index = world_from_index
+        self._facts = facts
 
     @property
     def name(self) -> str:
@@ -48,5 +52,33 @@ class Grid:
 
     @property
     def orientation(self) -> str:
-        """Where the index axes x, y, z point in the RAS world, to the nearest axis: "RAS", "LPS", ..."""
+        """Where the index axes x, y, z point in the RAS world, to the nearest axis: "RAS", "LPS", ...
+
+        Of a patient only where `is_anatomical`; else of a world whose x, y and z are called so.
+        """
         return affine.axis_codes(self._world_from_index)
+
+    @property
+    def facts(self) -> Facts:
+        """What the file says beside samples and place, and what was guessed."""
+        return self._facts
+
+    @property
+    def unit(self) -> str | None:
+        """The world's unit of length: "mm", "um", "nm", "m", ..., or None if unknown."""
+        return self._facts.unit
+
+    @property
+    def is_anatomical(self) -> bool:
+        """Whether the world's axes are a patient's."""
+        return self._facts.is_anatomical
+
+    @property
+    def modality(self) -> str | None:
+        """How the samples were measured: "CT", "MR", "PT", "fluorescence", ..., or None if the file does not say."""
+        return self._facts.modality
+
+    @property
+    def guesses(self) -> tuple[str, ...]:
+        """What was assumed where the file says nothing, and why; a sentence each."""
+        return self._facts.guesses

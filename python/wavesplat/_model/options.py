@@ -4,13 +4,26 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = ["BY_VIEW", "PLANES", "VIEWS", "Buffer", "Composite", "Kernel", "Plane", "Quality", "Slab"]
+__all__ = [
+    "BY_VIEW",
+    "COMPOSITE_SYNONYMS",
+    "PLANES",
+    "VIEWS",
+    "Buffer",
+    "Composite",
+    "Kernel",
+    "Plane",
+    "Quality",
+    "Slab",
+]
 
 Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
 Composite: TypeAlias = Literal[
     "over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"
 ]
+#: Other names of operators.
+COMPOSITE_SYNONYMS = {"mip": "maximum", "minip": "minimum", "average": "mean", "isosurface": "first-hit"}
 Quality: TypeAlias = Literal["draft", "normal", "high"]
 Plane: TypeAlias = Literal["axial", "coronal", "sagittal"]
 Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
@@ -18,8 +31,9 @@ Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
 #: Projections whose greys, where none are given, are chosen by what the view shows.
 BY_VIEW = ("minimum", "mean", "sum", "x-ray")
 
-#: Azimuth and elevation, degrees, of the six anatomical views.
+#: Azimuth and elevation, degrees, of the named views.
 #: Superior and inferior have the patient's front at the top; inferior is how radiologists look at an axial slice.
+#: The views of a plane have its first axis to the right and its second one up.
 VIEWS = {
     "anterior": (0.0, 0.0),
     "posterior": (180.0, 0.0),
@@ -27,6 +41,14 @@ VIEWS = {
     "right": (-90.0, 0.0),
     "superior": (180.0, 90.0),
     "inferior": (0.0, -90.0),
+    "front": (0.0, 0.0),
+    "back": (180.0, 0.0),
+    "top": (180.0, 90.0),
+    "bottom": (0.0, -90.0),
+    "xy": (180.0, 90.0),
+    "xz": (180.0, 0.0),
+    "yz": (-90.0, 0.0),
+    "isometric": (150.0, 30.0),
 }
 
 #: The axis across each anatomical plane, the axis that is up in its picture, and on which side the eye is.

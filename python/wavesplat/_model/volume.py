@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,8 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
-from wavesplat._model import affine
+from wavesplat._model import affine, units
+from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
+from wavesplat._model.labelled_array import is_labelled, unlabelled
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -34,13 +37,22 @@ class Volume(Grid):
         writing to your own array call `changed`: what was prepared for earlier pictures would make wrong ones.
         Do not write to it while a picture is drawn. Any other array is copied.
         NaN and infinity are drawn as empty.
+        Of an array of xarray, names and coordinates of the axes count: it is turned to (z, y, x), and spacing, origin
+        and unit are those of the coordinates, unless `spacing` or `world_from_index` is given.
     spacing : three numbers (x, y, z), optional
-        Distances between neighbouring samples, in world units (millimetres for medical data).
+        Distances between neighbouring samples, in world units.
         Sample (0, 0, 0) is then at the world origin. Default 1.
     world_from_index : array, shape (4, 4), optional
         Affine from the index (x, y, z) of a sample to the world, instead of `spacing`. Shear is fine.
+    unit : str, optional
+        The world's unit of length: "mm", "um", "nm", "m", ...; None is unknown. Scale bars tell it.
+    anatomical : bool, optional
+        Whether the world's axes are a patient's (RAS), as of an affine that nibabel gives; only then slices have
+        letters. None is what `facts` say, or no.
     name : str, optional
         What messages call the volume.
+    facts : Facts, optional
+        What is known beside samples and place; `unit` and `anatomical` go before what it says of them.
 
     Raises
     ------
@@ -63,12 +75,24 @@ class Volume(Grid):
         *,
         spacing: Sequence[float] | None = None,
         world_from_index: ArrayLike | None = None,
+        unit: str | None = None,
+        anatomical: bool | None = None,
         name: str = "volume",
+        facts: Facts | None = None,
     ) -> None:
+        if is_labelled(samples):
+            labelled = unlabelled(samples, has_place=spacing is not None or world_from_index is not None)
+            samples, name = labelled.samples, labelled.name or name if name == "volume" else name
+            if labelled.world_from_index is not None:
+                world_from_index = labelled.world_from_index
+            facts = replace(
+                facts or Facts(unit=labelled.unit), guesses=(*(facts or Facts()).guesses, *labelled.guesses)
+            )
         name = str(name)
         self._samples = _renderable(_as_array(samples), name)
         n_z, n_y, n_x = self._samples.shape
-        super().__init__(name, (n_z, n_y, n_x), _checked_affine(spacing, world_from_index, name))
+        matrix = _checked_affine(spacing, world_from_index, name)
+        super().__init__(name, (n_z, n_y, n_x), matrix, _checked_facts(facts, unit, anatomical, name))
         # Built at once, so that what is wrong with a volume is said where the volume is made.
         self._core = self._built()
 
@@ -126,11 +150,13 @@ class Volume(Grid):
         spacing = " x ".join(f"{step:.4g}" for step in self.spacing)
         return (
             f"<Volume {self.name!r}: z {n_z}, y {n_y}, x {n_x}, {self.dtype}, "
-            f"spacing (x, y, z) {spacing}, {self.orientation}>"
+            f"spacing (x, y, z) {spacing}{f' {self.unit}' if self.unit else ''}"
+            f"{f', {self.orientation}' if self.is_anatomical else ''}{f', {self.modality}' if self.modality else ''}>"
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), world_from_index=self._world_from_index, name=self._name), (self._samples,)
+        how = partial(type(self), world_from_index=self._world_from_index, name=self._name, facts=self._facts)
+        return how, (self._samples,)
 
 
 def _as_array(samples: ArrayLike) -> NDArray[Any]:
@@ -190,6 +216,15 @@ def _narrowest_integer(array: NDArray[Any]) -> np.dtype[Any]:
             if limits.min <= lowest and highest <= limits.max:
                 return dtype
     return np.dtype(np.float64)
+
+
+def _checked_facts(facts: Facts | None, unit: str | None, anatomical: bool | None, name: str) -> Facts:
+    if facts is not None and not isinstance(facts, Facts):
+        raise ArgumentError(f"volume {name!r}: facts is a {type(facts).__name__}; give a wavesplat.Facts")
+    facts = facts or Facts()
+    if unit is not None:
+        facts = replace(facts, unit=units.checked(unit))
+    return facts if anatomical is None else replace(facts, is_anatomical=bool(anatomical))
 
 
 def _checked_affine(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ from wavesplat import _native
 from wavesplat._files import payload
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.reading import reading
+from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -63,9 +65,14 @@ class WaveletVolume(Grid):
     __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_weights")
 
     def __init__(
-        self, core: _native.WaveletVolume, name: str, world_from_index: NDArray[np.float64], family: str
+        self,
+        core: _native.WaveletVolume,
+        name: str,
+        world_from_index: NDArray[np.float64],
+        family: str,
+        facts: Facts | None = None,
     ) -> None:
-        super().__init__(name, core.shape, world_from_index)
+        super().__init__(name, core.shape, world_from_index, facts or Facts())
         self._core = core
         self._family = family
         #: A factor for each level's details, and for the coarsest samples.
@@ -134,7 +141,7 @@ class WaveletVolume(Grid):
         how, amount = _what_stays(threshold, keep, psnr)
         peak = normalisation == "peak"
         core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
-        return cls(core, volume.name, volume.world_from_index, family)
+        return cls(core, volume.name, volume.world_from_index, family, volume.facts)
 
     @property
     def family(self) -> str:
@@ -216,7 +223,8 @@ class WaveletVolume(Grid):
         """
         self._check_levels(drop_levels)
         weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
-        return Volume(self._core.samples(weights), world_from_index=self._world_from_index, name=self._name)
+        samples = self._core.samples(weights)
+        return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
 
     def bands(self, weights: Sequence[float] | None) -> WaveletVolume:
         """The same coefficients with a factor for each level's details, the finest first, and for the coarsest samples.
@@ -251,7 +259,7 @@ class WaveletVolume(Grid):
                 f"{self._name!r}, the finest first, and one for the coarsest samples"
             )
         given += [1.0] * (n + 1 - len(given))
-        weighted = WaveletVolume(self._core, self._name, self._world_from_index, self._family)
+        weighted = WaveletVolume(self._core, self._name, self._world_from_index, self._family, self._facts)
         weighted._weights = tuple(a * b for a, b in zip(self._weights, given, strict=True))
         weighted._cache_bytes = self._cache_bytes
         weighted._decoded_levels = self._decoded_levels
@@ -276,6 +284,8 @@ class WaveletVolume(Grid):
             "levels_and_threshold": np.array([self.n_levels, self.threshold]),
             "weights": np.array(self._weights),
             "world_from_index": self._world_from_index,
+            # A text, which releases that do not know it leave alone.
+            "facts": np.array(json.dumps(self._facts.as_json())),
             "has_block": np.packbits(has_block),
             "n_blocks": np.array([has_block.size]),
             "masks": masks,
@@ -323,8 +333,9 @@ class WaveletVolume(Grid):
         packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
-        # Files of before have none.
+        # Files of before have neither.
         lo_hi = arrays.get("value_range")
+        facts = Facts.from_json(json.loads(str(arrays["facts"]))) if "facts" in arrays else Facts()
         core = _native.WaveletVolume.from_parts(
             (n_z, n_y, n_x),
             family,
@@ -338,7 +349,7 @@ class WaveletVolume(Grid):
         try:
             # A volume of any samples, for the sake of its checks.
             place = Volume(np.zeros((2, 2, 2), np.uint8), world_from_index=arrays["world_from_index"], name=name)
-            return cls(core, name, place.world_from_index, family).bands(arrays["weights"].tolist())
+            return cls(core, name, place.world_from_index, family, facts).bands(arrays["weights"].tolist())
         except ArgumentError as error:
             raise ValueError(str(error)) from None
 
@@ -371,18 +382,19 @@ class WaveletVolume(Grid):
 
     def __reduce__(self) -> tuple[Any, ...]:
         how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
-        return self._rebuild, (how, self._name, self._world_from_index, self._weights, self._cache_bytes)
+        place = self._name, self._world_from_index, self._facts
+        return self._rebuild, (how, place, self._weights, self._cache_bytes)
 
     @classmethod
     def _rebuild(
         cls,
         how: tuple[Any, ...],
-        name: str,
-        world_from_index: NDArray[np.float64],
+        place: tuple[str, NDArray[np.float64], Facts],
         weights: Sequence[float],
         cache_bytes: int,
     ) -> WaveletVolume:
-        rebuilt = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1]).bands(weights)
+        name, world_from_index, facts = place
+        rebuilt = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1], facts).bands(weights)
         rebuilt.cache_bytes = cache_bytes
         return rebuilt
 

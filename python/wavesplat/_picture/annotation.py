@@ -16,7 +16,7 @@ from wavesplat._files.libraries import library
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["edge_letters", "round_length", "with_caption", "with_letters", "with_scale_bar"]
+__all__ = ["bar_length", "edge_letters", "round_length", "with_caption", "with_letters", "with_scale_bar"]
 
 #: Letters of the negative and the positive direction of the RAS world's x, y and z.
 LETTERS = ("LR", "PA", "IS")
@@ -47,6 +47,11 @@ def round_length(most: float) -> float:
     return next(digit * decade for digit in (5, 2, 1) if digit * decade <= most)
 
 
+def bar_length(width: int, pixel: float) -> float:
+    """How long a bar is drawn in a picture so wide; `pixel`: distance of neighbours, in which unit the length is."""
+    return round_length(BAR_SHARE * width * pixel)
+
+
 def with_letters(rgba: Rgba, letters: dict[str, str]) -> Rgba:
     """The picture with letters at the middle of its edges."""
     height, width = rgba.shape[:2]
@@ -63,19 +68,18 @@ def with_letters(rgba: Rgba, letters: dict[str, str]) -> Rgba:
     return _drawn(rgba, draw)
 
 
-def with_scale_bar(rgba: Rgba, pixel: float, unit: str) -> tuple[Rgba, float]:
-    """The picture with a bar at the lower left, and its length. `pixel`: distance of neighbours, in the unit."""
-    height, width = rgba.shape[:2]
-    length = round_length(BAR_SHARE * width * pixel)
+def with_scale_bar(rgba: Rgba, length: float, pixel: float, text: str) -> Rgba:
+    """The picture with a bar and a text at the lower left. `length`: of the bar, `pixel`: distance of neighbours."""
+    height = rgba.shape[0]
     length_px = length / pixel
 
     def draw(pen: Any, font: Any, margin: int) -> None:
         bar_px = max(2, margin // 2)
         left, bottom = 2 * margin, height - 2 * margin
         pen.rectangle((left, bottom - bar_px, left + round(length_px) - 1, bottom - 1))
-        pen.text((left + length_px / 2, bottom - bar_px - margin / 2), f"{length:g} {unit}", font=font, anchor="md")
+        pen.text((left + length_px / 2, bottom - bar_px - margin / 2), text, font=font, anchor="md")
 
-    return _drawn(rgba, draw), length
+    return _drawn(rgba, draw)
 
 
 def with_caption(rgba: Rgba, text: str) -> Rgba:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._model.facts import Facts
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
+from wavesplat.errors import ArgumentError
 
 __all__ = ["read"]
 
@@ -22,7 +23,7 @@ def read(request: Request) -> Grid:
     with reading("a NumPy file", path):
         array = _from_npz(request) if zipfile.is_zipfile(path) else _from_npy(request)
         samples = array[index_unnamed_axes(array.shape, request)]
-        return Grid(samples, np.eye(4))
+        return Grid(samples, np.eye(4), Facts(n_times=n_times_of(array.shape, request)))
 
 
 def _from_npy(request: Request) -> NDArray[Any]:
@@ -57,9 +58,8 @@ def _chosen(names: list[str], request: Request) -> str:
         return request.dataset
     if len(names) != 1:
         listed = ", ".join(names) or "none"
-        raise FileError(
-            f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
-        )
+        message = f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
+        raise several(message, "dataset", names)
     return names[0]
 
 

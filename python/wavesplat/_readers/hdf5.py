@@ -1,18 +1,18 @@
-"""HDF5, by h5py: a dataset with three or more axes. Spacing from the attribute `element_size_um` (z, y, x), else 1."""
+"""HDF5, by h5py: a dataset with three or more axes. Its place comes from attributes (`hdf5_place`), if there are."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._model import affine
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._readers.hdf5_place import place_of
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     import h5py
@@ -29,7 +29,10 @@ def read(request: Request) -> Grid:
         index = index_unnamed_axes(dataset.shape, request)
         n_samples = prod(sorted(dataset.shape)[-3:]) if len(index) > 1 else prod(dataset.shape)
         payload.check_memory(n_samples * dataset.dtype.itemsize, request.path)
-        return Grid(dataset[index], _world_from_index(dataset))
+        place = place_of(dataset)
+        samples = np.transpose(dataset[index], place.zyx) if place.zyx != (0, 1, 2) else dataset[index]
+        facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
+        return Grid(samples, place.world_from_index, facts)
 
 
 def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
@@ -49,16 +52,9 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
         return node
     if len(found) != 1:
-        raise FileError(
+        message = (
             f"the file holds {len(found)} datasets with three or more axes; choose one with dataset= (--dataset): "
             f"{listed}: {request.path}"
         )
+        raise several(message, "dataset", list(found), [f"{name} {node.shape}" for name, node in found.items()])
     return next(iter(found.values()))
-
-
-def _world_from_index(dataset: h5py.Dataset) -> NDArray[np.float64]:
-    sizes = dataset.attrs.get("element_size_um")
-    if sizes is None or np.size(sizes) != 3:
-        return np.eye(4)
-    z, y, x = (float(size) for size in np.ravel(sizes))
-    return affine.from_spacing((x, y, z))

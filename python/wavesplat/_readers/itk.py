@@ -1,7 +1,7 @@
 """NRRD, MetaImage and legacy VTK images, by SimpleITK.
 
 ITK's world is LPS; it is turned into RAS here, once.
-A VTK file, or an NRRD file without a `space`, says nothing of a patient: its axes are kept as they are.
+A VTK file, or an NRRD file whose `space` is none of a patient, says nothing of one: its axes are kept as they are.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
+from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd, of_vtk
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import FileError
 
@@ -37,19 +39,28 @@ def read(request: Request) -> Grid:
         reader.ReadImageInformation()
         size = reader.GetSize()
         dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
-        _check_payload(path, (*size, reader.GetNumberOfComponents()), dtype)
+        header = _header(path)
+        n_components = reader.GetNumberOfComponents()
+        _check_payload(path, header.fields, (*size, n_components), dtype)
         if len(size) == 4:
             time = choose("time", size[3], request.time, path)
             reader.SetExtractSize([*size[:3], 0])
             reader.SetExtractIndex([0, 0, 0, time])
         else:
             choose("time", 1, request.time, path)
-        image = reader.Execute()
-        samples = sitk.GetArrayFromImage(image)
-        channel = choose("channel", image.GetNumberOfComponentsPerPixel(), request.channel, path)
-        if image.GetNumberOfComponentsPerPixel() > 1:
+        if _lacks_length(header):
+            whole = inflated(path, header, (*size[::-1], n_components))
+            samples = whole[request.time or 0] if len(size) == 4 else whole
+            samples = samples[..., 0] if n_components == 1 else samples
+            place: Any = reader
+        else:
+            place = reader.Execute()
+            samples = sitk.GetArrayFromImage(place)
+        channel = choose("channel", n_components, request.channel, path)
+        if n_components > 1:
             samples = samples[..., channel]
-        return Grid(samples, _world_from_index(image, path))
+        facts = replace(header.facts, n_times=size[3] if len(size) == 4 else 1)
+        return Grid(samples, _world_from_index(place, header), facts)
 
 
 def simple_itk() -> Any:
@@ -84,12 +95,27 @@ def affine_of(image: SimpleITK.Image) -> NDArray[np.float64]:
     return matrix
 
 
-def _world_from_index(image: SimpleITK.Image, path: Path) -> NDArray[np.float64]:
-    if image.GetDimension() != 3:
+def _header(path: Path) -> Header:
+    if path.suffix.lower() in (".mha", ".mhd"):
+        return of_meta_image(path)
+    return of_vtk() if path.suffix.lower() == ".vtk" else of_nrrd(path)
+
+
+def _lacks_length(header: Header) -> bool:
+    """Whether samples are compressed and their packed size is not given: ITK then reads garbage."""
+    return header.fields.get("compresseddata", "").lower() == "true" and "compresseddatasize" not in header.fields
+
+
+def _world_from_index(image: Any, header: Header) -> NDArray[np.float64]:
+    """World from index of a 3-D image, or of the first three axes of a 4-D one."""
+    n = len(image.GetSpacing())
+    if n < 3:
         return np.eye(4)  # a 2-D image; the volume's own check says so
-    suffix = path.suffix.lower()
-    has_no_patient = suffix == ".vtk" or (suffix in (".nrrd", ".nhdr") and "space" not in _nrrd_fields(path))
-    return affine_of(image) if has_no_patient else affine.RAS_FROM_LPS @ affine_of(image)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(image.GetDirection(), (n, n))[:3, :3] * np.asarray(image.GetSpacing())[:3]
+    matrix[:3, 3] = image.GetOrigin()[:3]
+    matrix = affine.RAS_FROM_LPS @ matrix if header.facts.is_anatomical else matrix
+    return header.in_one_unit(matrix)
 
 
 def _dtype_of(sitk: Any, pixel_id: int) -> str:
@@ -102,9 +128,8 @@ def _dtype_of(sitk: Any, pixel_id: int) -> str:
     return kind + (str(2 * int(bits)) if kind == "complex" else bits)
 
 
-def _check_payload(path: Path, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
+def _check_payload(path: Path, header: dict[str, str], shape: Sequence[int], dtype: np.dtype[Any]) -> None:
     """Compare the promised size with the size of the file that holds the samples, if the header names one."""
-    header = _meta_fields(path) if path.suffix.lower() in (".mha", ".mhd") else _nrrd_fields(path)
     name = header.get("elementdatafile") or header.get("data file") or header.get("datafile") or "LOCAL"
     if name.upper().startswith("LIST") or "%" in name:
         payload.check_memory(payload.n_bytes(shape, dtype), path)
@@ -119,30 +144,3 @@ def _check_payload(path: Path, shape: Sequence[int], dtype: np.dtype[Any]) -> No
         ratio = payload.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
     if encoding not in ("ascii", "text", "txt", "hex"):
         payload.check_stored(shape, dtype, data.stat().st_size, path, ratio=ratio)
-
-
-def _meta_fields(path: Path) -> dict[str, str]:
-    """Header of a MetaImage: lines `Name = value` up to ElementDataFile."""
-    fields = {}
-    for line in _header_lines(path):
-        name, _, value = line.partition("=")
-        fields[name.strip().lower()] = value.strip()
-        if "elementdatafile" in fields:
-            break
-    return fields
-
-
-def _nrrd_fields(path: Path) -> dict[str, str]:
-    """Header of an NRRD file: lines `name: value` up to an empty line."""
-    fields = {}
-    for line in _header_lines(path):
-        if not line.strip():
-            break
-        name, _, value = line.partition(":")
-        fields[name.strip().lower()] = value.strip()
-    return fields
-
-
-def _header_lines(path: Path) -> list[str]:
-    with path.open("rb") as file:
-        return file.read(2**16).decode("latin-1").splitlines()

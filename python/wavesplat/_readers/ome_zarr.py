@@ -1,7 +1,7 @@
 """OME-Zarr 0.4 (Zarr v2), 0.5 (Zarr v3) and 0.6 drafts, and plain Zarr arrays, by zarr; also under a URL (fsspec).
 
 Axes may come in any order; time and channel are picked by number.
-World units are those of the file, usually micrometres, and the world's axes are the file's x, y, z.
+World units are those of the file, usually micrometres, one for all axes, and the world's axes are the file's x, y, z.
 """
 
 from __future__ import annotations
@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes
+from wavesplat._model.facts import Facts
+from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
+from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, several
+from wavesplat._readers.zarr_chunks import check_chunks
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -28,14 +31,22 @@ def read(request: Request) -> Grid:
         if multiscales is not None:
             return _read_level(node, multiscales, request)
         if not hasattr(node, "shape"):
-            raise FileError(
+            message = (
                 f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
                 f"{_listed(node)}: {request.path}"
             )
+            raise several(message, "dataset", sorted(node.keys()))
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
         payload.check_memory(payload.n_bytes(sorted(node.shape)[-3:], node.dtype), request.path)
-        return Grid(np.asarray(node[index]), np.eye(4))
+        check_chunks(node, _all_axes(index, node.ndim), request.path)
+        return Grid(np.asarray(node[index]), np.eye(4), Facts(n_times=n_times_of(node.shape, request)))
+
+
+def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
+    """What is picked of each axis, where `...` stands for some."""
+    at = index.index(...)
+    return [*index[:at], *[slice(None)] * (n_axes - len(index) + 1), *index[at + 1 :]]
 
 
 def _open(request: Request) -> Any:
@@ -77,29 +88,41 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     datasets = multiscales["datasets"]
     dataset = datasets[_check_level(len(datasets), request)]
     array = group[dataset["path"]]
-    axes = _axis_names(multiscales)
+    described = Axes.of(multiscales)
+    axes = list(described.names)
     if len(axes) != array.ndim:
         raise FileError(
             f"the metadata name {len(axes)} axes, the array has {array.ndim}; mend the metadata: {request.path}"
         )
     spatial = _spatial_axes(axes, request)
-    picked = tuple(_picked(name, n, spatial, request) for name, n in zip(axes, array.shape, strict=True))
+    attributes = dict(group.attrs)
+    channels = channels_of(attributes.get("ome", attributes))
+    names = [channel.name for channel in channels]
+    picked = tuple(_picked(name, n, spatial, request, names) for name, n in zip(axes, array.shape, strict=True))
     n_samples = [n for n, part in zip(array.shape, picked, strict=True) if isinstance(part, slice)]
     payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
+    check_chunks(array, picked, request.path)
     samples = np.asarray(array[picked])
     kept = [name for name in axes if name in spatial]
     samples = np.transpose(samples, [kept.index(name) for name in spatial])
     matrix = _composed(dataset, multiscales, len(axes), request)
-    return Grid(samples, _spatial_part(matrix, [axes.index(name) for name in reversed(spatial)]))
+    world_from_index = _spatial_part(matrix, [axes.index(name) for name in reversed(spatial)])
+    world_from_index[:3] *= described.in_one_unit()[1][:, None]
+    facts = facts_of(
+        described,
+        channels,
+        channel=request.channel or 0,
+        shape=array.shape,
+        levels=_shapes(group, datasets),
+        matrix=matrix,
+    )
+    return Grid(samples, world_from_index, facts)
 
 
-def _axis_names(multiscales: dict[str, Any]) -> list[str]:
-    axes = multiscales.get("axes")
-    if axes is None and multiscales.get("coordinateSystems"):
-        axes = multiscales["coordinateSystems"][0]["axes"]
-    if axes is None:  # OME-Zarr before 0.3
-        return ["t", "c", "z", "y", "x"]
-    return [axis if isinstance(axis, str) else axis["name"] for axis in axes]
+def _shapes(group: Any, datasets: list[dict[str, Any]]) -> list[tuple[int, ...]]:
+    """Shapes of all levels; those that are not there, as in a part of a copy, are left out."""
+    arrays = (group.get(dataset["path"]) for dataset in datasets)
+    return [tuple(array.shape) for array in arrays if hasattr(array, "shape")]
 
 
 def _spatial_axes(axes: list[str], request: Request) -> list[str]:
@@ -111,11 +134,12 @@ def _spatial_axes(axes: list[str], request: Request) -> list[str]:
     return ["z", "y", "x"]
 
 
-def _picked(name: str, count: int, spatial: list[str], request: Request) -> slice | int:
+def _picked(name: str, count: int, spatial: list[str], request: Request, channels: list[str]) -> slice | int:
     if name in spatial:
         return slice(None)
     option = "time" if name.startswith("t") else "channel"
-    return choose(option, count, getattr(request, option), request.path)
+    described = channels if option == "channel" else ()
+    return choose(option, count, getattr(request, option), request.path, described=described)
 
 
 def _composed(

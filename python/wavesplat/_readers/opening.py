@@ -6,18 +6,20 @@ The formats themselves are read by well-kept libraries, loaded only when needed.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from wavesplat._files import payload
-from wavesplat._model import affine
+from wavesplat._model import affine, units
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.request import Grid, Request
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     import numpy as np
@@ -62,18 +64,20 @@ MAGIC = {
     (0, b"\x93NUMPY"): "arrays",
     (0, b"\x89HDF\r\n\x1a\n"): "hdf5",
 }
-#: Which options mean something to which module; `spacing` does to all.
+#: Which options mean something to which module; `spacing` and `unit` do to all.
 OPTIONS = {
     "nifti": {"time", "channel"},
     "itk": {"time", "channel"},
     "vti": {"channel", "dataset"},
-    "dicom": {"series", "time", "channel"},
+    "dicom": {"series", "time", "channel", "gaps"},
     "tiff": {"time", "channel"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "dataset"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
+#: How guesses begin that `spacing` makes good.
+OF_DISTANCES = "distance"
 KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
 
 
@@ -91,6 +95,8 @@ def open(
     spacing: Sequence[float] | None = None,
     byte_order: Literal["little", "big"] | None = None,
     offset: int = 0,
+    unit: str | None = None,
+    gaps: Literal["fill", "refuse"] = "fill",
 ) -> Volume:
     """The volume in a file or folder, in the RAS world frame if the format has one.
 
@@ -112,16 +118,27 @@ def open(
     shape, dtype : optional
         Raw: number of samples (z, y, x) and their type, such as "uint8".
     spacing : three numbers (x, y, z), optional
-        Distances between neighbouring samples, instead of what the file says.
+        Distances between neighbouring samples, instead of what the file says, in its unit or in `unit`.
     byte_order : "little" or "big", optional
         Raw: of samples wider than a byte; little by default.
     offset : int, default 0
         Raw: bytes before the first sample.
+    unit : str, optional
+        The world's unit of length, "mm", "um", "nm", "m", ..., instead of what the file says; numbers stay as they are.
+    gaps : "fill" or "refuse", default "fill"
+        DICOM: slices that are missing, or not evenly spaced, are filled in from their neighbours with a warning, or an
+        error.
 
     Returns
     -------
     Volume
         Samples keep the type of the file. World units are millimetres for medical formats, else those of the file.
+        `facts` has the unit, whether the axes are a patient's, modality, channels, times, and what was guessed.
+
+    Warns
+    -----
+    FileWarning
+        If a part of a file or series is missing or damaged, and the rest was read.
 
     Raises
     ------
@@ -140,7 +157,23 @@ def open(
     >>> ws.open(path, shape=(2, 3, 4), dtype="uint8", spacing=(1, 1, 2)).shape
     (2, 3, 4)
     """
-    request = Request(path, series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset)
+    request = Request(
+        path,
+        series,
+        time,
+        channel,
+        dataset,
+        level,
+        shape,
+        dtype,
+        spacing,
+        byte_order,
+        offset,
+        units.checked(unit),
+        gaps,
+    )
+    if gaps not in ("fill", "refuse"):
+        raise ArgumentError(f'gaps is {gaps!r}; use "fill" or "refuse"')
     if str(path).lower().endswith(".wavelets"):
         raise ArgumentError(
             f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
@@ -149,15 +182,22 @@ def open(
     _check_options(request, family)
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
-    return _volume(grid, request)
+    volume = _volume(grid, request)
+    for loss in grid.losses:
+        warnings.warn(f"{loss}: {path}", FileWarning, stacklevel=2)
+    return volume
 
 
 def _volume(grid: Grid, request: Request) -> Volume:
     world_from_index = grid.world_from_index
     if request.spacing is not None:
         world_from_index = affine.with_spacing(world_from_index, request.spacing)
+    guesses = [*grid.facts.guesses, *grid.losses]
+    if request.spacing is not None:
+        guesses = [guess for guess in guesses if not guess.startswith(OF_DISTANCES)]
+    facts = replace(grid.facts, guesses=tuple(guesses), unit=request.unit or grid.facts.unit)
     try:
-        return Volume(grid.samples, world_from_index=world_from_index, name=request.name)
+        return Volume(grid.samples, world_from_index=world_from_index, name=request.name, facts=facts)
     except ArgumentError as error:
         # The array came from the file, so the file is to blame, not the caller.
         raise FileError(f"{error}: {request.path}") from None
@@ -203,7 +243,7 @@ def _family_by_magic(path: Path) -> str | None:
 
 
 def _check_options(request: Request, family: str) -> None:
-    for option in sorted(request.given() - OPTIONS[family] - {"spacing"}):
+    for option in sorted(request.given() - OPTIONS[family] - {"spacing", "unit"}):
         users = ", ".join(name for name, options in OPTIONS.items() if option in options)
         raise ArgumentError(
             f"{option}= has no meaning for this kind of file (only for: {users}); leave it out: {request.path}"

@@ -8,7 +8,8 @@ import numpy as np
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes
+from wavesplat._model.facts import Facts
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -33,7 +34,8 @@ def read(request: Request) -> Grid:
         )
     with reading("raw samples", path):
         array = np.fromfile(path, dtype, offset=request.offset).reshape(shape)
-    return Grid(array[index_unnamed_axes(shape, request)], np.eye(4))
+    samples = array[index_unnamed_axes(shape, request)]
+    return Grid(samples, np.eye(4), Facts(n_times=n_times_of(shape, request)))
 
 
 def _shape(request: Request) -> tuple[int, ...]:

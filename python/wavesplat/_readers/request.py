@@ -13,19 +13,40 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
-__all__ = ["Grid", "Request", "choose", "index_unnamed_axes", "quiet"]
+__all__ = ["Grid", "Request", "SeveralError", "choose", "index_unnamed_axes", "n_times_of", "quiet", "several"]
 
 
 class Grid(NamedTuple):
-    """Samples [z, y, x] and the affine from their index (x, y, z) to the world."""
+    """Samples [z, y, x], the affine from their index (x, y, z) to the world, and what else the file says."""
 
     samples: NDArray[Any]
     world_from_index: NDArray[np.float64]
+    facts: Facts = Facts()
+    #: What of the file is not there, a sentence each: warnings in Python, and guesses as well.
+    losses: tuple[str, ...] = ()
+
+
+class SeveralError(FileError):
+    """The file holds several of something, and none was chosen; `wavesplat info` lists them instead."""
+
+    #: The argument of `wavesplat.open` that chooses, and what it may be.
+    option: str = ""
+    names: tuple[str | int, ...] = ()
+    #: What people read of each; the names themselves if empty.
+    described: tuple[str, ...] = ()
+
+
+def several(message: str, option: str, names: Sequence[str | int], described: Sequence[str] = ()) -> SeveralError:
+    """The error that tells of several, and how to choose."""
+    error = SeveralError(message)
+    error.option, error.names, error.described = option, tuple(names), tuple(described)
+    return error
 
 
 @dataclass(frozen=True)
@@ -43,6 +64,8 @@ class Request:
     spacing: Sequence[float] | None = None
     byte_order: str | None = None
     offset: int = 0
+    unit: str | None = None
+    gaps: str = "fill"
 
     @property
     def file(self) -> Path:
@@ -78,15 +101,16 @@ def quiet(library: str) -> Iterator[None]:
 WHAT = {"time": "time points", "channel": "channels"}
 
 
-def choose(option: str, count: int, number: int | None, path: object) -> int:
+def choose(option: str, count: int, number: int | None, path: object, *, described: Sequence[str] = ()) -> int:
     """The index of a time point or channel: what was asked for, or 0 if there is only one."""
     if number is None:
         if count == 1:
             return 0
-        raise FileError(
+        message = (
             f"the file holds {count} {WHAT[option]}; choose one with {option}=0..{count - 1} "
             f"(on the command line --{option} N): {path}"
         )
+        raise several(message, option, range(count), described)
     if not 0 <= number < count:
         raise ArgumentError(f"{option}={number}, but the file holds {count} {WHAT[option]}, 0..{count - 1}: {path}")
     return number
@@ -97,10 +121,13 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     n_extra = len(shape) - 3
     wanted = (request.time is not None) + (request.channel is not None)
     if n_extra > 0 and wanted < n_extra:
-        raise FileError(
+        message = (
             f"the array is {len(shape)}-D, shape {tuple(shape)}; choose one volume with "
             f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.path}"
         )
+        # Time is the more usual one of a single further axis.
+        option, count = ("time", shape[0]) if request.time is None else ("channel", shape[-1])
+        raise several(message, option, range(count))
     if wanted > max(n_extra, 0):
         raise ArgumentError(
             f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.path}"
@@ -108,3 +135,8 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     first = () if request.time is None else (choose("time", shape[0], request.time, request.path),)
     last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.path),)
     return (*first, ..., *last)
+
+
+def n_times_of(shape: Sequence[int], request: Request) -> int:
+    """Time points of an array whose axes have no names."""
+    return int(shape[0]) if len(shape) > 3 and request.time is not None else 1

@@ -1,12 +1,14 @@
 """TIFF stacks, by tifffile: one file with many pages, or a folder with one slice per file.
 
-Spacing comes from OME or ImageJ metadata, in the unit given there; a bare TIFF has spacing 1 (its resolution tags are
-about paper).
+Distances, unit and channels come from OME or ImageJ metadata (`tiff_facts`); a bare TIFF has spacing 1 (its resolution
+tags are about paper).
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,17 +18,15 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._model import affine
+from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import Grid, Request, choose, quiet
+from wavesplat._readers.tiff_facts import place_of
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
 __all__ = ["read"]
-
-#: OME's units of length, in micrometres.
-MICROMETERS = {"nm": 1e-3, "µm": 1.0, "um": 1.0, "mm": 1e3, "cm": 1e4, "m": 1e6, "pm": 1e-6, "Å": 1e-4}
 
 
 def read(request: Request) -> Grid:
@@ -43,8 +43,22 @@ def _read_file(path: Path, request: Request) -> Grid:
     with tifffile.TiffFile(path) as tiff:
         series = tiff.series[0]
         _check_stored(tiff, path)
-        samples = _one_stack(series.asarray(), series.axes, request)
-        return Grid(samples, affine.from_spacing(_spacing(tiff)))
+        place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
+        names = [channel.name for channel in place.facts.channels]
+        samples = _one_stack(series.asarray(), series.axes, request, names)
+        facts = replace(place.facts, channel=_channel_of(place.facts, request), n_times=_n_times(series))
+        # A negative distance mirrors the axis.
+        return Grid(samples, np.diag([*place.steps, 1.0]), facts)
+
+
+def _channel_of(facts: Facts, request: Request) -> Channel | None:
+    number = request.channel or 0
+    return facts.channels[number] if number < len(facts.channels) else None
+
+
+def _n_times(series: Any) -> int:
+    sizes = dict(zip(series.axes, series.shape, strict=True))
+    return int(sizes.get("T", 1)) if "Z" in sizes else 1
 
 
 def _read_folder(folder: Path, request: Request) -> Grid:
@@ -64,7 +78,7 @@ def _read_folder(folder: Path, request: Request) -> Grid:
                 f"keep one kind in the folder: {folder}"
             )
         stack[number] = one
-    return Grid(stack, np.eye(4))
+    return Grid(stack, np.eye(4), Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",)))
 
 
 def _slice(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
@@ -81,7 +95,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
 
 
-def _one_stack(samples: NDArray[Any], axes: str, request: Request) -> NDArray[Any]:
+def _one_stack(samples: NDArray[Any], axes: str, request: Request, channels: Sequence[str] = ()) -> NDArray[Any]:
     """The [z, y, x] part of an array whose axes tifffile named: T time, C channel, S colour, Q or I unknown."""
     if "Z" not in axes:
         # Many programs store a stack as anonymous pages or as time points.
@@ -96,7 +110,7 @@ def _one_stack(samples: NDArray[Any], axes: str, request: Request) -> NDArray[An
         elif name == "T":
             picked.append(choose("time", count, request.time, request.path))
         elif name in "CS":
-            picked.append(choose("channel", count, request.channel, request.path))
+            picked.append(choose("channel", count, request.channel, request.path, described=channels))
         elif count == 1:
             picked.append(0)
         else:
@@ -120,36 +134,3 @@ def _check_stored(tiff: TiffFile, path: Path) -> None:
         raise FileError(
             f"truncated: the pages need {max(ends)} bytes, the file holds {size}; copy or export it again: {path}"
         )
-
-
-def _spacing(tiff: TiffFile) -> tuple[float, float, float]:
-    found = _ome_spacing(tiff) if tiff.is_ome else _imagej_spacing(tiff) if tiff.is_imagej else (None, None, None)
-    x = found[0] or 1.0
-    # A missing spacing is taken from x: then the stack keeps its proportions at least in scale.
-    return x, found[1] or x, found[2] or x
-
-
-def _imagej_spacing(tiff: TiffFile) -> tuple[float | None, float | None, float | None]:
-    page: Any = tiff.pages[0]
-    metadata = tiff.imagej_metadata or {}
-
-    def between_pixels(tag: str) -> float | None:
-        if tag not in page.tags:
-            return None
-        n_pixels, n_units = page.tags[tag].value
-        return n_units / n_pixels if n_pixels and n_units else None
-
-    return between_pixels("XResolution"), between_pixels("YResolution"), metadata.get("spacing")
-
-
-def _ome_spacing(tiff: TiffFile) -> tuple[float | None, float | None, float | None]:
-    """`PhysicalSizeX` and so on of the first `Pixels`, in the unit of x."""
-    text = tiff.ome_metadata or ""
-    pixels = re.search(r"<(?:\w+:)?Pixels\b[^>]*>", text)
-    attributes = dict(re.findall(r'(\w+)="([^"]*)"', pixels.group())) if pixels else {}
-
-    def unit(axis: str) -> float:
-        return MICROMETERS.get(attributes.get(f"PhysicalSize{axis}Unit", "µm"), 1.0)
-
-    sizes = [float(attributes.get(f"PhysicalSize{axis}", 0)) * unit(axis) / unit("X") for axis in "XYZ"]
-    return sizes[0] or None, sizes[1] or None, sizes[2] or None

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.request import Grid, Request, choose, several
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -98,9 +98,8 @@ def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
         place = names.index(named[0]) if named else 0
     else:
         listed = ", ".join(names) or "none"
-        raise FileError(
-            f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
-        )
+        message = f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
+        raise several(message, "dataset", names)
     array, of_cells = arrays[place]
     return of_cells, names[place], int(array.get("NumberOfComponents") or 1)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from operator import index
 from typing import Any, TypeAlias
 
@@ -16,18 +17,22 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
 from wavesplat._model.grid import Grid
+from wavesplat._model.options import VIEWS, Composite
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._render import framing
 from wavesplat.errors import ArgumentError
 
 __all__ = [
     "DEFAULT_SHADING",
+    "HEADLIGHT",
     "ClipPlane",
     "checked_count",
     "checked_size",
     "chosen_camera",
     "chosen_labels",
+    "chosen_look",
     "chosen_transfer_function",
     "region",
 ]
@@ -36,12 +41,14 @@ __all__ = [
 ClipPlane: TypeAlias = tuple[Iterable[float], Iterable[float]]
 
 DEFAULT_SHADING = Shading()
+#: Of studies, which compare with the light of other renderers.
+HEADLIGHT = Shading.headlight()
 
 
 def chosen_transfer_function(
     given: TransferFunction | TransferFunction2D | Materials | str | None,
     volume: Volume | WaveletVolume,
-    composite: str = "over",
+    composite: Composite = "over",
 ) -> TransferFunction | TransferFunction2D:
     """The transfer function itself, or the one that materials, a preset name or None stand for."""
     if isinstance(given, TransferFunction | TransferFunction2D):
@@ -57,6 +64,23 @@ def chosen_transfer_function(
     )
 
 
+def chosen_look(
+    given: Look | TransferFunction | TransferFunction2D | Materials | str | None,
+    volume: Volume | WaveletVolume,
+    composite: Composite | None,
+) -> Look:
+    """The look itself, or the one that a transfer function, materials, a preset's name or None stand for."""
+    if isinstance(given, Look):
+        return given if composite is None else replace(given, composite=composite)
+    if given is None or (isinstance(given, str) and given.lower() == "auto"):
+        return Look.auto(volume, composite)
+    if isinstance(given, str):
+        look = Look.preset(given, volume)
+        return look if composite is None else replace(look, composite=composite)
+    function = chosen_transfer_function(given, volume, composite or "over")
+    return Look(transfer_function=function, composite=composite or "over")
+
+
 def chosen_labels(given: Labels | None, volume: Grid) -> _native.Labels | None:
     """The labels as the compiled module takes them, if they lie on the volume's samples."""
     if given is None:
@@ -66,14 +90,24 @@ def chosen_labels(given: Labels | None, volume: Grid) -> _native.Labels | None:
     return given.beside(volume)
 
 
-def chosen_camera(given: Camera | str | None, volume: Grid, aspect: float) -> Camera:
-    """The camera itself, or the one that a view's name or None stands for."""
+def chosen_camera(
+    given: Camera | str | None,
+    volume: Volume | WaveletVolume,
+    look: Look,
+    crop: Crop | None,
+    aspect: float,
+) -> Camera:
+    """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits."""
     if isinstance(given, Camera):
         return given
-    if given is None or isinstance(given, str):
-        # A picture without pixels has no aspect; the compiled module refuses it.
-        return Camera.view(volume, given or "anterior", aspect=aspect if aspect > 0 else 1.0)
-    raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
+    if not (given is None or isinstance(given, str)):
+        raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
+    view = look.view if given is None else given
+    if view is not None and view not in VIEWS:
+        raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
+    azimuth, elevation = framing.natural_view(volume) if view is None else VIEWS[view]
+    # A picture without pixels has no aspect; the compiled module refuses it.
+    return framing.framed(volume, look, azimuth, elevation, crop=crop, aspect=aspect if aspect > 0 else 1.0)
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:

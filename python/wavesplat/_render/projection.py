@@ -6,20 +6,21 @@ that the greys are chosen as a radiograph is exposed: by a small picture of the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TypedDict
 
 import numpy as np
 
-from wavesplat._looks import histogram
+from wavesplat._looks import colors, histogram
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.camera import Camera
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat.errors import ArgumentError
 
-__all__ = ["ANY_CURVES", "Numbers", "absorption", "check_owners", "exposed", "numbers", "overview_size"]
+__all__ = ["Numbers", "absorption", "check_owners", "exposed_by", "numbers", "on"]
 
 #: The one operator that each of these options of `render` belongs to.
 OWNERS = {
@@ -63,12 +64,33 @@ def overview_size(width: int, height: int) -> tuple[int, int]:
     return max(1, round(width * scale)), max(1, round(height * scale))
 
 
-def exposed(volume: Volume | WaveletVolume, composite: str, overview: Picture) -> TransferFunction | None:
-    """Greys for what a small picture shows; None where it shows nothing."""
-    if overview.value is None:
+def exposed_by(
+    overview: Callable[[TransferFunction, Camera, tuple[int, int]], Picture],
+    volume: Volume | WaveletVolume,
+    composite: str,
+    camera: Camera,
+    size: tuple[int, int],
+) -> TransferFunction | None:
+    """Greys for what a small picture of the same view shows, which `overview` draws; None where it shows nothing."""
+    shown = overview(ANY_CURVES, camera, overview_size(*size)).value
+    if shown is None:
         return None
-    values = overview.value[np.isfinite(overview.value)]
+    values = shown[np.isfinite(shown)]
     return histogram.exposed(volume, composite, values) if values.size else None
+
+
+def on(
+    background: colors.Rgba | None, composite: str, function: TransferFunction | TransferFunction2D
+) -> TransferFunction | TransferFunction2D:
+    """The greys of a projection, inverted on a background that is nearer to white: black is what was white.
+
+    Nothing is transparent then, so that the least is as white as what is behind.
+    """
+    is_light = background is not None and sum(background[:3]) * background[3] > 1.5
+    if composite not in histogram.PROJECTIONS or not is_light or isinstance(function, TransferFunction2D):
+        return function
+    color = [(value, 1.0 - red, 1.0 - green, 1.0 - blue) for value, red, green, blue in function.color]
+    return TransferFunction([(color[0][0], 1.0)], color)
 
 
 def absorption(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from wavesplat import _native
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
@@ -21,13 +22,12 @@ from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render import projection
 from wavesplat._render.arguments import (
-    DEFAULT_SHADING,
     ClipPlane,
     checked_count,
     checked_size,
     chosen_camera,
     chosen_labels,
-    chosen_transfer_function,
+    chosen_look,
     region,
 )
 from wavesplat.errors import ArgumentError
@@ -38,18 +38,18 @@ __all__ = ["render"]
 @public
 def render(
     volume: Volume | WaveletVolume,
-    transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
+    look: Look | TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
     labels: Labels | None = None,
     size: tuple[int, int] = (512, 512),
     kernel: Kernel = "linear",
-    composite: Composite = "over",
+    composite: Composite | None = None,
     iso_value: float | None = None,
     local_threshold: float | None = None,
     depth_shading: float | None = None,
     attenuation: tuple[float, float] | None = None,
-    shading: Shading | None = DEFAULT_SHADING,
+    shading: Shading | Literal["look"] | None = "look",
     quality: Quality = "normal",
     sheets_per_slice: float | None = None,
     oversampling: float | None = None,
@@ -72,11 +72,13 @@ def render(
     ----------
     volume : Volume or WaveletVolume
         What to draw, from `wavesplat.open` or an array, or from wavelet coefficients.
-    transfer_function : TransferFunction, TransferFunction2D, Materials or str, optional
-        Or the name of a preset; None makes one from the histogram (`TransferFunction.auto`), for "minimum", "mean",
-        "sum" and "x-ray" from what this view shows: pass one to frames that are to be compared.
+    look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
+        How the values are shown; a text is the name of a preset. None chooses by the kind of data (`Look.auto`); the
+        report says which and why. "minimum", "mean", "sum" and "x-ray" then get greys for what this view shows: pass a
+        look to frames that are to be compared.
     camera : Camera or str, optional
-        Or the name of a view, such as "left"; None is the anterior view.
+        Or the name of a view, such as "left". None is the look's view or, where it has none, a patient's front, the
+        thin side of a stack, or a three-quarter view from above. Names and None frame what is seen of the volume.
     labels : Labels, optional
         A segmentation beside the scan, with a look for every label; for "over".
     size : (width, height), default (512, 512)
@@ -84,11 +86,12 @@ def render(
     kernel : str
         Reconstruction between samples: "linear", the sharper "catmull-rom", the smooth interpolating "bspline2" and
         "bspline3", or the blurring "gaussian".
-    composite : str
-        "over": emission and absorption. "first-hit": the surface at `iso_value`. The others are projections: one number
-        per ray, `Picture.value`, which is then coloured. "maximum", "minimum", "mean" and "sum" (the integral) of the
-        values; "depth-shaded-maximum", which dims what is far; "local-maximum", which stops at the first maximum that
-        reaches `local_threshold`; "x-ray": the share of light that comes through, 0..1, as a radiograph.
+    composite : str, optional
+        None is the look's own. "over": emission and absorption. "first-hit": the isosurface at `iso_value`. The others
+        are projections: one number per ray, `Picture.value`, which is then coloured. "maximum" (MIP), "minimum",
+        "mean" and "sum" (the integral) of the values; "depth-shaded-maximum", which dims what is far; "local-maximum",
+        which stops at the first maximum that reaches `local_threshold`; "x-ray": the share of light that comes through,
+        0..1, as a radiograph. On a light background greys that are chosen here are inverted: black is much.
     iso_value : float, optional
         Sample value of the surface that "first-hit" shows.
     local_threshold : float, optional
@@ -101,8 +104,8 @@ def render(
         What "x-ray" is drawn with: the largest sample value that absorbs nothing, and absorption per world unit and
         sample unit above it. None is (-1000, 2.059e-5) for values that look like Hounsfield units, which is water at
         60 keV in millimetres; else it follows the range of values.
-    shading : Shading or None
-        Phong shading of "over" and "first-hit"; None draws the colours as given.
+    shading : Shading, None or "look"
+        Phong shading of "over" and "first-hit"; None draws the colours as given, "look" is the look's own.
     quality : str
         "draft", "normal" or "high": sets the next two where they are None, "high" by how steep the transfer function
         is; the report holds what was used.
@@ -137,7 +140,7 @@ def render(
     clip_planes : sequence of (point, normal)
         World units; what lies on the side that the normal points to is kept.
     background : colour, optional
-        (r, g, b), (r, g, b, a), "#rrggbb" or a name; None is transparent.
+        (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the look's own or, where it has none, transparent.
     threads : int, optional
         Worker threads; None uses all cores. The picture does not depend on it.
     depth : bool
@@ -153,7 +156,7 @@ def render(
     Returns
     -------
     Picture
-        With `rgba`, float32, shape (height, width, 4), associated.
+        With `rgba`, float32, shape (height, width, 4), associated. `report["look"]` has the look's name and reason.
 
     Raises
     ------
@@ -177,6 +180,12 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
+    volume, drawn = _levels(volume, drop_levels, band_weights)
+    automatic = look is None or (isinstance(look, str) and look.lower() == "auto")
+    chosen = chosen_look(look, volume, composite)
+    composite = chosen.composite
+    shading = chosen.shading if shading == "look" else shading
+    labels = chosen.labels if labels is None else labels
     projection.check_owners(
         composite,
         iso_value=iso_value,
@@ -184,39 +193,27 @@ def render(
         depth_shading=depth_shading,
         attenuation=attenuation,
     )
-    if isinstance(volume, WaveletVolume):
-        volume = volume.bands(band_weights)
-        drawn: _native.Volume | _native.DecodedVolume = volume._decoded(drop_levels)
-    elif drop_levels != 0 or band_weights is not None:
-        raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
-    else:
-        drawn = volume._core
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     measured = measured_by(like, psnr, composite)
     if labels is not None and (composite != "over" or drop_levels != 0):
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
     absorbs = projection.absorption(composite, attenuation, volume)
-    camera = chosen_camera(camera, volume, width / max(height, 1))
-    if transfer_function in (None, "auto") and composite in BY_VIEW:
-        overview = render(
-            volume,
-            projection.ANY_CURVES,
-            camera,
-            size=projection.overview_size(width, height),
-            composite=composite,
-            attenuation=absorbs,
-            quality="draft",
-            sheets_per_slice=1,
-            drop_levels=drop_levels,
-            crop=crop,
-            clip_planes=clip_planes,
-            threads=threads,
-        )
-        transfer_function = projection.exposed(volume, composite, overview)
-    chosen = chosen_transfer_function(transfer_function, volume, composite)
-    numbers = projection.numbers(composite, chosen, local_threshold, depth_shading, absorbs)
-    curves, eye = chosen._core, camera._core
+    camera = chosen_camera(camera, volume, chosen, crop, width / max(height, 1))
+    function = chosen.transfer_function
+    if automatic and composite in BY_VIEW:
+
+        def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
+            drawn_as: Any = {"composite": composite, "attenuation": absorbs, "drop_levels": drop_levels}
+            within: Any = {"crop": crop, "clip_planes": clip_planes, "threads": threads}
+            return render(volume, curves, at, size=of, quality="draft", sheets_per_slice=1, **drawn_as, **within)
+
+        function = projection.exposed_by(overview, volume, composite, camera, (width, height)) or function
+    behind = colors.parse(chosen.background if background is None else background)
+    if automatic and chosen.background is None:
+        function = projection.on(behind, composite, function)
+    numbers = projection.numbers(composite, function, local_threshold, depth_shading, absorbs)
+    curves, eye = function._core, camera._core
     light = None if shading is None else shading._core
     default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
     result = _native.render(
@@ -238,18 +235,32 @@ def render(
         psnr=None if psnr is None else float(psnr),
         like=measured,
         **region(crop, clip_planes),
-        background=colors.parse(background),
+        background=behind,
         threads=checked_count(threads, "threads"),
         depth=bool(depth),
         pre_integration=bool(pre_integration),
         early_ray_termination=bool(early_ray_termination),
         progress=progress,
     )
-    report = result["report"] | numbers
+    report = result["report"] | numbers | {"look": {"name": chosen.name, "reason": chosen.reason}}
     told = report.get("measured")
     if isinstance(told, dict):
         told["composite"] = composite
     return Picture(result["rgba"], result["depth"], result["value"], report)
+
+
+def _levels(
+    volume: Volume | WaveletVolume, drop_levels: int, band_weights: Sequence[float] | None
+) -> tuple[Volume | WaveletVolume, _native.Volume | _native.DecodedVolume]:
+    """The volume with its bands weighted, and what of it is drawn."""
+    if isinstance(volume, WaveletVolume):
+        weighted = volume.bands(band_weights)
+        return weighted, weighted._decoded(drop_levels)
+    if not isinstance(volume, Volume):
+        raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume, as wavesplat.Volume(array)")
+    if drop_levels != 0 or band_weights is not None:
+        raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
+    return volume, volume._core
 
 
 def measured_by(like: object, psnr: float | None, composite: str) -> dict[str, Any] | None:

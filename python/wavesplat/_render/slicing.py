@@ -20,7 +20,7 @@ from wavesplat import _native
 from wavesplat._looks import colors
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model import affine
+from wavesplat._model import affine, units
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, vector
@@ -98,9 +98,11 @@ def slice(
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent.
     letters : bool
-        Write at the edges where they lie: R, L, A, P, S, I, and the sum of these for oblique planes. Needs Pillow.
+        Write at the edges where they lie: R, L, A, P, S, I, and the sum of these for oblique planes. Only where the
+        volume `is_anatomical`. Needs Pillow.
     scale_bar : bool or str
-        Draw a bar of a round length; a text is the name of the world's unit, True is "mm". Needs Pillow.
+        Draw a bar of a round length, with the volume's `unit` where it has one (2000 um is "2 mm"); a text is a unit's
+        name instead, as it is. Needs Pillow.
     background : colour, optional
         As for `render`; shows where there are no values.
     threads : int, optional
@@ -111,12 +113,14 @@ def slice(
     Picture
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
         `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
-        `pixel`), the letters of the four edges, and the window, as `window` (level, width) and `clim` (low, high).
+        `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
+        (low, high), and length and text of the bar.
 
     Raises
     ------
     ArgumentError
-        If an argument cannot work, or the plane lies outside the volume; the message has the range.
+        If an argument cannot work, the plane lies outside the volume (the message has the range), or letters are
+        wanted of a volume without anatomy.
     LibraryError
         If letters or a scale bar are wanted and Pillow is not installed (`pip install ".[annotation]"` in the
         checkout).
@@ -135,6 +139,8 @@ def slice(
     >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
     (64, 48)
     """
+    if letters:
+        _check_anatomy(volume)
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
     offsets = _offsets(volume, cut, float(thickness))
@@ -165,7 +171,7 @@ def slice(
         "right": cut.right.tolist(),
         "down": (-cut.up + 0.0).tolist(),
         "pixel": frame.pixel,
-        "letters": annotation.edge_letters(cut.right, cut.up),
+        "letters": annotation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
         "n_planes": len(offsets),
         "kernel": kernel,
     }
@@ -183,9 +189,19 @@ def slice(
     if letters:
         picture = annotation.with_letters(picture, report["letters"])
     if scale_bar:
-        unit = scale_bar if isinstance(scale_bar, str) else "mm"
-        picture, report["scale_bar"] = annotation.with_scale_bar(picture, frame.pixel, unit)
+        length = report["scale_bar"] = annotation.bar_length(frame.size[0], frame.pixel)
+        label = f"{length:g} {scale_bar}" if isinstance(scale_bar, str) else units.shown(length, volume.unit)
+        report["scale_bar_text"] = label
+        picture = annotation.with_scale_bar(picture, length, frame.pixel, label)
     return Picture(picture, value=values, report=report)
+
+
+def _check_anatomy(volume: Grid) -> None:
+    if not volume.is_anatomical:
+        raise ArgumentError(
+            f"volume {volume.name!r} has no letters: its file does not say how its axes lie in a patient; leave them "
+            "out, or, if you know that the world is RAS, say so with wavesplat.Volume(..., anatomical=True)"
+        )
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,16 @@
 //! per sheet in O(U + V). The *difference footprint* `[h(x + d − l) − h(x − d − l)] / 2d` gives the derivative; with
 //! the linear kernel and d = 1 that is the trilinearly interpolated central difference. Positions beyond the first
 //! and last sample stop there: the outside is empty, not zero density.
+//!
+//! A *smoothed* gradient is the derivative of another reconstruction, by a cubic B-spline that is widened to a wanted
+//! standard deviation: along the axis its derivative, across it the B-spline itself. Widened ones do not sum to 1
+//! everywhere, so the weights are those of the normalised sum and of its derivative. Differences see the steps of voxels on
+//! smooth surfaces as rings; this does not.
 
 use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Lanes};
-use wavesplat_core::Kernel;
+use wavesplat_core::{Gradient, Kernel};
 
 use crate::kernel::slice_taps::SliceTaps;
 use crate::kernel::weights::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
@@ -125,14 +130,35 @@ pub struct Group<'a> {
 pub struct AxisFootprints {
     /// The kernel.
     pub value: Footprint,
-    /// Its difference; empty where no gradient is wanted.
+    /// Derivative for gradients; empty where none is wanted.
     pub difference: Footprint,
+    /// Across the derivatives of other axes; empty where that is the kernel.
+    pub smooth: Footprint,
     /// First and last sample that is reached, before folding.
     pub window: [i64; 2],
     /// The groups that the tables are made for, as bits.
     groups: u32,
-    /// Half distance of the difference, whole samples, until its table is made of that of the kernel.
-    pending: Option<usize>,
+    /// What the tables for gradients are still to be made of.
+    pending: Option<Pending>,
+}
+
+/// How the tables for gradients follow from that of the kernel.
+#[derive(Clone, Copy, Debug)]
+enum Pending {
+    /// Differences over whole samples, by half their distance.
+    Shifted(usize),
+    /// B-splines around `origin + i · step`, held inside by the position of the `last` sample.
+    Smoothed { origin: f64, step: f64, last: f64, width: f64, margin: usize },
+}
+
+impl Pending {
+    /// Samples that gradients reach beyond the kernel's, on either side.
+    fn margin(self) -> usize {
+        match self {
+            Self::Shifted(offset) => offset,
+            Self::Smoothed { margin, .. } => margin,
+        }
+    }
 }
 
 /// What a footprint is built from.
@@ -142,14 +168,42 @@ pub struct Axis {
     pub kernel: Kernel,
     /// Samples along the axis.
     pub n_samples: usize,
-    /// Half the distance of the gradient's differences, samples, `0.01..=4`; `None` without gradient.
-    pub gradient_offset: Option<f64>,
+    /// How gradients are estimated, in samples; `None` where none is wanted.
+    pub gradient: Option<Gradient>,
+}
+
+/// Samples per unit of the cubic B-spline with a standard deviation, in samples of the volume. Prefiltered coefficients are
+/// sharper than the samples; what they lack is added.
+fn width_of(kernel: Kernel, deviation: f64) -> f64 {
+    let of_coefficients = match kernel {
+        Kernel::Bspline2 => 3.0 / 12.0,
+        Kernel::Bspline3 => 4.0 / 12.0,
+        _ => 0.0,
+    };
+    // The variance of the cubic B-spline is 4 / 12.
+    (3.0 * (deviation * deviation + of_coefficients)).sqrt()
 }
 
 impl Axis {
-    /// Taps of the difference footprint.
-    pub fn n_difference_taps(&self, offset: f64) -> usize {
-        n_taps(self.kernel) + (2.0 * offset).ceil() as usize
+    /// Taps of the footprints of the gradient.
+    pub fn n_gradient_taps(&self) -> usize {
+        match self.gradient {
+            None => 0,
+            Some(Gradient::Difference(offset)) => n_taps(self.kernel) + (2.0 * offset).ceil() as usize,
+            Some(Gradient::Smoothed(_)) => n_taps(self.kernel) + 2 * self.gradient_margin(),
+        }
+    }
+
+    /// Samples that gradients reach beyond those of the kernel, on either side.
+    pub fn gradient_margin(&self) -> usize {
+        match self.gradient {
+            None => 0,
+            Some(Gradient::Difference(offset)) => offset.ceil() as usize,
+            Some(Gradient::Smoothed(deviation)) => {
+                let reached = (2.0 * width_of(self.kernel, deviation)).ceil() as usize;
+                reached.saturating_sub(n_taps(self.kernel) / 2)
+            }
+        }
     }
 
     /// Position of the last sample.
@@ -179,9 +233,42 @@ impl Axis {
 
     /// As [`Axis::slice_taps`] for the derivative through the sheet.
     pub fn slice_difference_taps(&self, w: f64) -> SliceTaps {
-        let Some(offset) = self.gradient_offset else { return SliceTaps::default() };
-        let (first, weights) = self.difference(w.clamp(0.0, self.last()), offset);
-        self.folded(first, &weights)
+        let w = w.clamp(0.0, self.last());
+        match self.gradient {
+            None => SliceTaps::default(),
+            Some(Gradient::Difference(offset)) => {
+                let (first, weights) = self.difference(w, offset);
+                self.folded(first, &weights)
+            }
+            Some(Gradient::Smoothed(deviation)) => {
+                let (first, [_, weights]) = self.smoothed(w, deviation);
+                self.folded(first, &weights)
+            }
+        }
+    }
+
+    /// As [`Axis::slice_taps`] for the derivatives along the sheet; `None` where these are of the kernel's own values.
+    pub fn slice_smooth_taps(&self, w: f64) -> Option<SliceTaps> {
+        let Some(Gradient::Smoothed(deviation)) = self.gradient else { return None };
+        let (first, [weights, _]) = self.smoothed(w.clamp(0.0, self.last()), deviation);
+        Some(self.folded(first, &weights))
+    }
+
+    /// Smoothed value and derivative at a position as taps, the first of which may be beyond the border.
+    pub fn smoothed(&self, x: f64, deviation: f64) -> (i64, [[f64; MAX_DIFFERENCE_TAPS]; 2]) {
+        let width = width_of(self.kernel, deviation);
+        let first = (x - 2.0 * width).floor() as i64 + 1;
+        let [mut value, mut derivative] = [[0.0; MAX_DIFFERENCE_TAPS]; 2];
+        for t in 0..MAX_DIFFERENCE_TAPS {
+            let distance = (x - (first + t as i64) as f64) / width;
+            [value[t], derivative[t]] = bspline3(distance);
+        }
+        let [sum, slope] = [&value, &derivative].map(|weights| weights.iter().sum::<f64>());
+        for t in 0..MAX_DIFFERENCE_TAPS {
+            value[t] /= sum;
+            derivative[t] = (derivative[t] - slope * value[t]) / (sum * width);
+        }
+        (first, [value, derivative])
     }
 
     fn folded(&self, first: i64, weights: &[f64]) -> SliceTaps {
@@ -204,16 +291,35 @@ impl AxisFootprints {
         self.pending = None;
         let n_value = n_taps(axis.kernel);
         self.value.reset(n_groups, n_value);
-        let n_difference = axis.gradient_offset.map_or(0, |offset| axis.n_difference_taps(offset));
+        let n_difference = axis.n_gradient_taps();
         self.difference.reset(if n_difference > 0 { n_groups } else { 0 }, n_difference);
-        let offset = axis.gradient_offset.unwrap_or(0.0);
+        let has_polynomial = near_taps(axis.kernel, 0.0).is_some();
+        let Some(Gradient::Smoothed(deviation)) = axis.gradient else {
+            self.smooth.reset(0, 0);
+            self.build_with_differences(axis, [origin, step], n_groups, has_polynomial);
+            return;
+        };
+        self.smooth.reset(n_groups, n_difference);
+        let margin = axis.gradient_margin();
+        self.window = if has_polynomial {
+            self.build_inside(axis, [origin, step], n_groups, margin)
+        } else {
+            self.build_anywhere(axis, [origin, step], n_groups)
+        };
+        let width = width_of(axis.kernel, deviation);
+        self.pending = Some(Pending::Smoothed { origin, step, last: axis.last(), width, margin });
+    }
+
+    #[inline(always)]
+    fn build_with_differences(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, has_polynomial: bool) {
+        let offset = if let Some(Gradient::Difference(offset)) = axis.gradient { offset } else { 0.0 };
         let end = origin + step * (n_groups * LANES - 1) as f64;
         let (lo, hi) = (origin.min(end), origin.max(end));
         // A whole offset moves the taps by whole samples, and away from the faces nothing stops there. With the linear
         // kernel stopping at a face is the same as going on with its sample repeated.
         let inside = axis.kernel == Kernel::Linear || (lo >= offset && hi + offset <= axis.last());
-        let has_polynomial = near_taps(axis.kernel, 0.0).is_some();
         self.window = if inside && offset.fract() == 0.0 && has_polynomial {
+            self.pending = axis.gradient.is_some().then_some(Pending::Shifted(offset as usize));
             self.build_inside(axis, [origin, step], n_groups, offset as usize)
         } else {
             self.build_anywhere(axis, [origin, step], n_groups)
@@ -225,11 +331,13 @@ impl AxisFootprints {
         self.window = other.window;
         self.groups = other.groups;
         self.value.clone_from(&other.value);
-        if axis.gradient_offset.is_some() {
+        if axis.gradient.is_some() {
             self.difference.clone_from(&other.difference);
+            self.smooth.clone_from(&other.smooth);
             self.pending = other.pending;
         } else {
             self.difference.reset(0, 0);
+            self.smooth.reset(0, 0);
             self.pending = None;
         }
     }
@@ -238,8 +346,8 @@ impl AxisFootprints {
     pub fn reached(&self, i: usize) -> Range<usize> {
         let first = self.value.first(i);
         let mut reached = first..first + self.value.n_taps;
-        if let Some(offset) = self.pending {
-            return reached.start - offset..reached.end + offset;
+        if let Some(pending) = self.pending {
+            return reached.start - pending.margin()..reached.end + pending.margin();
         }
         if self.difference.n_taps > 0 {
             let first = self.difference.first(i);
@@ -248,10 +356,63 @@ impl AxisFootprints {
         reached
     }
 
-    /// Makes the table of differences, if that is still to be done. Runs at the level of the caller.
+    /// Makes the tables for gradients, if that is still to be done. Runs at the level of the caller.
     #[inline(always)]
     pub fn make_difference(&mut self) {
-        let Some(offset) = self.pending.take() else { return };
+        match self.pending.take() {
+            None => {}
+            Some(Pending::Shifted(offset)) => self.make_shifted(offset),
+            Some(Pending::Smoothed { origin, step, last, width, margin }) => {
+                self.make_smoothed([origin, step], last, width, margin);
+            }
+        }
+    }
+
+    /// The taps of the kernel with `margin` more on either side, weighted by B-splines of a width.
+    #[inline(always)]
+    fn make_smoothed(&mut self, [origin, step]: [f64; 2], last: f64, width: f64, margin: usize) {
+        let n = self.difference.n_taps;
+        let per_width = 1.0 / width as f32;
+        for g in bits(self.groups) {
+            for footprint in [&mut self.difference, &mut self.smooth] {
+                footprint.base[g] = self.value.base[g] - margin as u32;
+                footprint.index[g] = self.value.index[g];
+                footprint.spans[g] = self.value.spans[g];
+                footprint.far[g] = self.value.far[g];
+            }
+            // In widths of the B-spline, from the first tap.
+            let mut position = Lanes::default();
+            for i in 0..LANES {
+                let x = (origin + step * (g * LANES + i) as f64).clamp(0.0, last);
+                let first = self.window[0] + i64::from(self.difference.base[g] + self.difference.index[g].0[i]);
+                position.0[i] = (x - first as f64) as f32 * per_width;
+            }
+            let values = &mut self.smooth.weights[g * n..(g + 1) * n];
+            let slopes = &mut self.difference.weights[g * n..(g + 1) * n];
+            let [mut sum, mut slope] = [Lanes::<f32>::default(); 2];
+            for t in 0..n {
+                let before = t as f32 * per_width;
+                for i in 0..LANES {
+                    let [v, d] = bspline3_f32(position.0[i] - before);
+                    values[t].0[i] = v;
+                    slopes[t].0[i] = d;
+                    sum.0[i] += v;
+                    slope.0[i] += d;
+                }
+            }
+            for t in 0..n {
+                for i in 0..LANES {
+                    let share = 1.0 / sum.0[i];
+                    let value = values[t].0[i] * share;
+                    values[t].0[i] = value;
+                    slopes[t].0[i] = (slopes[t].0[i] - slope.0[i] * value) * share * per_width;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn make_shifted(&mut self, offset: usize) {
         let Self { value, difference, .. } = self;
         let (n, n_difference) = (value.n_taps, difference.n_taps);
         let share = 1.0 / (2 * offset) as f32;
@@ -323,7 +484,6 @@ impl AxisFootprints {
             self.value.weights[g * n..(g + 1) * n].copy_from_slice(&weights[..n]);
             highest = highest.max(lowest + base - reach + i64::from(last_index) + n as i64 - 1 + offset);
         }
-        self.pending = (self.difference.n_taps > 0).then_some(offset as usize);
         [lowest, highest]
     }
 
@@ -340,12 +500,15 @@ impl AxisFootprints {
                 self.value.weights[g * self.value.n_taps + t].0[lane] = weights[t] as f32;
             }
             let mut first_difference = first;
-            if let Some(offset) = axis.gradient_offset {
+            if let Some(Gradient::Difference(offset)) = axis.gradient {
                 let (first, weights) = axis.difference(x, offset);
                 for t in 0..self.difference.n_taps {
                     self.difference.weights[g * self.difference.n_taps + t].0[lane] = weights[t] as f32;
                 }
                 first_difference = first;
+            }
+            if let Some(Gradient::Smoothed(_)) = axis.gradient {
+                first_difference = first - axis.gradient_margin() as i64;
             }
             let end = (first + self.value.n_taps as i64).max(first_difference + self.difference.n_taps as i64);
             window = [window[0].min(first).min(first_difference), window[1].max(end - 1)];
@@ -360,11 +523,34 @@ impl AxisFootprints {
             }
         };
         fill(0, &mut self.value);
-        if axis.gradient_offset.is_some() {
+        if let Some(Gradient::Difference(_)) = axis.gradient {
             fill(1, &mut self.difference);
         }
         window
     }
+}
+
+/// The cubic B-spline and its derivative.
+fn bspline3(x: f64) -> [f64; 2] {
+    let r = x.abs();
+    let [value, slope] = if r < 1.0 {
+        [2.0 / 3.0 + r * r * (0.5 * r - 1.0), r * (1.5 * r - 2.0)]
+    } else {
+        let rest = (2.0 - r).max(0.0);
+        [rest * rest * rest / 6.0, -0.5 * rest * rest]
+    };
+    [value, if x < 0.0 { -slope } else { slope }]
+}
+
+/// The same without branches.
+#[inline(always)]
+fn bspline3_f32(x: f32) -> [f32; 2] {
+    let r = x.abs();
+    let rest = if r < 2.0 { 2.0 - r } else { 0.0 };
+    let is_near = r < 1.0;
+    let value = if is_near { 2.0 / 3.0 + r * r * (0.5 * r - 1.0) } else { rest * rest * rest * (1.0 / 6.0) };
+    let slope = if is_near { r * (1.5 * r - 2.0) } else { -0.5 * rest * rest };
+    [value, if x < 0.0 { -slope } else { slope }]
 }
 
 /// The places of a mask's ones, from the lowest on.
@@ -383,7 +569,11 @@ mod tests {
     use super::*;
 
     fn axis(kernel: Kernel, offset: f64) -> Axis {
-        Axis { kernel, n_samples: 12, gradient_offset: Some(offset) }
+        Axis { kernel, n_samples: 12, gradient: Some(Gradient::Difference(offset)) }
+    }
+
+    fn smooth_axis(kernel: Kernel, deviation: f64) -> Axis {
+        Axis { kernel, n_samples: 40, gradient: Some(Gradient::Smoothed(deviation)) }
     }
 
     /// All tables.
@@ -435,13 +625,47 @@ mod tests {
         }
     }
 
+    /// Widened B-splines have the mass, the slope on a ramp and the standard deviation that they are named by.
+    #[test]
+    fn smoothed_gradients_are_of_a_b_spline_with_a_standard_deviation() {
+        for (name, kernel) in Kernel::NAMES {
+            for deviation in [0.4, 0.8, 1.25] {
+                let axis = smooth_axis(kernel, deviation);
+                let mut tables = AxisFootprints::default();
+                build(&mut tables, &axis, [15.3, 0.083], 2);
+                let mut variance = 0.0;
+                for i in 0..2 * LANES {
+                    let x = 15.3 + 0.083 * i as f64;
+                    let [value, slope] = [&tables.smooth, &tables.difference].map(|t| dense(&axis, &tables, t, i));
+                    let moment = |weights: &[f64; 40], power: i32| {
+                        let terms = weights.iter().enumerate().map(|(k, weight)| weight * (k as f64 - x).powi(power));
+                        terms.sum::<f64>()
+                    };
+                    assert!((moment(&value, 0) - 1.0).abs() < 1e-5 && moment(&slope, 0).abs() < 1e-5, "{name}");
+                    let of_ramp = moment(&slope, 1);
+                    assert!((of_ramp - 1.0).abs() < 0.04, "{name} {deviation}: a ramp has slope {of_ramp}");
+                    variance += moment(&value, 2) / (2 * LANES) as f64;
+                    let (first, want) = axis.smoothed(x, deviation);
+                    for (t, (v, d)) in want[0].iter().zip(&want[1]).enumerate() {
+                        let sample = (first + t as i64) as usize;
+                        let differs = (v - value[sample]).abs().max((d - slope[sample]).abs()) > 2e-5;
+                        assert!(!differs, "{name} {deviation} texel {i}: both ways give the same weights");
+                    }
+                }
+                let wanted = width_of(kernel, deviation).powi(2) / 3.0;
+                assert!((variance / wanted - 1.0).abs() < 0.05, "{name} {deviation}: {variance} for {wanted}");
+            }
+        }
+    }
+
     /// A group's tables do not depend on which others are made, nor what is reached on whether differences are.
     #[test]
     fn groups_are_made_one_by_one() {
         for (_, kernel) in Kernel::NAMES {
-            for offset in [1.0, 0.4, 2.0] {
-                for places in [[3.1, 0.11], [9.0, -0.3], [30.0, 0.5]] {
-                    let axis = Axis { n_samples: 40, ..axis(kernel, offset) };
+            let differences = [1.0, 0.4, 2.0].map(Gradient::Difference);
+            for gradient in differences.into_iter().chain([0.4, 0.8, 1.25].map(Gradient::Smoothed)) {
+                for places in [[3.1, 0.11], [9.0, -0.3], [30.0, 0.5], [-2.0, 0.2], [39.0, 0.4]] {
+                    let axis = Axis { kernel, n_samples: 40, gradient: Some(gradient) };
                     let mut all = AxisFootprints::default();
                     build(&mut all, &axis, places, 4);
                     for g in 0..4 {
@@ -452,11 +676,15 @@ mod tests {
                                 let (base, reached) = (tables.window[0], tables.reached(i));
                                 base + reached.start as i64..base + reached.end as i64
                             });
-                            assert_eq!(a, b, "{kernel:?} {offset} {places:?} texel {i}");
+                            assert_eq!(a, b, "{kernel:?} {gradient:?} {places:?} texel {i}");
                         }
                         one.make_difference();
                         for i in g * LANES..(g + 1) * LANES {
-                            for [a, b] in [[&one.value, &all.value], [&one.difference, &all.difference]] {
+                            let mut pairs = vec![[&one.value, &all.value], [&one.difference, &all.difference]];
+                            if all.smooth.n_taps > 0 {
+                                pairs.push([&one.smooth, &all.smooth]);
+                            }
+                            for [a, b] in pairs {
                                 assert_eq!(dense(&axis, &one, a, i), dense(&axis, &all, b, i), "{kernel:?} texel {i}");
                             }
                         }

@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use wavesplat_core::{Decoder, Grid, Kernel, LabelLook, Result, Statistics};
+use wavesplat_core::{Decoder, Gradient, Grid, Kernel, LabelLook, Result, Statistics};
 
 use crate::source::field::Field;
 use crate::source::slices::Slices;
@@ -131,8 +131,8 @@ impl Labels {
     /// The fields.
     pub fn fields(&self) -> Vec<Field<'static>> {
         let field = |(i, channel): (usize, &Slices<'static>)| {
-            let gradient_offset = (self.terms.matter == Some(i)).then_some(self.gradient_offset());
-            Field { slices: channel.clone(), from_index: [(0.0, 1.0); 3], gradient_offset }
+            let gradient = (self.terms.matter == Some(i)).then(|| Gradient::Difference(self.gradient_offset()));
+            Field { slices: channel.clone(), from_index: [(0.0, 1.0); 3], gradient }
         };
         self.channels.iter().enumerate().map(field).collect()
     }

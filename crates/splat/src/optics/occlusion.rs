@@ -176,7 +176,7 @@ impl ExtinctionGrid {
             let per_index = 1.0 / n as f64;
             (0.5 * per_index - 0.5, per_index)
         });
-        Ok(Field { slices: Slices::of_densities(numbers, &grid, Kernel::Linear), from_index, gradient_offset: None })
+        Ok(Field { slices: Slices::of_densities(numbers, &grid, Kernel::Linear), from_index, gradient: None })
     }
 }
 

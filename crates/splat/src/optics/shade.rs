@@ -1,8 +1,9 @@
-//! Phong shading with the reflection vector, two-sided, as VTK's volume mappers have it.
+//! Phong shading with the reflection vector, two-sided.
 //!
 //! `colour · (ambient + Σ diffuse · |n·l| · light) + Σ specular · max(0, r·v)^power · light`, with the normal `n` along
 //! the world gradient, `l` to the light, `v` to the eye and `r = 2 (n·l) n − l`. Two-sided: `r` is the same for `n`
-//! and `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes only the ambient term is left.
+//! and `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes `|n·l|` is a number of
+//! the shading, 0 with the headlight of other renderers, and there is no highlight.
 //! The world gradient is the index-space difference times the inverse transpose of `world_from_index`.
 
 use glam::DMat3;
@@ -45,6 +46,10 @@ pub struct Shader {
     specular: f32,
     specular_power: f32,
     lights: Vec<WorldLight>,
+    /// Whether all lights are the same for all colours.
+    is_grey: bool,
+    /// `|n · l|` where there is no normal.
+    unoriented: f32,
     metric: Metric,
     /// Squared world gradients below this are rounding noise.
     vanishing: f32,
@@ -91,6 +96,8 @@ impl Shader {
             specular: shading.specular,
             specular_power: shading.specular_power,
             lights: lights.collect(),
+            is_grey: shading.lights.iter().all(|light| light.rgb == [light.rgb[0]; 3]),
+            unoriented: shading.unoriented,
             metric: Metric::new(world_from_index, family),
             vanishing: vanishing_gradient_squared(world_from_index, range) as f32,
         }
@@ -100,24 +107,17 @@ impl Shader {
     /// gradients ([`world_gradient_from_index`]).
     #[inline(always)]
     pub fn shade<S: Wide>(&self, s: S, rgb: [S::F; 3], gradient: [S::F; 3], to_eye: [S::F; 3]) -> [S::F; 3] {
-        let (exists, inverse, n_v) = self.normal(s, gradient, to_eye);
-        if let [light] = &self.lights[..]
-            && light.rgb == [1.0; 3]
-        {
-            // The usual light, the same for all colours.
-            let (diffuse, specular) = if light.is_at_eye {
-                let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_v));
-                let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_v), n_v), s.splat(1.0));
-                let reflected = s.max(reflected, s.splat(0.0));
-                (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)))
-            } else {
-                self.terms(s, light, gradient, to_eye, (exists, inverse, n_v))
-            };
-            let lit = s.add(s.splat(self.ambient), diffuse);
-            let [r, g, b] = rgb;
-            return [s.add(s.mul(r, lit), specular), s.add(s.mul(g, lit), specular), s.add(s.mul(b, lit), specular)];
+        let normal = self.normal(s, gradient, to_eye);
+        if !self.is_grey {
+            return self.sum_lights(s, rgb, gradient, to_eye, normal, None);
         }
-        self.sum_lights(s, rgb, gradient, to_eye, (exists, inverse, n_v), None)
+        let (mut lit, mut highlight) = (s.splat(self.ambient), s.splat(0.0));
+        for light in &self.lights {
+            let (diffuse, specular) = self.terms(s, light, gradient, to_eye, normal);
+            lit = s.add_mul(lit, diffuse, s.splat(light.rgb[0]));
+            highlight = s.add_mul(highlight, specular, s.splat(light.rgb[0]));
+        }
+        rgb.map(|c| s.add(s.mul(c, lit), highlight))
     }
 
     /// As [`Shader::shade`], where only a share of the first light gets there.
@@ -186,9 +186,16 @@ impl Shader {
         to_eye: [S::F; 3],
         (exists, inverse, n_v): (S::M, S::F, S::F),
     ) -> (S::F, S::F) {
+        let unoriented = s.splat(self.unoriented);
+        if light.is_at_eye {
+            let diffuse = s.mul(s.splat(self.diffuse), s.select(exists, s.abs(n_v), unoriented));
+            let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_v), n_v), s.splat(1.0));
+            let reflected = s.max(reflected, s.splat(0.0));
+            return (diffuse, s.mul(s.splat(self.specular), raise(s, reflected, self.specular_power)));
+        }
         let n_l = s.mul(dot(s, light.on_gradient, gradient), inverse);
         let l_v = dot(s, light.on_view, to_eye);
-        let diffuse = s.mul(s.splat(self.diffuse), s.abs(n_l));
+        let diffuse = s.mul(s.splat(self.diffuse), s.select(exists, s.abs(n_l), unoriented));
         let reflected = s.sub(s.mul(s.mul(s.splat(2.0), n_l), n_v), l_v);
         // Without a normal there is no reflection: r·v would be −l·v.
         let reflected = s.select(exists, s.max(reflected, s.splat(0.0)), s.splat(0.0));
@@ -248,7 +255,7 @@ mod tests {
 
     #[test]
     fn phong_at_known_angles() {
-        let shading = Shading::default();
+        let shading = Shading::headlight();
         let facing = shade_one(&shading, [0.0, 0.0, -8.0], [0.0, 0.0, 1.0]);
         assert!((facing[0] - (0.5 * 0.8 + 0.2)).abs() < 1e-6, "{facing:?}");
         let turned_away = shade_one(&shading, [0.0, 0.0, 8.0], [0.0, 0.0, 1.0]);
@@ -264,14 +271,24 @@ mod tests {
     #[test]
     fn a_vanishing_gradient_leaves_the_ambient_term() {
         for gradient in [[0.0; 3], [1e-9, 0.0, 0.0]] {
-            assert_eq!(shade_one(&Shading::default(), gradient, [0.0, 0.0, 1.0]), [0.05; 3]);
+            assert_eq!(shade_one(&Shading::headlight(), gradient, [0.0, 0.0, 1.0]), [0.05; 3]);
         }
+    }
+
+    #[test]
+    fn matter_without_a_gradient_has_a_share_of_the_light_of_a_face() {
+        let even = Shading { unoriented: 0.5, lights: vec![Light::KEY, Light::FILL], ..Shading::headlight() };
+        let got = shade_one(&even, [0.0; 3], [0.0, 0.0, 1.0]);
+        assert!((got[0] - 0.5 * (0.1 + 0.7 * 0.5 * 1.35)).abs() < 1e-6, "{got:?}");
+        let coloured = Light { rgb: [1.0, 0.5, 0.0], ..Light::KEY };
+        let got = shade_one(&Shading { lights: vec![coloured], ..even }, [0.0; 3], [0.0, 0.0, 1.0]);
+        assert!((got[1] - 0.5 * (0.1 + 0.7 * 0.5 * 0.5)).abs() < 1e-6 && (got[2] - 0.05).abs() < 1e-6, "{got:?}");
     }
 
     #[test]
     fn world_lights_have_their_colour_and_powers_may_be_fractions() {
         let light = Light { frame: LightFrame::World, to_light: DVec3::new(2.0, 0.0, 0.0), rgb: [1.0, 0.5, 0.0] };
-        let shading = Shading { lights: vec![light], specular_power: 2.5, ..Shading::default() };
+        let shading = Shading { lights: vec![light], specular_power: 2.5, ..Shading::headlight() };
         let got = shade_one(&shading, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
         for (got, want) in got.iter().zip([0.4, 0.225, 0.05]) {
             assert!((got - want).abs() < 1e-6, "{got} for {want}");

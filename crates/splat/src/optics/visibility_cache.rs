@@ -6,27 +6,29 @@
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use wavesplat_core::TransferFunction;
+use wavesplat_core::{Result, TransferFunction};
 
 use crate::optics::classify::Classifier;
+use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
 
 /// What a transfer function shows of a volume.
-#[derive(Debug)]
 pub struct Visibility {
     classifier: Classifier,
     /// Ranges that have an opacity, where that was asked for.
     visible_ranges: OnceLock<VisibleRanges>,
     /// How much changes in slabs of as many thicknesses as were asked for, with these: one, and of a level one of the finest.
     variations: Mutex<Vec<(f64, f32)>>,
+    /// How open places are, by the radius that was asked for last.
+    openness: Mutex<Option<(f64, Field<'static>)>>,
 }
 
 impl Visibility {
     /// That of `slices` by slabs of `slab_thickness`, as of [`Classifier::new`].
     pub fn new(slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Self {
         let classifier = Classifier::new(tf, slices.grid().density_from_sample(), slices.range(), slab_thickness);
-        Self { classifier, visible_ranges: OnceLock::new(), variations: Mutex::default() }
+        Self { classifier, visible_ranges: OnceLock::new(), variations: Mutex::default(), openness: Mutex::default() }
     }
 
     /// As [`Classifier::variation`].
@@ -38,6 +40,19 @@ impl Visibility {
         let variation = self.classifier.variation(slab_thickness);
         variations.push((slab_thickness, variation));
         variation
+    }
+
+    /// The openness of places with a radius: what `make` gives, or what it gave before.
+    pub fn openness(&self, radius: f64, make: impl FnOnce() -> Result<Field<'static>>) -> Result<Field<'static>> {
+        let mut kept = self.openness.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*kept {
+            Some((of, field)) if *of == radius => Ok(field.clone()),
+            _ => {
+                let field = make()?;
+                *kept = Some((radius, field.clone()));
+                Ok(field)
+            }
+        }
     }
 
     /// Which ranges of density have an opacity somewhere, by the bricks of the same slices.
@@ -55,7 +70,7 @@ impl Deref for Visibility {
 }
 
 /// What was asked for last, the latest first.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct VisibilityCache(Mutex<Vec<(Key, Arc<Visibility>)>>);
 
 /// What is tabulated.

@@ -9,8 +9,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
-use wavesplat_core::{Camera, Error, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume};
+use wavesplat_core::{
+    Camera, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
+};
 
+use crate::kernel::footprint::{Axis, MAX_DIFFERENCE_TAPS};
 use crate::kernel::weights::{MAX_TAPS, fold, n_taps, taps};
 use crate::kernel::weights::{overshoot, radius};
 use crate::optics::labels::{Labels, own_depth};
@@ -104,9 +107,7 @@ pub fn raycast_labelled(
         }
         let (width_px, height_px) = (options.width_px, options.height_px);
         let mut picture = Picture { width_px, height_px, rgba: rows.concat(), depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
     })
 }
@@ -160,8 +161,12 @@ impl<'a> Sampler<'a> {
         sum
     }
 
-    /// Index-space gradient by differences over twice the offset, stopping at the faces; holes count as filled.
-    fn gradient(&self, position: DVec3, offset: f64) -> DVec3 {
+    /// Index-space gradient; differences stop at the faces, and holes count as filled.
+    fn gradient(&self, position: DVec3) -> DVec3 {
+        let offset = match self.gradient_spec() {
+            Gradient::Difference(offset) => offset,
+            Gradient::Smoothed(deviation) => return self.smoothed_gradient(position, deviation),
+        };
         let mut gradient = DVec3::ZERO;
         for axis in 0..3 {
             let mut ends = [position; 2];
@@ -169,6 +174,33 @@ impl<'a> Sampler<'a> {
             ends[1][axis] = position[axis] + offset;
             let [lo, hi] = ends.map(|p| self.density(p).unwrap_or(f64::NAN));
             gradient[axis] = if lo.is_nan() || hi.is_nan() { 0.0 } else { (hi - lo) / (2.0 * offset) };
+        }
+        gradient
+    }
+
+    /// The derivative of the samples smoothed by a B-spline.
+    fn smoothed_gradient(&self, position: DVec3, deviation: f64) -> DVec3 {
+        let kernel = self.slices.kernel();
+        let taps = [0, 1, 2].map(|a| {
+            let axis = Axis { kernel, n_samples: self.size[a], gradient: None };
+            let (first, weights) = axis.smoothed(position[a].clamp(0.0, axis.last()), deviation);
+            let sample = |t: usize| fold(kernel, first + t as i64, self.size[a]);
+            (0..MAX_DIFFERENCE_TAPS)
+                .filter(|t| weights[0][*t] != 0.0)
+                .map(|t| (sample(t), [weights[0][t], weights[1][t]]))
+                .collect::<Vec<_>>()
+        });
+        let [along_x, along_y, along_z] = &taps;
+        let mut gradient = DVec3::ZERO;
+        for (z, [value_z, slope_z]) in along_z {
+            for (y, [value_y, slope_y]) in along_y {
+                for (x, [value_x, slope_x]) in along_x {
+                    let density = self.slices.at([*x, *y, *z]);
+                    gradient.x += slope_x * value_y * value_z * density;
+                    gradient.y += value_x * slope_y * value_z * density;
+                    gradient.z += value_x * value_y * slope_z * density;
+                }
+            }
         }
         gradient
     }
@@ -196,9 +228,9 @@ impl<'a> Sampler<'a> {
         self.tf.has_gradient() || self.shading.is_some()
     }
 
-    /// Distance of differences for the gradient, voxels.
-    pub fn gradient_offset(&self) -> f64 {
-        self.shading.map_or_else(|| Shading::default().gradient_offset, |s| s.gradient_offset)
+    /// How the gradient is estimated.
+    pub fn gradient_spec(&self) -> Gradient {
+        self.shading.map_or_else(|| Shading::default().gradient, |s| s.gradient)
     }
 
     /// Unassociated colour of a density and an index-space gradient, without light.
@@ -219,7 +251,9 @@ impl<'a> Sampler<'a> {
         let gradient = self.gradient_from_index * index_gradient;
         let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
         if gradient.length_squared() <= vanishing {
-            return rgb.map(|c| c * ambient);
+            let even = diffuse * f64::from(shading.unoriented);
+            let light = |c: usize| self.lights.iter().map(|(_, light)| light[c]).sum::<f64>();
+            return [0, 1, 2].map(|c| rgb[c] * (ambient + even * light(c)));
         }
         let normal = gradient.normalize();
         let mut out = rgb.map(|c| c * ambient);
@@ -356,7 +390,7 @@ impl<'a> RayCaster<'a> {
             }
             let mut gradient = DVec3::ZERO;
             if sampler.needs_gradient() {
-                gradient = sampler.gradient(position, sampler.gradient_offset());
+                gradient = sampler.gradient(position);
             }
             let mut depth = sampler.optical_depth(density, gradient);
             let mut rgb_here = sampler.unshaded(density, gradient);

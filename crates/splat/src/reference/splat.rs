@@ -24,11 +24,14 @@
 use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Level};
-use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, RenderOptions, Result, TransferFunction, Volume};
+use wavesplat_core::{
+    Camera, Composite, Error, Gradient, Kernel, Picture, RenderOptions, Result, TransferFunction, Volume,
+};
 
 use super::ablation::{Ablation, FootprintTable};
 use super::raycast::Sampler;
 use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_taps};
+use crate::kernel::footprint::Axis;
 use crate::kernel::weights::{fold, n_taps, taps};
 use crate::picture::base_picture::BasePicture;
 use crate::picture::supersampling::reads_per_axis;
@@ -54,9 +57,13 @@ enum LiteralFootprint {
     Value,
     /// [h(x + b − l) − h(x + a − l)] / (b − a)
     Difference([f64; 2]),
+    /// The cubic B-spline of a standard deviation, normalised.
+    Smooth(f64),
+    /// Its derivative.
+    SmoothSlope(f64),
 }
 
-use LiteralFootprint::{Difference, Value};
+use LiteralFootprint::{Difference, Smooth, SmoothSlope, Value};
 
 /// The texels of a sheet buffer.
 #[derive(Clone, Copy)]
@@ -88,7 +95,15 @@ impl Splatter<'_> {
             let along = (first..).zip(weights).take(n_taps(kernel));
             along.map(move |(sample, weight)| (fold(kernel, sample, n), factor * weight))
         };
+        let smooth = |deviation: f64, which: usize| {
+            let kernel = self.slices.kernel();
+            let axis = Axis { kernel, n_samples: n, gradient: None };
+            let (first, weights) = axis.smoothed(x, deviation);
+            (first..).zip(weights[which]).map(|(sample, weight)| (fold(kernel, sample, n), weight)).collect()
+        };
         match footprint {
+            Smooth(deviation) => smooth(deviation, 0),
+            SmoothSlope(deviation) => smooth(deviation, 1),
             Value => at(x, 1.0).collect(),
             Difference([a, b]) => at(x + b, 1.0 / (b - a)).chain(at(x + a, -1.0 / (b - a))).collect(),
         }
@@ -153,6 +168,18 @@ impl Splatter<'_> {
         buffer
     }
 
+    fn smoothed_gradient(&self, texels: BufferTexels, w: f64, deviation: f64) -> [SheetBuffer; 3] {
+        let smooth = self.sliced(w, Smooth(deviation), false);
+        std::array::from_fn(|c| {
+            let mut footprints = [Smooth(deviation); 2];
+            if c == 2 {
+                return self.splat(&self.sliced(w, SmoothSlope(deviation), false), texels, footprints);
+            }
+            footprints[c] = SmoothSlope(deviation);
+            self.splat(&smooth, texels, footprints)
+        })
+    }
+
     /// The density of a texel by a table with noise on the samples.
     fn noisy(&self, samples: &[f64], at: [f64; 2], per_sample: u32, sheet: i64) -> f64 {
         let kernel = self.slices.kernel();
@@ -168,9 +195,20 @@ impl Splatter<'_> {
         density
     }
 
-    /// Derivatives along u, v, w at every texel of the sheet at `w`, from differences over `offset`, per index step.
-    /// `samples`: the slices there; `step`: slice distances between sheets.
-    fn gradient(&self, samples: &[f64], texels: BufferTexels, w: f64, offset: f64, step: f64) -> [SheetBuffer; 3] {
+    /// Derivatives along u, v, w at every texel of the sheet at `w`, per index step. `samples`: the slices there; `step`:
+    /// slice distances between sheets.
+    fn gradient(
+        &self,
+        samples: &[f64],
+        texels: BufferTexels,
+        w: f64,
+        gradient: Gradient,
+        step: f64,
+    ) -> [SheetBuffer; 3] {
+        let offset = match gradient {
+            Gradient::Difference(offset) => offset,
+            Gradient::Smoothed(deviation) => return self.smoothed_gradient(texels, w, deviation),
+        };
         let scheme = self.ablation.gradient;
         let is_noisy = matches!(self.ablation.footprint, FootprintTable::NearestNoise { .. });
         std::array::from_fn(|c| {
@@ -227,8 +265,7 @@ pub fn base_plane(
     ablation: &Ablation,
     plane: &BasePlane,
 ) -> Result<Vec<[f64; 4]>> {
-    options.validate()?;
-    ablation.validate()?;
+    validate_with(options, ablation)?;
     let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, options.shading.as_ref());
     let literal = LiteralSplatting { volume, slices, sampler, region, ablation, options };
@@ -245,8 +282,7 @@ pub fn picture(
     ablation: &Ablation,
     monitor: &dyn ProgressCallback,
 ) -> Result<Picture> {
-    options.validate()?;
-    ablation.validate()?;
+    validate_with(options, ablation)?;
     let region = Region::new(volume.grid(), options)?;
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
@@ -265,9 +301,7 @@ pub fn picture(
         let reads = reads_per_axis(Composite::Over, options.oversampling);
         let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false).rgba;
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
     })
 }
@@ -348,7 +382,7 @@ impl LiteralSplatting<'_> {
                     is_drawn.iter().zip(&density).map(|(drawn, d)| *drawn && may_be_seen(*d)).collect();
                 let texels = BufferTexels { wanted: Some(&is_seen), ..texels };
                 let gradient =
-                    gradient_offset(sampler).map(|offset| splatter.gradient(&filled, texels, w, offset, spacing.step));
+                    wanted_gradient(sampler).map(|how| splatter.gradient(&filled, texels, w, how, spacing.step));
                 parallel::for_each_chunk(&mut image, plane.size[0], |j, row| {
                     for (t, pixel) in (j * plane.size[0]..).zip(row).filter(|(t, _)| is_seen[*t]) {
                         let path = &paths[t];
@@ -393,9 +427,7 @@ pub fn image(
         }
         let rgba = image.iter().map(|p| p.map(|c| c as f32)).collect();
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
     })
 }
@@ -518,9 +550,23 @@ impl ShadedSheet<'_> {
     }
 }
 
-/// Distance of differences, where gradients are wanted.
-fn gradient_offset(sampler: &Sampler) -> Option<f64> {
-    sampler.needs_gradient().then(|| sampler.gradient_offset())
+/// How gradients are estimated, where they are wanted.
+fn wanted_gradient(sampler: &Sampler) -> Option<Gradient> {
+    sampler.needs_gradient().then(|| sampler.gradient_spec())
+}
+
+/// Shortcuts change how differences are taken, so that there must be differences.
+fn validate_with(options: &RenderOptions, ablation: &Ablation) -> Result<()> {
+    options.validate()?;
+    ablation.validate()?;
+    let gradient = options.shading.as_ref().map(|shading| shading.gradient);
+    if let Some(Gradient::Smoothed(deviation)) = gradient
+        && *ablation != Ablation::NONE
+    {
+        let mend = "shortcuts are studied with differences; pass 0, or Shading.headlight()";
+        return Err(Error::out_of_range("gradient_smoothing (voxels) with shortcuts", deviation, "0", mend));
+    }
+    Ok(())
 }
 
 fn from_uvw(axes: [usize; 3], uvw: [f64; 3]) -> DVec3 {

@@ -130,7 +130,8 @@ pub(crate) fn draw_base_plane(
 pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     let whole = PixelRectangle { first: [0; 2], size: plan.size_px };
     let mut picture = warped(plan, base_pictures, whole, plan.reads_per_axis, plan.with_depth);
-    finish_picture(&plan.camera, plan.background, &mut picture);
+    depth_as_length(&plan.camera, &mut picture);
+    picture.finish(plan.shading.as_ref(), plan.background);
     picture
 }
 
@@ -161,16 +162,13 @@ pub(crate) fn warped(
     picture
 }
 
-/// Depth as a length, and the background behind the picture.
-pub(crate) fn finish_picture(camera: &Camera, background: Option<[f32; 4]>, picture: &mut Picture) {
+/// Depth as a length.
+fn depth_as_length(camera: &Camera, picture: &mut Picture) {
     let size = [picture.width_px, picture.height_px];
     for (i, depth) in picture.depth.iter_mut().flatten().enumerate() {
         // The ray's direction has unit length along the view; its world length differs per pixel in perspective.
         let [x, y] = [i % size[0], i / size[0]].map(|px| px as f64 + 0.5);
         *depth = (f64::from(*depth) * camera.ray(x, y, size[0], size[1]).direction.length()) as f32;
-    }
-    if let Some(background) = background {
-        picture.over_background(background);
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Composite, Error, Grid, RenderOptions, Result, Shading, TransferFunction};
+use wavesplat_core::{Camera, Composite, Error, Gradient, Grid, RenderOptions, Result, Shading, TransferFunction};
 
 use crate::optics::gradient_opacity::GradientOpacity;
 use crate::optics::labels::LabelTerms;
@@ -140,8 +140,8 @@ pub struct FamilyPlan {
     pub plane: BasePlane,
     /// Where the sheets lie.
     pub spacing: SheetSpacing,
-    /// Half distance of gradient differences, voxels; `None` where no gradient is wanted.
-    pub gradient_offset: Option<f64>,
+    /// How gradients are estimated, voxels; `None` where none is wanted.
+    pub gradient: Option<Gradient>,
     /// Bricks that change anything, for empty-space skipping; `None`: all do.
     pub occupancy: Option<Arc<OccupancyGrid>>,
     /// Lights and coefficients; `None` without shading.
@@ -239,12 +239,11 @@ impl Plan {
             modifiers.labels = self.fields.labels;
             modifiers.label_shader = self.fields.labels.and_then(|_| shader_for([0.0, 1.0]));
         }
-        let gradient_offset = self.shading.as_ref().map(|s| s.gradient_offset);
-        let gradient_offset =
-            gradient_offset.or(modifiers.by_gradient.as_ref().map(|_| Shading::default().gradient_offset));
+        let of_light = self.shading.as_ref().map(|s| s.gradient);
+        let gradient = of_light.or(modifiers.by_gradient.as_ref().map(|_| Shading::default().gradient));
         FamilyPlan {
             spacing: SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice),
-            gradient_offset,
+            gradient,
             occupancy: bricks.and_then(|bricks| self.occupancy(bricks, plane.family.axes, &modifiers)),
             shader: shader_for(self.density_range),
             modifiers,
@@ -327,16 +326,20 @@ impl FieldPlan {
         let shading = options.shading.as_ref().filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0);
         if let Some(shading) = shading {
             let grid = layer.slices.grid();
-            let extinction = ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels)?;
+            let extinction = || ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels);
             let mut terms = LightTerms::default();
             if shading.ambient_occlusion > 0.0 {
                 let sides = grid.spacing() * DVec3::from_array(grid.size().map(|n| n as f64));
                 let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
                 terms.openness = Some((plan.fields.len(), shading.ambient_occlusion));
-                plan.fields.push(extinction.field(extinction.openness(radius))?);
+                let openness = || extinction().and_then(|grid| grid.field(grid.openness(radius)));
+                // Labels are not among what the tables are kept by.
+                let kept = layer.labels.is_none();
+                plan.fields.push(if kept { tables.openness(radius, openness)? } else { openness()? });
             }
             if let Some(light) = shading.lights.first().filter(|_| shading.shadow > 0.0) {
                 terms.shadow = Some((plan.fields.len(), shading.shadow));
+                let extinction = extinction()?;
                 plan.fields.push(extinction.field(extinction.shadow(light_direction(camera, light)))?);
             }
             plan.light = Some(terms);

@@ -30,7 +30,7 @@ impl FamilyPlan {
     /// The footprints of a tile on the sheet at `w`.
     pub fn footprints(&self, plan: &Plan, kernel: Kernel, tile: [usize; 2], w: f64) -> TileFootprints {
         let size = plan.grid.size();
-        let axis = |a: usize| Axis { kernel, n_samples: size[a], gradient_offset: self.gradient_offset };
+        let axis = |a: usize| Axis { kernel, n_samples: size[a], gradient: self.gradient };
         let [u, v, across] = self.plane.family.axes.map(axis);
         let [(u0, du), (v0, dv)] = self.plane.sheet(w);
         let mut axes = [AxisFootprints::default(), AxisFootprints::default()];

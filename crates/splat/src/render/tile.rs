@@ -82,7 +82,7 @@ impl<'a> TileJob<'a> {
         let plane = &family.plane;
         Self {
             family,
-            geometry: SheetGeometry::new(plan.simd, plane, slices, family.gradient_offset),
+            geometry: SheetGeometry::new(plan.simd, plane, slices, family.gradient),
             rays: family.ray_geometry(plan),
             fields: plan.fields.fields.iter().map(|field| SheetGeometry::of_field(plan.simd, plane, field)).collect(),
         }

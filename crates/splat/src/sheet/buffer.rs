@@ -2,7 +2,8 @@
 //!
 //! Separable: slices are combined along w at sample resolution, then rows along u, then columns along v, so a tricubic
 //! kernel costs 4 + 4 + 4 taps per texel at most, and less where texels are denser than samples. The gradient comes
-//! from difference footprints along each axis; through the sheet it needs no neighbouring sheet.
+//! from difference footprints along each axis; through the sheet it needs no neighbouring sheet. A smoothed gradient has
+//! footprints of its own across these, so that slices are combined once more for it, and rows upsampled.
 //!
 //! A tile is cut into strips of [`LANES`] texels along u; a strip's row is what kernels work on at once, a *chunk*.
 //! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
@@ -30,19 +31,22 @@ pub struct Sheet {
     part: Option<SampleRectangle>,
     pub(super) stride: usize,
     pub(super) n_v: usize,
-    /// Combined slices at sample resolution: density, derivative through the sheet, holes.
+    /// Combined slices at sample resolution: density, derivative through the sheet, density for smoothed gradients, holes.
     pub(super) density: Vec<f32>,
     pub(super) through: Vec<f32>,
+    pub(super) smooth: Vec<f32>,
     pub(super) holes: Vec<f32>,
     pub(super) has_through: bool,
-    /// The same upsampled along u, strip by strip: density, derivative along u, derivative through the sheet, holes.
+    /// The same upsampled along u, strip by strip, and the derivative along u.
     pub(super) density_u: Vec<Lanes>,
     pub(super) along_u: Vec<Lanes>,
     pub(super) through_u: Vec<Lanes>,
+    pub(super) smooth_u: Vec<Lanes>,
     pub(super) holes_u: Vec<Lanes>,
-    /// Which of those rows every row of texels is made of, for values and for differences along v.
+    /// Which of those rows every row of texels is made of, for values, for derivatives along v, and across smoothed ones.
     rows: Vec<RowTaps>,
     difference_rows: Vec<RowTaps>,
+    smooth_rows: Vec<RowTaps>,
     /// Sample rows that have been upsampled: densities, derivatives.
     pub(super) has_density_u: Vec<bool>,
     pub(super) has_gradient_u: Vec<bool>,
@@ -129,7 +133,7 @@ impl Sheet {
         let n_u = (self.u.window[1] - self.u.window[0] + 1) as usize;
         self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
         self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);
-        for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u] {
+        for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u, &mut self.smooth_u] {
             rows.resize(N_STRIPS * self.n_v, Lanes::default());
         }
         for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
@@ -204,8 +208,16 @@ impl Sheet {
                 },
             );
             RowTaps::fill(&mut self.difference_rows, &self.v.difference, self.blocks);
+            if self.is_smoothed() {
+                RowTaps::fill(&mut self.smooth_rows, &self.v.smooth, self.blocks);
+            }
         }
         geometry.level.dispatch(Upsample::<true> { sheet: self, geometry, blocks });
+    }
+
+    /// Whether gradients have footprints of their own across the derivatives.
+    pub(super) fn is_smoothed(&self) -> bool {
+        self.v.smooth.n_taps > 0
     }
 
     /// Densities of one chunk or two. After [`Sheet::prepare`].
@@ -229,32 +241,41 @@ impl Sheet {
         w.lt(w.splat(0.0), w.join(first, second))
     }
 
-    /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient offset. After
+    /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient. After
     /// [`Sheet::prepare_gradient`].
     #[inline(always)]
     pub fn gradient<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
         let first = chunks[0].strip * self.n_v;
-        let of_value = (&self.rows[..], self.v.value.n_taps);
         let of_difference = (&self.difference_rows[..], self.v.difference.n_taps);
+        let (rows, of_value) = if self.is_smoothed() {
+            (&self.smooth_u, (&self.smooth_rows[..], self.v.smooth.n_taps))
+        } else {
+            (&self.density_u, (&self.rows[..], self.v.value.n_taps))
+        };
         [
             blend_rows(w, &self.along_u[first..], of_value, chunks),
-            blend_rows(w, &self.density_u[first..], of_difference, chunks),
+            blend_rows(w, &rows[first..], of_difference, chunks),
             blend_rows(w, &self.through_u[first..], of_value, chunks),
         ]
     }
 
-    /// The derivative through the sheet at sample resolution.
+    /// The derivative through the sheet at sample resolution, and what smoothed gradients along the sheet are made of.
     fn combine_through(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices) {
         let Some(part) = self.part.clone() else { return };
         self.has_through = true;
-        self.through.resize(self.stride * self.n_v, 0.0);
-        let taps = geometry.axes[2].slice_difference_taps(self.w);
-        let axes = geometry.plane.family.axes;
         let (first, window) = self.place(&part);
-        let through = &mut self.through[first..];
-        if !panel.combine(geometry, &taps, window, through, self.stride) {
-            let soon = geometry.slice_behind(&taps);
-            geometry.slices.combine(geometry.level, axes, &taps, soon, window, through, self.stride);
+        let axis = &geometry.axes[2];
+        let smooth = axis.slice_smooth_taps(self.w).map(|taps| (taps, &mut self.smooth));
+        for (taps, combined) in
+            [Some((axis.slice_difference_taps(self.w), &mut self.through)), smooth].into_iter().flatten()
+        {
+            combined.resize(self.stride * self.n_v, 0.0);
+            let combined = &mut combined[first..];
+            if !panel.combine(geometry, &taps, window, combined, self.stride) {
+                let soon = geometry.slice_behind(&taps);
+                let axes = geometry.plane.family.axes;
+                geometry.slices.combine(geometry.level, axes, &taps, soon, window, combined, self.stride);
+            }
         }
     }
 }

@@ -20,6 +20,24 @@ impl Sheet {
         let strip = block.strip;
         let of_value = self.u.value.group(strip);
         let mut rows = reached_by(&self.v.value, block.rows());
+        if GRADIENT && self.is_smoothed() {
+            let (of_difference, of_smooth) = (self.u.difference.group(strip), self.u.smooth.group(strip));
+            for r in reached_by(&self.v.smooth, block.rows()) {
+                let place = strip * self.n_v + r;
+                if !self.has_gradient_u[place] {
+                    self.has_gradient_u[place] = true;
+                    let samples = r * self.stride..(r + 1) * self.stride;
+                    let smooth = &self.smooth[samples.clone()];
+                    let along = upsample::<S, N_VECTORS>(s, smooth, &of_difference);
+                    let across = upsample::<S, N_VECTORS>(s, smooth, &of_smooth);
+                    let through = upsample::<S, N_VECTORS>(s, &self.through[samples], &of_smooth);
+                    s.store(along, &mut self.along_u[place].0);
+                    s.store(across, &mut self.smooth_u[place].0);
+                    s.store(through, &mut self.through_u[place].0);
+                }
+            }
+            return;
+        }
         if GRADIENT {
             let of_difference = self.u.difference.group(strip);
             for r in rows {

@@ -2,14 +2,17 @@
 //!
 //! A field has samples of its own, on the volume's grid or an evenly coarser one along the same axes.
 
+use wavesplat_core::Gradient;
+
 use crate::source::slices::Slices;
 
 /// Samples of a field and where they lie.
+#[derive(Clone)]
 pub struct Field<'a> {
     /// Their values are densities.
     pub slices: Slices<'a>,
     /// Index position in the field of index position 0 of the volume, along x, y and z, and per index step of it.
     pub from_index: [(f64, f64); 3],
-    /// Half distance of differences, field samples; `None` where the gradient of the field is not wanted.
-    pub gradient_offset: Option<f64>,
+    /// How its gradient is estimated, field samples; `None` where that is not wanted.
+    pub gradient: Option<Gradient>,
 }

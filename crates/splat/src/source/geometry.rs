@@ -9,6 +9,7 @@ use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
 use wavesplat_compute::simd::Level;
+use wavesplat_core::Gradient;
 
 /// Sheet-wide facts of one base plane.
 pub struct SheetGeometry<'a> {
@@ -25,25 +26,24 @@ pub struct SheetGeometry<'a> {
 }
 
 impl<'a> SheetGeometry<'a> {
-    /// `gradient_offset`: half distance of differences, voxels; `None` where no gradient is wanted.
-    pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient_offset: Option<f64>) -> Self {
+    /// `gradient`: how it is estimated, voxels; `None` where none is wanted.
+    pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient: Option<Gradient>) -> Self {
         let size = slices.grid().size();
-        let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient_offset };
+        let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient };
         Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: [(0.0, 1.0); 3] }
     }
 
     /// The same texels over the samples of a field.
     pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
         let from_index = plane.family.axes.map(|a| field.from_index[a]);
-        let own = Self::new(level, plane, &field.slices, field.gradient_offset);
+        let own = Self::new(level, plane, &field.slices, field.gradient);
         Self { from_index, ..own }
     }
 
     /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
     pub fn has_weights_of(&self, other: &Self) -> bool {
         let is_alike = |a: &Axis, b: &Axis| {
-            (a.kernel, a.n_samples) == (b.kernel, b.n_samples)
-                && (b.gradient_offset.is_none() || a.gradient_offset == b.gradient_offset)
+            (a.kernel, a.n_samples) == (b.kernel, b.n_samples) && (b.gradient.is_none() || a.gradient == b.gradient)
         };
         self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
     }
@@ -107,18 +107,18 @@ impl<'a> SheetGeometry<'a> {
 /// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
 pub fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     let [from, to] = reached(axis, [lo, hi]);
-    let Some(offset) = axis.gradient_offset else { return [from, to] };
+    let Some(Gradient::Difference(offset)) = axis.gradient else { return [from, to] };
     // A difference that starts at a face is as long as any other; its last weights are 0.
     let first = (hi - offset).max(0.0).floor() as i64 - reach(axis.kernel) as i64;
-    [from, to.max(first + axis.n_difference_taps(offset) as i64)]
+    [from, to.max(first + axis.n_gradient_taps() as i64)]
 }
 
 /// First and last sample that values and differences at the positions of an interval reach, with one to spare for
 /// positions in f32.
 pub fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
-    let offset = axis.gradient_offset.map_or(0, |offset| offset.ceil() as i64);
-    let before = reach(axis.kernel) as i64 + offset + 1;
-    let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + offset + 1;
+    let margin = axis.gradient_margin() as i64;
+    let before = reach(axis.kernel) as i64 + margin + 1;
+    let after = (n_taps(axis.kernel) - 1 - reach(axis.kernel)) as i64 + margin + 1;
     [lo.floor() as i64 - before, hi.floor() as i64 + after]
 }
 
@@ -134,9 +134,11 @@ mod tests {
     fn windows_hold_the_footprints_of_their_texels() {
         let places = [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)];
         for (name, kernel) in Kernel::NAMES {
-            for gradient_offset in [None, Some(0.1), Some(0.5), Some(1.0), Some(1.7), Some(2.0), Some(2.5), Some(4.0)] {
+            let differences = [0.1, 0.5, 1.0, 1.7, 2.0, 2.5, 4.0].map(|offset| Some(Gradient::Difference(offset)));
+            let smoothed = [0.4, 0.8, 1.0, 1.25].map(|deviation| Some(Gradient::Smoothed(deviation)));
+            for gradient in [None].into_iter().chain(differences).chain(smoothed) {
                 for (n_samples, origin, step) in places {
-                    let axis = Axis { kernel, n_samples, gradient_offset };
+                    let axis = Axis { kernel, n_samples, gradient };
                     let mut footprints = AxisFootprints::default();
                     footprints.build(&axis, [origin, step], 2, 0b11);
                     let last = (n_samples - 1) as f64;
@@ -144,7 +146,7 @@ mod tests {
                     let [from, to] = window(&axis, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
                     let [first, end] = footprints.window;
                     let holds = from <= first && end <= to;
-                    assert!(holds, "{name} {gradient_offset:?} {origin}: [{first}, {end}] in [{from}, {to}]");
+                    assert!(holds, "{name} {gradient:?} {origin}: [{first}, {end}] in [{from}, {to}]");
                 }
             }
         }

@@ -55,7 +55,7 @@ use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, Composite, Error, Grid, Kernel, Picture, Projection, RenderOptions, Result, TransferFunction,
+    Camera, Composite, Error, Gradient, Grid, Kernel, Picture, Projection, RenderOptions, Result, TransferFunction,
 };
 
 use crate::kernel::prefilter;
@@ -163,9 +163,7 @@ pub fn render(
             Buffer::View => view::draw(&scene, monitor, &mut report)?,
         };
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        if let Some(background) = options.background {
-            picture.over_background(background);
-        }
+        picture.finish(options.shading.as_ref(), options.background);
         Ok((picture, report))
     })
 }
@@ -210,15 +208,11 @@ pub(crate) fn validate(options: &RenderOptions) -> Result<()> {
         return refuse("depth of standard splatting", "wanted".to_owned(), "available", mend);
     }
     if let Some(shading) = &options.shading
-        && shading.gradient_offset != 1.0
+        && shading.gradient != Gradient::Difference(1.0)
     {
-        let mend = "samples are shaded with the differences of their neighbours; leave it at 1";
-        return refuse(
-            "gradient_offset (voxels) of standard splatting",
-            shading.gradient_offset.to_string(),
-            "1",
-            mend,
-        );
+        let mend = "samples are shaded with the differences of their neighbours; pass Shading.headlight()";
+        let value = format!("{:?}", shading.gradient);
+        return refuse("gradient of standard splatting", value, "differences over one voxel", mend);
     }
     if let Some(shading) = &options.shading
         && (shading.ambient_occlusion != 0.0 || shading.shadow != 0.0)

@@ -3,8 +3,8 @@
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use wavesplat_compute::simd::{LANES, Lanes, Level, Simd, VectorKernel};
 use wavesplat_core::{
-    Camera, ColorNode, Composite, Crop, Kernel, Light, LightFrame, OpacityNode, Projection, RenderOptions, Shading,
-    TransferFunction,
+    Camera, ColorNode, Composite, Crop, Gradient, Kernel, Light, LightFrame, OpacityNode, Projection, RenderOptions,
+    Shading, TransferFunction,
 };
 use wavesplat_splat::Layer;
 use wavesplat_splat::kernel::footprint::{Axis, AxisFootprints};
@@ -58,7 +58,11 @@ fn kernel(case: &Case) -> Kernel {
 
 fn footprint(level: Level, case: &Case) -> Arrays {
     let (kernel, n) = (kernel(case), case.count("n_positions"));
-    let axis = Axis { kernel, n_samples: case.count("n_samples"), gradient_offset: Some(case.number("offset")) };
+    let axis = Axis {
+        kernel,
+        n_samples: case.count("n_samples"),
+        gradient: Some(Gradient::Difference(case.number("offset"))),
+    };
     let n_groups = n / LANES;
     let mut tables = AxisFootprints::default();
     level.run(
@@ -83,7 +87,7 @@ fn footprint(level: Level, case: &Case) -> Arrays {
 
 fn slice_taps(case: &Case) -> Arrays {
     let n_samples = case.count("n_samples");
-    let axis = Axis { kernel: kernel(case), n_samples, gradient_offset: Some(case.number("offset")) };
+    let axis = Axis { kernel: kernel(case), n_samples, gradient: Some(Gradient::Difference(case.number("offset"))) };
     let dense = |taps: &dyn Fn(f64) -> SliceTaps| {
         let mut dense = Vec::new();
         for w in case.numbers("w") {
@@ -318,7 +322,7 @@ fn shade(level: Level, case: &Case) -> Arrays {
         specular: case.number("specular") as f32,
         specular_power: case.number("power") as f32,
         lights: lights.collect(),
-        ..Shading::default()
+        ..Shading::headlight()
     };
     let camera = camera_along(2, DVec3::ZERO);
     let shader = Shader::new(&shading, &camera, world_from_index, &family, [0.0, 1.0]);

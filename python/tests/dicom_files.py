@@ -1,0 +1,94 @@
+"""DICOM files made up by pydicom: single slices, and enhanced files of many frames."""
+
+from __future__ import annotations
+
+import numpy as np
+
+CT, MR_ENHANCED = "1.2.840.10008.5.1.4.1.1.2", "1.2.840.10008.5.1.4.1.1.4.1"
+EXPLICIT_LITTLE = "1.2.840.10008.1.2.1"
+TYPES = {"u1": (8, 0), "u2": (16, 0), "i2": (16, 1), "u4": (32, 0)}
+
+
+def base(pixels, number=0, *, modality="CT", series="1.2.3", sop_class=CT, bits_stored=None, **attributes):
+    """A dataset with pixels [rows, columns] or [frames, rows, columns] and no place."""
+    from pydicom.dataset import Dataset, FileMetaDataset
+    from pydicom.uid import UID
+
+    dataset = Dataset()
+    dataset.file_meta = FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = UID(EXPLICIT_LITTLE)
+    dataset.SOPClassUID = dataset.file_meta.MediaStorageSOPClassUID = sop_class
+    dataset.SOPInstanceUID = dataset.file_meta.MediaStorageSOPInstanceUID = f"{series}.{number + 1}"
+    dataset.SeriesInstanceUID, dataset.StudyInstanceUID = series, "1.2.9"
+    dataset.Modality, dataset.InstanceNumber = modality, number
+    dataset.Rows, dataset.Columns = pixels.shape[-2:]
+    dataset.SamplesPerPixel, dataset.PhotometricInterpretation = 1, "MONOCHROME2"
+    bits, sign = TYPES[pixels.dtype.str[1:]]
+    dataset.BitsAllocated, dataset.BitsStored, dataset.PixelRepresentation = bits, bits_stored or bits, sign
+    dataset.HighBit = dataset.BitsStored - 1
+    data = pixels.tobytes()
+    dataset.PixelData = data + b"\0" * (len(data) % 2)
+    dataset["PixelData"].VR = "OB" if bits == 8 else "OW"
+    for name, value in attributes.items():
+        setattr(dataset, name, value)
+    return dataset
+
+
+def slice_at(pixels, number, z=None, *, spacing=(0.8, 0.7), **attributes):
+    """A slice of a series along z, 1.5 mm apart."""
+    place = [10.0, 20.0, 30.0 + (1.5 * number if z is None else z)]
+    placed = {
+        "ImagePositionPatient": place,
+        "ImageOrientationPatient": [1, 0, 0, 0, 1, 0],
+        "PixelSpacing": list(spacing),
+    }
+    return base(pixels, number, **{**placed, **attributes})
+
+
+def save(folder, datasets):
+    """A file for each."""
+    folder.mkdir(exist_ok=True)
+    for number, dataset in enumerate(datasets):
+        dataset.save_as(folder / f"{number:03}.dcm", enforce_file_format=True)
+    return folder
+
+
+def enhanced(pixels, frames, **attributes):
+    """A file of many frames. `frames`: for each its z, and slope, intercept, stack, time, label if given."""
+    from pydicom.dataset import Dataset
+
+    def item(**values):
+        dataset = Dataset()
+        for name, value in values.items():
+            setattr(dataset, name, value)
+        return dataset
+
+    dataset = base(pixels, modality="MR", sop_class=MR_ENHANCED, NumberOfFrames=len(pixels), **attributes)
+    dataset.SharedFunctionalGroupsSequence = [item(PixelMeasuresSequence=[item(PixelSpacing=[0.8, 0.7])])]
+    dataset.DimensionIndexSequence = [
+        item(DimensionIndexPointer=0x00209056),
+        item(DimensionIndexPointer=0x00209057),
+        item(DimensionIndexPointer=0x00209128),
+    ]
+    groups = []
+    for frame in frames:
+        z, slope, intercept, stack, time, label = (*frame, *(1.0, 0.0, "1", 1, "M")[len(frame) - 1 :])
+        orientation = [1, 0, 0, 0, 1, 0] if stack == "1" else [0, 1, 0, 0, 0, 1]
+        place = [10.0, 20.0, 30.0 + z] if stack == "1" else [10.0 + z, 20.0, 30.0]
+        content = item(StackID=stack, TemporalPositionIndex=time, DimensionIndexValues=[int(stack), 1, time])
+        groups.append(
+            item(
+                FrameContentSequence=[content],
+                PlanePositionSequence=[item(ImagePositionPatient=place)],
+                PlaneOrientationSequence=[item(ImageOrientationPatient=orientation)],
+                PixelValueTransformationSequence=[item(RescaleSlope=slope, RescaleIntercept=intercept)],
+                MRImageFrameTypeSequence=[item(FrameType=["ORIGINAL", "PRIMARY", label])],
+            )
+        )
+    dataset.PerFrameFunctionalGroupsSequence = groups
+    return dataset
+
+
+def random(n, dtype=np.uint16, size=(6, 7), most=3000):
+    """As many frames of random numbers."""
+    return np.random.default_rng(n).integers(0, most, (n, *size)).astype(dtype)

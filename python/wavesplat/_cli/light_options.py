@@ -1,0 +1,86 @@
+"""The options that say how surfaces are lit, declared once, and the shading that they make of a look's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wavesplat._cli import parsers
+from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._looks.shading import Shading
+
+__all__ = ["LightOptions", "chosen_shading", "takes_light_options"]
+
+
+def _light(text: str) -> Any:
+    """A light by name, or its direction."""
+    if text in ("key", "headlight"):
+        return text
+    return parsers.numbers(3, "-1,1,1.5, key or headlight")(text)
+
+
+@dataclass(frozen=True)
+class LightOptions:
+    """What is said about light; what is not said is the look's."""
+
+    shading: Annotated[bool, typer.Option(help="Light the surfaces, or draw colours as they are.")] = True
+    light: Annotated[
+        Any,
+        typer.Option(
+            metavar="key|headlight|X,Y,Z",
+            parser=_light,
+            help="key: from the upper left, with a fill light. headlight: as VTK and Slicer have it. "
+            "Or the direction to it: x right, y up, z to the eye.",
+        ),
+    ] = None
+    ambient: Annotated[float | None, typer.Option(metavar="SHARE", help="Light that comes from everywhere.")] = None
+    diffuse: Annotated[float | None, typer.Option(metavar="SHARE", help="Light on surfaces that face it.")] = None
+    specular: Annotated[float | None, typer.Option(metavar="SHARE", help="Highlights.")] = None
+    specular_power: Annotated[
+        float | None, typer.Option(metavar="POWER", help="Higher is a smaller, sharper highlight.")
+    ] = None
+    exposure: Annotated[float | None, typer.Option(metavar="FACTOR", help="Factor of all light; 1 is neutral.")] = None
+    occlusion: Annotated[float | None, typer.Option(metavar="0..1", help="How much hollows darken.")] = None
+    shadow: Annotated[float | None, typer.Option(metavar="0..1", help="How dark the first light's shadow is.")] = None
+    gradient_smoothing: Annotated[
+        float | None,
+        typer.Option(metavar="VOXELS", help="Smooth normals by 0.4 to 1.25 voxels; 0: differences, as VTK has them."),
+    ] = None
+
+
+def takes_light_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `lighting`."""
+    return with_options_of(LightOptions, "lighting", command)
+
+
+def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None:
+    """A look's own shading with what the options change."""
+    from wavesplat._looks.shading import Light, Shading
+
+    asked = given(options)
+    if not options.shading:
+        if len(asked) > 1:
+            others = ", ".join(name for name in asked if name != "--shading")
+            raise ArgumentError(f"{others} are light; leave out --no-shading")
+        return None
+    if not asked:
+        return own
+    if options.light == "headlight":
+        base = Shading.headlight()
+    elif own is None or options.light == "key":
+        base = Shading()
+    else:
+        base = own
+    terms = ("ambient", "diffuse", "specular", "specular_power", "exposure", "shadow", "gradient_smoothing")
+    changes = {name: getattr(options, name) for name in terms if getattr(options, name) is not None}
+    if options.occlusion is not None:
+        changes["ambient_occlusion"] = options.occlusion
+    if isinstance(options.light, tuple):
+        changes["lights"] = [Light(options.light)]
+    return base.changed(**changes)

@@ -1,0 +1,289 @@
+"""The look that a volume gets by itself: by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
+
+What is homogeneous, or noise, must not cover what lies behind it. Where nothing is known but the values, opacities
+follow Kindlmann and Durkin (1998): high at the values that boundaries between two materials pass through, where
+gradients are largest, and low at the values of the materials themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import histogram
+from wavesplat._looks.kinds import Evidence, Kind, evidence
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model import units
+from wavesplat._model.units import METRES
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.options import Composite
+
+__all__ = ["automatic"]
+
+Rgb = tuple[float, float, float]
+
+#: Light that lets depth be seen, for solid things.
+SOLID = Shading(ambient_occlusion=0.3)
+#: Of translucent things: a highlight on every faint boundary is noise.
+SOFT = Shading(specular=0.1)
+
+#: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are
+#: solid.
+CT_OPACITY = [(-160, 0.0), (-90, 0.001), (20, 0.004), (80, 0.008), (130, 0.03), (180, 0.2), (280, 0.6), (900, 0.95)]
+CT_COLOR = [
+    (-160, 1.0, 0.9, 0.74),
+    (-20, 1.0, 0.82, 0.66),
+    (60, 1.0, 0.62, 0.5),
+    (130, 0.98, 0.55, 0.42),
+    (200, 1.0, 0.84, 0.68),
+    (320, 1.0, 0.95, 0.85),
+    (900, 1.0, 1.0, 0.97),
+]
+#: From faint to bright: tissue in warm colours, as it is expected; other scans from blue to ivory.
+TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.97, 0.92)]
+MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
+#: Of fluorescence without a colour of its own: green, as GFP has it, white where it is brightest.
+GREEN = (0.35, 1.0, 0.45)
+#: Of values below and above zero, brighter than on paper: they are seen against black.
+SIGNS = [(0.22, 0.5, 1.0), (0.72, 0.86, 1.0), (1.0, 0.84, 0.74), (1.0, 0.34, 0.2)]
+MASK = (0.98, 0.80, 0.56)
+#: The map of `cmap` that fields are shown in.
+FIELD_MAP = "inferno"
+
+
+def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Look:
+    """See `Look.auto`."""
+    low, high = volume.value_range
+    if not low < high:
+        raise ArgumentError(
+            f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
+            "pass a transfer function, or check the file"
+        )
+    if isinstance(volume, WaveletVolume) and volume.is_detail and composite in (None, "over"):
+        function = histogram.signed(volume)
+        return Look(transfer_function=function, name="auto", reason="details of wavelets: values with two signs")
+    known = evidence(volume)
+    if composite is None and known.kind == "PET":
+        return _inverted_maximum(volume, known)
+    if composite in histogram.PROJECTIONS:
+        function = histogram.projected(volume, composite)
+        return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
+    if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
+        clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
+        return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
+    function, shading = LOOKS[known.kind](volume, known)
+    return Look(
+        transfer_function=function,
+        shading=shading,
+        composite=composite or "over",
+        name="auto",
+        reason=known.reason,
+    )
+
+
+def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """The largest uptake along each ray, black on white."""
+    greys = histogram.projected(volume, "maximum")
+    first, last = greys.color[0][0], greys.color[-1][0]
+    # Faint uptake must show: half of the greys for the lower third.
+    color = [(first, 1.0, 1.0, 1.0), (first + 0.3 * (last - first), 0.48, 0.48, 0.48), (last, 0.0, 0.0, 0.0)]
+    function = TransferFunction([(first, 1.0)], color)
+    return Look(
+        transfer_function=function,
+        composite="maximum",
+        shading=None,
+        background="white",
+        name="auto",
+        reason=known.reason,
+    )
+
+
+Made = tuple[TransferFunction, "Shading | None"]
+
+
+def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
+    function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
+    return function, Shading(specular=0.15, ambient_occlusion=0.3)
+
+
+def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """Skin and organs as surfaces: opaque soon above the background."""
+    low, threshold, high = _parted(known)
+    inside = known.values[known.values > threshold]
+    middle, upper = np.percentile(inside, (40.0, 85.0))
+    nodes = _increasing([threshold - 0.4 * (threshold - low), threshold, middle, upper], high - low)
+    opacity = [0.0, 0.05, 0.25, 0.5]
+    return _curves(nodes, opacity, TISSUE, [nodes[0], nodes[1], nodes[2], nodes[3]]), SOLID
+
+
+def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """Boundaries: opacity by how large gradients are at a value, compared with those of the other values."""
+    low, threshold, high = _parted(known)
+    colors = TISSUE if volume.is_anatomical else MATTER
+    values = np.linspace(low, high, 65)
+    strength = _boundary_strength(known, values)
+    rise = np.clip((values - threshold) / max(high - threshold, 1e-12), 0.0, 1.0)
+    strength = 0.3 + 0.7 * strength
+    seen = values > threshold - 0.25 * (threshold - low)
+    alpha = np.where(seen, strength * (0.02 + 0.6 * rise**1.2), 0.0)
+    alpha[-1] = max(alpha[-1], 0.5)
+    nodes = list(zip(values.tolist(), np.clip(alpha, 0.0, 1.0).tolist(), strict=True))
+    return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
+
+
+def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    low, threshold, high = _parted(known)
+    nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
+    return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
+
+
+def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """Light of its own, in the colour of the channel: nothing is shaded."""
+    background, high = np.percentile(known.values, (50.0, 99.9))
+    spread = 1.4826 * float(np.median(np.abs(known.values - background)))
+    low = min(float(background) + 1.2 * spread, float(background) + 0.3 * (float(high) - float(background)))
+    high = max(float(high), low + 1e-6 * max(abs(low), 1.0))
+    channel = volume.facts.channel
+    color = channel.color if channel is not None and channel.color is not None else GREEN
+    # A colour that is dark itself, such as a pure blue, becomes lighter with the value.
+    white = tuple(share + 0.65 * (1.0 - share) for share in color)
+    middle = low + 0.4 * (high - low)
+    across = _across(volume)
+    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 3 * across)), (high, _per_voxel(0.995, 2 * across))]
+    nodes = [(low, *(0.55 * share for share in color)), (middle, *color), (high, *white)]
+    return TransferFunction(opacity, nodes), None
+
+
+def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A block that is cut where the volume ends: grey, opaque, as the slices look."""
+    low, high = np.percentile(known.values, (0.5, 99.5))
+    high = high if high > low else low + 1.0
+    return TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)]), None
+
+
+def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    limit = float(np.percentile(np.abs(known.values), 99.5))
+    across = _across(volume)
+    solid = _per_voxel(0.995, across)
+    places = [(-limit, solid), (-0.3 * limit, 0.0), (0.3 * limit, 0.0), (limit, solid)]
+    nodes = [(value, *color) for value, color in zip((-1.0, -0.3, 0.3, 1.0), SIGNS, strict=True)]
+    return TransferFunction(places, [(limit * value, *color) for value, *color in nodes]), SOFT
+
+
+def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A perceptual colour map, in the logarithm of the value where a few values are far larger than the others."""
+    low, middle, upper, high = (float(v) for v in np.percentile(known.values, (1.0, 50.0, 99.0, 99.9)))
+    positive = known.values[known.values > 0]
+    is_heavy = positive.size > 0.9 * known.values.size and high > 8.0 * max(middle, 1e-300) and middle > 0
+    places = np.linspace(0.0, 1.0, 17)
+    if is_heavy:
+        low = float(np.percentile(positive, 5.0))
+        nodes = low * (high / low) ** places
+    else:
+        nodes = low + (upper - low) * places
+    nodes = np.array(_increasing(nodes.tolist(), high - low))
+    across = _across(volume)
+    # What half of the volume exceeds is nearly clear.
+    clear = float(np.interp(np.percentile(known.values, 70.0), nodes, places))
+    rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
+    opacity = [(float(v), _per_voxel(0.999 * float(r) ** 0.9, across)) for v, r in zip(nodes, rise, strict=True)]
+    return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.4)), SOFT
+
+
+def _mask(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    low, high = float(known.values.min()), float(known.values.max())
+    return _solid(low, high), SOLID
+
+
+def _labels(_volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    return _solid(0.0, 1.0), SOLID
+
+
+def _solid(low: float, high: float) -> TransferFunction:
+    """Opaque from halfway between two values on."""
+    middle = 0.5 * (low + high)
+    return TransferFunction([(middle, 0.0), (middle, 1.0)], [(middle, *MASK)])
+
+
+LOOKS: dict[Kind, Callable[[Any, Evidence], Made]] = {
+    "CT": _ct,
+    "MR": _tissue,
+    "PET": _tissue,
+    "ultrasound": _ultrasound,
+    "fluorescence": _fluorescence,
+    "EM": _em,
+    "signed field": _signed_field,
+    "field": _field,
+    "mask": _mask,
+    "labels": _labels,
+    "scan": _scan,
+}
+
+
+def _parted(known: Evidence) -> tuple[float, float, float]:
+    """Values that count as smallest and largest, and the threshold between background and object."""
+    low, high = histogram.robust_range_of(known.values)
+    return low, histogram.otsu(known.values, low, high), high
+
+
+def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How large gradients are at each value, 0..1: the mean over samples near it, against the largest mean."""
+    step = float(values[1] - values[0])
+    place = np.clip(np.round((known.values - values[0]) / step).astype(np.int64), 0, values.size - 1)
+    counts = np.bincount(place, minlength=values.size).astype(np.float64)
+    sums = np.bincount(place, weights=known.gradients, minlength=values.size)
+    around = np.array([0.25, 0.5, 0.25])
+    counts, sums = (np.convolve(np.pad(array, 1, mode="edge"), around, mode="valid") for array in (counts, sums))
+    mean = np.where(counts > 0, sums / np.maximum(counts, 1e-9), 0.0)
+    enough = counts > 1e-5 * known.values.size
+    return np.asarray(mean / max(float(mean[enough].max(initial=0.0)), 1e-12)).clip(0.0, 1.0)
+
+
+def _across(volume: Volume | WaveletVolume) -> float:
+    """Voxels that a ray goes through, about."""
+    return float(sum(volume.shape)) / 3.0
+
+
+def _per_voxel(opacity: float, n_voxels: float) -> float:
+    """What a voxel must be for a tenth of so many to have an opacity."""
+    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
+
+
+def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
+    """Equal percentiles would make steps; they are kept a small distance apart."""
+    least = 1e-3 * extent
+    out = [float(nodes[0])]
+    for node in nodes[1:]:
+        out.append(max(float(node), out[-1] + least))
+    return out
+
+
+def _curves(nodes: list[float], opacity: list[float], colors: Sequence[Rgb], places: Any) -> TransferFunction:
+    return TransferFunction(
+        list(zip(nodes, opacity, strict=True)),
+        [(float(place), *color) for place, color in zip(places, colors, strict=True)],
+    )
+
+
+def _colored(colors: Sequence[Rgb], low: float, high: float) -> list[tuple[float, float, float, float]]:
+    return [(float(v), *color) for v, color in zip(np.linspace(low, high, len(colors)), colors, strict=True)]
+
+
+def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, float, float, float]]:
+    """Colours of a map from `start` on: its dark end cannot be seen on black."""
+    from cmap import Colormap
+
+    places = np.linspace(start, 1.0, nodes.size)
+    colors = (Colormap(name)(place) for place in places)
+    return [(float(v), float(c.r), float(c.g), float(c.b)) for v, c in zip(nodes, colors, strict=True)]

@@ -1,0 +1,184 @@
+"""What kind of data a volume holds: what its file says, else what its values look like.
+
+Facts of the file (modality, unit, whether the axes are a patient's) come first. Where they are missing, the values
+decide by tests that are told with the result: Hounsfield units have air and soft tissue at the fixed points of their
+scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs;
+PET has no negative values, coarse samples and a few very bright spots.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "looks_like_hounsfield"]
+
+Kind: TypeAlias = Literal[
+    "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
+]
+
+#: Samples looked at, at most, each with its neighbours along the three axes.
+N_SAMPLES_MAX = 150_000
+#: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
+MODALITIES: dict[str, Kind] = {
+    "MR": "MR",
+    "PT": "PET",
+    "NM": "PET",
+    "US": "ultrasound",
+    "IVUS": "ultrasound",
+    "fluorescence": "fluorescence",
+    "EM": "EM",
+}
+#: Least shares of samples within 200 of air (-1000) and of soft tissue (0), Hounsfield units.
+LEAST_SHARE = 0.02
+#: PET: samples at least so far apart, millimetres, and so much between the 90th and the 99.9th percentile. (A PET of a
+#: body: 3.4 mm, 13 times; MR of heads: 1 mm, 2 to 3 times.)
+PET_SPACING_MM, PET_TAIL = 1.8, 8.0
+#: Labels: at most so many, and at least this share of neighbours inside them is the same. (Nuclei: 0.9; noise: 0.05.)
+MAX_LABELS, LEAST_ALIKE = 2000, 0.75
+#: Signs: the smaller of the two tails is at least this share of the larger one.
+LEAST_TAIL = 0.15
+#: Dense tissue: half of the samples are above this share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
+LEAST_BRIGHT = 0.45
+#: Units that microscopes use.
+SMALL_UNITS = ("um", "nm", "angstrom", "pm")
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The kind of data, why it is thought so, and the samples that were looked at."""
+
+    kind: Kind
+    reason: str
+    values: NDArray[np.float64]
+    #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`.
+    gradients: NDArray[np.float64]
+
+    @property
+    def is_guess(self) -> bool:
+        """Whether only the values speak for it."""
+        return self.reason.endswith("by the values")
+
+
+def evidence(volume: Volume | WaveletVolume) -> Evidence:
+    """What kind of data a volume holds."""
+    samples, neighbours = _looked_at(volume)
+    values = samples.astype(np.float64)
+    differences = [0.5 * (after.astype(np.float64) - before) for before, after in neighbours]
+    gradients = np.sqrt(sum((d * d for d in differences), np.zeros_like(values)))
+    finite = np.isfinite(values) & np.isfinite(gradients)
+    alike = _share_alike(samples, neighbours)
+    values, gradients = values[finite], gradients[finite]
+    kind, reason = _kind(volume, values, alike)
+    return Evidence(kind, reason, values, gradients)
+
+
+def hounsfield_shares(values: NDArray[Any]) -> tuple[float, float]:
+    """Shares of the values that are near air and near soft tissue on Hounsfield's scale."""
+    air, soft_tissue = (float(np.mean(np.abs(values - value) < 200)) if values.size else 0.0 for value in (-1000, 0))
+    return air, soft_tissue
+
+
+def looks_like_hounsfield(values: NDArray[Any]) -> bool:
+    """Whether values have both fixed points of the scale."""
+    return min(hounsfield_shares(values)) > LEAST_SHARE
+
+
+def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:
+    return _segmentation(values, alike) or _by_facts(volume, values) or _by_values(volume, values)
+
+
+def _segmentation(values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
+    n_values = np.unique(values).size
+    if n_values <= 2:
+        return "mask", "a mask: it has but two values"
+    is_whole = bool(np.all(values == np.round(values)))
+    if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= LEAST_ALIKE:
+        return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
+    return None
+
+
+def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
+    modality = volume.modality
+    if modality in (None, "CT") and looks_like_hounsfield(values):
+        told = "the file says CT, and " if modality == "CT" else ""
+        return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
+    if modality in MODALITIES:
+        return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
+    if volume.unit not in SMALL_UNITS:
+        return None
+    # Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture.
+    if _is_dense(values):
+        return "EM", f"dense microscopy: lengths in {volume.unit}, and mostly bright, by the values"
+    return "fluorescence", f"fluorescence: lengths in {volume.unit}, and mostly dark, by the values"
+
+
+def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str]:
+    numbers = getattr(volume, "dtype", np.dtype(np.float32)).kind
+    low, high = np.percentile(values, (0.5, 99.5))
+    if numbers == "f" and low < 0 < high and min(-low, high) >= LEAST_TAIL * max(-low, high):
+        return "signed field", "a field with two signs, by the values"
+    if volume.is_anatomical:
+        if numbers == "u" or values.min() < 0:
+            return "scan", "a scan of no fixed scale"
+        if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
+            return "PET", "PET: coarse samples and a few very bright spots, by the values"
+        return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
+    if numbers == "f":
+        return "field", "a field of floating-point numbers"
+    if _is_dense(values):
+        return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
+    return "scan", "a scan of no fixed scale"
+
+
+def _is_dense(values: NDArray[np.float64]) -> bool:
+    low, middle, high = np.percentile(values, (1.0, 50.0, 99.0))
+    return bool(middle > low + LEAST_BRIGHT * (high - low))
+
+
+def _tail(values: NDArray[np.float64]) -> float:
+    upper, top = np.percentile(values, (90.0, 99.9))
+    return float(top / upper) if upper > 0 else math.inf
+
+
+Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
+
+
+def _looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
+    """Samples evenly through the volume, and their two neighbours along each axis that has any, all flat."""
+    step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
+    if not hasattr(volume, "samples"):
+        coarse = volume._every(step)
+        return _with_neighbours(coarse, 1)
+    return _with_neighbours(volume.samples, step)
+
+
+def _with_neighbours(samples: NDArray[Any], step: int) -> tuple[NDArray[Any], Pairs]:
+    inside = [slice(1, n - 1, step) if n >= 3 else slice(0, n, step) for n in samples.shape]
+    pairs = []
+    for axis, n in enumerate(samples.shape):
+        if n >= 3:
+            before, after = list(inside), list(inside)
+            before[axis], after[axis] = slice(0, n - 2, step), slice(2, n, step)
+            pairs.append((samples[tuple(before)].ravel(), samples[tuple(after)].ravel()))
+    return samples[tuple(inside)].ravel(), pairs
+
+
+def _share_alike(samples: NDArray[Any], neighbours: Pairs) -> float:
+    """Of the samples that are not the commonest value, how many have the value of both neighbours along an axis."""
+    if not neighbours or not samples.size:
+        return 0.0
+    found, counts = np.unique(samples, return_counts=True)
+    inside = samples != found[counts.argmax()]
+    if not inside.any():
+        return 0.0
+    shares = [np.mean((samples == before)[inside] & (samples == after)[inside]) for before, after in neighbours]
+    return float(np.mean(shares))

@@ -1,0 +1,116 @@
+"""Arrays whose axes have names and coordinates, as those of xarray: in which order they are, and where they lie.
+
+They are known by what they have, so that xarray need not be installed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model import units
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Labelled", "is_labelled", "unlabelled"]
+
+#: Names of axes, in lower case -> ours.
+NAMES = {
+    **dict.fromkeys(("z", "depth", "plane", "slice", "lev", "level", "altitude", "alt"), "z"),
+    **dict.fromkeys(("y", "row", "lat", "latitude"), "y"),
+    **dict.fromkeys(("x", "col", "column", "lon", "longitude"), "x"),
+}
+#: Part of a step by which coordinates may be off: many are float32.
+TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """Samples [z, y, x], the affine and unit that coordinates give, what the array is called, and what was guessed."""
+
+    samples: NDArray[Any]
+    world_from_index: NDArray[np.float64] | None
+    unit: str | None
+    name: str | None
+    guesses: tuple[str, ...] = ()
+
+
+def is_labelled(samples: object) -> bool:
+    """Whether an array has names and coordinates for its axes."""
+    return hasattr(samples, "dims") and hasattr(samples, "coords")
+
+
+def unlabelled(array: Any, *, has_place: bool) -> Labelled:
+    """The samples in our order. `has_place`: where they lie is said otherwise, so coordinates do not count."""
+    if callable(getattr(array, "values", None)) or not hasattr(array, "transpose"):
+        names = ", ".join(map(str, getattr(array, "data_vars", ()))) or "none"
+        raise ArgumentError(f"this is a {type(array).__name__} of several arrays ({names}); give one of them")
+    sizes = dict(zip(array.dims, array.shape, strict=True))
+    spatial = _spatial_axes(sizes)
+    extra = [name for name in array.dims if name not in spatial]
+    for name in extra:
+        if sizes[name] != 1:
+            raise ArgumentError(
+                f"the array has the axes {', '.join(map(str, array.dims))}; a volume is z, y, x: "
+                f"choose one place along {name!r}, as with array.isel({name}=0)"
+            )
+    ordered = array.isel(dict.fromkeys(extra, 0)).transpose(*spatial)
+    title = None if array.name is None else str(array.name)
+    if has_place:
+        return Labelled(np.asarray(ordered), None, None, title)
+    places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
+    said: list[str | None] = [_unit_of(ordered, name) for name in reversed(spatial)]
+    unit, factors = units.in_one_unit((said[0], said[1], said[2]))
+    matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
+    matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
+    matrix[:3] *= np.array(factors)[:, None]
+    bare = [str(name) for name in spatial if name not in ordered.coords]
+    guesses = (
+        () if len(bare) in (0, 3) else (f"distance along {', '.join(bare)} 1: the array has no coordinates there",)
+    )
+    return Labelled(np.asarray(ordered), matrix, unit, title, guesses)
+
+
+def _spatial_axes(sizes: dict[Any, int]) -> list[Any]:
+    """Names of the axes that become z, y, x: those that are called so; else three in their order."""
+    ours: dict[str, list[Any]] = {}
+    for name in sizes:
+        ours.setdefault(NAMES.get(str(name).lower(), ""), []).append(name)
+    if all(len(ours.get(axis, [])) == 1 for axis in "zyx"):
+        return [ours[axis][0] for axis in "zyx"]
+    long = [name for name, size in sizes.items() if size != 1]
+    names = list(sizes) if len(sizes) == 3 else long
+    if len(names) != 3:
+        raise ArgumentError(
+            f"the array has the axes {', '.join(map(str, sizes))}, of which none are called z, y and x; "
+            "choose or rename three, as with array.rename(height='z')"
+        )
+    return names
+
+
+def _first_and_step(array: Any, name: Any) -> tuple[float, float]:
+    """Where the first sample lies along an axis, and how far it is to the next one, which may be backwards."""
+    if name not in array.coords:
+        return 0.0, 1.0
+    places = np.asarray(array.coords[name])
+    if places.dtype.kind not in "iuf":
+        return 0.0, 1.0
+    places = places.astype(np.float64)
+    if len(places) == 1:
+        return float(places[0]), 1.0
+    step = (places[-1] - places[0]) / (len(places) - 1)
+    off = np.abs(places - (places[0] + step * np.arange(len(places)))).max()
+    # Written so that NaN is uneven too.
+    if not (step != 0 and off <= TOLERANCE * abs(step)):
+        raise ArgumentError(
+            f"coordinates along {name!r} are not evenly spaced (they are off by up to {off:.3g}, in steps of "
+            f"{step:.3g}); interpolate with array.interp, or pass spacing=(x, y, z) to draw them as if they were"
+        )
+    return float(places[0]), float(step)
+
+
+def _unit_of(array: Any, name: Any) -> str | None:
+    attributes = getattr(array.coords[name], "attrs", {}) if name in array.coords else {}
+    return units.canonical(attributes.get("units", attributes.get("unit")))

@@ -1,0 +1,180 @@
+"""Stored numbers of DICOM files, frame by frame, without slope and without inversion for display.
+
+What is not compressed is taken from the bytes, which are counted first: there may be too few. RLE is unpacked by
+pydicom, all else by SimpleITK (GDCM), from a copy that says nothing of slopes and displays, so that GDCM applies none.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._readers.dicom_header import Header
+from wavesplat._readers.itk import silenced, simple_itk
+from wavesplat.errors import FileError
+
+__all__ = ["frames_in"]
+
+NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.2"}
+BIG_ENDIAN = "1.2.840.10008.1.2.2"
+RLE = "1.2.840.10008.1.2.5"
+SECONDARY_CAPTURE = "1.2.840.10008.5.1.4.1.1.7"
+ITEM, END_OF_ITEMS, PIXELS_TAG = b"\xfe\xff\x00\xe0", b"\xfe\xff\xdd\xe0", b"\xe0\x7f\x10\x00"
+PIXELS, FLOATS, DOUBLES = 0x7FE00010, 0x7FE00008, 0x7FE00009
+
+
+def frames_in(header: Header) -> NDArray[Any]:
+    """All frames of a file, shape (frames, rows, columns), and samples behind if a pixel has several."""
+    columns, rows = header.size
+    shape = (header.n_frames, rows, columns)
+    payload.check_memory(int(np.prod(shape)) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
+    if header.photometric == "PALETTE COLOR":
+        # GDCM looks colours up; what it is given must be there.
+        if header.transfer_syntax in NATIVE:
+            _native(header, shape)
+        return _by_itk(header.file, shape)
+    if header.n_samples > 1:
+        return _by_neutral_copy(header, shape)
+    if header.transfer_syntax in NATIVE:
+        return _native(header, shape)
+    if header.transfer_syntax == RLE:
+        return _meant(_unpacked_rle(header).reshape(shape), header)
+    return _meant(_by_neutral_copy(header, shape), header)
+
+
+def _native(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
+    from pydicom import dcmread
+
+    dataset = dcmread(header.file, force=True)
+    tag = next((tag for tag in (PIXELS, FLOATS, DOUBLES) if tag in dataset), PIXELS)
+    n_bits = {FLOATS: 32, DOUBLES: 64}.get(tag, header.bits_allocated)
+    content, needed = _counted(dataset, tag, header, n_bits)
+    if n_bits == 1:
+        bits = np.unpackbits(np.frombuffer(content, np.uint8), bitorder="little")
+        return bits[: int(np.prod(shape))].reshape(shape)
+    if n_bits not in (8, 16, 32, 64):
+        raise FileError(f"pixels of {n_bits} bits cannot be read; export them with 8, 16 or 32: {header.file}")
+    kind = "f" if tag in (FLOATS, DOUBLES) else "u"
+    dtype = np.dtype(f"{kind}{n_bits // 8}").newbyteorder(">" if header.transfer_syntax == BIG_ENDIAN else "<")
+    stored = np.frombuffer(content[:needed], dtype).reshape(shape).astype(dtype.newbyteorder("="), copy=False)
+    return stored if kind == "f" else _meant(stored, header)
+
+
+def _counted(dataset: Any, tag: int, header: Header, n_bits: int) -> tuple[bytes, int]:
+    """The bytes of pixels that are not compressed, and how many are needed, of which there are as many."""
+    columns, rows = header.size
+    shape = (header.n_frames, rows, columns, header.n_samples)
+    content = bytes(dataset.get_item(tag).value or b"") if tag in dataset else b""
+    # Of a colour in YBR_FULL_422, two pixels share some.
+    n_numbers = int(np.prod(shape)) * (2 if header.photometric.endswith("_422") else 3) // 3
+    needed = -(-n_numbers * n_bits // 8)
+    if len(content) < needed:
+        described = " x ".join(str(n) for n in (shape if header.n_samples > 1 else shape[:3]))
+        raise FileError(
+            f"too little pixel data: {described} pixels of {n_bits} bits need {needed} bytes, "
+            f"the file holds {len(content)}; copy or export it again: {header.file}"
+        )
+    return content, needed
+
+
+def _meant(stored: NDArray[Any], header: Header) -> NDArray[Any]:
+    """The bits of a pixel that count, with their sign; the others may hold anything."""
+    n_bits = stored.dtype.itemsize * 8
+    unsigned = np.dtype(f"u{stored.dtype.itemsize}")
+    signed = np.dtype(f"i{stored.dtype.itemsize}")
+    if not 0 < header.bits_stored < n_bits:
+        return stored.view(signed if header.is_signed else unsigned)
+    # To the top, where others fall off, and back, which fills with the sign.
+    up = max(n_bits - 1 - header.high_bit, 0)
+    top = np.left_shift(stored.view(unsigned), unsigned.type(up))
+    down = n_bits - header.bits_stored
+    meant: NDArray[Any] = np.right_shift(top.view(signed if header.is_signed else unsigned), down)
+    return meant
+
+
+def _unpacked_rle(header: Header) -> NDArray[Any]:
+    from pydicom import dcmread
+    from pydicom.pixels import decoders
+
+    dataset = dcmread(header.file, stop_before_pixels=True, force=True)
+    _set_pixels(dataset, header)
+    of_all: Any = decoders
+    array: NDArray[Any] = of_all.RLELosslessDecoder.as_array(dataset, raw=True)[0]
+    return array
+
+
+def _set_pixels(dataset: Any, header: Header) -> None:
+    """Give a dataset the compressed pixels of a file, counted to their end."""
+    dataset.PixelData = _fragments(header)
+    dataset["PixelData"].VR = "OB"
+    dataset["PixelData"].is_undefined_length = True
+
+
+def _fragments(header: Header) -> bytes:
+    """Items of compressed pixels, without what ends them, which must be there: else the file was cut.
+
+    (pydicom would warn and take what there is.)
+    """
+    from pydicom import dcmread
+
+    with header.file.open("rb") as file:
+        dcmread(file, stop_before_pixels=True, force=True)
+        content = file.read()
+    end = begin = 12  # tag, type and length of the element
+    is_whole = False
+    while not is_whole and end + 8 <= len(content):
+        tag, length = content[end : end + 4], int.from_bytes(content[end + 4 : end + 8], "little")
+        is_whole = tag == END_OF_ITEMS
+        if not is_whole:
+            if tag != ITEM:
+                break
+            end += 8 + length
+    if not is_whole or content[:4] != PIXELS_TAG:
+        raise FileError(f"truncated: the compressed pixels have no end; copy or export it again: {header.file}")
+    return content[begin:end]
+
+
+def _by_neutral_copy(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
+    """By GDCM, from a copy of the pixels alone."""
+    from pydicom import dcmread
+    from pydicom.dataset import Dataset, FileMetaDataset
+    from pydicom.uid import UID
+
+    copy = Dataset()
+    copy.file_meta = FileMetaDataset()
+    copy.file_meta.TransferSyntaxUID = UID(header.transfer_syntax)
+    copy.file_meta.MediaStorageSOPClassUID = copy.SOPClassUID = UID(SECONDARY_CAPTURE)
+    copy.file_meta.MediaStorageSOPInstanceUID = copy.SOPInstanceUID = UID("2.25.1")
+    copy.SamplesPerPixel = header.n_samples
+    copy.PhotometricInterpretation = "MONOCHROME2" if header.n_samples == 1 else header.photometric
+    copy.Columns, copy.Rows = header.size
+    copy.BitsAllocated, copy.BitsStored, copy.HighBit = header.bits_allocated, header.bits_stored, header.high_bit
+    copy.PixelRepresentation = int(header.is_signed)
+    if header.n_frames > 1:
+        copy.NumberOfFrames = header.n_frames
+    if header.n_samples > 1:
+        copy.PlanarConfiguration = header.planes
+    if header.transfer_syntax in NATIVE:
+        source = dcmread(header.file, force=True)
+        _counted(source, PIXELS, header, header.bits_allocated)
+        copy[PIXELS] = source[PIXELS]
+    else:
+        _set_pixels(copy, header)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "pixels.dcm"
+        copy.save_as(file, enforce_file_format=True)
+        return _by_itk(file, shape)
+
+
+def _by_itk(file: Path, shape: tuple[int, int, int]) -> NDArray[Any]:
+    sitk = simple_itk()
+    with silenced():
+        image = sitk.ReadImage(str(file))
+    array: NDArray[Any] = sitk.GetArrayFromImage(image)
+    n_components = int(image.GetNumberOfComponentsPerPixel())
+    return array.reshape((*shape, n_components) if n_components > 1 else shape)

@@ -1,0 +1,169 @@
+"""Headers of NRRD and MetaImage files: what SimpleITK leaves out of them, units, anatomy, modality, and zlib streams.
+
+NRRD: https://teem.sourceforge.net/nrrd/format.html. Lines are `field: value` or `key:=value`, and only the former are
+the format's own. MetaImage: https://docs.itk.org/en/latest/learn/metaio.html, lines `Field = value`.
+"""
+
+from __future__ import annotations
+
+import re
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model import units
+from wavesplat._model.facts import Facts
+from wavesplat.errors import FileError
+
+__all__ = ["Header", "inflated", "of_meta_image", "of_nrrd", "of_vtk"]
+
+N_HEADER_BYTES = 2**16
+#: NRRD's spaces whose axes are a patient's, as in ITK; a time axis may follow.
+ANATOMICAL_SPACES = {
+    "left-posterior-superior",
+    "lps",
+    "right-anterior-superior",
+    "ras",
+    "left-anterior-superior",
+    "las",
+}
+META_TYPES = {
+    "MET_CHAR": "i1",
+    "MET_UCHAR": "u1",
+    "MET_SHORT": "i2",
+    "MET_USHORT": "u2",
+    "MET_INT": "i4",
+    "MET_UINT": "u4",
+    "MET_LONG": "i4",
+    "MET_ULONG": "u4",
+    "MET_LONG_LONG": "i8",
+    "MET_ULONG_LONG": "u8",
+    "MET_FLOAT": "f4",
+    "MET_DOUBLE": "f8",
+}
+#: Words of headers for how it was measured -> DICOM's.
+MODALITIES = {"mri": "MR", "dwmri": "MR", "mr": "MR", "ct": "CT", "pet": "PT", "pt": "PT", "nm": "NM", "us": "US"}
+
+
+@dataclass(frozen=True)
+class Header:
+    """The fields of a header, names in lower case, and what they say."""
+
+    fields: dict[str, str]
+    facts: Facts
+    #: What turns lengths along the index axes and along the world's axes into the unit of `facts`.
+    index_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    world_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    keys: dict[str, str] = field(default_factory=dict)
+
+    def in_one_unit(self, world_from_index: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The affine with all lengths in one unit."""
+        matrix = world_from_index.copy()
+        matrix[:3, :3] *= self.index_factors
+        matrix[:3] *= np.array(self.world_factors)[:, None]
+        return matrix
+
+
+def of_vtk() -> Header:
+    """A legacy VTK file says nothing of all this."""
+    return Header({}, Facts())
+
+
+# NRRD
+
+
+def of_nrrd(path: Path) -> Header:
+    """The header of an NRRD file, up to an empty line."""
+    fields: dict[str, str] = {}
+    keys: dict[str, str] = {}
+    for line in _lines(path):
+        if not line:
+            break
+        name, colon, value = line.partition(":")
+        if line.startswith("#") or not colon:
+            continue
+        # Of `key:=value` anything may be a key, also the name of a field.
+        if value.startswith("="):
+            keys[name.strip().lower()] = value[1:].strip()
+        else:
+            fields[name.strip().lower()] = value.strip()
+    is_anatomical = fields.get("space", "").lower().removesuffix("-time") in ANATOMICAL_SPACES
+    unit, world_factors = units.in_one_unit(_three_units(fields.get("space units", "")))
+    index_factors = (1.0, 1.0, 1.0)
+    if unit is None and "space directions" not in fields:
+        unit, index_factors = units.in_one_unit(_three_units(fields.get("units", "")))
+    conventions = []
+    if unit is None and is_anatomical:
+        unit = "mm"
+        conventions.append("unit mm: the file names none; programs that read NRRD of patients take millimetres")
+    modality = MODALITIES.get(keys.get("modality", keys.get("0008|0060", "")).lower())
+    guesses = (
+        [] if {"spacings", "space directions"} & set(fields) else ["distances of samples 1, 1, 1: the file has none"]
+    )
+    facts = Facts(
+        unit=unit,
+        is_anatomical=is_anatomical,
+        modality=modality,
+        conventions=tuple(conventions),
+        guesses=tuple(guesses),
+    )
+    return Header(fields, facts, index_factors, world_factors, keys)
+
+
+def _three_units(text: str) -> tuple[str | None, str | None, str | None]:
+    """Of `"mm" "mm" "mm"`, the last three where there are more axes: those before are of vectors."""
+    named = [units.canonical(name) for name in re.findall(r'"((?:[^"\\]|\\.)*)"', text)]
+    return (named[-3], named[-2], named[-1]) if len(named) >= 3 else (None, None, None)
+
+
+# MetaImage
+
+
+def of_meta_image(path: Path) -> Header:
+    """The header of a MetaImage, up to ElementDataFile."""
+    fields: dict[str, str] = {}
+    for line in _lines(path):
+        name, _, value = line.partition("=")
+        fields[name.strip().lower()] = value.strip()
+        if "elementdatafile" in fields:
+            break
+    unit = units.canonical(fields.get("distanceunits", "").replace("?", ""))
+    conventions = ["axes of a patient: MetaImage is ITK's format, and these are ITK's"]
+    if unit is None:
+        unit = "mm"
+        conventions.append("unit mm: the file names none; millimetres are ITK's convention")
+    modality = MODALITIES.get(fields.get("modality", "").lower().removeprefix("met_mod_"))
+    modality = modality or MODALITIES.get(fields.get("0008|0060", "").lower())
+    return Header(fields, Facts(unit=unit, is_anatomical=True, modality=modality, conventions=tuple(conventions)))
+
+
+def inflated(path: Path, header: Header, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Samples of a zlib stream whose length the header does not give, which ITK would read wrong."""
+    fields = header.fields
+    name = fields.get("elementdatafile", "LOCAL")
+    content = path.read_bytes() if name.upper() == "LOCAL" else (path.parent / name).read_bytes()
+    if name.upper() == "LOCAL":
+        line = re.search(rb"(?:\A|\n)[ \t]*ElementDataFile[ \t]*=[^\n]*\n", content)
+        content = content[line.end() :] if line else b""
+    is_big = fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "False")).lower()[:1] == "t"
+    dtype = np.dtype(META_TYPES[fields["elementtype"]]).newbyteorder(">" if is_big else "<")
+    needed = int(np.prod(shape)) * dtype.itemsize
+    # zlib or gzip, as MetaIO takes.
+    stream = zlib.decompressobj(wbits=47)
+    data = stream.decompress(content, needed)
+    if len(data) != needed or (not stream.eof and stream.decompress(stream.unconsumed_tail, 1)) or not stream.eof:
+        raise FileError(
+            f"truncated, or a wrong header: it promises {needed} bytes of samples, the zlib stream holds "
+            f"{len(data)}{'' if len(data) < needed else ' and more'}; copy or export it again: {path}"
+        )
+    return np.frombuffer(data, dtype).reshape(shape)
+
+
+def _lines(path: Path) -> list[str]:
+    """Lines of the start of the file, whatever ends them; other control characters are no ends."""
+    with path.open("rb") as file:
+        return [line.rstrip("\r") for line in file.read(N_HEADER_BYTES).decode("latin-1").split("\n")]

@@ -1,0 +1,227 @@
+"""What TIFF files say of distances, units and channels: by OME's XML, or by ImageJ's lines; a bare TIFF says nothing.
+
+OME: https://docs.openmicroscopy.org/ome-model/latest/. ImageJ: the lines `name=value` of its description, its look-up
+tables, and the tags of resolution, which are pixels per unit.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wavesplat._model import units
+from wavesplat._model.facts import Channel, Facts
+
+if TYPE_CHECKING:
+    from tifffile import TiffFile
+
+__all__ = ["TiffPlace", "place_of"]
+
+#: Nanometres per unit of a wavelength.
+NM = 1e-9
+#: How OME says that light of a dye was measured.
+FLUORESCENCE = {
+    "Fluorescence",
+    "LaserScanningConfocalMicroscopy",
+    "LaserScanningMicroscopy",
+    "SpinningDiskConfocal",
+    "SlitScanConfocal",
+    "MultiPhotonMicroscopy",
+    "SingleMoleculeImaging",
+    "TotalInternalReflection",
+    "FluorescenceLifetime",
+    "FluorescenceCorrelationSpectroscopy",
+    "StructuredIllumination",
+    "STED",
+    "PALM",
+    "STORM",
+    "SPIM",
+}
+
+
+@dataclass(frozen=True)
+class TiffPlace:
+    """Steps along x, y, z, which may be negative, and the facts."""
+
+    steps: tuple[float, float, float]
+    facts: Facts
+
+
+@dataclass(frozen=True)
+class _Said:
+    """What the metadata say; None where they do not."""
+
+    steps: tuple[float | None, float | None, float | None] = (None, None, None)
+    units: tuple[str | None, str | None, str | None] = (None, None, None)
+    facts: Facts = field(default_factory=Facts)
+
+
+def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
+    """Distances, unit and facts of the first image in the file. `has_z`: whether its slices are known to be along z."""
+    said = _of_ome(tiff) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _Said()
+    unit, factors = units.in_one_unit(said.units)
+    steps = [None if step is None else step * factor for step, factor in zip(said.steps, factors, strict=True)]
+    # A missing distance is taken from x: then the stack keeps its proportions at least in scale.
+    x = steps[0] or 1.0
+    y, z = (abs(x) if step is None else step for step in steps[1:])
+    guesses = _guesses(steps, x)
+    if not has_z and said.steps[2] is None:
+        guesses.append("the pages are slices along z: the file does not say what they are")
+    described = zip("xyz", said.units, said.steps, strict=True)
+    bare = ", ".join(name for name, one, step in described if one is None and step is not None)
+    if unit is not None and bare:
+        guesses.append(f"distances along {bare} in {unit}: the file names no unit for them")
+    return TiffPlace((x, y, z), replace(said.facts, unit=unit, guesses=tuple(guesses)))
+
+
+def _guesses(steps: list[float | None], x: float) -> list[str]:
+    if all(step is None for step in steps):
+        return ["distances of samples 1, 1, 1: the file has none"]
+    missing = [name for name, step in zip("xyz", steps, strict=True) if step is None]
+    if not missing:
+        return []
+    if missing == ["z"]:
+        return [f"distance of slices {abs(x):.6g}: the file has none, taken from x"]
+    return [f"distances of samples along {', '.join(missing)} {abs(x):.6g}: the file has none, taken from x"]
+
+
+# ImageJ
+
+
+def _of_imagej(tiff: TiffFile) -> _Said:
+    metadata: dict[str, Any] = tiff.imagej_metadata or {}
+    unit = units.canonical(metadata.get("unit"))
+    own = [units.canonical(metadata.get(f"{axis}unit")) or unit for axis in "yz"]
+    page: Any = tiff.pages[0]
+    x, y = (_between_pixels(page, tag) for tag in ("XResolution", "YResolution"))
+    return _Said(
+        steps=(x, y, _number(metadata.get("spacing"))),
+        units=(unit, own[0], own[1]),
+        facts=Facts(
+            channels=_imagej_channels(metadata),
+            n_times=max(int(metadata.get("frames", 1) or 1), 1),
+            time_step=_number(metadata.get("finterval")),
+            time_unit=_time_unit(metadata.get("tunit"), metadata.get("finterval")),
+        ),
+    )
+
+
+def _between_pixels(page: Any, tag: str) -> float | None:
+    """ImageJ writes pixels per unit; it marks an image without a scale by as many as there are units."""
+    if tag not in page.tags:
+        return None
+    n_pixels, n_units = page.tags[tag].value
+    return n_units / n_pixels if n_pixels and n_units else None
+
+
+def _time_unit(name: Any, step: Any) -> str | None:
+    if step is None:
+        return None
+    return {"sec": "s", "seconds": "s", "": "s"}.get(str(name or ""), str(name or "s"))
+
+
+def _imagej_channels(metadata: dict[str, Any]) -> tuple[Channel, ...]:
+    """Their colours are what the look-up tables end in; a grey one is no colour."""
+    n_channels = int(metadata.get("channels", 1) or 1)
+    tables = metadata.get("LUTs") or []
+    if len(tables) < n_channels or (n_channels == 1 and str(metadata.get("mode", "")) == "grayscale"):
+        tables = []
+    colors = [_table_color(table) for table in tables[:n_channels]]
+    if not any(colors) and n_channels == 1:
+        return ()
+    return tuple(Channel("", color) for color in (colors or [None] * n_channels))
+
+
+def _table_color(table: Any) -> tuple[float, float, float] | None:
+    entries = np.asarray(table)
+    if entries.ndim != 2 or entries.shape[0] != 3:
+        return None
+    red, green, blue = (float(value) / 255 for value in entries[:, -1])
+    is_grey = red == green == blue
+    return None if is_grey else (red, green, blue)
+
+
+# OME
+
+
+def _of_ome(tiff: TiffFile) -> _Said:
+    root = _parsed(tiff.ome_metadata or "")
+    image = None if root is None else next(_named(root, "Image"), None)
+    pixels = None if image is None else next(_named(image, "Pixels"), None)
+    if root is None or pixels is None:
+        return _Said(facts=Facts())
+    steps = tuple(_number(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ")
+    # The standard's default is the micrometre.
+    of_axes = tuple(
+        None if step is None else units.canonical(pixels.get(f"PhysicalSize{axis}Unit", "µm"))
+        for axis, step in zip("XYZ", steps, strict=True)
+    )
+    described = list(_named(pixels, "Channel"))
+    time_step = _number(pixels.get("TimeIncrement"))
+    return _Said(
+        steps=(steps[0], steps[1], steps[2]),
+        units=(of_axes[0], of_axes[1], of_axes[2]),
+        facts=Facts(
+            modality=_ome_modality(described),
+            channels=tuple(_ome_channel(channel) for channel in described),
+            n_times=max(int(pixels.get("SizeT", "1")), 1),
+            time_step=time_step,
+            time_unit=None if time_step is None else pixels.get("TimeIncrementUnit", "s"),
+        ),
+    )
+
+
+def _parsed(text: str) -> ET.Element | None:
+    """The XML; without a document type, there are no entities that could grow."""
+    if "<!DOCTYPE" in text or "\0" in text:
+        return None
+    try:
+        return ET.fromstring(text)  # noqa: S314 - see above
+    except ET.ParseError:
+        return None
+
+
+def _named(element: ET.Element, name: str) -> Any:
+    """Descendants of that name, in whichever namespace."""
+    return (one for one in element.iter() if one.tag.rpartition("}")[2] == name)
+
+
+def _ome_channel(channel: ET.Element) -> Channel:
+    wavelength = _number(channel.get("EmissionWavelength"))
+    if wavelength is not None:
+        size = units.metres(units.canonical(channel.get("EmissionWavelengthUnit", "nm")))
+        wavelength = None if size is None or wavelength <= 0 else float(f"{wavelength * size / NM:.9g}")
+    color = channel.get("Color")
+    return Channel(
+        channel.get("Name") or channel.get("Fluor") or "",
+        None if color is None else _rgba_color(int(color)),
+        wavelength,
+    )
+
+
+def _rgba_color(number: int) -> tuple[float, float, float]:
+    """OME's signed 32-bit integer: red, green, blue, alpha, the first the highest byte."""
+    red, green, blue = (((number >> shift) & 255) / 255 for shift in (24, 16, 8))
+    return red, green, blue
+
+
+def _ome_modality(channels: list[ET.Element]) -> str | None:
+    for channel in channels:
+        if {channel.get("ContrastMethod"), channel.get("AcquisitionMode")} & FLUORESCENCE:
+            return "fluorescence"
+        if channel.get("EmissionWavelength") is not None or channel.get("Fluor"):
+            return "fluorescence"
+    return None
+
+
+def _number(text: Any) -> float | None:
+    """A finite number other than zero, or None."""
+    try:
+        number = float(text)
+    except (TypeError, ValueError):
+        return None
+    return number if isfinite(number) and number != 0 else None

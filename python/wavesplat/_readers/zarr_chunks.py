@@ -1,0 +1,75 @@
+"""Are the chunks of a Zarr array whole? Asked of files before they are decoded.
+
+Blosc says in each chunk how long it is and reads so far, also past the end of what it is given: a file that was cut
+short comes back with whatever lies behind it in memory. A shard of no bytes is taken for one that is not there.
+Header of Blosc: https://www.blosc.org/c-blosc2/format/chunk_format.html, the packed size in bytes 12 to 16.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wavesplat.errors import FileError
+
+__all__ = ["check_chunks"]
+
+BLOSC_HEADER = 16
+
+
+def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> None:
+    """A `FileError` that names the first chunk that is cut short, of those that hold the picked samples.
+
+    Of stores that are no folders, and of zarr 2, nothing is checked.
+    """
+    for name, file in _files(array, picked):
+        size = file.stat().st_size
+        needed = _n_bytes_needed(array, file)
+        if size == 0 or size < needed:
+            raise FileError(
+                f"truncated: chunk {name!r} needs {max(needed, 1)} bytes, its file holds {size}; "
+                f"copy or export it again: {path}"
+            )
+
+
+def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Path]]:
+    """Names and files of the chunks; those that are not there are all fill value."""
+    place = getattr(array, "store_path", None)
+    root = getattr(getattr(place, "store", None), "root", None)
+    encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
+    if root is None or encode is None:
+        return
+    folder = Path(root) / getattr(place, "path", "")
+    sizes = _file_chunks(array)
+    numbers = [
+        range(-(-n // size)) if isinstance(part, slice) else (part // size,)
+        for n, size, part in zip(array.shape, sizes, picked, strict=True)
+    ]
+    for number in product(*numbers):
+        name = str(encode(number))
+        if (folder / name).is_file():
+            yield name, folder / name
+
+
+def _file_chunks(array: Any) -> tuple[int, ...]:
+    """Samples along each axis that share a file."""
+    shards = getattr(array, "shards", None)
+    return tuple(int(n) for n in (shards or array.chunks))
+
+
+def _n_bytes_needed(array: Any, file: Path) -> int:
+    """How long the file must be at least; 0 where only decoding tells."""
+    codecs = [*(array.filters or ()), *(array.compressors or ())]
+    if getattr(array, "shards", None):
+        return 0
+    if not codecs:
+        return int(np.prod(array.chunks)) * int(array.dtype.itemsize)
+    if "blosc" not in type(codecs[-1]).__name__.lower():
+        return 0
+    with file.open("rb") as stream:
+        header = stream.read(BLOSC_HEADER)
+    return int.from_bytes(header[12:16], "little") if len(header) == BLOSC_HEADER else BLOSC_HEADER

@@ -1,0 +1,134 @@
+"""The camera of a picture for which none is given: the side that the data are usually seen from, as near as they fit.
+
+What is framed is what the transfer function shows, not the box of samples around it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.camera import Camera
+from wavesplat._model.options import VIEWS
+from wavesplat._model.wavelet_volume import WaveletVolume
+
+if TYPE_CHECKING:
+    from wavesplat._looks.look import Look
+    from wavesplat._model.crop import Crop
+    from wavesplat._model.volume import Volume
+
+__all__ = ["framed", "natural_view"]
+
+#: How much of the picture's height, or width, the object fills.
+FILLED = 0.92
+#: A volume is a thin stack where its thinnest side is so much shorter than the second one; it is seen along that side.
+THIN = 0.3
+#: Samples looked at, at most.
+N_SAMPLES_MAX = 250_000
+#: A sample is seen where its opacity is at least this share of the largest one, and a voxel at least so opaque.
+LEAST_SHARE, LEAST_OPACITY = 0.02, 2e-4
+#: Samples beyond these percentiles do not count: specks of noise far from the object.
+WITHIN = (0.05, 99.95)
+
+
+def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
+    """Azimuth and elevation, degrees: a patient from the front, a stack along its thin side, else three-quarter."""
+    sides = np.ptp(volume.bounds, axis=0)
+    thinnest = int(sides.argmin())
+    is_thin = sides[thinnest] < THIN * np.sort(sides)[1]
+    if volume.is_anatomical:
+        # As radiologists look at slices: sagittal from the left, coronal from the front, axial from the feet.
+        return VIEWS[("left", "anterior", "inferior")[thinnest] if is_thin else "anterior"]
+    return VIEWS[("yz", "xz", "xy")[thinnest] if is_thin else "isometric"]
+
+
+def framed(
+    volume: Volume | WaveletVolume,
+    look: Look,
+    azimuth: float,
+    elevation: float,
+    *,
+    crop: Crop | None = None,
+    zoom: float = 1.0,
+    view_angle: float | None = None,
+    aspect: float = 1.0,
+) -> Camera:
+    """Camera from a side, with all that a look shows of a volume just in view."""
+    points = _seen(volume, look, crop)
+    return Camera.orbit(
+        volume, azimuth, elevation, zoom=FILLED * zoom, view_angle=view_angle, aspect=aspect, points=points
+    )
+
+
+def _seen(volume: Volume | WaveletVolume, look: Look, crop: Crop | None) -> NDArray[np.float64] | None:
+    """World positions of samples that are seen; None where nothing is, or it cannot be said."""
+    function = look.transfer_function
+    inside = _inside(volume, crop)
+    if look.labels is not None or not isinstance(function, TransferFunction):
+        return None if crop is None else _corners(volume, inside)
+    step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
+    samples = volume._every(step)
+    low, high = inside
+    first = [-(-int(bound) // step) for bound in reversed(low)]
+    last = [int(bound) // step for bound in reversed(high)]
+    within = tuple(slice(a, b + 1) for a, b in zip(first, last, strict=True))
+    samples = samples[within]
+    values = samples.ravel().astype(np.float64)
+    finite = np.isfinite(values)
+    alpha = np.zeros(values.size)
+    alpha[finite] = _visibility(function, values[finite], look.composite)
+    seen = alpha >= max(LEAST_SHARE * float(alpha.max(initial=0.0)), LEAST_OPACITY)
+    if not seen.any():
+        return _corners(volume, inside)
+    z, y, x = np.unravel_index(np.flatnonzero(seen), samples.shape)
+    index = np.stack([(x + first[2]) * step, (y + first[1]) * step, (z + first[0]) * step], axis=1).astype(np.float64)
+    lower, upper = (np.maximum(np.minimum(p, high), low) for p in (index - 0.5 * step, index + 0.5 * step))
+    matrix = volume.world_from_index
+    ends = [np.percentile(index, percent, axis=0) for percent in WITHIN]
+    kept = np.all((index >= ends[0]) & (index <= ends[1]), axis=1)
+    if not kept.any():
+        kept[:] = True
+    points = np.concatenate([lower[kept], upper[kept]])
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
+
+
+def _visibility(function: TransferFunction, values: NDArray[np.float64], composite: str) -> NDArray[np.float64]:
+    """How much is seen of values; of projections, how far their colours are from that of the smallest value."""
+    rgba = function(values)
+    if composite in ("over", "first-hit") or np.ptp(rgba[:, 3]) > 0:
+        return np.asarray(rgba[:, 3])
+    darkest = function(np.array([values.min()]))[0, :3]
+    return np.asarray((np.abs(rgba[:, :3] - darkest).max(axis=1) > 0.1).astype(np.float64))
+
+
+def _inside(volume: Volume | WaveletVolume, crop: Crop | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Index box, as (x, y, z), that is drawn."""
+    last = np.array([n - 1.0 for n in reversed(volume.shape)])
+    if crop is None:
+        return np.zeros(3), last
+    lower, upper = (np.asarray(corner, dtype=np.float64) for corner in _index_corners(volume, crop))
+    return np.clip(lower, 0.0, last), np.clip(upper, 0.0, last)
+
+
+def _index_corners(volume: Volume | WaveletVolume, crop: Crop) -> tuple[Any, Any]:
+    corners = crop.corners_in("index")
+    if corners is not None:
+        return corners
+    lower, upper = (np.asarray(corner, dtype=np.float64) for corner in crop.corners_in("world") or ((0,) * 3,) * 2)
+    ends = np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)])
+    index = np.linalg.inv(volume.world_from_index)
+    inside = ends @ index[:3, :3].T + index[:3, 3]
+    return inside.min(axis=0), inside.max(axis=0)
+
+
+def _corners(
+    volume: Volume | WaveletVolume, box: tuple[NDArray[np.float64], NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    lower, upper = box
+    ends = np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)])
+    matrix = volume.world_from_index
+    return np.asarray(ends @ matrix[:3, :3].T + matrix[:3, 3])

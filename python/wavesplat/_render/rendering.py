@@ -28,6 +28,7 @@ from wavesplat._render.arguments import (
     chosen_camera,
     chosen_labels,
     chosen_look,
+    cut_open,
     region,
 )
 from wavesplat.errors import ArgumentError
@@ -59,6 +60,7 @@ def render(
     band_weights: Sequence[float] | None = None,
     crop: Crop | None = None,
     clip_planes: Sequence[ClipPlane] = (),
+    cut_out: Crop | Sequence[Crop] = (),
     background: str | Sequence[float] | None = None,
     threads: int | None = None,
     depth: bool = False,
@@ -138,6 +140,13 @@ def render(
         Draw only this box.
     clip_planes : sequence of (point, normal)
         World units; what lies on the side that the normal points to is kept.
+    cut_out : Crop or sequence of Crop
+        Boxes to take out, such as `Crop.corner(volume, "left anterior superior")`: one looks into the volume, and its
+        colours are those of the whole. Samples whose centres are inside of a box are drawn as empty, so on axes that
+        are oblique to the box its faces are stairs of samples. `labels` are taken out with them. The first picture with
+        other boxes makes a copy of the samples, 4 bytes each (8 where they are 32-bit integers or float64), and what
+        the renderer prepares of it takes 5 more; volume and labels keep both until other boxes are given.
+        A WaveletVolume has no samples to take out: draw its `to_volume()`.
     background : colour, optional
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the look's own or, where it has none, transparent.
     threads : int, optional
@@ -197,19 +206,20 @@ def render(
         depth_shading=depth_shading,
         attenuation=attenuation,
     )
-    if isinstance(volume, WaveletVolume):
-        drawn: _native.Volume | _native.DecodedVolume = volume._decoded(drop_levels)
+    seen, boxes = cut_open(volume, cut_out)
+    if isinstance(seen, WaveletVolume):
+        drawn: _native.Volume | _native.DecodedVolume = seen._decoded(drop_levels)
     elif drop_levels != 0 or band_weights is not None:
         raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
     else:
-        drawn = volume._core
+        drawn = seen._core
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     measured = measured_by(like, psnr, composite)
     if labels is not None and (composite != "over" or drop_levels != 0):
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
     absorbs = projection.absorption(composite, attenuation, volume)
-    camera = chosen_camera(camera, volume, chosen, crop, width / max(height, 1))
+    camera = chosen_camera(camera, seen, chosen, crop, width / max(height, 1), clip_planes=clip_planes)
     function = chosen.transfer_function
     if automatic and composite in BY_VIEW:
         overview = render(
@@ -224,6 +234,7 @@ def render(
             drop_levels=drop_levels,
             crop=crop,
             clip_planes=clip_planes,
+            cut_out=boxes,
             threads=threads,
         )
         function = projection.exposed(volume, composite, overview) or function
@@ -235,7 +246,7 @@ def render(
         drawn,
         curves,
         eye,
-        labels=chosen_labels(labels, volume),
+        labels=chosen_labels(labels, volume, boxes),
         width=width,
         height=height,
         kernel=kernel,

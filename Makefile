@@ -24,7 +24,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden \
+.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden \
 	clean fuzz fixtures wasm-check \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -46,6 +46,12 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
+
+looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volumes, measure them, one sheet; LOOKS="--only ct,pet"
+	BENCH_DATA=$(BENCH_DATA) python studies/looks/looks.py --out $(OUT)/looks $(LOOKS)
+
+looks-beside-vtk: $(STAMPS)/bench $(STAMPS)/tools ## draw four volumes by ourselves, with 3D Slicer's looks, and by VTK with these
+	BENCH_DATA=$(BENCH_DATA) python studies/looks/beside_vtk.py --out $(OUT)/looks
 
 study: $(STAMPS)/study ## draw by old and high-resolution splatting and ray casting, and compare, on a page; minutes
 	BENCH_DATA=$(BENCH_DATA) python studies/method/method.py --out $(OUT)/study $(STUDY)

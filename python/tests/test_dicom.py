@@ -296,6 +296,15 @@ def test_every_second_file_cut(tmp_path):
         assert ws.open(folder).shape == (4, 6, 7)
 
 
+def test_a_damaged_slice_of_one_time_is_named(tmp_path):
+    pixels = random(6)
+    folder = save(tmp_path / "ct", [slice_at(p, n, z=1.5 * (n // 2)) for n, p in enumerate(pixels)])
+    check(ws.open(folder, time=1), pixels[1::2])
+    cut_in_the_pixels(folder / "002.dcm")
+    with pytest.raises(FileError, match=r"\(002.dcm\), and left out; then 2 slices at position .* missing or doubled"):
+        ws.open(folder, time=1)
+
+
 def test_too_little_pixel_data(tmp_path):
     dataset = enhanced(random(4), [(0.0,), (1.5,), (3.0,), (4.5,)])
     dataset.PixelData = dataset.PixelData[:-100]

@@ -362,7 +362,7 @@ impl RenderOptions {
 /// steep, and for those on a coarser level, where what linear slabs miss is less than what the level itself has lost; the
 /// errors they reach are measured by `studies/quality` and `studies/lod`.
 const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
-    ("draft", [(0.5, 0.5), (0.5, 0.5), (0.5, 0.5)]),
+    ("draft", [(1.0, 0.5), (1.0, 0.5), (1.0, 0.5)]),
     ("normal", [(2.0, 1.0), (2.0, 1.0), (1.0, 1.0)]),
     ("high", [(3.0, 2.0), (6.0, 3.0), (6.0, 3.0)]),
 ];
@@ -399,7 +399,7 @@ mod tests {
             [sheets("normal", true, 1.0), sheets("normal", true, 2.0), sheets("normal", false, 2.0)],
             [2.0, 1.0, 2.0]
         );
-        assert_eq!([sheets("high", true, 1.0), sheets("high", true, 2.0), sheets("draft", true, 2.0)], [6.0, 6.0, 0.5]);
+        assert_eq!([sheets("high", true, 1.0), sheets("high", true, 2.0), sheets("draft", true, 2.0)], [6.0, 6.0, 1.0]);
         let message = Kernel::from_name("cubic").unwrap_err().to_string();
         assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
         assert!(quality_settings("best", false, 1.0, 1.0).unwrap_err().to_string().contains("draft, normal, high"));

@@ -61,7 +61,7 @@ def transfer_function(
     if not (isfinite(gamma) and gamma > 0):
         raise ArgumentError(f"gamma is {gamma}; give a positive number, 1 changes nothing")
     low, high = _limits(volume, clim, log=log)
-    places, colors = _colors(name)
+    places, colors = colors_of(name)
 
     def values_at(places: Array) -> Array:
         parts = places ** (1 / gamma)
@@ -114,7 +114,7 @@ def _warn_of_what_has_no_logarithm(volume: Volume | WaveletVolume) -> None:
     )
 
 
-def _colors(name: str) -> tuple[Array, Array]:
+def colors_of(name: str) -> tuple[Array, Array]:
     """Places, 0..1, and the colours there, shape (n, 3); maps of categories become steps."""
     import cmap
 

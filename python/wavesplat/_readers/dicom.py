@@ -20,7 +20,7 @@ from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.dicom_header import Frame, Header, header_of, is_dicom
 from wavesplat._readers.dicom_pixels import frames_in
 from wavesplat._readers.dicom_stack import N_NAMED, Stack, one_volume, stacked
-from wavesplat._readers.request import Grid, Request, choose, quiet, several
+from wavesplat._readers.request import Grid, Request, SeveralError, choose, quiet, several
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -84,6 +84,8 @@ def _scanned_file(file: Path) -> Header | Exception | None:
     # Parsers of damaged files raise nearly anything.
     try:
         return header_of(file)
+    except ImportError:
+        raise
     except Exception as error:  # noqa: BLE001
         return error
 
@@ -122,7 +124,7 @@ def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Re
     if any(header.has_lookup_table for header in headers):
         guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
     if all(frame.is_placed() for frame in frames):
-        chosen, n_times = one_volume(frames, request)
+        chosen, n_times = _one_volume(frames, losses, request)
         if len(chosen) == 1:
             raise FileError(f"the frames lie at one place, and are pictures of it, no volume: {request.path}")
         stack = stacked(chosen, request)
@@ -147,6 +149,16 @@ def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Re
         guesses=tuple(guesses),
     )
     return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
+
+
+def _one_volume(frames: Sequence[Frame], losses: Sequence[str], request: Request) -> tuple[list[Frame], int]:
+    """As of `dicom_stack`; what was left out may be why it fails."""
+    try:
+        return one_volume(frames, request)
+    except FileError as error:
+        if not losses or isinstance(error, SeveralError):
+            raise
+        raise FileError(f"{losses[0]}; then {error}") from None
 
 
 def _check_alike(headers: Sequence[Header], request: Request) -> None:

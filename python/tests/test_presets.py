@@ -11,6 +11,7 @@ from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 OURS = [name for name, preset in presets.catalogue().items() if preset.kind != "slicer"]
 #: In Hounsfield units: no air, soft tissue or bone of a scan has them.
 SIGNED = ws.Volume(np.linspace(-3, 5, 12**3, dtype=np.float32).reshape(12, 12, 12))
+DENSE = ws.Volume(np.random.default_rng(1).normal(170, 30, (12, 12, 12)).clip(0, 255).astype(np.uint8))
 POSITIVE = ws.Volume(np.geomspace(0.1, 1e4, 12**3).reshape(12, 12, 12))
 
 
@@ -125,7 +126,8 @@ def test_the_command_line_lists_all_in_groups(wavesplat):
     [
         (ws.examples.ct_pelvis(), {"ct-bone", "grey"}, {"mr-head", "CT-AAA", "signed"}),
         (ws.examples.mri_head(), {"mr-head", "grey"}, {"ct-bone", "heat", "signed"}),
-        (ws.Volume(ws.examples.mri_head().samples), {"mr-head", "confocal", "heat"}, {"ct-bone", "signed"}),
+        (ws.Volume(ws.examples.mri_head().samples), {"mr-head", "confocal", "heat"}, {"ct-bone", "em", "signed"}),
+        (DENSE, {"em", "confocal"}, {"mr-head"}),
         (SIGNED, {"signed", "log"}, {"ct-bone", "pet"}),
         (ws.Volume(POSITIVE.samples - 1e5), {"signed"}, {"log"}),
     ],

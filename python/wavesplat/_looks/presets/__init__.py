@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from wavesplat._files import json_object
 from wavesplat._looks import look_json, slicer_files
 from wavesplat._looks.histogram import is_hounsfield
-from wavesplat._looks.kinds import Kind, evidence
+from wavesplat._looks.kinds import Evidence, Kind, evidence
 from wavesplat._looks.look import Look
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
@@ -103,16 +103,18 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
 
 def fitting(volume: Volume | WaveletVolume) -> list[Preset]:
     """Those of ours that fit the kind of data a volume seems to hold; where that is not known, a few more."""
-    kinds = _kinds(volume)
+    known = evidence(volume)
+    kinds = _kinds(known)
     low, high = volume.value_range
     # Nothing is on the other side of zero, or on the side that has logarithms.
     out = {"signed"} if low >= 0 else set()
     out |= {"log"} if high <= 0 else set()
+    # A dark background would be a black box.
+    out |= {"em"} if known.kind != "EM" else set()
     return [preset for preset in catalogue().values() if preset.kind in kinds and preset.name not in out]
 
 
-def _kinds(volume: Volume | WaveletVolume) -> tuple[str, ...]:
-    known = evidence(volume)
+def _kinds(known: Evidence) -> tuple[str, ...]:
     fitting = (*KINDS_FOR[known.kind], "any")
     # Of a patient, but nobody says from what machine.
     return ("mr", "pet", "any") if known.kind in ("MR", "PET") and known.is_guess else fitting

@@ -11,6 +11,7 @@ from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 OURS = [name for name, preset in presets.catalogue().items() if preset.kind != "slicer"]
 #: In Hounsfield units: no air, soft tissue or bone of a scan has them.
 SIGNED = ws.Volume(np.linspace(-3, 5, 12**3, dtype=np.float32).reshape(12, 12, 12))
+DENSE = ws.Volume(np.random.default_rng(1).normal(170, 30, (12, 12, 12)).clip(0, 255).astype(np.uint8))
 POSITIVE = ws.Volume(np.geomspace(0.1, 1e4, 12**3).reshape(12, 12, 12))
 
 
@@ -70,8 +71,10 @@ def test_presets_for_hounsfield_units_warn_of_other_values():
         warnings.simplefilter("error")
         ws.Look.preset("ct-bone", ws.examples.ct_pelvis())
         ws.Look.preset("mr-head", ws.examples.mri_head())
-    with pytest.warns(WavesplatWarning, match=r"'ct-bone' is for Hounsfield units.* 0 to .*no air near -1000"):
+    with pytest.warns(WavesplatWarning, match=r"'ct-bone' is for Hounsfield units.* 0 to .*the file says MR"):
         ws.Look.preset("ct-bone", ws.examples.mri_head())
+    with pytest.warns(WavesplatWarning, match=r"'ct-bone' is for Hounsfield units.* -3 to 5.*no air near -1000"):
+        ws.Look.preset("ct-bone", SIGNED)
 
 
 def test_what_the_file_says_of_the_modality_counts_more_than_the_values(monkeypatch):
@@ -122,8 +125,10 @@ def test_the_command_line_lists_all_in_groups(wavesplat):
     ("volume", "has", "lacks"),
     [
         (ws.examples.ct_pelvis(), {"ct-bone", "grey"}, {"mr-head", "CT-AAA", "signed"}),
-        (ws.examples.mri_head(), {"mr-head", "heat", "log"}, {"ct-bone", "signed"}),
-        (SIGNED, {"signed", "log", "pet"}, {"ct-bone"}),
+        (ws.examples.mri_head(), {"mr-head", "grey"}, {"ct-bone", "heat", "signed"}),
+        (ws.Volume(ws.examples.mri_head().samples), {"mr-head", "confocal", "heat"}, {"ct-bone", "em", "signed"}),
+        (DENSE, {"em", "confocal"}, {"mr-head"}),
+        (SIGNED, {"signed", "log"}, {"ct-bone", "pet"}),
         (ws.Volume(POSITIVE.samples - 1e5), {"signed"}, {"log"}),
     ],
 )
@@ -133,12 +138,12 @@ def test_presets_that_fit_a_volume(volume, has, lacks):
     assert not lacks & names
 
 
-def test_facts_from_the_file_narrow_the_choice(monkeypatch):
-    monkeypatch.setattr(ws.Volume, "is_anatomical", False, raising=False)
-    kinds = {preset.kind for preset in presets.fitting(SIGNED)}
-    assert kinds == {"microscopy", "simulation", "any"}
-    monkeypatch.setattr(ws.Volume, "modality", "PT", raising=False)
-    assert {preset.kind for preset in presets.fitting(SIGNED)} == {"pet", "any"}
+@pytest.mark.parametrize(
+    ("modality", "kinds"), [("PT", {"pet", "any"}), ("fluorescence", {"microscopy", "any"}), ("US", {"any"})]
+)
+def test_what_the_file_says_narrows_the_choice(monkeypatch, modality, kinds):
+    monkeypatch.setattr(ws.Volume, "modality", modality)
+    assert {preset.kind for preset in presets.fitting(SIGNED)} == kinds
 
 
 def test_a_sheet_shows_the_volume_with_each(wavesplat, ramp_file, tmp_path):
@@ -238,7 +243,7 @@ CURVES = '"transfer_function": {"opacity": [[0, 1]], "color": [[0, 1, 1, 1]]}'
 def test_what_a_text_leaves_out_is_as_usual():
     look = ws.Look.from_json(f'{{"version": 1, {CURVES}, "shading": {{"diffuse": 0.5}}}}')
     assert look.shading == ws.Shading(diffuse=0.5)
-    assert (look.composite, look.view, look.background) == ("over", None, "black")
+    assert (look.composite, look.view, look.background) == ("over", None, None)
 
 
 @pytest.mark.parametrize(

@@ -33,15 +33,7 @@ def drawn(volume: Volume | WaveletVolume, names: Sequence[str], size: tuple[int,
     sheet[..., 3] = 1
     for number, name in enumerate(names):
         look = Look.preset(name, volume)
-        picture = render(
-            volume,
-            look.transfer_function,
-            look.view,
-            size=size,
-            shading=look.shading,
-            composite=look.composite,
-            background=look.background,
-        )
+        picture = render(volume, look, size=size, background=look.background or "black")
         row, column = divmod(number, n_columns)
         top, left = (GAP_PX + place * (side + GAP_PX) for place, side in ((row, height), (column, width)))
         sheet[top : top + height, left : left + width] = annotation.with_caption(picture.rgba, name)

@@ -3,7 +3,7 @@
     {"version": 1, "name": "ct-bone", "description": "Skeleton.", "kind": "ct",
      "transfer_function": {"values": "hounsfield", "opacity_unit": 1.0, "opacity": [...], "color": [...]},
      "shading": {"diffuse": 0.9, "lights": [{"direction": [-1, 1, 2]}]},
-     "composite": "over", "view": null, "background": "black"}
+     "composite": "over", "view": null, "background": null}
 
 All but the version and the transfer function may be left out; `"shading": null` draws the colours as given.
 A transfer function of two dimensions has the field `rgba`; `transfer_function_json` describes one of the value alone.
@@ -36,6 +36,8 @@ FIELDS = {"version", "transfer_function", "shading", *TEXTS}
 
 def write(look: Look) -> str:
     """JSON text of a look; numbers read back exactly."""
+    if look.labels is not None:
+        raise ArgumentError("this look has labels, which are as large as a volume; save the look without them")
     curves = look.transfer_function
     return json_object.write(
         {
@@ -81,7 +83,7 @@ def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Lo
         shading=_shading(document["shading"]) if "shading" in document else Shading(),
         composite=composite,
         view=document.get("view"),
-        background=document.get("background") or "black",
+        background=document.get("background"),
         name=document.get("name") or "",
         reason=document.get("description") or "",
     )

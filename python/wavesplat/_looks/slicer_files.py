@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 from wavesplat._files import json_object
 from wavesplat._looks import vtk_curves
 from wavesplat._looks.look import Look
-from wavesplat._looks.shading import Light, Shading
+from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat.errors import ArgumentError
 
@@ -76,12 +76,11 @@ class VolumeProperty:
         gradient = [(max(magnitude, 0.0) / spacing, factor) for magnitude, factor in self.gradient_opacity]
         # Where the factor is 1 for all, gradients need not be looked at.
         gradient = gradient if any(factor != 1 for magnitude, factor in gradient if magnitude > 0) else []
-        light = Shading(
+        light = Shading.headlight(
             ambient=self.ambient,
             diffuse=self.diffuse,
             specular=self.specular,
             specular_power=max(self.specular_power, 1.0),
-            lights=[Light((0, 0, 1))],
         )
         return Look(
             transfer_function=TransferFunction(self.opacity, self.color, self.opacity_unit, gradient),

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 from wavesplat._files import json_object
 from wavesplat._looks import look_json, slicer_files
 from wavesplat._looks.histogram import is_hounsfield
+from wavesplat._looks.kinds import Evidence, Kind, evidence
 from wavesplat._looks.look import Look
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
@@ -39,8 +40,20 @@ GROUPS = {
     "slicer": "3D Slicer's presets: their points and light",
 }
 PREFIX = "slicer-"
-#: By the names of DICOM.
-KIND_OF_MODALITY = {"CT": "ct", "MR": "mr", "PT": "pet", "NM": "pet", "SM": "microscopy", "GM": "microscopy"}
+#: Kinds of presets for each kind of data.
+KINDS_FOR: dict[Kind, tuple[str, ...]] = {
+    "CT": ("ct",),
+    "MR": ("mr",),
+    "PET": ("pet",),
+    "ultrasound": (),
+    "fluorescence": ("microscopy",),
+    "EM": ("microscopy",),
+    "signed field": ("simulation",),
+    "field": ("microscopy", "simulation"),
+    "mask": (),
+    "labels": (),
+    "scan": ("mr", "microscopy", "simulation"),
+}
 #: Names that are offered where one is unknown, at most.
 N_OFFERED = 6
 CLOSE = 0.5
@@ -90,31 +103,26 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
 
 def fitting(volume: Volume | WaveletVolume) -> list[Preset]:
     """Those of ours that fit the kind of data a volume seems to hold; where that is not known, a few more."""
-    kinds = _kinds(volume)
+    known = evidence(volume)
+    kinds = _kinds(known)
     low, high = volume.value_range
     # Nothing is on the other side of zero, or on the side that has logarithms.
     out = {"signed"} if low >= 0 else set()
     out |= {"log"} if high <= 0 else set()
+    # A dark background would be a black box.
+    out |= {"em"} if known.kind != "EM" else set()
     return [preset for preset in catalogue().values() if preset.kind in kinds and preset.name not in out]
 
 
-def _kinds(volume: Volume | WaveletVolume) -> tuple[str, ...]:
-    # Not all volumes say where they come from.
-    modality = getattr(volume, "modality", None)
-    if modality in KIND_OF_MODALITY:
-        return (KIND_OF_MODALITY[modality], "any")
-    if is_hounsfield(volume):
-        return ("ct", "any")
-    is_anatomical = getattr(volume, "is_anatomical", None)
-    if is_anatomical is not None:
-        return ("mr", "pet", "any") if is_anatomical else ("microscopy", "simulation", "any")
-    return ("mr", "pet", "microscopy", "simulation", "any")
+def _kinds(known: Evidence) -> tuple[str, ...]:
+    fitting = (*KINDS_FOR[known.kind], "any")
+    # Of a patient, but nobody says from what machine.
+    return ("mr", "pet", "any") if known.kind in ("MR", "PET") and known.is_guess else fitting
 
 
 def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
     """Warn if what is for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
-    # Not all volumes say where they come from.
-    modality = getattr(volume, "modality", None)
+    modality = volume.modality
     if modality == "CT" or (not modality and is_hounsfield(volume)):
         return
     why = f"the file says {modality}" if modality else "there is no air near -1000 with soft tissue near 0"

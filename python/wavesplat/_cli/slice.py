@@ -9,7 +9,8 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import message, print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
 from wavesplat._cli.transfer_function_options import (
     TransferFunctionFile,
@@ -23,6 +24,7 @@ __all__ = ["slice"]
 
 
 @takes_reader_options
+@takes_processing_options
 def slice(
     input: Input,
     output: PictureOutput,
@@ -84,6 +86,7 @@ def slice(
     bits: Bits = 8,
     threads: Threads = None,
     reader: ReaderOptions,
+    processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -97,7 +100,7 @@ def slice(
     from wavesplat._render.slicing import slice as cut
 
     check_bits(bits)
-    volume = open_any(input, reader, quiet=quiet)
+    volume = processed(input, reader, processing, quiet=quiet)
     look = named_look(volume, preset=preset, tf=tf)
     transfer_function: Any = look and look.transfer_function
     if preset == "auto":

@@ -107,7 +107,8 @@ def slice(
     Picture
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
         `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
-        `pixel`), the letters of the four edges (None without anatomy), the window, and length and text of the bar.
+        `pixel`), the letters of the four edges (None without anatomy), the window, length and text of the bar, and
+        what was done to the samples (`Facts.processing`).
 
     Raises
     ------
@@ -162,6 +163,7 @@ def slice(
         "letters": annotation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
         "n_planes": len(offsets),
         "kernel": kernel,
+        "processing": list(volume.facts.processing),
     }
     if transfer_function is None:
         low, high = report["window"] = window or _whole_range(volume)

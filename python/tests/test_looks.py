@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import wavesplat as ws
 
 RNG = np.random.default_rng(5)
@@ -110,7 +111,9 @@ def test_pet_is_black_on_white_as_radiology_reads_it():
 @pytest.mark.parametrize("composite", ["maximum", "mean", "sum"])
 def test_projections_on_white_are_inverted(composite):
     shown = volume("PET")
-    on_white, on_black = (ws.render(shown, composite=composite, size=(64, 64), background=b) for b in ("white", "black"))
+    on_white, on_black = (
+        ws.render(shown, composite=composite, size=(64, 64), background=b) for b in ("white", "black")
+    )
     values = on_white.value
     inside = np.isfinite(values)
     order = np.argsort(values[inside])

@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 import vtk
-import wavesplat as ws
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+import wavesplat as ws
 
 DATA = Path(os.environ.get("BENCH_DATA", "../shared/data"))
 CASES = [

@@ -28,6 +28,7 @@ OF_FILE = (
     "levels",
     "conventions",
     "guesses",
+    "processing",
 )
 #: Channels, datasets and so on that are listed for people, at most.
 N_LISTED = 40
@@ -121,6 +122,7 @@ def wavelet_lines(facts: dict[str, Any]) -> list[str]:
         f"kept         {100 * facts['kept_fraction']:.4g} % of the coefficients",
         f"memory       {size}",
         *_place_lines(facts),
+        *_processing_lines(facts),
         f"values       {low:g} to {high:g}",
     ]
     if "psnr_db" in facts:
@@ -158,7 +160,12 @@ def lines(facts: dict[str, Any]) -> list[str]:
         f"not finite   {facts['n_nonfinite']} samples",
         *(f"convention   {text}" for text in facts["conventions"]),
         *(f"guess        {text}" for text in facts["guesses"]),
+        *_processing_lines(facts),
     ]
+
+
+def _processing_lines(facts: dict[str, Any]) -> list[str]:
+    return [f"processing   {text}" for text in facts["processing"]]
 
 
 def _place_lines(facts: dict[str, Any]) -> list[str]:

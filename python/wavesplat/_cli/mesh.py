@@ -10,13 +10,15 @@ import typer
 from wavesplat._cli.crop_options import box, chosen_crop
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Json, Quiet
 
 __all__ = ["mesh"]
 
 
 @takes_reader_options
+@takes_processing_options
 def mesh(
     input: Input,
     output: Annotated[
@@ -32,6 +34,7 @@ def mesh(
     crop: Annotated[Any, box("Only this box, world units.")] = None,
     crop_index: Annotated[Any, box("The same, in samples.")] = None,
     reader: ReaderOptions,
+    processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -40,7 +43,11 @@ def mesh(
     check_outputs(input, output, "meshes")
     from wavesplat._mesh import meshing
 
-    volume = open_any(input, reader, quiet=quiet)
+    volume = processed(input, reader, processing, quiet=quiet)
     surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=crop_box)
     surface.save(output)
-    print_result({"mesh": str(output), "input": input, **surface.facts()}, output, as_json=json)
+    print_result(
+        {"mesh": str(output), "input": input, "processing": list(volume.facts.processing), **surface.facts()},
+        output,
+        as_json=json,
+    )

@@ -20,7 +20,8 @@ from wavesplat._cli.crop_options import (
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import json_text, message, print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import (
     Background,
     Bits,
@@ -58,6 +59,7 @@ __all__ = ["render"]
 @takes_light_options
 @takes_reader_options
 @takes_color_options
+@takes_processing_options
 def render(
     input: Input,
     output: PictureOutput,
@@ -144,6 +146,7 @@ def render(
     threads: Threads = None,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
+    processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -162,7 +165,7 @@ def render(
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
 
-    volume, drop_levels = _levels(open_any(input, reader, quiet=quiet), family, threshold, levels, bands)
+    volume, drop_levels = _levels(processed(input, reader, processing, quiet=quiet), family, threshold, levels, bands)
     look = _look(
         volume,
         input,

@@ -9,7 +9,8 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import message, print_result, warnings_as_notes
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
 from wavesplat._cli.transfer_function_options import (
     ColorOptions,
@@ -26,6 +27,7 @@ __all__ = ["slice"]
 
 @takes_reader_options
 @takes_color_options
+@takes_processing_options
 def slice(
     input: Input,
     output: PictureOutput,
@@ -90,6 +92,7 @@ def slice(
     bits: Bits = 8,
     threads: Threads = None,
     reader: ReaderOptions,
+    processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -103,7 +106,7 @@ def slice(
     from wavesplat._render.slicing import slice as cut
 
     check_bits(bits)
-    volume = open_any(input, reader, quiet=quiet)
+    volume = processed(input, reader, processing, quiet=quiet)
     # A range alone is one of greys, as a window is.
     clim = colors.clim if colors == ColorOptions(clim=colors.clim) else None
     look = named_look(volume, preset=preset, tf=tf, colors=colors if clim is None else None, opacity=1.0, quiet=quiet)

@@ -10,13 +10,15 @@ import typer
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.parsers import one_of
 from wavesplat._cli.printing import print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_samples, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, processed_samples, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Family, Json, Quiet, Threshold
 
 __all__ = ["wavelet"]
 
 
 @takes_reader_options
+@takes_processing_options
 def wavelet(
     input: Input,
     *,
@@ -35,6 +37,7 @@ def wavelet(
         typer.Option(metavar="NAME", parser=one_of(("l2", "peak")), help="What amplitudes are measured by: l2, peak."),
     ] = "l2",
     reader: ReaderOptions,
+    processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -44,7 +47,7 @@ def wavelet(
     from wavesplat._cli import describe
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    volume = open_samples(input, reader, quiet=quiet)
+    volume = processed_samples(input, reader, processing, quiet=quiet)
     wavelets = WaveletVolume.from_volume(
         volume, family, threshold=threshold, keep=keep, psnr=psnr, levels=levels, normalisation=normalisation
     )

@@ -83,6 +83,8 @@ class Facts:
         What the file leaves to its format's custom, a sentence each.
     guesses : sequence of str
         What was assumed, since the file does not say it, and why; a sentence each.
+    processing : sequence of str
+        What was done to the samples since they were read, in order, such as by `Volume.smoothed`.
 
     Raises
     ------
@@ -107,6 +109,7 @@ class Facts:
     levels: tuple[tuple[int, int, int], ...] = ()
     conventions: tuple[str, ...] = ()
     guesses: tuple[str, ...] = ()
+    processing: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         channels = tuple(self.channels)
@@ -125,6 +128,7 @@ class Facts:
             "levels": tuple((int(z), int(y), int(x)) for z, y, x in self.levels),
             "conventions": _sentences(self.conventions, "conventions"),
             "guesses": _sentences(self.guesses, "guesses"),
+            "processing": _sentences(self.processing, "processing"),
         }
         for name, value in given.items():
             object.__setattr__(self, name, value)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
-from wavesplat._model import affine, units
+from wavesplat._model import affine, smoothing, units
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
@@ -123,6 +123,61 @@ class Volume(Grid):
         """
         self._core = self._built()
         self._cut = None
+
+    def smoothed(self, deviation: float, *, unit: Literal["voxels", "world"] = "voxels") -> Volume:
+        """The volume smoothed by a Gaussian: less noise, and no rings on skin that the steps of samples make.
+
+        Parameters
+        ----------
+        deviation : float
+            Standard deviation of the Gaussian, 0 or more, the same along all axes; 0.5 to 1 voxel softens what samples
+            show of themselves and moves no edge. The kernel ends at 3 deviations; beyond the volume its outermost
+            samples are repeated.
+        unit : "voxels" or "world"
+            What it is in: distances of samples, or world units, along the volume's axes.
+
+        Returns
+        -------
+        Volume
+            float32, shape, place and name as before; float64 of 32-bit integers and float64. `facts.processing` tells
+            it. Samples that are not finite take no part and are NaN. A deviation that no neighbour has a weight in
+            gives the volume itself.
+
+        Raises
+        ------
+        ArgumentError
+            If the deviation is negative, not finite or wider than the volume, or the unit has another name.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> pelvis = ws.examples.ct_pelvis().smoothed(0.7)
+        >>> pelvis.dtype, pelvis.facts.processing
+        (dtype('float32'), ('smoothed by a Gaussian, deviation 0.7 voxels',))
+        """
+        if unit not in ("voxels", "world"):
+            raise ArgumentError(f'unit of the deviation is {unit!r}; it is "voxels" or "world"')
+        try:
+            number = float(deviation)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"deviation is {deviation!r}; give a number") from None
+        named = (self.unit or "world units") if unit == "world" else unit
+        steps = self.spacing if unit == "world" else (1.0, 1.0, 1.0)
+        deviations = [number / step for step in reversed(steps)]
+        if not (number >= 0 and max(deviations) <= max(self.shape)):
+            raise ArgumentError(
+                f"deviation is {number:g} {named}; give 0 or more, and no more than the volume is wide: "
+                f"{self.shape} samples (z, y, x)"
+            )
+        if max(deviations) < smoothing.LEAST:
+            return self
+        samples = smoothing.smoothed(self._samples, deviations)
+        return self._processed(samples, f"smoothed by a Gaussian, deviation {number:g} {named}")
+
+    def _processed(self, samples: NDArray[Any], how: str) -> Volume:
+        """Other samples in the place of these."""
+        facts = replace(self._facts, processing=(*self._facts.processing, how))
+        return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=facts)
 
     def _built(self) -> _native.Volume:
         return _native.Volume(self._samples, self._world_from_index, self._name)

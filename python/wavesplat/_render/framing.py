@@ -73,6 +73,8 @@ def _seen(
     """World positions of samples that are seen; None where all of the volume may be."""
     function = look.transfer_function
     box = _inside(volume, crop)
+    if np.array_equal(*box):
+        return None  # The box lies outside of the volume, which the renderer says.
     is_whole_box = not clip_planes and not volume.n_nonfinite
     if is_whole_box and (look.labels is not None or not isinstance(function, TransferFunction)):
         return None if crop is None else _corners(volume, box)

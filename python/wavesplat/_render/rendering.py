@@ -165,7 +165,8 @@ def render(
     Returns
     -------
     Picture
-        With `rgba`, float32, shape (height, width, 4), associated. `report["look"]` has the look's name and reason.
+        With `rgba`, float32, shape (height, width, 4), associated. `report["look"]` has the look's name and reason,
+        `report["processing"]` what was done to the samples (`Facts.processing`).
 
     Raises
     ------
@@ -256,6 +257,7 @@ def render(
         progress=progress,
     )
     report = result["report"] | numbers | {"look": {"name": chosen.name, "reason": chosen.reason}}
+    report["processing"] = list(volume.facts.processing)
     told = report.get("measured")
     if isinstance(told, dict):
         told["composite"] = composite

@@ -114,7 +114,7 @@ def slice(
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
         `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
         `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
-        (low, high), and length and text of the bar.
+        (low, high), length and text of the bar, and what was done to the samples (`Facts.processing`).
 
     Raises
     ------
@@ -174,6 +174,7 @@ def slice(
         "letters": annotation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
         "n_planes": len(offsets),
         "kernel": kernel,
+        "processing": list(volume.facts.processing),
     }
     if transfer_function is None:
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)

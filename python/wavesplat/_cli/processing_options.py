@@ -1,0 +1,86 @@
+"""The options that say what is done to the samples once they are read, declared once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat._cli.reader_options import ReaderOptions, open_any, open_samples
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["ProcessingOptions", "processed", "processed_samples", "takes_processing_options"]
+
+
+def _deviation(text: str) -> tuple[float, str | None]:
+    """A number, and the unit of length that it is in; None is voxels."""
+    from wavesplat._model import units
+
+    parts = re.fullmatch(r"\s*([\d.]+(?:e[+-]?\d+)?)\s*(\D*)", text)
+    try:
+        return float(parts[1] if parts else text), units.canonical(parts[2]) if parts else None
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not a number of voxels or a length, such as 0.7 or 1mm") from None
+
+
+@dataclass(frozen=True)
+class ProcessingOptions:
+    """What is done to the samples."""
+
+    smooth: Annotated[
+        Any,
+        typer.Option(
+            metavar="VOXELS|LENGTH",
+            parser=_deviation,
+            help="Smooth by a Gaussian of this deviation: 0.7 in voxels, or 1mm, 20um.",
+        ),
+    ] = None
+
+
+def takes_processing_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `processing`."""
+    return with_options_of(ProcessingOptions, "processing", command)
+
+
+def processed(
+    path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
+) -> Volume | WaveletVolume:
+    """The volume that INPUT names, or the wavelet coefficients, to which nothing can be done."""
+    if not path.lower().endswith(".wavelets"):
+        return processed_samples(path, reader, processing, quiet=quiet)
+    if given(processing):
+        raise ArgumentError(
+            f"{', '.join(given(processing))} change samples, and this is a file of wavelet coefficients; give them to "
+            "`wavesplat wavelet`, which makes such files"
+        )
+    return open_any(path, reader, quiet=quiet)
+
+
+def processed_samples(
+    path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
+) -> Volume:
+    """The volume of samples that INPUT names."""
+    volume = open_samples(path, reader, quiet=quiet)
+    return volume if processing.smooth is None else _smoothed(volume, *processing.smooth)
+
+
+def _smoothed(volume: Volume, deviation: float, unit: str | None) -> Volume:
+    from wavesplat._model import units
+
+    if unit is None:
+        return volume.smoothed(deviation)
+    size, of_volume = units.metres(unit), units.metres(volume.unit)
+    if unit == volume.unit:
+        size = of_volume = 1.0
+    if size is None or of_volume is None:
+        known = f"is in {volume.unit}" if volume.unit else "names no unit; give it with --unit"
+        raise ArgumentError(f"--smooth is {deviation:g} {unit}, and the file {known}, or give --smooth in voxels")
+    return volume.smoothed(float(f"{deviation * size / of_volume:.12g}"), unit="world")

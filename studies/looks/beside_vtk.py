@@ -2,9 +2,10 @@
 
     make looks-beside-vtk               needs VTK (pip install vtk) and the volumes of BENCH_DATA
 
-VTK's vtkFixedPointVolumeRayCastMapper draws with one headlight, as Slicer's default view does, a step of half a voxel,
-the same orthographic camera. Each picture is compared with its own renderer's supersampled one: three times the pixels along
-each side, and for VTK half the step. Luminance: Rec. 709 weights on encoded values over pixels that are not black.
+VTK's vtkFixedPointVolumeRayCastMapper draws with one headlight, as Slicer's default view does, a step of half a voxel
+and the same orthographic camera. Each picture is compared with its own renderer's supersampled one: three times the
+pixels along each side, and for VTK half the step. Luminance: Rec. 709 weights on encoded values, of pixels that are not
+black.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
+from wavesplat._readers import zarr_metadata
 from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes
 from wavesplat.errors import ArgumentError, FileError
 
@@ -30,18 +31,19 @@ def read(request: Request) -> Grid:
         if not hasattr(node, "shape"):
             raise FileError(
                 f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
-                f"{_listed(node)}: {request.path}"
+                f"{_listed(request)}: {request.path}"
             )
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
-        payload.check_memory(payload.n_bytes(sorted(node.shape)[-3:], node.dtype), request.path)
+        zarr_metadata.check_numbers(node, request.path)
         return Grid(np.asarray(node[index]), np.eye(4))
 
 
 def _open(request: Request) -> Any:
     import zarr
 
-    location = fspath(request.path) if request.is_url else str(request.file)
+    location = _location(request)
+    zarr_metadata.check_codecs(location, request.dataset or "")
     node: Any = zarr.open(location, mode="r")
     if request.dataset is None:
         return node
@@ -49,13 +51,16 @@ def _open(request: Request) -> Any:
         return node[request.dataset]
     except (KeyError, IndexError, TypeError):
         raise ArgumentError(
-            f"no array or group {request.dataset!r}; there is: {_listed(node)}: {request.path}"
+            f"no array or group {request.dataset!r}; there is: {_listed(request)}: {request.path}"
         ) from None
 
 
-def _listed(node: Any) -> str:
-    names = sorted(node.keys()) if hasattr(node, "keys") else []
-    return ", ".join(names) or "none"
+def _location(request: Request) -> str:
+    return fspath(request.path) if request.is_url else str(request.file)
+
+
+def _listed(request: Request) -> str:
+    return ", ".join(zarr_metadata.names(_location(request))) or "none"
 
 
 def _multiscales(node: Any) -> dict[str, Any] | None:
@@ -76,7 +81,9 @@ def _check_level(n_levels: int, request: Request) -> int:
 def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
     datasets = multiscales["datasets"]
     dataset = datasets[_check_level(len(datasets), request)]
+    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
+    zarr_metadata.check_numbers(array, request.path)
     axes = _axis_names(multiscales)
     if len(axes) != array.ndim:
         raise FileError(

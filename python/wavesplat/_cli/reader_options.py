@@ -51,6 +51,9 @@ class ReaderOptions:
     ] = None
     byte_order: Annotated[str | None, typer.Option(metavar="little|big", help="Raw: byte order of the samples.")] = None
     offset: Annotated[int, typer.Option(metavar="BYTES", help="Raw: bytes before the first sample.")] = 0
+    external_files: Annotated[
+        bool, typer.Option("--external-files", help="Read samples from files elsewhere that a trusted file names.")
+    ] = False
 
     def given(self) -> list[str]:
         """The options that were set, as they are written."""

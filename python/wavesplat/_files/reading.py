@@ -10,8 +10,8 @@ from wavesplat.errors import FileError, WavesplatError
 
 __all__ = ["reading"]
 
-#: What ITK adds to every failure: the last error of the system, which is of some earlier call where the file exists.
-OLD_REASON = "Reason: No such file or directory"
+#: What ITK adds to every failure: the last error of the system, which is of some earlier call, or "Success".
+OLD_REASON = "Reason: "
 
 #: A file of ITK's source, and what stands before its words: "itk::ERROR: Class(0x5555): ", "[nrrd] _function: ".
 ITK_SOURCE = ".cxx:"
@@ -44,7 +44,7 @@ def _telling_line(error: BaseException) -> str:
     ITK begins with a line of its own source and goes from the general to the particular: of it, the last.
     """
     lines = [line.strip().rstrip(".;") for line in str(error).splitlines() if line.strip()]
-    lines = [line for line in lines if line != OLD_REASON] or lines
+    lines = [line for line in lines if not line.startswith(OLD_REASON)] or lines
     if len(lines) > 1 and ITK_SOURCE in lines[0]:
         return ITK_FILE.sub("", ITK_PLACE.sub("", lines[-1]))
     return lines[0] if lines else type(error).__name__

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
+from wavesplat._readers.detached_samples import check_detached_samples
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import FileError
 
@@ -33,6 +34,10 @@ def read(request: Request) -> Grid:
     path = request.file
     with reading("an image", path), silenced():
         reader = sitk.ImageFileReader()
+        # Said, not found out: a file of any other kind under such a name could name further files.
+        reader.SetImageIO(_image_io(path))
+        if path.suffix.lower() != ".vtk":
+            check_detached_samples(path, anywhere=request.external_files)
         reader.SetFileName(str(path))
         reader.ReadImageInformation()
         size = reader.GetSize()
@@ -50,6 +55,13 @@ def read(request: Request) -> Grid:
         if image.GetNumberOfComponentsPerPixel() > 1:
             samples = samples[..., channel]
         return Grid(samples, _world_from_index(image, path))
+
+
+def _image_io(path: Path) -> str:
+    with path.open("rb") as file:
+        if file.read(4) == b"NRRD":
+            return "NrrdImageIO"
+    return {".mha": "MetaImageIO", ".mhd": "MetaImageIO", ".vtk": "VTKImageIO"}.get(path.suffix.lower(), "NrrdImageIO")
 
 
 def simple_itk() -> Any:

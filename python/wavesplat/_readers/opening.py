@@ -65,13 +65,13 @@ MAGIC = {
 #: Which options mean something to which module; `spacing` does to all.
 OPTIONS = {
     "nifti": {"time", "channel"},
-    "itk": {"time", "channel"},
+    "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
     "dicom": {"series", "time", "channel"},
-    "tiff": {"time", "channel"},
+    "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
-    "hdf5": {"time", "channel", "dataset"},
+    "hdf5": {"time", "channel", "dataset", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
 KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
@@ -91,6 +91,7 @@ def open(
     spacing: Sequence[float] | None = None,
     byte_order: Literal["little", "big"] | None = None,
     offset: int = 0,
+    external_files: bool = False,
 ) -> Volume:
     """The volume in a file or folder, in the RAS world frame if the format has one.
 
@@ -117,6 +118,9 @@ def open(
         Raw: of samples wider than a byte; little by default.
     offset : int, default 0
         Raw: bytes before the first sample.
+    external_files : bool, default False
+        NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
+        any that it names. Such a file can name whatever you may read: allow it for files that you trust.
 
     Returns
     -------
@@ -140,7 +144,9 @@ def open(
     >>> ws.open(path, shape=(2, 3, 4), dtype="uint8", spacing=(1, 1, 2)).shape
     (2, 3, 4)
     """
-    request = Request(path, series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset)
+    request = Request(
+        path, series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset, external_files
+    )
     if str(path).lower().endswith(".wavelets"):
         raise ArgumentError(
             f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"

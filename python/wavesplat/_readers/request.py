@@ -43,6 +43,7 @@ class Request:
     spacing: Sequence[float] | None = None
     byte_order: str | None = None
     offset: int = 0
+    external_files: bool = False
 
     @property
     def file(self) -> Path:

@@ -7,6 +7,7 @@ about paper).
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._readers.request import Grid, Request, choose, quiet
@@ -27,6 +29,9 @@ __all__ = ["read"]
 
 #: OME's units of length, in micrometres.
 MICROMETERS = {"nm": 1e-3, "µm": 1.0, "um": 1.0, "mm": 1e3, "cm": 1e4, "m": 1e6, "pm": 1e-6, "Å": 1e-4}
+
+#: Attributes of OME metadata that name another file.
+NAMES_OF_FILES = ("FileName", "MetadataFile")
 
 
 def read(request: Request) -> Grid:
@@ -41,10 +46,23 @@ def _read_file(path: Path, request: Request) -> Grid:
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
+        _check_named_files(tiff, path, anywhere=request.external_files)
         series = tiff.series[0]
         _check_stored(tiff, path)
         samples = _one_stack(series.asarray(), series.axes, request)
         return Grid(samples, affine.from_spacing(_spacing(tiff)))
+
+
+def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
+    """A `FileError` if the OME metadata name files in other folders."""
+    text = (tiff.ome_metadata or "") if tiff.is_ome else ""
+    try:
+        root = ET.fromstring(text)  # noqa: S314 - as tifffile does
+        names = [part.get(attribute, "") for part in root.iter() for attribute in NAMES_OF_FILES]
+    except ET.ParseError:  # some releases of tifffile mend it
+        names = re.findall(rf"(?:{'|'.join(NAMES_OF_FILES)})\s*=\s*[\"']([^\"']*)", text)
+    for name in filter(None, names):
+        check_named_file(name, path, anywhere=anywhere)
 
 
 def _read_folder(folder: Path, request: Request) -> Grid:

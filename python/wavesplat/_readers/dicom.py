@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
+from wavesplat._files.silence import silenced
 from wavesplat._model import affine
-from wavesplat._readers.itk import affine_of, silenced, simple_itk
+from wavesplat._readers.itk import affine_of, simple_itk
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import ArgumentError, FileError
 

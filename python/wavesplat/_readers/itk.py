@@ -6,9 +6,7 @@ A VTK file, or an NRRD file without a `space`, says nothing of a patient: its ax
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +15,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
+from wavesplat._files.silence import silenced
 from wavesplat._model import affine
 from wavesplat._readers.detached_samples import check_detached_samples
 from wavesplat._readers.request import Grid, Request, choose
@@ -25,7 +24,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     import SimpleITK
 
-__all__ = ["affine_of", "read", "silenced", "simple_itk"]
+__all__ = ["affine_of", "read", "simple_itk"]
 
 
 def read(request: Request) -> Grid:
@@ -70,22 +69,6 @@ def simple_itk() -> Any:
 
     SimpleITK.ProcessObject.SetGlobalWarningDisplay(False)
     return SimpleITK
-
-
-@contextmanager
-def silenced() -> Iterator[None]:
-    """Hide what C libraries under ITK print to the standard streams, past Python and past ITK's own switch."""
-    saved = [(number, os.dup(number)) for number in (1, 2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for number, _ in saved:
-            os.dup2(nowhere, number)
-        yield
-    finally:
-        os.close(nowhere)
-        for number, copy in saved:
-            os.dup2(copy, number)
-            os.close(copy)
 
 
 def affine_of(image: SimpleITK.Image) -> NDArray[np.float64]:

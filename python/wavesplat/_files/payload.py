@@ -8,7 +8,7 @@ from __future__ import annotations
 import gzip
 import os
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,25 @@ import numpy as np
 
 from wavesplat.errors import FileError, LimitError
 
-__all__ = ["ANY_RATIO", "DEFLATE_RATIO", "check_gzip", "check_memory", "check_readable", "check_stored", "n_bytes"]
+__all__ = [
+    "ANY_RATIO",
+    "DEFLATE_RATIO",
+    "check_deflated",
+    "check_gzip",
+    "check_memory",
+    "check_readable",
+    "check_stored",
+    "n_bytes",
+]
 
 #: Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes from two bits).
 DEFLATE_RATIO = 1032
 #: More than other lossless codecs shrink anything: bzip2 reaches 45 000 on zeros.
 ANY_RATIO = 50_000
+#: zlib's name of "tell them apart by their first bytes, any window".
+ZLIB_OR_GZIP = 32 + 15
+GZIP = b"\x1f\x8b"
+BLOCK_BYTES = 1 << 20
 
 
 def check_readable(path: Path) -> None:
@@ -64,6 +77,19 @@ def check_gzip(shape: Sequence[int], dtype: np.dtype[Any], offset: int, path: Pa
     check_memory(needed, path)
 
 
+def check_deflated(places: Iterable[tuple[Path, int]], needed: int, path: object) -> None:
+    """A `FileError` if what is packed from these bytes of files on does not unpack, checksums and all, to so much.
+
+    For libraries that draw what they have where a stream is damaged.
+    """
+    unpacked = sum(_unpacked_with_checksum(file, offset, path) for file, offset in places)
+    if unpacked < needed:
+        raise FileError(
+            f"truncated, or a wrong header: the samples need {needed} bytes, {unpacked} are packed; "
+            f"copy or export it again: {path}"
+        )
+
+
 def check_memory(needed: int, path: object) -> None:
     """A `LimitError` if an array of that many bytes cannot fit into the machine's memory."""
     total = _memory_bytes()
@@ -92,6 +118,27 @@ def _ends_as_promised(path: Path, unpacked: int) -> bool:
         file.seek(-min(4, stored), os.SEEK_END)
         size_field = int.from_bytes(file.read(4), "little")
     return size_field == unpacked % 2**32 and unpacked <= stored * DEFLATE_RATIO
+
+
+def _unpacked_with_checksum(file: Path, offset: int, path: object) -> int:
+    """How many bytes a zlib or gzip stream holds, of which only a block is kept at a time."""
+    count = 0
+    with file.open("rb") as packed:
+        packed.seek(offset)
+        stream, rest = zlib.decompressobj(ZLIB_OR_GZIP), b""
+        try:
+            while rest := rest or packed.read(BLOCK_BYTES):
+                count += len(stream.decompress(rest, BLOCK_BYTES))
+                rest = stream.unconsumed_tail
+                if stream.eof:
+                    # gzip streams may follow each other.
+                    rest = stream.unused_data or packed.read(BLOCK_BYTES)
+                    if not rest.startswith(GZIP):
+                        return count
+                    stream = zlib.decompressobj(ZLIB_OR_GZIP)
+        except zlib.error as error:
+            raise FileError(f"damaged: the packed samples do not unpack ({error}); copy it again: {path}") from None
+    raise FileError(f"truncated: the packed samples have no end; copy or export it again: {path}")
 
 
 def _unpacked_size(path: Path, enough: int) -> int:

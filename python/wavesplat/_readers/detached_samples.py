@@ -12,7 +12,7 @@ from pathlib import Path
 from wavesplat._files.named_files import check_named_file
 from wavesplat.errors import FileError
 
-__all__ = ["check_detached_samples", "header_of_meta_image", "header_of_nrrd"]
+__all__ = ["places_of_samples"]
 
 #: No header is as long: of one that is, nothing would be found in time.
 MOST_HEADER_BYTES = 1 << 24
@@ -27,29 +27,33 @@ EMPTY_LINE = re.compile(rb"\r?\n\r?\n")
 NUMBER = re.compile(r"%0?\d{0,3}d")
 
 
-def check_detached_samples(path: Path, *, anywhere: bool) -> None:
-    """A `FileError` if the header names files that lie elsewhere, or that are none."""
+def places_of_samples(path: Path, *, anywhere: bool) -> list[tuple[Path, int]]:
+    """The files that hold the samples, each with the bytes before them; those elsewhere are refused."""
     with path.open("rb") as file:
         start = file.read(MOST_HEADER_BYTES)
-    for name in _named_by_nrrd(start, path) if start.startswith(b"NRRD") else _named_by_meta_image(start, path):
+    is_nrrd = start.startswith(b"NRRD")
+    names = _named_by_nrrd(start, path) if is_nrrd else _named_by_meta_image(start, path)
+    for name in names:
         check_named_file(name, path, anywhere=anywhere)
+    header = _header_of_nrrd(start) if is_nrrd else _header_of_meta_image(start)
+    return [(path.parent / name, 0) for name in names] or [(path, len(header or b""))]
 
 
-def header_of_meta_image(start: bytes) -> bytes | None:
+def _header_of_meta_image(start: bytes) -> bytes | None:
     """The header, to the end of the line that says where the samples are; None where there is none."""
     found = META_IMAGE.search(start)
     # Any other place of this word could be taken for the key, or hide it.
     return start[: found.end()] if found and start.count(b"ElementDataFile", 0, found.end()) == 1 else None
 
 
-def header_of_nrrd(start: bytes) -> bytes:
+def _header_of_nrrd(start: bytes) -> bytes:
     """The header, with the empty line at its end."""
     end = EMPTY_LINE.search(start)
     return start[: end.end()] if end else start
 
 
 def _named_by_meta_image(start: bytes, path: Path) -> list[str]:
-    header = header_of_meta_image(start)
+    header = _header_of_meta_image(start)
     found = META_IMAGE.search(header or b"")
     if header is None or found is None:
         raise FileError(f"the header does not say where the samples are; mend its line ElementDataFile: {path}")
@@ -62,7 +66,7 @@ def _named_by_meta_image(start: bytes, path: Path) -> list[str]:
 
 
 def _named_by_nrrd(start: bytes, path: Path) -> list[str]:
-    header = header_of_nrrd(start)
+    header = _header_of_nrrd(start)
     if b"\r" in header.replace(b"\r\n", b""):
         raise FileError(f"the header has line ends in the middle of lines; write it again: {path}")
     found = NRRD.findall(header)

@@ -17,7 +17,7 @@ from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._files.silence import silenced
 from wavesplat._model import affine
-from wavesplat._readers.detached_samples import check_detached_samples
+from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import FileError
 
@@ -35,13 +35,13 @@ def read(request: Request) -> Grid:
         reader = sitk.ImageFileReader()
         # Said, not found out: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
-        if path.suffix.lower() != ".vtk":
-            check_detached_samples(path, anywhere=request.external_files)
+        is_vtk = path.suffix.lower() == ".vtk"
+        places = [(path, 0)] if is_vtk else places_of_samples(path, anywhere=request.external_files)
         reader.SetFileName(str(path))
         reader.ReadImageInformation()
         size = reader.GetSize()
         dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
-        _check_payload(path, (*size, reader.GetNumberOfComponents()), dtype)
+        _check_payload(path, places, (*size, reader.GetNumberOfComponents()), dtype)
         if len(size) == 4:
             time = choose("time", size[3], request.time, path)
             reader.SetExtractSize([*size[:3], 0])
@@ -97,23 +97,27 @@ def _dtype_of(sitk: Any, pixel_id: int) -> str:
     return kind + (str(2 * int(bits)) if kind == "complex" else bits)
 
 
-def _check_payload(path: Path, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
+def _check_payload(path: Path, places: Sequence[tuple[Path, int]], shape: Sequence[int], dtype: np.dtype[Any]) -> None:
     """Compare the promised size with the size of the file that holds the samples, if the header names one."""
     header = _meta_fields(path) if path.suffix.lower() in (".mha", ".mhd") else _nrrd_fields(path)
-    name = header.get("elementdatafile") or header.get("data file") or header.get("datafile") or "LOCAL"
-    if name.upper().startswith("LIST") or "%" in name:
-        payload.check_memory(payload.n_bytes(shape, dtype), path)
-        return
-    data = path if name.upper() == "LOCAL" else path.parent / name
-    if not data.is_file():
-        raise FileError(f"the header names a data file that is not there, {name!r}; put it beside the header: {path}")
+    for file, _ in places:
+        if not file.is_file():
+            raise FileError(
+                f"the header names a data file that is not there, {file.name!r}; put it beside the header: {path}"
+            )
     encoding = header.get("encoding", "raw").lower()
-    if header.get("compresseddata", "").lower() == "true" or encoding in ("gzip", "gz"):
+    if header.get("compresseddata", "").lower().startswith(("t", "1")) or encoding in ("gzip", "gz"):
         ratio = payload.DEFLATE_RATIO
     else:
         ratio = payload.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
     if encoding not in ("ascii", "text", "txt", "hex"):
-        payload.check_stored(shape, dtype, data.stat().st_size, path, ratio=ratio)
+        stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
+        payload.check_stored(shape, dtype, stored, path, ratio=ratio)
+    if ratio == payload.DEFLATE_RATIO:
+        # ITK draws what it has of a damaged stream, and does not look at checksums.
+        skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
+        begins = [(file, offset + max(skipped, 0)) for file, offset in places]
+        payload.check_deflated(begins, payload.n_bytes(shape, dtype), path)
 
 
 def _meta_fields(path: Path) -> dict[str, str]:

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat.errors import FileError, LimitError
+from wavesplat._files.memory import check_room
+from wavesplat.errors import FileError
 
 __all__ = [
     "ANY_RATIO",
@@ -91,20 +92,8 @@ def check_deflated(places: Iterable[tuple[Path, int]], needed: int, path: object
 
 
 def check_memory(needed: int, path: object) -> None:
-    """A `LimitError` if an array of that many bytes cannot fit into the machine's memory."""
-    total = _memory_bytes()
-    if total is not None and needed > total:
-        raise LimitError(
-            f"the samples need {needed / 2**30:.1f} GiB, this machine has {total / 2**30:.1f} GiB of memory; "
-            f"use a smaller or coarser file: {path}"
-        )
-
-
-def _memory_bytes() -> int | None:
-    try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # not on every system
-        return None
+    """A `LimitError` if an array of that many bytes cannot fit into the memory that this process can have."""
+    check_room(needed, "the samples", f"use a smaller or coarser file: {path}")
 
 
 def _described(shape: Sequence[int], dtype: np.dtype[Any]) -> str:

@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from wavesplat.errors import FileError, WavesplatError
+from wavesplat._files.memory import free_bytes
+from wavesplat.errors import FileError, LimitError, WavesplatError
 
 __all__ = ["reading"]
 
@@ -19,6 +20,11 @@ ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |\[\w+\] \w+: )")
 
 #: And the file, which we name ourselves.
 ITK_FILE = re.compile(r": \S.* for reading$")
+
+#: What libraries in C and C++ say where they get no memory.
+NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate|[Mm]emory allocation failed")
+
+GIB = 1 << 30
 
 
 @contextmanager
@@ -33,9 +39,17 @@ def reading(kind: str, path: object) -> Iterator[None]:
     except WavesplatError:
         raise
     except Exception as error:
+        if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
+            raise LimitError(_memory_line(kind, path)) from error
         raise FileError(
             f"cannot read as {kind}: {_telling_line(error)}; the file is truncated, damaged or not {kind}: {path}"
         ) from error
+
+
+def _memory_line(kind: str, path: object) -> str:
+    free = free_bytes()
+    has = "" if free is None else f", of which this machine has {free / GIB:.1f} GiB"
+    return f"reading {kind} takes more memory than there is{has}; use a smaller or coarser file: {path}"
 
 
 def _telling_line(error: BaseException) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import zipfile
 from collections.abc import Sequence
 from itertools import accumulate
 from operator import index
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files import payload
+from wavesplat._files.memory import check_room
+from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.reading import reading
 from wavesplat._model.grid import Grid
@@ -215,6 +218,7 @@ class WaveletVolume(Grid):
             If there are not as many levels, or a weight is not finite.
         """
         self._check_levels(drop_levels)
+        check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
         weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
         return Volume(self._core.samples(weights), world_from_index=self._world_from_index, name=self._name)
 
@@ -306,9 +310,12 @@ class WaveletVolume(Grid):
         with (
             reading("wavelet coefficients", path),
             Path(path).open("rb") as file,
-            np.load(file, allow_pickle=False) as archive,
         ):
-            return cls._from_arrays({name: archive[name] for name in archive.files}, path)
+            with zipfile.ZipFile(file) as promised:
+                check_members(promised, promised.namelist(), path)
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as archive:
+                return cls._from_arrays({name: archive[name] for name in archive.files}, path)
 
     @classmethod
     def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
@@ -323,6 +330,7 @@ class WaveletVolume(Grid):
         packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
+        payload.check_memory(n_blocks, path)
         # Files of before have none.
         lo_hi = arrays.get("value_range")
         core = _native.WaveletVolume.from_parts(

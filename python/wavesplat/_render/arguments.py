@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from operator import index
 from typing import Any, TypeAlias
 
 from wavesplat import _native
+from wavesplat._files.memory import check_room
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
@@ -23,6 +25,7 @@ from wavesplat.errors import ArgumentError
 __all__ = [
     "DEFAULT_SHADING",
     "ClipPlane",
+    "check_picture_memory",
     "checked_count",
     "checked_size",
     "chosen_camera",
@@ -84,6 +87,17 @@ def checked_size(size: Sequence[int]) -> tuple[int, int]:
     if width < 0 or height < 0:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     return width, height
+
+
+def check_picture_memory(size: tuple[int, int], bytes_per_pixel: float) -> None:
+    """A `LimitError` if a picture takes more memory than there is: the compiled module would end the process."""
+    width, height = size
+    needed = width * height * bytes_per_pixel
+    check_room(
+        int(min(needed, sys.maxsize)),
+        f"the pixels of a picture of {width} x {height}",
+        "draw a smaller one, or less sharp",
+    )
 
 
 def checked_count(number: int | None, name: str) -> int | None:

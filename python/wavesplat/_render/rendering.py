@@ -23,6 +23,7 @@ from wavesplat._render import projection
 from wavesplat._render.arguments import (
     DEFAULT_SHADING,
     ClipPlane,
+    check_picture_memory,
     checked_count,
     checked_size,
     chosen_camera,
@@ -33,6 +34,9 @@ from wavesplat._render.arguments import (
 from wavesplat.errors import ArgumentError
 
 __all__ = ["render"]
+
+#: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
+PIXEL_BYTES, TEXEL_BYTES = 20, 20
 
 
 @public
@@ -219,6 +223,8 @@ def render(
     curves, eye = chosen._core, camera._core
     light = None if shading is None else shading._core
     default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
+    texels = 1 if psnr is not None else (default_oversampling if oversampling is None else float(oversampling)) ** 2
+    check_picture_memory((width, height), PIXEL_BYTES + TEXEL_BYTES * texels)
     result = _native.render(
         drawn,
         curves,

@@ -30,7 +30,12 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
-from wavesplat._render.arguments import checked_count, checked_size, chosen_transfer_function
+from wavesplat._render.arguments import (
+    check_picture_memory,
+    checked_count,
+    checked_size,
+    chosen_transfer_function,
+)
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -39,6 +44,8 @@ Array: TypeAlias = NDArray[np.float64]
 
 #: Planes of a slab per sample along its normal, so that no sample lies further than a quarter from a plane.
 PLANES_PER_SAMPLE = 2
+#: The value of a pixel and colours that are worked on in float64; measured.
+PIXEL_BYTES = 140
 #: What is as near as this to the edge is not outside, in samples: affines in files are rounded to float32.
 ON_SAMPLE = 1e-6
 
@@ -126,6 +133,7 @@ def slice(
     """
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
+    check_picture_memory(frame.size, PIXEL_BYTES)
     offsets = _offsets(volume, cut, float(thickness))
     if slab not in get_args(Slab):
         raise ArgumentError(f"slab is {slab!r}; use one of: {', '.join(get_args(Slab))}")

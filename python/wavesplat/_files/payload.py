@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from wavesplat._files.memory import check_room
+from wavesplat._files.places import check_no_pipe
 from wavesplat.errors import FileError
 
 __all__ = [
@@ -40,7 +41,8 @@ BLOCK_BYTES = 1 << 20
 
 
 def check_readable(path: Path) -> None:
-    """A `FileError` if there is no such file, or it is empty or closed to us."""
+    """A `FileError` if there is no such file, or it is none, or is empty or closed to us."""
+    check_no_pipe(path)
     try:
         with path.open("rb") as file:
             if not file.read(1):

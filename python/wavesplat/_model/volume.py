@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._files.places import printable
 from wavesplat._model import affine
 from wavesplat._model.grid import Grid
 from wavesplat._public import public
@@ -65,7 +66,7 @@ class Volume(Grid):
         world_from_index: ArrayLike | None = None,
         name: str = "volume",
     ) -> None:
-        name = str(name)
+        name = printable(str(name))
         self._samples = _renderable(_as_array(samples), name)
         n_z, n_y, n_x = self._samples.shape
         super().__init__(name, (n_z, n_y, n_x), _checked_affine(spacing, world_from_index, name))

@@ -20,6 +20,7 @@ from wavesplat._files import payload
 from wavesplat._files.memory import check_room
 from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
+from wavesplat._files.places import expanded
 from wavesplat._files.reading import reading
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
@@ -305,11 +306,11 @@ class WaveletVolume(Grid):
         FileError
             If the file is not there, is not one of coefficients, or is damaged.
         """
-        payload.check_readable(Path(path))
+        payload.check_readable(expanded(path))
         # Opened here, since NumPy leaves files open that are no archives.
         with (
             reading("wavelet coefficients", path),
-            Path(path).open("rb") as file,
+            expanded(path).open("rb") as file,
         ):
             with zipfile.ZipFile(file) as promised:
                 check_members(promised, promised.namelist(), path)

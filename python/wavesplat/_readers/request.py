@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.places import expanded, printable
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Request:
     @property
     def file(self) -> Path:
         """The path, with ~ resolved."""
-        return Path(self.path).expanduser()
+        return expanded(self.path)
 
     @property
     def is_url(self) -> bool:
@@ -58,7 +59,7 @@ class Request:
     @property
     def name(self) -> str:
         """The last part of the path."""
-        return fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path)
+        return printable(fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path))
 
     def given(self) -> set[str]:
         """Names of the options that were set."""

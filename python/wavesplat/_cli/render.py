@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -11,7 +10,7 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import box, chosen_crop
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import json_text, message, print_result
+from wavesplat._cli.printing import is_terminal, json_text, message, print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import (
     Background,
@@ -170,7 +169,7 @@ def render(
         volume,
         transfer_function,
         camera,
-        shown=not quiet and sys.stderr.isatty(),
+        shown=not quiet and is_terminal(),
         labels=segmentation,
         size=size,
         kernel=kernel,
@@ -193,7 +192,7 @@ def render(
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     if report is not None:
         _write_report(report, facts)
-    print_result(facts, output, as_json=json)
+    print_result(facts, output, as_json=json, written=output)
 
 
 def _shading(is_lit: bool, occlusion: float, shadow: float) -> Shading | None:

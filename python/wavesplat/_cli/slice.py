@@ -109,4 +109,4 @@ def slice(
     )
     picture.save(output, bits=bits)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
-    print_result(facts, output, as_json=json)
+    print_result(facts, output, as_json=json, written=output)

@@ -22,6 +22,7 @@ from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.places import expanded
 from wavesplat._files.reading import reading
+from wavesplat._model.forked import check_threads
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -137,6 +138,7 @@ class WaveletVolume(Grid):
             )
         how, amount = _what_stays(threshold, keep, psnr)
         peak = normalisation == "peak"
+        check_threads("make coefficients")
         core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
         return cls(core, volume.name, volume.world_from_index, family)
 
@@ -219,6 +221,7 @@ class WaveletVolume(Grid):
             If there are not as many levels, or a weight is not finite.
         """
         self._check_levels(drop_levels)
+        check_threads("decode coefficients")
         check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
         weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
         return Volume(self._core.samples(weights), world_from_index=self._world_from_index, name=self._name)
@@ -287,6 +290,7 @@ class WaveletVolume(Grid):
             "values": values,
         }
         # Found by decoding everything: once here, not before the first picture of each program.
+        check_threads("decode coefficients")
         value_range = np.array(self._core.value_range, np.float32)
         if np.isfinite(value_range).all():
             arrays["value_range"] = value_range
@@ -353,7 +357,9 @@ class WaveletVolume(Grid):
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]."""
-        return self._decoded().every(step)
+        decoded = self._decoded()
+        check_threads("decode coefficients")
+        return decoded.every(step)
 
     def _check_levels(self, drop_levels: int) -> None:
         if not 0 <= _whole(drop_levels, "drop_levels") <= self.n_levels:
@@ -367,6 +373,7 @@ class WaveletVolume(Grid):
         key = drop_levels, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:
+            check_threads("decode coefficients")
             share = self._cache_bytes // LARGEST_SHARE
             decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
         self._decoded_levels[key] = decoded

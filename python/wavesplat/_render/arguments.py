@@ -16,6 +16,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
+from wavesplat._model.forked import threads_here
 from wavesplat._model.grid import Grid
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._model.volume import Volume
@@ -30,6 +31,7 @@ __all__ = [
     "checked_size",
     "chosen_camera",
     "chosen_labels",
+    "chosen_threads",
     "chosen_transfer_function",
     "region",
 ]
@@ -111,6 +113,11 @@ def checked_count(number: int | None, name: str) -> int | None:
     if count < 0:
         raise ArgumentError(f"{name} is {count}; give a whole number of at least 1")
     return count
+
+
+def chosen_threads(number: int | None) -> int | None:
+    """How many threads draw, as the compiled module takes it."""
+    return threads_here(checked_count(number, "threads"))
 
 
 def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:

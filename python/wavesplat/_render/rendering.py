@@ -14,6 +14,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
+from wavesplat._model.forked import drawing
 from wavesplat._model.options import BY_VIEW, Composite, Kernel, Quality
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -24,10 +25,10 @@ from wavesplat._render.arguments import (
     DEFAULT_SHADING,
     ClipPlane,
     check_picture_memory,
-    checked_count,
     checked_size,
     chosen_camera,
     chosen_labels,
+    chosen_threads,
     chosen_transfer_function,
     region,
 )
@@ -222,35 +223,36 @@ def render(
     numbers = projection.numbers(composite, chosen, local_threshold, depth_shading, absorbs)
     curves, eye = chosen._core, camera._core
     light = None if shading is None else shading._core
-    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
-    texels = 1 if psnr is not None else (default_oversampling if oversampling is None else float(oversampling)) ** 2
-    check_picture_memory((width, height), PIXEL_BYTES + TEXEL_BYTES * texels)
-    result = _native.render(
-        drawn,
-        curves,
-        eye,
-        labels=chosen_labels(labels, volume),
-        width=width,
-        height=height,
-        kernel=kernel,
-        composite=composite,
-        iso_value=None if iso_value is None else float(iso_value),
-        local_threshold=numbers.get("local_threshold"),
-        depth_shading=numbers.get("depth_shading"),
-        attenuation=numbers.get("attenuation"),
-        shading=light,
-        sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
-        oversampling=default_oversampling if oversampling is None else float(oversampling),
-        psnr=None if psnr is None else float(psnr),
-        like=measured,
-        **region(crop, clip_planes),
-        background=colors.parse(background),
-        threads=checked_count(threads, "threads"),
-        depth=bool(depth),
-        pre_integration=bool(pre_integration),
-        early_ray_termination=bool(early_ray_termination),
-        progress=progress,
-    )
+    with drawing(volume):
+        default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
+        texels = 1 if psnr is not None else (default_oversampling if oversampling is None else float(oversampling)) ** 2
+        check_picture_memory((width, height), PIXEL_BYTES + TEXEL_BYTES * texels)
+        result = _native.render(
+            drawn,
+            curves,
+            eye,
+            labels=chosen_labels(labels, volume),
+            width=width,
+            height=height,
+            kernel=kernel,
+            composite=composite,
+            iso_value=None if iso_value is None else float(iso_value),
+            local_threshold=numbers.get("local_threshold"),
+            depth_shading=numbers.get("depth_shading"),
+            attenuation=numbers.get("attenuation"),
+            shading=light,
+            sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
+            oversampling=default_oversampling if oversampling is None else float(oversampling),
+            psnr=None if psnr is None else float(psnr),
+            like=measured,
+            **region(crop, clip_planes),
+            background=colors.parse(background),
+            threads=chosen_threads(threads),
+            depth=bool(depth),
+            pre_integration=bool(pre_integration),
+            early_ray_termination=bool(early_ray_termination),
+            progress=progress,
+        )
     report = result["report"] | numbers
     told = report.get("measured")
     if isinstance(told, dict):

@@ -22,6 +22,7 @@ from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine
+from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, vector
@@ -32,8 +33,8 @@ from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.arguments import (
     check_picture_memory,
-    checked_count,
     checked_size,
+    chosen_threads,
     chosen_transfer_function,
 )
 from wavesplat.errors import ArgumentError
@@ -142,19 +143,20 @@ def slice(
     window = None if window is None else checked_window(window)
     drawn = volume._decoded() if isinstance(volume, WaveletVolume) else volume._core
     first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
-    values = _native.plane(
-        drawn,
-        origin=_triple(frame.origin + first * cut.normal),
-        across=_triple(frame.pixel * cut.right),
-        down=_triple(-frame.pixel * cut.up),
-        width=frame.size[0],
-        height=frame.size[1],
-        kernel=kernel,
-        slab=slab,
-        n_planes=len(offsets),
-        step=_triple(step * cut.normal),
-        threads=checked_count(threads, "threads"),
-    )
+    with drawing(volume):
+        values = _native.plane(
+            drawn,
+            origin=_triple(frame.origin + first * cut.normal),
+            across=_triple(frame.pixel * cut.right),
+            down=_triple(-frame.pixel * cut.up),
+            width=frame.size[0],
+            height=frame.size[1],
+            kernel=kernel,
+            slab=slab,
+            n_planes=len(offsets),
+            step=_triple(step * cut.normal),
+            threads=chosen_threads(threads),
+        )
     report: dict[str, Any] = {
         "position": cut.position,
         "normal": cut.normal.tolist(),

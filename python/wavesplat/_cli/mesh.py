@@ -44,4 +44,4 @@ def mesh(
     volume = open_any(input, reader, quiet=quiet)
     surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=chosen_crop(crop, crop_index))
     surface.save(output)
-    print_result({"mesh": str(output), "input": input, **surface.facts()}, output, as_json=json)
+    print_result({"mesh": str(output), "input": input, **surface.facts()}, output, as_json=json, written=output)

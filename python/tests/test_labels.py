@@ -46,7 +46,7 @@ def test_hiding_a_label_is_removing_its_samples(scan):
     table = np.zeros(scan.shape, np.uint8)
     table[:, : scan.shape[1] // 2] = 1
     labels = ws.Labels(table, {1: ws.Label("grey", opacity=0, scan=0)}, smooth=False)
-    view = {"camera": "left", "size": (40, 40)}
+    view = {"camera": ws.Camera.view(scan, "left"), "size": (40, 40)}
     hidden = ws.render(scan, "ct-soft-tissue", labels=labels, **view).rgba
     whole = ws.render(scan, "ct-soft-tissue", **view).rgba
     half = scan.shape[1] // 2

@@ -71,7 +71,7 @@ def raycast(
     rgba = _native.raycast(
         volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1))._core,
+        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1), clip_planes=clip_planes)._core,
         labels=arguments.chosen_labels(labels, volume),
         width=width,
         height=height,

@@ -164,7 +164,7 @@ def splat(
     rgba = _native.splat_ablated(
         volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1))._core,
+        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1), clip_planes=clip_planes)._core,
         ablation=(ablation or Ablation())._core,
         width=width,
         height=height,
@@ -280,7 +280,7 @@ def standard(
     result = _native.render_standard(
         volume._decoded(0) if isinstance(volume, WaveletVolume) else volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1))._core,
+        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1), clip_planes=clip_planes)._core,
         width=width,
         height=height,
         kernel=kernel,

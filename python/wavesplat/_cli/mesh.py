@@ -9,7 +9,6 @@ import typer
 
 from wavesplat._cli.crop_options import box, chosen_crop
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.parsers import refuse_pairs
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import Json, Quiet
@@ -37,11 +36,11 @@ def mesh(
     quiet: Quiet = False,
 ) -> None:
     """Write the surface of one value as a triangle mesh, in world units, and print its path."""
-    refuse_pairs(crop=crop, crop_index=crop_index)
+    crop_box = chosen_crop(crop, crop_index)
     check_outputs(input, output, "meshes")
     from wavesplat._mesh import meshing
 
     volume = open_any(input, reader, quiet=quiet)
-    surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=chosen_crop(crop, crop_index))
+    surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=crop_box)
     surface.save(output)
     print_result({"mesh": str(output), "input": input, **surface.facts()}, output, as_json=json, written=output)

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import typer
 
 from wavesplat._cli import parsers
-from wavesplat._cli.crop_options import box, chosen_crop
+from wavesplat._cli.crop_options import (
+    CutOptions,
+    Planes,
+    chosen_boxes,
+    chosen_crop,
+    chosen_planes,
+    takes_cut_options,
+)
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import is_terminal, json_text, message, print_result
@@ -46,6 +53,7 @@ if TYPE_CHECKING:
 __all__ = ["render"]
 
 
+@takes_cut_options
 @takes_light_options
 @takes_reader_options
 @takes_color_options
@@ -129,8 +137,7 @@ def render(
     ] = None,
     family: Family = "cdf97",
     background: Background = None,
-    crop: Annotated[Any, box("Draw only this box, world units.")] = None,
-    crop_index: Annotated[Any, box("The same, in samples.")] = None,
+    cuts: CutOptions,
     lighting: LightOptions,
     bits: Bits = 8,
     threads: Threads = None,
@@ -144,9 +151,10 @@ def render(
     parsers.refuse_pairs(preset=preset, materials=materials)
     parsers.refuse_pairs(tf=tf, materials=materials)
     parsers.refuse_pairs(cmap=colors.cmap, materials=materials)
-    parsers.refuse_pairs(crop=crop, crop_index=crop_index)
+    crop, planes = chosen_crop(cuts.crop, cuts.crop_index), chosen_planes(cuts)
     check_outputs(input, output, "pictures", report)
     from wavesplat._picture.picture import check_bits
+    from wavesplat._render.arguments import cut_open
 
     check_bits(bits)
     composite = COMPOSITE_SYNONYMS.get(composite, composite)
@@ -165,9 +173,18 @@ def render(
         composite=composite,
         quiet=quiet,
     )
-    crop_box = chosen_crop(crop, crop_index)
+    seen, boxes = cut_open(volume, chosen_boxes(cuts, volume))
     camera = _camera(
-        volume, look, view, azimuth, elevation, crop=crop_box, zoom=zoom, view_angle=perspective, size=size
+        seen,
+        look,
+        view,
+        azimuth,
+        elevation,
+        crop=crop,
+        clip_planes=planes,
+        zoom=zoom,
+        view_angle=perspective,
+        size=size,
     )
     # Greys that depend on the view are left to the renderer.
     by_view = look.name == "auto" and look.composite in BY_VIEW
@@ -192,7 +209,9 @@ def render(
         oversampling=oversampling,
         psnr=psnr,
         drop_levels=drop_levels,
-        crop=crop_box,
+        crop=crop,
+        clip_planes=planes,
+        cut_out=boxes,
         background=background or look.background or "black",
         threads=threads,
     )
@@ -276,12 +295,14 @@ def _camera(
     elevation: float | None,
     *,
     crop: Crop | None,
+    clip_planes: Planes,
     zoom: float,
     view_angle: float | None,
     size: tuple[int, int],
 ) -> Camera:
     """From a view, turned by the angles; without any, from the side that suits the data."""
     from wavesplat._model.camera import checked_lens
+    from wavesplat._render.arguments import checked_planes
     from wavesplat._render.framing import framed, natural_view
 
     turned = (azimuth or 0.0, elevation or 0.0)
@@ -297,6 +318,7 @@ def _camera(
         from_view[0] + turned[0],
         from_view[1] + turned[1],
         crop=crop,
+        clip_planes=checked_planes(clip_planes),
         zoom=zoom,
         view_angle=view_angle,
         aspect=aspect,

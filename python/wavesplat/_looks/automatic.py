@@ -152,17 +152,17 @@ def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """Light of its own, in the colour of the channel: nothing is shaded."""
-    background, high = np.percentile(known.values, (50.0, 99.9))
+    background, high = np.percentile(known.values, (50.0, 99.6))
     spread = 1.4826 * float(np.median(np.abs(known.values - background)))
-    low = min(float(background) + 1.2 * spread, float(background) + 0.3 * (float(high) - float(background)))
+    low = min(float(background) + spread, float(background) + 0.25 * (float(high) - float(background)))
     high = max(float(high), low + 1e-6 * max(abs(low), 1.0))
     channel = volume.facts.channel
     color = channel.color if channel is not None and channel.color is not None else GREEN
     # A colour that is dark itself, such as a pure blue, becomes lighter with the value.
     white = tuple(share + 0.65 * (1.0 - share) for share in color)
-    middle = low + 0.4 * (high - low)
+    middle = low + 0.35 * (high - low)
     across = _across(volume)
-    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 3 * across)), (high, _per_voxel(0.995, 2 * across))]
+    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 2.5 * across)), (high, _per_voxel(0.995, 2 * across))]
     nodes = [(low, *(0.55 * share for share in color)), (middle, *color), (high, *white)]
     return TransferFunction(opacity, nodes), None
 

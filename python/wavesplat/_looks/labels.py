@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
+from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -131,6 +132,7 @@ class Labels:
     numbers: tuple[int, ...]
     _codes: NDArray[Any] = field(repr=False)
     _cores: dict[bytes, _native.Labels] = field(repr=False)
+    _cuts: dict[tuple[bytes, Boxes], Labels] = field(repr=False)
 
     def __init__(
         self,
@@ -146,7 +148,7 @@ class Labels:
         numbers, codes = _codes(samples)
         looks = _default_looks(numbers) if labels is None else _checked_looks(labels, numbers)
         n_z, n_y, n_x = samples.shape
-        parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {})
+        parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {}, {})
         for name, value in zip(self.__dataclass_fields__, parts, strict=True):
             object.__setattr__(self, name, value)
 
@@ -222,6 +224,39 @@ class Labels:
             ]
             self._cores[key] = _native.Labels(self._codes, looks, np.array(scan.world_from_index), self.smooth)
         return self._cores[key]
+
+    def without(self, boxes: Boxes, scan: Grid) -> Labels:
+        """The labels with none in the boxes, so that they end in surfaces there; kept until other boxes are asked for.
+
+        Raises
+        ------
+        ArgumentError
+            If shape or affine are not the scan's.
+        """
+        if not boxes:
+            return self
+        self.check_beside(scan)
+        key = scan.world_from_index.tobytes(), boxes
+        if key not in self._cuts:
+            self._cuts.clear()
+            numbers = self.numbers if 0 in self.numbers else (*self.numbers, 0)
+            codes = self._codes.astype(np.uint8 if len(numbers) <= 256 else np.uint16)
+            codes[taken_out(scan, boxes)] = numbers.index(0)
+            cut = object.__new__(Labels)
+            parts: tuple[Any, ...] = (
+                self.labels,
+                self.smooth,
+                self.shape,
+                self.world_from_index,
+                numbers,
+                codes,
+                {},
+                {},
+            )
+            for name, value in zip(self.__dataclass_fields__, parts, strict=True):
+                object.__setattr__(cut, name, value)
+            self._cuts[key] = cut
+        return self._cuts[key]
 
     def __reduce__(self) -> tuple[Any, ...]:
         samples = np.asarray(self.numbers, dtype=np.int64)[self._codes]

@@ -53,7 +53,7 @@ class Light:
 
 #: The lights that a picture has where none are given: the same as `Light::KEY` and `Light::FILL` of the engine.
 KEY_LIGHT = Light((-0.55, 0.65, 1.0))
-FILL_LIGHT = Light((0.0, 0.0, 1.0), color=(0.35, 0.35, 0.35))
+FILL_LIGHT = Light((0.0, 0.0, 1.0), color=(0.3, 0.3, 0.3))
 
 
 @public
@@ -87,7 +87,7 @@ class Shading:
     exposure : float, 0 or more
         Factor of all three Phong terms.
     lights : sequence of `Light`
-        Empty means a key light and a fill light: `Light((-0.55, 0.65, 1))` and `Light((0, 0, 1), color=3 * [0.35])`.
+        Empty means a key light and a fill light: `Light((-0.55, 0.65, 1))` and `Light((0, 0, 1), color=3 * [0.3])`.
     ambient_occlusion : float, 0 to 1
         How much hollows darken: all light is multiplied by the share of directions that are open near by.
     occlusion_radius : float, optional
@@ -131,7 +131,7 @@ class Shading:
     def __init__(
         self,
         *,
-        ambient: float = 0.3,
+        ambient: float = 0.22,
         diffuse: float = 1.0,
         specular: float = 0.25,
         specular_power: float = 16.0,

@@ -1,22 +1,37 @@
-"""A box that the picture is limited to."""
+"""A box that the picture is limited to, or that is taken out of it."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.grid import Grid
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Crop"]
 
+#: Where a side lies in the RAS world: axis and sign.
+SIDES = {
+    "right": (0, 1),
+    "left": (0, -1),
+    "anterior": (1, 1),
+    "posterior": (1, -1),
+    "superior": (2, 1),
+    "inferior": (2, -1),
+}
+
 
 @public
 @dataclass(frozen=True, init=False)
 class Crop:
-    """The part of the volume between two corners; the rest is empty.
+    """The part of the volume between two corners: what is kept as `crop`, what is taken out as `cut_out`.
 
     Parameters
     ----------
@@ -50,6 +65,67 @@ class Crop:
         object.__setattr__(self, "upper", vector(upper, "upper corner of the crop"))
         object.__setattr__(self, "space", space)
 
+    @classmethod
+    def corner(cls, volume: Grid, name: str, *, at: Iterable[float] | None = None) -> Crop:
+        """A corner, an edge or a half of a volume, to be taken out or kept: a box in the world.
+
+        Parameters
+        ----------
+        volume : Volume or WaveletVolume
+            Whose corner.
+        name : str
+            One to three sides: of a patient right, left, anterior, posterior, superior and inferior, such as
+            "right anterior superior" or "left"; of any volume signs and axes of the world, such as "+x-y+z" or "+y".
+        at : three numbers (x, y, z), optional
+            Where the corner's innermost point is, in the world; None is the middle of the volume.
+
+        Raises
+        ------
+        ArgumentError
+            If the name is no corner, or one of a patient and the volume is none's.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> pelvis = ws.examples.ct_pelvis()
+        >>> corner = ws.Crop.corner(pelvis, "left anterior superior")
+        >>> picture = ws.render(pelvis, "ct-muscle", cut_out=corner, size=(32, 32))
+        """
+        signs = _signs(str(name), volume)
+        lower, upper = volume.bounds
+        middle = (lower + upper) / 2 if at is None else np.array(vector(at, "`at` of the corner"))
+        # A sample beyond the volume, so that its own face goes too.
+        lower, upper = lower - sum(volume.spacing), upper + sum(volume.spacing)
+        lower, upper = np.where(signs > 0, middle, lower), np.where(signs < 0, middle, upper)
+        return cls(lower.tolist(), upper.tolist())
+
     def corners_in(self, space: str) -> tuple[Vector, Vector] | None:
         """The two corners if the crop is given in `space`, else None."""
         return (self.lower, self.upper) if self.space == space else None
+
+
+def _signs(name: str, volume: Grid) -> NDArray[np.int64]:
+    """Of each world axis: 1 the upper side, -1 the lower one, 0 both."""
+    signs = np.zeros(3, dtype=np.int64)
+    words = re.split(r"[\s,-]+", name.strip().lower())
+    if all(word in SIDES for word in words):
+        if not volume.is_anatomical:
+            raise ArgumentError(
+                f"{name!r} is a corner of a patient, and nothing says how volume {volume.name!r} lies in one; "
+                'name the axes of the world, such as "+x-y+z"'
+            )
+        sides = [SIDES[word] for word in words]
+    elif re.fullmatch(r"([+-][xyz])+", name.strip().lower()):
+        sides = [
+            ("xyz".index(axis), 1 if sign == "+" else -1) for sign, axis in re.findall(r"(.)(.)", name.strip().lower())
+        ]
+    else:
+        raise ArgumentError(
+            f"corner {name!r} is unknown; name one to three sides of a patient ({', '.join(SIDES)}), such as "
+            '"right anterior superior", or of the world, such as "+x-y+z"'
+        )
+    for axis, sign in sides:
+        if signs[axis]:
+            raise ArgumentError(f"corner {name!r} names two sides along {'xyz'[axis]}; give one of them")
+        signs[axis] = sign
+    return signs

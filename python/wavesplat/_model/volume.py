@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._files.places import printable
 from wavesplat._model import affine, units
+from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.labelled_array import is_labelled, unlabelled
@@ -68,7 +69,10 @@ class Volume(Grid):
     ((20, 30, 40), [19.5, 14.5, 28.5])
     """
 
-    __slots__ = ("_core", "_samples")
+    #: `_cut`: the boxes that were last taken out for a picture, and what they left (`_model.cutting`).
+    __slots__ = ("_core", "_cut", "_samples")
+
+    _cut: tuple[tuple[Crop, ...], Volume] | None
 
     def __init__(
         self,
@@ -96,6 +100,7 @@ class Volume(Grid):
         super().__init__(name, (n_z, n_y, n_x), matrix, _checked_facts(facts, unit, anatomical, name))
         # Built at once, so that what is wrong with a volume is said where the volume is made.
         self._core = self._built()
+        self._cut = None
 
     def changed(self) -> None:
         """Say that the shared array was written to: range of values and all that was prepared are made anew.
@@ -118,6 +123,7 @@ class Volume(Grid):
         (0.0, 200.0)
         """
         self._core = self._built()
+        self._cut = None
 
     def _built(self) -> _native.Volume:
         return _native.Volume(self._samples, self._world_from_index, self._name)

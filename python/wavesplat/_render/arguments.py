@@ -18,6 +18,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
+from wavesplat._model.cutting import Boxes, checked_boxes, without
 from wavesplat._model.forked import threads_here
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS, Composite
@@ -33,12 +34,14 @@ __all__ = [
     "ClipPlane",
     "check_picture_memory",
     "checked_count",
+    "checked_planes",
     "checked_size",
     "chosen_camera",
     "chosen_labels",
     "chosen_look",
     "chosen_threads",
     "chosen_transfer_function",
+    "cut_open",
     "region",
 ]
 
@@ -86,13 +89,13 @@ def chosen_look(
     return Look(transfer_function=function, composite=composite or "over")
 
 
-def chosen_labels(given: Labels | None, volume: Grid) -> _native.Labels | None:
-    """The labels as the compiled module takes them, if they lie on the volume's samples."""
+def chosen_labels(given: Labels | None, volume: Grid, boxes: Boxes = ()) -> _native.Labels | None:
+    """The labels as the compiled module takes them, if they lie on the volume's samples; without those in the boxes."""
     if given is None:
         return None
     if not isinstance(given, Labels):
         raise ArgumentError(f"labels is a {type(given).__name__}; give a wavesplat.Labels(segmentation, ...)")
-    return given.beside(volume)
+    return given.without(boxes, volume).beside(volume)
 
 
 def chosen_camera(
@@ -101,6 +104,8 @@ def chosen_camera(
     look: Look,
     crop: Crop | None,
     aspect: float,
+    *,
+    clip_planes: Sequence[ClipPlane] = (),
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits."""
     if isinstance(given, Camera):
@@ -112,7 +117,28 @@ def chosen_camera(
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
     azimuth, elevation = framing.natural_view(volume) if view is None else VIEWS[view]
     # A picture without pixels has no aspect; the compiled module refuses it.
-    return framing.framed(volume, look, azimuth, elevation, crop=crop, aspect=aspect if aspect > 0 else 1.0)
+    return framing.framed(
+        volume,
+        look,
+        azimuth,
+        elevation,
+        crop=crop,
+        clip_planes=checked_planes(clip_planes),
+        aspect=aspect if aspect > 0 else 1.0,
+    )
+
+
+def cut_open(volume: Volume | WaveletVolume, cut_out: Crop | Iterable[Crop]) -> tuple[Volume | WaveletVolume, Boxes]:
+    """The volume without what is in the boxes, and the boxes."""
+    boxes = checked_boxes(cut_out)
+    if isinstance(volume, WaveletVolume):
+        if boxes:
+            raise ArgumentError(
+                f"cut_out takes samples out, and volume {volume.name!r} has wavelet coefficients; "
+                "draw its to_volume(), and on the command line leave out --threshold, --levels and --bands"
+            )
+        return volume, boxes
+    return without(volume, boxes), boxes
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:
@@ -162,8 +188,13 @@ def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any
     return {
         "crop_index": crop.corners_in("index") if crop else None,
         "crop_world": crop.corners_in("world") if crop else None,
-        "clip_planes": [_plane(plane, number) for number, plane in enumerate(clip_planes)],
+        "clip_planes": checked_planes(clip_planes),
     }
+
+
+def checked_planes(clip_planes: Sequence[ClipPlane]) -> list[tuple[Vector, Vector]]:
+    """Points and normals."""
+    return [_plane(plane, number) for number, plane in enumerate(clip_planes)]
 
 
 def _plane(plane: ClipPlane, number: int) -> tuple[Vector, Vector]:

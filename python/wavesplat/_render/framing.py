@@ -6,6 +6,7 @@ What is framed is what the transfer function shows, not the box of samples aroun
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
 from wavesplat._model.options import VIEWS
+from wavesplat._model.vectors import Vector
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -53,47 +55,65 @@ def framed(
     elevation: float,
     *,
     crop: Crop | None = None,
+    clip_planes: Sequence[tuple[Vector, Vector]] = (),
     zoom: float = 1.0,
     view_angle: float | None = None,
     aspect: float = 1.0,
 ) -> Camera:
-    """Camera from a side, with all that a look shows of a volume just in view."""
-    points = _seen(volume, look, crop)
+    """Camera from a side, with all that a look shows of a volume just in view; `clip_planes`: points and normals."""
+    points = _seen(volume, look, crop, clip_planes)
     return Camera.orbit(
         volume, azimuth, elevation, zoom=FILLED * zoom, view_angle=view_angle, aspect=aspect, points=points
     )
 
 
-def _seen(volume: Volume | WaveletVolume, look: Look, crop: Crop | None) -> NDArray[np.float64] | None:
-    """World positions of samples that are seen; None where nothing is, or it cannot be said."""
+def _seen(
+    volume: Volume | WaveletVolume, look: Look, crop: Crop | None, clip_planes: Sequence[tuple[Vector, Vector]]
+) -> NDArray[np.float64] | None:
+    """World positions of samples that are seen; None where all of the volume may be."""
     function = look.transfer_function
-    inside = _inside(volume, crop)
-    if look.labels is not None or not isinstance(function, TransferFunction):
-        return None if crop is None else _corners(volume, inside)
+    box = _inside(volume, crop)
+    is_whole_box = not clip_planes and not volume.n_nonfinite
+    if is_whole_box and (look.labels is not None or not isinstance(function, TransferFunction)):
+        return None if crop is None else _corners(volume, box)
     step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
-    samples = volume._every(step)
-    low, high = inside
-    first = [-(-int(bound) // step) for bound in reversed(low)]
-    last = [int(bound) // step for bound in reversed(high)]
-    within = tuple(slice(a, b + 1) for a, b in zip(first, last, strict=True))
-    samples = samples[within]
-    values = samples.ravel().astype(np.float64)
-    finite = np.isfinite(values)
-    alpha = np.zeros(values.size)
-    alpha[finite] = _visibility(function, values[finite], look.composite)
-    seen = alpha >= max(LEAST_SHARE * float(alpha.max(initial=0.0)), LEAST_OPACITY)
+    index, values = _left(volume, box, step, clip_planes)
+    seen = np.ones(len(values), dtype=bool)
+    if look.labels is None and isinstance(function, TransferFunction):
+        alpha = _visibility(function, values, look.composite) if len(values) else values
+        seen = alpha >= max(LEAST_SHARE * float(alpha.max(initial=0.0)), LEAST_OPACITY)
     if not seen.any():
-        return _corners(volume, inside)
-    z, y, x = np.unravel_index(np.flatnonzero(seen), samples.shape)
-    index = np.stack([(x + first[2]) * step, (y + first[1]) * step, (z + first[0]) * step], axis=1).astype(np.float64)
+        if is_whole_box or not len(values):
+            return _corners(volume, box)
+        seen[:] = True
+    index = index[seen]
+    low, high = box
     lower, upper = (np.maximum(np.minimum(p, high), low) for p in (index - 0.5 * step, index + 0.5 * step))
-    matrix = volume.world_from_index
     ends = [np.percentile(index, percent, axis=0) for percent in WITHIN]
     kept = np.all((index >= ends[0]) & (index <= ends[1]), axis=1)
     if not kept.any():
         kept[:] = True
-    points = np.concatenate([lower[kept], upper[kept]])
-    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
+    return _in_world(volume, np.concatenate([lower[kept], upper[kept]]))
+
+
+def _left(
+    volume: Volume | WaveletVolume,
+    box: tuple[NDArray[np.float64], NDArray[np.float64]],
+    step: int,
+    clip_planes: Sequence[tuple[Vector, Vector]],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Of every n-th sample that is finite, in the box and on the kept side of the planes: index (x, y, z) and value."""
+    first = [-(-int(bound) // step) for bound in reversed(box[0])]
+    last = [int(bound) // step for bound in reversed(box[1])]
+    samples = volume._every(step)[tuple(slice(a, b + 1) for a, b in zip(first, last, strict=True))]
+    values = samples.ravel().astype(np.float64)
+    z, y, x = np.unravel_index(np.flatnonzero(np.isfinite(values)), samples.shape)
+    index = np.stack([(x + first[2]) * step, (y + first[1]) * step, (z + first[0]) * step], axis=1).astype(np.float64)
+    values = values[np.isfinite(values)]
+    for point, normal in clip_planes:
+        is_kept = (_in_world(volume, index) - np.array(point)) @ np.array(normal) >= 0
+        index, values = index[is_kept], values[is_kept]
+    return index, values
 
 
 def _visibility(function: TransferFunction, values: NDArray[np.float64], composite: str) -> NDArray[np.float64]:
@@ -129,6 +149,9 @@ def _corners(
     volume: Volume | WaveletVolume, box: tuple[NDArray[np.float64], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     lower, upper = box
-    ends = np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)])
+    return _in_world(volume, np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)]))
+
+
+def _in_world(volume: Volume | WaveletVolume, index: NDArray[np.float64]) -> NDArray[np.float64]:
     matrix = volume.world_from_index
-    return np.asarray(ends @ matrix[:3, :3].T + matrix[:3, 3])
+    return np.asarray(index @ matrix[:3, :3].T + matrix[:3, 3])

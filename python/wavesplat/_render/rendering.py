@@ -30,6 +30,7 @@ from wavesplat._render.arguments import (
     chosen_labels,
     chosen_look,
     chosen_threads,
+    cut_open,
     region,
 )
 from wavesplat.errors import ArgumentError
@@ -64,6 +65,7 @@ def render(
     band_weights: Sequence[float] | None = None,
     crop: Crop | None = None,
     clip_planes: Sequence[ClipPlane] = (),
+    cut_out: Crop | Sequence[Crop] = (),
     background: str | Sequence[float] | None = None,
     threads: int | None = None,
     depth: bool = False,
@@ -144,6 +146,13 @@ def render(
         Draw only this box.
     clip_planes : sequence of (point, normal)
         World units; what lies on the side that the normal points to is kept.
+    cut_out : Crop or sequence of Crop
+        Boxes to take out, such as `Crop.corner(volume, "left anterior superior")`: one looks into the volume, and its
+        colours are those of the whole. Samples whose centres are inside of a box are drawn as empty, so on axes that
+        are oblique to the box its faces are stairs of samples. `labels` are taken out with them. The first picture with
+        other boxes makes a copy of the samples, 4 bytes each (8 where they are 32-bit integers or float64), and what
+        the renderer prepares of it takes 5 more; volume and labels keep both until other boxes are given.
+        A WaveletVolume has no samples to take out: draw its `to_volume()`.
     background : colour, optional
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the look's own or, where it has none, transparent.
     threads : int, optional
@@ -185,7 +194,7 @@ def render(
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
     width, height = checked_size(size)
-    volume, drawn = _levels(volume, drop_levels, band_weights)
+    volume = _weighted(volume, drop_levels, band_weights)
     automatic = look is None or (isinstance(look, str) and look.lower() == "auto")
     chosen = chosen_look(look, volume, composite)
     composite = chosen.composite
@@ -198,19 +207,23 @@ def render(
         depth_shading=depth_shading,
         attenuation=attenuation,
     )
+    seen, boxes = cut_open(volume, cut_out)
+    drawn: _native.Volume | _native.DecodedVolume = (
+        seen._decoded(drop_levels) if isinstance(seen, WaveletVolume) else seen._core
+    )
     if psnr is not None and (sheets_per_slice is not None or oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either it or them")
     measured = measured_by(like, psnr, composite)
     if labels is not None and (composite != "over" or drop_levels != 0):
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
     absorbs = projection.absorption(composite, attenuation, volume)
-    camera = chosen_camera(camera, volume, chosen, crop, width / max(height, 1))
+    camera = chosen_camera(camera, seen, chosen, crop, width / max(height, 1), clip_planes=clip_planes)
     function = chosen.transfer_function
     if automatic and composite in BY_VIEW:
 
         def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
             drawn_as: Any = {"composite": composite, "attenuation": absorbs, "drop_levels": drop_levels}
-            within: Any = {"crop": crop, "clip_planes": clip_planes, "threads": threads}
+            within: Any = {"crop": crop, "clip_planes": clip_planes, "cut_out": boxes, "threads": threads}
             return render(volume, curves, at, size=of, quality="draft", sheets_per_slice=1, **drawn_as, **within)
 
         function = projection.exposed_by(overview, volume, composite, camera, (width, height)) or function
@@ -228,7 +241,7 @@ def render(
             drawn,
             curves,
             eye,
-            labels=chosen_labels(labels, volume),
+            labels=chosen_labels(labels, volume, boxes),
             width=width,
             height=height,
             kernel=kernel,
@@ -257,18 +270,17 @@ def render(
     return Picture(result["rgba"], result["depth"], result["value"], report)
 
 
-def _levels(
+def _weighted(
     volume: Volume | WaveletVolume, drop_levels: int, band_weights: Sequence[float] | None
-) -> tuple[Volume | WaveletVolume, _native.Volume | _native.DecodedVolume]:
-    """The volume with its bands weighted, and what of it is drawn."""
+) -> Volume | WaveletVolume:
+    """The volume with its bands weighted."""
     if isinstance(volume, WaveletVolume):
-        weighted = volume.bands(band_weights)
-        return weighted, weighted._decoded(drop_levels)
+        return volume.bands(band_weights)
     if not isinstance(volume, Volume):
         raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume, as wavesplat.Volume(array)")
     if drop_levels != 0 or band_weights is not None:
         raise ArgumentError("drop_levels and band_weights are for a WaveletVolume; make one with from_volume")
-    return volume, volume._core
+    return volume
 
 
 def measured_by(like: object, psnr: float | None, composite: str) -> dict[str, Any] | None:

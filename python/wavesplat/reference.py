@@ -80,7 +80,7 @@ def raycast(
         step=float(step),
         rays_per_pixel=arguments.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
         **arguments.region(crop, clip_planes),
-        threads=arguments.checked_count(threads, "threads"),
+        threads=arguments.chosen_threads(threads),
     )
     return Picture(rgba)
 
@@ -133,7 +133,7 @@ def splat_literal(
         kernel=kernel,
         shading=None if shading is None else shading._core,
         sheets_per_slice=float(sheets_per_slice),
-        threads=arguments.checked_count(threads, "threads"),
+        threads=arguments.chosen_threads(threads),
     )
     return Picture(rgba)
 

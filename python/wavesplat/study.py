@@ -173,7 +173,7 @@ def splat(
         sheets_per_slice=float(sheets_per_slice),
         oversampling=float(oversampling),
         **arguments.region(crop, clip_planes),
-        threads=arguments.checked_count(threads, "threads"),
+        threads=arguments.chosen_threads(threads),
         progress=progress,
     )
     return Picture(rgba)
@@ -290,7 +290,7 @@ def standard(
         view_angle_correction=chosen.view_angle_correction,
         **arguments.region(crop, clip_planes),
         background=colors.parse(background),
-        threads=arguments.checked_count(threads, "threads"),
+        threads=arguments.chosen_threads(threads),
         progress=progress,
     )
     return Picture(result["rgba"], result["depth"], result["value"], result["report"])

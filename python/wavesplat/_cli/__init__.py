@@ -6,6 +6,7 @@ Everything but argument parsing is imported inside the commands, so that `--help
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any, NoReturn
@@ -13,7 +14,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 from wavesplat._cli import demo, info, mesh, presets, render, slice, wavelet
-from wavesplat._cli.printing import message
+from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError
 
 __all__ = ["app", "main"]
@@ -22,6 +23,9 @@ EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 0, 1, 2, 130
 
 #: What Typer raises for wrong arguments: it does not export its name, only that of one of its children.
 CommandLineError: Any = typer.BadParameter.__mro__[2]
+
+#: Set to anything, it shows where a mistake of ours happened.
+SHOW_TRACEBACK = "WAVESPLAT_TRACEBACK"
 
 EPILOG = (
     "Exit codes: 0 it worked; 1 the file, the data or the machine failed; 2 wrong arguments; 130 interrupted. "
@@ -58,36 +62,45 @@ def _root(
     if version:
         from wavesplat._native import __version__
 
-        print(f"wavesplat {__version__}")
+        print_lines(f"wavesplat {__version__}")
         raise typer.Exit(EXIT_OK)
     if context.invoked_subcommand is None:
-        print(context.get_help())
+        print_lines(context.get_help())
         raise typer.Exit(EXIT_USAGE)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and leave with its exit code; every failure is one line on stderr."""
+    take_any_name()
     try:
         code = app(args=arguments, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         code = EXIT_INTERRUPTED
-    except ArgumentError as error:
-        _fail(str(error), EXIT_USAGE)
-    except WavesplatError as error:
-        _fail(str(error), EXIT_FAILED)
-    except CommandLineError as error:
-        _fail(error.format_message().rstrip(".") + "; see wavesplat --help", EXIT_USAGE)
-    except MemoryError:
-        _fail("not enough memory; use a smaller picture, a coarser level or a smaller volume", EXIT_FAILED)
     except BrokenPipeError:
         # The reader of our output has gone, as in `wavesplat info x | head -1`.
-        sys.stderr.close()
+        if sys.stderr is not None:
+            sys.stderr.close()
         sys.exit(EXIT_OK)
+    except BaseException as error:
+        if isinstance(error, SystemExit) or os.environ.get(SHOW_TRACEBACK):
+            raise
+        text, code = _explained(error)
+        message("error: " + " ".join(text.split()))
+        sys.exit(code)
     if code == EXIT_INTERRUPTED:  # some releases of Typer return it, some raise
         message("interrupted; nothing was written")
     sys.exit(code if isinstance(code, int) else EXIT_OK)
 
 
-def _fail(text: str, code: int) -> NoReturn:
-    message("error: " + " ".join(text.split()))
-    sys.exit(code)
+def _explained(error: BaseException) -> tuple[str, int]:
+    """What is said of an error, and the exit code."""
+    if isinstance(error, WavesplatError):
+        return str(error), EXIT_USAGE if isinstance(error, ArgumentError) else EXIT_FAILED
+    if isinstance(error, CommandLineError):
+        return error.format_message().rstrip(".") + "; see wavesplat --help", EXIT_USAGE
+    if isinstance(error, MemoryError):
+        return "not enough memory; use a smaller picture, a coarser level or a smaller volume", EXIT_FAILED
+    if isinstance(error, OSError):
+        return f"{error.strerror or error}; check names, permissions and free space", EXIT_FAILED
+    what = ": ".join(part for part in (type(error).__name__, str(error)) if part)
+    return f"{what}; this is a mistake of wavesplat: report it, with the command and the volume", EXIT_FAILED

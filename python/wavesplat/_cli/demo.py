@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wavesplat._cli.printing import json_text, message
+from wavesplat._cli.printing import message, print_lines, print_result
 from wavesplat._cli.shared_options import Json, Quiet
 from wavesplat.errors import FileError
 
@@ -33,8 +33,8 @@ def demo(
     for path in scenes.draw(folder):
         paths.append(str(path))
         if not json:
-            print(path, flush=True)
+            print_lines(path, written=path)
     if json:
-        print(json_text({"pictures": paths}))
+        print_result({"pictures": paths}, "", as_json=True)
     elif not quiet:
         message(f"drew {len(paths)} pictures in {folder}")

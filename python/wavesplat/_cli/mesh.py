@@ -50,4 +50,5 @@ def mesh(
         {"mesh": str(output), "input": input, "processing": list(volume.facts.processing), **surface.facts()},
         output,
         as_json=json,
+        written=output,
     )

@@ -16,14 +16,15 @@ __all__ = ["check_outputs"]
 def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = None) -> None:
     """Raise if a result cannot be written, or would replace the input or another result."""
     from wavesplat._files.output import check_output, check_writable
+    from wavesplat._files.places import expanded, real_place
 
     check_output(output, kind)
-    places = {"INPUT": Path(input).expanduser(), "--output": output}
+    places = {"INPUT": expanded(input), "--output": output}
     if report is not None:
         check_writable(report)
         places["--report"] = report
     owners: dict[Path, str] = {}
     for name, path in places.items():
-        owner = owners.setdefault(path.resolve(), name)
+        owner = owners.setdefault(real_place(path), name)
         if owner != name:
             raise ArgumentError(f"{owner} and {name} are the same file, which would be lost; change a name: {path}")

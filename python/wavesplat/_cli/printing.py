@@ -2,31 +2,56 @@
 
 from __future__ import annotations
 
+import codecs
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
+from pathlib import Path
 from typing import Any
 
-from wavesplat.errors import WavesplatWarning
+from wavesplat.errors import FileError, WavesplatWarning
 
-__all__ = ["json_text", "message", "print_result", "warnings_as_notes"]
+__all__ = [
+    "is_terminal",
+    "json_text",
+    "message",
+    "print_lines",
+    "print_result",
+    "take_any_name",
+    "warnings_as_notes",
+]
 
 
-def print_result(facts: dict[str, Any], text: object, *, as_json: bool) -> None:
-    """Print the facts as JSON, or the text that people read."""
-    print(json_text(facts) if as_json else text)
+def print_result(facts: dict[str, Any], text: object, *, as_json: bool, written: Path | None = None) -> None:
+    """Print the facts as JSON, or the text that people read. `written`: the file that is there already."""
+    print_lines(json_text(facts) if as_json else text, written=written)
+
+
+def print_lines(text: object, *, written: Path | None = None) -> None:
+    """Print, or raise a `FileError` where stdout leads to a full disk."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        _give_up_stdout()
+        beside = "" if written is None else f"; what it is about is written: {written}"
+        raise FileError(f"cannot print the result: {error.strerror or error}{beside}") from error
 
 
 def json_text(facts: dict[str, Any]) -> str:
-    """Facts as JSON."""
+    """Facts as JSON, which has no infinity: null."""
     import json
 
-    return json.dumps(facts, indent=2, allow_nan=False, default=float)
+    return json.dumps(_finite(facts), indent=2, allow_nan=False, default=float)
 
 
 def message(text: str) -> None:
-    """A line on stderr."""
-    print(f"wavesplat: {text}", file=sys.stderr)
+    """A line on stderr, if there is one."""
+    if sys.stderr is not None:
+        print(f"wavesplat: {text}", file=sys.stderr)
 
 
 @contextmanager
@@ -41,3 +66,40 @@ def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
         if quiet and issubclass(warning.category, WavesplatWarning):
             continue
         message(f"note: {warning.message}")
+
+
+def is_terminal() -> bool:
+    """Whether somebody may watch a bar move on stderr."""
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
+def take_any_name() -> None:
+    """Print names of files as they are, also bytes and letters that the terminal's encoding does not have."""
+    codecs.register_error("wavesplat", _as_bytes)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="wavesplat")
+
+
+def _as_bytes(error: UnicodeError) -> tuple[bytes | str, int]:
+    """For codecs: the byte that a name had, or the number of a letter."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    letter = ord(error.object[error.start])
+    is_byte = 0xDC80 <= letter <= 0xDCFF  # as Python keeps bytes of names (PEP 383)
+    return bytes([letter - 0xDC00]) if is_byte else f"\\u{letter:04x}", error.start + 1
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and value - value != 0 else value
+
+
+def _give_up_stdout() -> None:
+    """What is still to be printed goes nowhere: at its end Python would try again, and complain."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Generic, TypeVar
+
+from wavesplat._cli.printing import is_terminal
 
 __all__ = ["run"]
 
@@ -58,7 +59,7 @@ def _interrupts(task: _Task[T]) -> Iterator[None]:
     def cancel(_signal: int, _frame: FrameType | None) -> None:
         if task.cancelled:
             # Work that goes on must not come back into an interpreter that is being taken down.
-            os.write(2, SHOW_CURSOR if sys.stderr.isatty() else b"")
+            os.write(2, SHOW_CURSOR if is_terminal() else b"")
             os._exit(128 + signal.SIGINT)
         task.cancelled = True
 

@@ -61,6 +61,9 @@ class ReaderOptions:
             help="DICOM: fill in slices that are missing, or refuse the series.",
         ),
     ] = "fill"
+    external_files: Annotated[
+        bool, typer.Option("--external-files", help="Read samples from files elsewhere that a trusted file names.")
+    ] = False
 
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:

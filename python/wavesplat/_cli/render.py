@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -19,7 +18,7 @@ from wavesplat._cli.crop_options import (
 )
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import json_text, message, print_result
+from wavesplat._cli.printing import is_terminal, json_text, message, print_result
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import (
@@ -198,7 +197,7 @@ def render(
         volume,
         None if by_view else look,
         camera,
-        shown=not quiet and sys.stderr.isatty(),
+        shown=not quiet and is_terminal(),
         labels=_labels(labels, label_table),
         size=size,
         kernel=kernel,
@@ -223,7 +222,7 @@ def render(
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     if report is not None:
         _write_report(report, facts)
-    print_result(facts, output, as_json=json)
+    print_result(facts, output, as_json=json, written=output)
 
 
 def _look(

@@ -136,4 +136,4 @@ def slice(
         message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")
     picture.save(output, bits=bits)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
-    print_result(facts, output, as_json=json)
+    print_result(facts, output, as_json=json, written=output)

@@ -57,4 +57,4 @@ def wavelet(
         wavelets.save(output)
         facts |= {"file": str(output), "n_bytes_of_file": output.stat().st_size}
         text.append(f"file         {output}, {facts['n_bytes_of_file'] / 2**20:.3g} MiB")
-    print_result(facts, "\n".join(text), as_json=json)
+    print_result(facts, "\n".join(text), as_json=json, written=output)

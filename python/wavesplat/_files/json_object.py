@@ -8,11 +8,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Collection
 from os import PathLike
-from pathlib import Path
 from typing import Any, TypeVar
 
 from wavesplat._files.output import write_atomically
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._files.places import read_text
+from wavesplat.errors import ArgumentError
 
 __all__ = ["check_fields", "check_list", "load", "names_in", "optional_number", "parse", "save", "write"]
 
@@ -33,12 +33,7 @@ def save(path: str | PathLike[str], text: str) -> None:
 
 def load(path: str | PathLike[str], what: str, build: Callable[[str], T]) -> T:
     """What `build` makes of a file's text; its errors get the path. `what`: such as "transfer function"."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"cannot read the {what}: {error.strerror or error}; check the name: {path}") from None
-    except UnicodeDecodeError:
-        raise FileError(f"the {what} is not text; give a JSON file: {path}") from None
+    text = read_text(path, what)
     try:
         return build(text)
     except ArgumentError as error:

@@ -5,10 +5,16 @@ A file is written beside its place under another name, then moved there.
 
 from __future__ import annotations
 
+import errno
 import os
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
 from os import PathLike
 from pathlib import Path
+from types import FrameType
 from typing import Literal, TypeAlias
 
 from wavesplat.errors import FileError
@@ -24,6 +30,20 @@ SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "wavelet coefficients": (".wavelets",),
 }
 
+#: How to mend what a system says, where another folder may not help.
+MENDS = {
+    errno.ENOSPC: "free some space or choose another folder",
+    errno.EDQUOT: "free some space or choose another folder",
+    errno.ENAMETOOLONG: "shorten the name",
+    errno.ELOOP: "the links lead round in a circle; remove them, or change the name",
+}
+
+#: Signals that ask a process to end.
+ENDING = ("SIGTERM", "SIGHUP")
+
+#: Tell files apart that are written at once.
+NUMBERS = count()
+
 
 def check_output(path: str | PathLike[str], kind: Kind) -> str:
     """The suffix in lower case, if a result of this kind can be written there; else a `FileError`."""
@@ -38,18 +58,35 @@ def check_output(path: str | PathLike[str], kind: Kind) -> str:
 def check_writable(path: str | PathLike[str]) -> Path:
     """The path, if a file can be written there; else a `FileError`."""
     target = Path(path)
-    folder = target.parent
-    if not folder.is_dir():
-        raise FileError(f"cannot write: the folder does not exist; make it first, or change the name: {target}")
-    if target.is_dir():
-        raise FileError(f"cannot write: this is a folder; add a file name to it: {target}")
-    if target.exists() and not target.is_file():
-        raise FileError(
-            f"cannot write: this is a device or a pipe, which cannot be replaced whole; name a file: {target}"
-        )
-    if not os.access(folder, os.W_OK):
-        raise FileError(f"cannot write: no permission in its folder; choose another folder: {target}")
+    with _telling_why_not(target):
+        folder = target.parent
+        if not folder.is_dir():
+            raise FileError(f"cannot write: the folder does not exist; make it first, or change the name: {target}")
+        if target.is_dir():
+            raise FileError(f"cannot write: this is a folder; add a file name to it: {target}")
+        if target.exists() and not target.is_file():
+            raise FileError(
+                f"cannot write: this is a device or a pipe, which cannot be replaced whole; name a file: {target}"
+            )
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise FileError(f"cannot write: no permission in its folder; choose another folder: {target}")
+        with suppress(FileNotFoundError):
+            target.lstat()  # the system knows of names that are too long
     return target
+
+
+@contextmanager
+def _telling_why_not(target: Path) -> Iterator[None]:
+    """A `FileError` for what a system says of names, folders and disks."""
+    try:
+        yield
+    except FileError:
+        raise
+    except OSError as error:
+        mend = MENDS.get(error.errno or 0, "choose another folder")
+        raise FileError(f"cannot write: {error.strerror or error}; {mend}: {target}") from error
+    except ValueError as error:  # a zero byte
+        raise FileError(f"cannot write: {error}; change the name: {target}") from error
 
 
 def write_atomically(path: str | PathLike[str], write: Callable[[Path], object]) -> None:
@@ -58,13 +95,37 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
     The new file has the same suffix, since some libraries choose the format by it.
     """
     target = check_writable(path)
-    part = target.with_name(f".{target.stem}.{os.getpid()}.part{target.suffix}")
-    try:
-        write(part)
-        part.replace(target)
-    except OSError as error:
-        raise FileError(
-            f"cannot write: {error.strerror or error}; free some space or choose another folder: {target}"
-        ) from error
-    finally:
+    # Not with the name in it, which may be as long as names can be; threads may write the same file at once.
+    part = target.with_name(f".{os.getpid()}-{next(NUMBERS)}.part{target.suffix}")
+    with _telling_why_not(target), _removed_when_terminated(part):
+        try:
+            write(part)
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+@contextmanager
+def _removed_when_terminated(part: Path) -> Iterator[None]:
+    """Leave nothing behind where the process is told to end, by `kill` or a closed terminal.
+
+    Only the main thread can see to that, and only where nobody else does.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(number: int, _frame: FrameType | None) -> None:
         part.unlink(missing_ok=True)
+        signal.signal(number, signal.SIG_DFL)
+        os.kill(os.getpid(), number)
+
+    numbers = [getattr(signal, name) for name in ENDING if hasattr(signal, name)]
+    numbers = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+    for number in numbers:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)

@@ -8,25 +8,41 @@ from __future__ import annotations
 import gzip
 import os
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from wavesplat.errors import FileError, LimitError
+from wavesplat._files.memory import check_room
+from wavesplat._files.places import check_no_pipe
+from wavesplat.errors import FileError
 
-__all__ = ["ANY_RATIO", "DEFLATE_RATIO", "check_gzip", "check_memory", "check_readable", "check_stored", "n_bytes"]
+__all__ = [
+    "ANY_RATIO",
+    "DEFLATE_RATIO",
+    "check_deflated",
+    "check_gzip",
+    "check_memory",
+    "check_readable",
+    "check_stored",
+    "n_bytes",
+]
 
 #: Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes from two bits).
 DEFLATE_RATIO = 1032
 #: More than other lossless codecs shrink anything: bzip2 reaches 45 000 on zeros.
 ANY_RATIO = 50_000
+#: zlib's name of "tell them apart by their first bytes, any window".
+ZLIB_OR_GZIP = 32 + 15
+GZIP = b"\x1f\x8b"
+BLOCK_BYTES = 1 << 20
 
 
 def check_readable(path: Path) -> None:
-    """A `FileError` if there is no such file, or it is empty or closed to us."""
+    """A `FileError` if there is no such file, or it is none, or is empty or closed to us."""
+    check_no_pipe(path)
     try:
         with path.open("rb") as file:
             if not file.read(1):
@@ -64,21 +80,22 @@ def check_gzip(shape: Sequence[int], dtype: np.dtype[Any], offset: int, path: Pa
     check_memory(needed, path)
 
 
-def check_memory(needed: int, path: object) -> None:
-    """A `LimitError` if an array of that many bytes cannot fit into the machine's memory."""
-    total = _memory_bytes()
-    if total is not None and needed > total:
-        raise LimitError(
-            f"the samples need {needed / 2**30:.1f} GiB, this machine has {total / 2**30:.1f} GiB of memory; "
-            f"use a smaller or coarser file: {path}"
+def check_deflated(places: Iterable[tuple[Path, int]], needed: int, path: object) -> None:
+    """A `FileError` if what is packed from these bytes of files on does not unpack, checksums and all, to so much.
+
+    For libraries that draw what they have where a stream is damaged.
+    """
+    unpacked = sum(_unpacked_with_checksum(file, offset, path) for file, offset in places)
+    if unpacked < needed:
+        raise FileError(
+            f"truncated, or a wrong header: the samples need {needed} bytes, {unpacked} are packed; "
+            f"copy or export it again: {path}"
         )
 
 
-def _memory_bytes() -> int | None:
-    try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # not on every system
-        return None
+def check_memory(needed: int, path: object) -> None:
+    """A `LimitError` if an array of that many bytes cannot fit into the memory that this process can have."""
+    check_room(needed, "the samples", f"use a smaller or coarser file: {path}")
 
 
 def _described(shape: Sequence[int], dtype: np.dtype[Any]) -> str:
@@ -92,6 +109,27 @@ def _ends_as_promised(path: Path, unpacked: int) -> bool:
         file.seek(-min(4, stored), os.SEEK_END)
         size_field = int.from_bytes(file.read(4), "little")
     return size_field == unpacked % 2**32 and unpacked <= stored * DEFLATE_RATIO
+
+
+def _unpacked_with_checksum(file: Path, offset: int, path: object) -> int:
+    """How many bytes a zlib or gzip stream holds, of which only a block is kept at a time."""
+    count = 0
+    with file.open("rb") as packed:
+        packed.seek(offset)
+        stream, rest = zlib.decompressobj(ZLIB_OR_GZIP), b""
+        try:
+            while rest := rest or packed.read(BLOCK_BYTES):
+                count += len(stream.decompress(rest, BLOCK_BYTES))
+                rest = stream.unconsumed_tail
+                if stream.eof:
+                    # gzip streams may follow each other.
+                    rest = stream.unused_data or packed.read(BLOCK_BYTES)
+                    if not rest.startswith(GZIP):
+                        return count
+                    stream = zlib.decompressobj(ZLIB_OR_GZIP)
+        except zlib.error as error:
+            raise FileError(f"damaged: the packed samples do not unpack ({error}); copy it again: {path}") from None
+    raise FileError(f"truncated: the packed samples have no end; copy or export it again: {path}")
 
 
 def _unpacked_size(path: Path, enough: int) -> int:

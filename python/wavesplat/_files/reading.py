@@ -6,12 +6,13 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from wavesplat.errors import FileError, WavesplatError
+from wavesplat._files.memory import free_bytes
+from wavesplat.errors import FileError, LimitError, WavesplatError
 
 __all__ = ["reading"]
 
-#: What ITK adds to every failure: the last error of the system, which is of some earlier call where the file exists.
-OLD_REASON = "Reason: No such file or directory"
+#: What ITK adds to every failure: the last error of the system, which is of some earlier call, or "Success".
+OLD_REASON = "Reason: "
 
 #: A file of ITK's source, and what stands before its words: "itk::ERROR: Class(0x5555): ", "[nrrd] _function: ".
 ITK_SOURCE = ".cxx:"
@@ -19,6 +20,11 @@ ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |\[\w+\] \w+: )")
 
 #: And the file, which we name ourselves.
 ITK_FILE = re.compile(r": \S.* for reading$")
+
+#: What libraries in C and C++ say where they get no memory.
+NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate|[Mm]emory allocation failed")
+
+GIB = 1 << 30
 
 
 @contextmanager
@@ -33,9 +39,17 @@ def reading(kind: str, path: object) -> Iterator[None]:
     except WavesplatError:
         raise
     except Exception as error:
+        if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
+            raise LimitError(_memory_line(kind, path)) from error
         raise FileError(
             f"cannot read as {kind}: {_telling_line(error)}; the file is truncated, damaged or not {kind}: {path}"
         ) from error
+
+
+def _memory_line(kind: str, path: object) -> str:
+    free = free_bytes()
+    has = "" if free is None else f", of which this machine has {free / GIB:.1f} GiB"
+    return f"reading {kind} takes more memory than there is{has}; use a smaller or coarser file: {path}"
 
 
 def _telling_line(error: BaseException) -> str:
@@ -44,7 +58,7 @@ def _telling_line(error: BaseException) -> str:
     ITK begins with a line of its own source and goes from the general to the particular: of it, the last.
     """
     lines = [line.strip().rstrip(".;") for line in str(error).splitlines() if line.strip()]
-    lines = [line for line in lines if line != OLD_REASON] or lines
+    lines = [line for line in lines if not line.startswith(OLD_REASON)] or lines
     if len(lines) > 1 and ITK_SOURCE in lines[0]:
         return ITK_FILE.sub("", ITK_PLACE.sub("", lines[-1]))
     return lines[0] if lines else type(error).__name__

@@ -16,6 +16,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TypeAlias
 
+from wavesplat._files.places import expanded, read_text
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Named", "in_file", "in_table"]
@@ -29,11 +30,12 @@ MOST_HEADER_BYTES = 2**22
 
 def in_file(path: str | PathLike[str]) -> dict[int, Named]:
     """What a segmentation's own file says, by number; empty where it says nothing."""
-    name = Path(path).name.lower()
+    place = expanded(path)
+    name = place.name.lower()
     if name.endswith((".nrrd", ".nhdr")):
-        return _segments(_nrrd_header(Path(path)))
+        return _segments(_nrrd_header(place))
     if name.endswith((".nii", ".nii.gz")):
-        return _nifti_labels(Path(path))
+        return _nifti_labels(place)
     return {}
 
 
@@ -45,17 +47,11 @@ def in_table(path: str | PathLike[str]) -> dict[int, Named]:
     FileError
         If it cannot be read, or is none of the known tables.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        reason = error.strerror or error
-        raise FileError(f"cannot read the table of labels: {reason}; check the name: {path}") from None
-    except UnicodeDecodeError:
-        raise FileError(f"the table of labels is not text: {path}") from None
+    text = read_text(path, "table of labels")
     read = _bids if str(path).lower().endswith(".tsv") else _columns
     try:
         found = read(text)
-    except (ArgumentError, ValueError, IndexError) as error:
+    except (ArgumentError, ValueError, IndexError, TypeError, csv.Error) as error:
         raise FileError(f"the table of labels: {error}: {path}") from None
     if not found:
         raise FileError(

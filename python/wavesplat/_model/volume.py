@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._files.places import printable
 from wavesplat._model import affine, smoothing, units
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
@@ -92,7 +93,7 @@ class Volume(Grid):
             facts = replace(
                 facts or Facts(unit=labelled.unit), guesses=(*(facts or Facts()).guesses, *labelled.guesses)
             )
-        name = str(name)
+        name = printable(str(name))
         self._samples = _renderable(_as_array(samples), name)
         n_z, n_y, n_x = self._samples.shape
         matrix = _checked_affine(spacing, world_from_index, name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import zipfile
 from collections.abc import Sequence
 from itertools import accumulate
 from operator import index
@@ -17,9 +18,13 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files import payload
+from wavesplat._files.memory import check_room
+from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
+from wavesplat._files.places import expanded
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._model.forked import check_threads
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -140,6 +145,7 @@ class WaveletVolume(Grid):
             )
         how, amount = _what_stays(threshold, keep, psnr)
         peak = normalisation == "peak"
+        check_threads("make coefficients")
         core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
         return cls(core, volume.name, volume.world_from_index, family, volume.facts)
 
@@ -222,6 +228,8 @@ class WaveletVolume(Grid):
             If there are not as many levels, or a weight is not finite.
         """
         self._check_levels(drop_levels)
+        check_threads("decode coefficients")
+        check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
         weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
         samples = self._core.samples(weights)
         return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
@@ -292,6 +300,7 @@ class WaveletVolume(Grid):
             "values": values,
         }
         # Found by decoding everything: once here, not before the first picture of each program.
+        check_threads("decode coefficients")
         value_range = np.array(self._core.value_range, np.float32)
         if np.isfinite(value_range).all():
             arrays["value_range"] = value_range
@@ -311,14 +320,17 @@ class WaveletVolume(Grid):
         FileError
             If the file is not there, is not one of coefficients, or is damaged.
         """
-        payload.check_readable(Path(path))
+        payload.check_readable(expanded(path))
         # Opened here, since NumPy leaves files open that are no archives.
         with (
             reading("wavelet coefficients", path),
-            Path(path).open("rb") as file,
-            np.load(file, allow_pickle=False) as archive,
+            expanded(path).open("rb") as file,
         ):
-            return cls._from_arrays({name: archive[name] for name in archive.files}, path)
+            with zipfile.ZipFile(file) as promised:
+                check_members(promised, promised.namelist(), path)
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as archive:
+                return cls._from_arrays({name: archive[name] for name in archive.files}, path)
 
     @classmethod
     def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
@@ -333,6 +345,7 @@ class WaveletVolume(Grid):
         packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
+        payload.check_memory(n_blocks, path)
         # Files of before have neither.
         lo_hi = arrays.get("value_range")
         facts = Facts.from_json(json.loads(str(arrays["facts"]))) if "facts" in arrays else Facts()
@@ -355,7 +368,9 @@ class WaveletVolume(Grid):
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]."""
-        return self._decoded().every(step)
+        decoded = self._decoded()
+        check_threads("decode coefficients")
+        return decoded.every(step)
 
     def _check_levels(self, drop_levels: int) -> None:
         if not 0 <= _whole(drop_levels, "drop_levels") <= self.n_levels:
@@ -369,6 +384,7 @@ class WaveletVolume(Grid):
         key = drop_levels, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:
+            check_threads("decode coefficients")
             share = self._cache_bytes // LARGEST_SHARE
             decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
         self._decoded_levels[key] = decoded

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
@@ -31,7 +32,7 @@ def _from_npy(request: Request) -> NDArray[Any]:
     if request.dataset is not None:
         raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
     with path.open("rb") as file:
-        shape, dtype = _npy_header(file)
+        shape, dtype = npy_header(file)
         payload.check_stored(shape, dtype, path.stat().st_size - file.tell(), path)
     array: NDArray[Any] = np.load(path, allow_pickle=False)
     return array
@@ -42,10 +43,7 @@ def _from_npz(request: Request) -> NDArray[Any]:
     with zipfile.ZipFile(path) as archive:
         names = [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
         name = _chosen(names, request)
-        member = f"{name}.npy"
-        with archive.open(member) as file:
-            shape, dtype = _npy_header(file)
-        payload.check_stored(shape, dtype, archive.getinfo(member).file_size, path)
+        check_members(archive, [f"{name}.npy"], path)
     with np.load(path, allow_pickle=False) as arrays:
         array: NDArray[Any] = arrays[name]
     return array
@@ -61,10 +59,3 @@ def _chosen(names: list[str], request: Request) -> str:
         message = f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
         raise several(message, "dataset", names)
     return names[0]
-
-
-def _npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    version = np.lib.format.read_magic(file)
-    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, dtype = read_header(file)
-    return shape, dtype

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.silence import silenced
 from wavesplat._readers.dicom_header import Header
-from wavesplat._readers.itk import silenced, simple_itk
+from wavesplat._readers.itk import simple_itk
 from wavesplat.errors import FileError
 
 __all__ = ["frames_in"]

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wavesplat._files import payload
+from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
 from wavesplat._readers.hdf5_place import place_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     import h5py
 
 __all__ = ["read"]
+
+#: Groups and links on the way to a dataset.
+MOST_STEPS = 100
 
 
 def read(request: Request) -> Grid:
@@ -26,9 +29,15 @@ def read(request: Request) -> Grid:
 
     with reading("HDF5", request.path), h5py.File(request.file, "r") as file:
         dataset = _dataset(file, request)
+        if not request.external_files:
+            _check_own(dataset, request)
         index = index_unnamed_axes(dataset.shape, request)
-        n_samples = prod(sorted(dataset.shape)[-3:]) if len(index) > 1 else prod(dataset.shape)
-        payload.check_memory(n_samples * dataset.dtype.itemsize, request.path)
+        shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
+        payload.check_memory(payload.n_bytes(shape, dataset.dtype), request.path)
+        if not (dataset.external or dataset.is_virtual):
+            # What was never written is not stored, and read as zeros; a few of these are well.
+            stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
+            payload.check_stored(shape, dataset.dtype, stored, request.path, ratio=payload.ANY_RATIO)
         place = place_of(dataset)
         samples = np.transpose(dataset[index], place.zyx) if place.zyx != (0, 1, 2) else dataset[index]
         facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
@@ -47,6 +56,8 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     file.visititems(visit)
     listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
     if request.dataset is not None:
+        if not request.external_files:
+            _check_way(file, request.dataset, request)
         node = file.get(request.dataset)
         if not isinstance(node, h5py.Dataset):
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
@@ -58,3 +69,35 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
         )
         raise several(message, "dataset", list(found), [f"{name} {node.shape}" for name, node in found.items()])
     return next(iter(found.values()))
+
+
+def _check_own(dataset: h5py.Dataset, request: Request) -> None:
+    """A `FileError` if the samples are those of other files."""
+    others = [name for name, _, _ in dataset.external or ()]
+    if dataset.is_virtual:
+        others += [source.file_name for source in dataset.virtual_sources() if source.file_name != "."]
+    if others:
+        raise refused(f"{others[0]!r} as the place of its samples", request.path)
+
+
+def _check_way(file: h5py.File, name: str, request: Request) -> None:
+    """A `FileError` if the way to a dataset leaves the file."""
+    import h5py
+
+    place, parts = "/", name.split("/")
+    for _ in range(MOST_STEPS):
+        if not parts:
+            return
+        part = parts.pop(0)
+        if not part:
+            continue
+        here = file.get(place)
+        link = here.get(part, getlink=True) if isinstance(here, h5py.Group) else None
+        if isinstance(link, h5py.ExternalLink):
+            raise refused(f"{link.filename!r} as the place of {name!r}", request.path)
+        if isinstance(link, h5py.SoftLink):
+            parts = link.path.split("/") + parts
+            place = "/" if link.path.startswith("/") else place
+        else:
+            place = f"{place.rstrip('/')}/{part}"
+    raise FileError(f"the links to {name!r} go round in a circle; choose another with dataset=: {request.path}")

@@ -6,9 +6,7 @@ A VTK file, or an NRRD file whose `space` is none of a patient, says nothing of 
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +16,9 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
+from wavesplat._files.silence import silenced
 from wavesplat._model import affine
+from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd, of_vtk
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import FileError
@@ -26,7 +26,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     import SimpleITK
 
-__all__ = ["affine_of", "read", "silenced", "simple_itk"]
+__all__ = ["affine_of", "read", "simple_itk"]
 
 
 def read(request: Request) -> Grid:
@@ -35,13 +35,17 @@ def read(request: Request) -> Grid:
     path = request.file
     with reading("an image", path), silenced():
         reader = sitk.ImageFileReader()
+        # Said, not found out: a file of any other kind under such a name could name further files.
+        reader.SetImageIO(_image_io(path))
+        is_vtk = path.suffix.lower() == ".vtk"
+        places = [(path, 0)] if is_vtk else places_of_samples(path, anywhere=request.external_files)
         reader.SetFileName(str(path))
         reader.ReadImageInformation()
         size = reader.GetSize()
         dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
         header = _header(path)
         n_components = reader.GetNumberOfComponents()
-        _check_payload(path, header.fields, (*size, n_components), dtype)
+        _check_payload(path, places, header.fields, (*size, n_components), dtype)
         if len(size) == 4:
             time = choose("time", size[3], request.time, path)
             reader.SetExtractSize([*size[:3], 0])
@@ -63,28 +67,19 @@ def read(request: Request) -> Grid:
         return Grid(samples, _world_from_index(place, header), facts)
 
 
+def _image_io(path: Path) -> str:
+    with path.open("rb") as file:
+        if file.read(4) == b"NRRD":
+            return "NrrdImageIO"
+    return {".mha": "MetaImageIO", ".mhd": "MetaImageIO", ".vtk": "VTKImageIO"}.get(path.suffix.lower(), "NrrdImageIO")
+
+
 def simple_itk() -> Any:
     """The SimpleITK module, its warnings on stderr switched off: errors reach us as exceptions."""
     import SimpleITK
 
     SimpleITK.ProcessObject.SetGlobalWarningDisplay(False)
     return SimpleITK
-
-
-@contextmanager
-def silenced() -> Iterator[None]:
-    """Hide what C libraries under ITK print to the standard streams, past Python and past ITK's own switch."""
-    saved = [(number, os.dup(number)) for number in (1, 2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for number, _ in saved:
-            os.dup2(nowhere, number)
-        yield
-    finally:
-        os.close(nowhere)
-        for number, copy in saved:
-            os.dup2(copy, number)
-            os.close(copy)
 
 
 def affine_of(image: SimpleITK.Image) -> NDArray[np.float64]:
@@ -103,7 +98,8 @@ def _header(path: Path) -> Header:
 
 def _lacks_length(header: Header) -> bool:
     """Whether samples are compressed and their packed size is not given: ITK then reads garbage."""
-    return header.fields.get("compresseddata", "").lower() == "true" and "compresseddatasize" not in header.fields
+    is_packed = header.fields.get("compresseddata", "").lower().startswith(("t", "1"))
+    return is_packed and "compresseddatasize" not in header.fields
 
 
 def _world_from_index(image: Any, header: Header) -> NDArray[np.float64]:
@@ -128,19 +124,29 @@ def _dtype_of(sitk: Any, pixel_id: int) -> str:
     return kind + (str(2 * int(bits)) if kind == "complex" else bits)
 
 
-def _check_payload(path: Path, header: dict[str, str], shape: Sequence[int], dtype: np.dtype[Any]) -> None:
+def _check_payload(
+    path: Path,
+    places: Sequence[tuple[Path, int]],
+    header: dict[str, str],
+    shape: Sequence[int],
+    dtype: np.dtype[Any],
+) -> None:
     """Compare the promised size with the size of the file that holds the samples, if the header names one."""
-    name = header.get("elementdatafile") or header.get("data file") or header.get("datafile") or "LOCAL"
-    if name.upper().startswith("LIST") or "%" in name:
-        payload.check_memory(payload.n_bytes(shape, dtype), path)
-        return
-    data = path if name.upper() == "LOCAL" else path.parent / name
-    if not data.is_file():
-        raise FileError(f"the header names a data file that is not there, {name!r}; put it beside the header: {path}")
+    for file, _ in places:
+        if not file.is_file():
+            raise FileError(
+                f"the header names a data file that is not there, {file.name!r}; put it beside the header: {path}"
+            )
     encoding = header.get("encoding", "raw").lower()
-    if header.get("compresseddata", "").lower() == "true" or encoding in ("gzip", "gz"):
+    if header.get("compresseddata", "").lower().startswith(("t", "1")) or encoding in ("gzip", "gz"):
         ratio = payload.DEFLATE_RATIO
     else:
         ratio = payload.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
     if encoding not in ("ascii", "text", "txt", "hex"):
-        payload.check_stored(shape, dtype, data.stat().st_size, path, ratio=ratio)
+        stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
+        payload.check_stored(shape, dtype, stored, path, ratio=ratio)
+    if ratio == payload.DEFLATE_RATIO:
+        # ITK draws what it has of a damaged stream, and does not look at checksums.
+        skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
+        begins = [(file, offset + max(skipped, 0)) for file, offset in places]
+        payload.check_deflated(begins, payload.n_bytes(shape, dtype), path)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._readers import zarr_metadata
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
 from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.zarr_chunks import check_chunks
@@ -33,12 +34,12 @@ def read(request: Request) -> Grid:
         if not hasattr(node, "shape"):
             message = (
                 f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
-                f"{_listed(node)}: {request.path}"
+                f"{_listed(request)}: {request.path}"
             )
-            raise several(message, "dataset", sorted(node.keys()))
+            raise several(message, "dataset", zarr_metadata.names(_location(request)))
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
-        payload.check_memory(payload.n_bytes(sorted(node.shape)[-3:], node.dtype), request.path)
+        zarr_metadata.check_numbers(node, request.path)
         check_chunks(node, _all_axes(index, node.ndim), request.path)
         return Grid(np.asarray(node[index]), np.eye(4), Facts(n_times=n_times_of(node.shape, request)))
 
@@ -52,7 +53,8 @@ def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
 def _open(request: Request) -> Any:
     import zarr
 
-    location = fspath(request.path) if request.is_url else str(request.file)
+    location = _location(request)
+    zarr_metadata.check_codecs(location, request.dataset or "")
     node: Any = zarr.open(location, mode="r")
     if request.dataset is None:
         return node
@@ -60,13 +62,16 @@ def _open(request: Request) -> Any:
         return node[request.dataset]
     except (KeyError, IndexError, TypeError):
         raise ArgumentError(
-            f"no array or group {request.dataset!r}; there is: {_listed(node)}: {request.path}"
+            f"no array or group {request.dataset!r}; there is: {_listed(request)}: {request.path}"
         ) from None
 
 
-def _listed(node: Any) -> str:
-    names = sorted(node.keys()) if hasattr(node, "keys") else []
-    return ", ".join(names) or "none"
+def _location(request: Request) -> str:
+    return fspath(request.path) if request.is_url else str(request.file)
+
+
+def _listed(request: Request) -> str:
+    return ", ".join(zarr_metadata.names(_location(request))) or "none"
 
 
 def _multiscales(node: Any) -> dict[str, Any] | None:
@@ -87,7 +92,9 @@ def _check_level(n_levels: int, request: Request) -> int:
 def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
     datasets = multiscales["datasets"]
     dataset = datasets[_check_level(len(datasets), request)]
+    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
+    zarr_metadata.check_numbers(array, request.path)
     described = Axes.of(multiscales)
     axes = list(described.names)
     if len(axes) != array.ndim:
@@ -113,14 +120,16 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
         channels,
         channel=request.channel or 0,
         shape=array.shape,
-        levels=_shapes(group, datasets),
+        levels=_shapes(group, datasets, request),
         matrix=matrix,
     )
     return Grid(samples, world_from_index, facts)
 
 
-def _shapes(group: Any, datasets: list[dict[str, Any]]) -> list[tuple[int, ...]]:
+def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> list[tuple[int, ...]]:
     """Shapes of all levels; those that are not there, as in a part of a copy, are left out."""
+    for dataset in datasets:
+        zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     arrays = (group.get(dataset["path"]) for dataset in datasets)
     return [tuple(array.shape) for array in arrays if hasattr(array, "shape")]
 

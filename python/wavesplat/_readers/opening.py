@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from wavesplat._files import payload
+from wavesplat._files.places import check_no_pipe, check_text, expanded, printable
 from wavesplat._model import affine, units
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -67,13 +68,13 @@ MAGIC = {
 #: Which options mean something to which module; `spacing` and `unit` do to all.
 OPTIONS = {
     "nifti": {"time", "channel"},
-    "itk": {"time", "channel"},
+    "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
     "dicom": {"series", "time", "channel", "gaps"},
-    "tiff": {"time", "channel"},
+    "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
-    "hdf5": {"time", "channel", "dataset"},
+    "hdf5": {"time", "channel", "dataset", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
 #: How guesses begin that `spacing` makes good.
@@ -97,6 +98,7 @@ def open(
     offset: int = 0,
     unit: str | None = None,
     gaps: Literal["fill", "refuse"] = "fill",
+    external_files: bool = False,
 ) -> Volume:
     """The volume in a file or folder, in the RAS world frame if the format has one.
 
@@ -128,6 +130,9 @@ def open(
     gaps : "fill" or "refuse", default "fill"
         DICOM: slices that are missing, or not evenly spaced, are filled in from their neighbours with a warning, or an
         error.
+    external_files : bool, default False
+        NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
+        any that it names. Such a file can name whatever you may read: allow it for files that you trust.
 
     Returns
     -------
@@ -157,6 +162,7 @@ def open(
     >>> ws.open(path, shape=(2, 3, 4), dtype="uint8", spacing=(1, 1, 2)).shape
     (2, 3, 4)
     """
+    expanded(path)  # or an error
     request = Request(
         path,
         series,
@@ -171,6 +177,7 @@ def open(
         offset,
         units.checked(unit),
         gaps,
+        external_files,
     )
     if gaps not in ("fill", "refuse"):
         raise ArgumentError(f'gaps is {gaps!r}; use "fill" or "refuse"')
@@ -180,6 +187,8 @@ def open(
         )
     family = _family(request)
     _check_options(request, family)
+    if family in ("itk", "dicom"):
+        check_text(request.file)
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
     volume = _volume(grid, request)
@@ -210,11 +219,16 @@ def _family(request: Request) -> str:
     if request.is_url:
         return "ome_zarr"
     path = request.file
+    check_no_pipe(path)
     if path.is_dir():
         return _family_of_folder(path)
     payload.check_readable(path)
     suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
     family = SUFFIXES.get(suffix or "") or _family_by_magic(path)
+    if family == "dicom":
+        # One file of a series: the others are looked for beside it.
+        for name in _names_in(path.parent):
+            check_text(path.parent / name)
     if family is None:
         raise FileError(
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
@@ -223,14 +237,31 @@ def _family(request: Request) -> str:
 
 
 def _family_of_folder(folder: Path) -> str:
-    names = sorted(entry.name for entry in folder.iterdir())
+    names = _names_in(folder)
     if not names:
         raise FileError(f"the folder is empty; name the folder that holds the slices: {folder}")
     if {"zarr.json", ".zattrs", ".zgroup", ".zarray"} & set(names):
         return "ome_zarr"
     if any(name.lower().endswith((".tif", ".tiff")) for name in names):
         return "tiff"
+    for name in names:
+        check_text(folder / name)
     return "dicom"
+
+
+def _names_in(folder: Path) -> list[str]:
+    """What a folder holds; readers of folders open all of it."""
+    try:
+        entries = sorted(folder.iterdir())
+    except OSError as error:
+        raise FileError(f"cannot read the folder: {error.strerror}; check its permissions: {folder}") from None
+    for entry in entries:
+        if not entry.is_file() and (entry.is_fifo() or entry.is_socket() or entry.is_char_device()):
+            raise FileError(
+                f"the folder holds {printable(entry.name)!r}, which is a device, a pipe or a socket; "
+                f"move the files to a folder of their own: {folder}"
+            )
+    return [entry.name for entry in entries]
 
 
 def _family_by_magic(path: Path) -> str | None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.places import expanded, printable
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError, FileError
 
@@ -66,11 +67,12 @@ class Request:
     offset: int = 0
     unit: str | None = None
     gaps: str = "fill"
+    external_files: bool = False
 
     @property
     def file(self) -> Path:
         """The path, with ~ resolved."""
-        return Path(self.path).expanduser()
+        return expanded(self.path)
 
     @property
     def is_url(self) -> bool:
@@ -80,7 +82,7 @@ class Request:
     @property
     def name(self) -> str:
         """The last part of the path."""
-        return fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path)
+        return printable(fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path))
 
     def given(self) -> set[str]:
         """Names of the options that were set."""

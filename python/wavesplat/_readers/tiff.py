@@ -7,6 +7,7 @@ tags are about paper).
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import replace
 from math import prod
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import Grid, Request, choose, quiet
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
     from tifffile import TiffFile
 
 __all__ = ["read"]
+
+#: Attributes of OME metadata that name another file.
+NAMES_OF_FILES = ("FileName", "MetadataFile")
 
 
 def read(request: Request) -> Grid:
@@ -41,6 +46,7 @@ def _read_file(path: Path, request: Request) -> Grid:
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
+        _check_named_files(tiff, path, anywhere=request.external_files)
         series = tiff.series[0]
         _check_stored(tiff, path)
         place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
@@ -59,6 +65,18 @@ def _channel_of(facts: Facts, request: Request) -> Channel | None:
 def _n_times(series: Any) -> int:
     sizes = dict(zip(series.axes, series.shape, strict=True))
     return int(sizes.get("T", 1)) if "Z" in sizes else 1
+
+
+def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
+    """A `FileError` if the OME metadata name files in other folders."""
+    text = (tiff.ome_metadata or "") if tiff.is_ome else ""
+    try:
+        root = ET.fromstring(text)  # noqa: S314 - as tifffile does
+        names = [part.get(attribute, "") for part in root.iter() for attribute in NAMES_OF_FILES]
+    except ET.ParseError:  # some releases of tifffile mend it
+        names = re.findall(rf"(?:{'|'.join(NAMES_OF_FILES)})\s*=\s*[\"']([^\"']*)", text)
+    for name in filter(None, names):
+        check_named_file(name, path, anywhere=anywhere)
 
 
 def _read_folder(folder: Path, request: Request) -> Grid:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from operator import index
 from typing import Any, TypeAlias
 
 from wavesplat import _native
+from wavesplat._files.memory import check_room
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
@@ -17,6 +19,7 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
 from wavesplat._model.cutting import Boxes, checked_boxes, without
+from wavesplat._model.forked import threads_here
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS, Composite
 from wavesplat._model.vectors import Vector, vector
@@ -29,12 +32,14 @@ __all__ = [
     "DEFAULT_SHADING",
     "HEADLIGHT",
     "ClipPlane",
+    "check_picture_memory",
     "checked_count",
     "checked_planes",
     "checked_size",
     "chosen_camera",
     "chosen_labels",
     "chosen_look",
+    "chosen_threads",
     "chosen_transfer_function",
     "cut_open",
     "region",
@@ -147,6 +152,17 @@ def checked_size(size: Sequence[int]) -> tuple[int, int]:
     return width, height
 
 
+def check_picture_memory(size: tuple[int, int], bytes_per_pixel: float) -> None:
+    """A `LimitError` if a picture takes more memory than there is: the compiled module would end the process."""
+    width, height = size
+    needed = width * height * bytes_per_pixel
+    check_room(
+        int(min(needed, sys.maxsize)),
+        f"the pixels of a picture of {width} x {height}",
+        "draw a smaller one, or less sharp",
+    )
+
+
 def checked_count(number: int | None, name: str) -> int | None:
     """The number as a plain integer, 0 or more, or None."""
     if number is None:
@@ -158,6 +174,11 @@ def checked_count(number: int | None, name: str) -> int | None:
     if count < 0:
         raise ArgumentError(f"{name} is {count}; give a whole number of at least 1")
     return count
+
+
+def chosen_threads(number: int | None) -> int | None:
+    """How many threads draw, as the compiled module takes it."""
+    return threads_here(checked_count(number, "threads"))
 
 
 def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
+from wavesplat._model.forked import drawing
 from wavesplat._model.options import BY_VIEW, Composite, Kernel, Quality
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -23,17 +24,21 @@ from wavesplat._public import public
 from wavesplat._render import projection
 from wavesplat._render.arguments import (
     ClipPlane,
-    checked_count,
+    check_picture_memory,
     checked_size,
     chosen_camera,
     chosen_labels,
     chosen_look,
+    chosen_threads,
     cut_open,
     region,
 )
 from wavesplat.errors import ArgumentError
 
 __all__ = ["render"]
+
+#: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
+PIXEL_BYTES, TEXEL_BYTES = 20, 20
 
 
 @public
@@ -229,33 +234,36 @@ def render(
     numbers = projection.numbers(composite, function, local_threshold, depth_shading, absorbs)
     curves, eye = function._core, camera._core
     light = None if shading is None else shading._core
-    default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
-    result = _native.render(
-        drawn,
-        curves,
-        eye,
-        labels=chosen_labels(labels, volume, boxes),
-        width=width,
-        height=height,
-        kernel=kernel,
-        composite=composite,
-        iso_value=None if iso_value is None else float(iso_value),
-        local_threshold=numbers.get("local_threshold"),
-        depth_shading=numbers.get("depth_shading"),
-        attenuation=numbers.get("attenuation"),
-        shading=light,
-        sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
-        oversampling=default_oversampling if oversampling is None else float(oversampling),
-        psnr=None if psnr is None else float(psnr),
-        like=measured,
-        **region(crop, clip_planes),
-        background=behind,
-        threads=checked_count(threads, "threads"),
-        depth=bool(depth),
-        pre_integration=bool(pre_integration),
-        early_ray_termination=bool(early_ray_termination),
-        progress=progress,
-    )
+    with drawing(volume):
+        default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
+        texels = 1 if psnr is not None else (default_oversampling if oversampling is None else float(oversampling)) ** 2
+        check_picture_memory((width, height), PIXEL_BYTES + TEXEL_BYTES * texels)
+        result = _native.render(
+            drawn,
+            curves,
+            eye,
+            labels=chosen_labels(labels, volume, boxes),
+            width=width,
+            height=height,
+            kernel=kernel,
+            composite=composite,
+            iso_value=None if iso_value is None else float(iso_value),
+            local_threshold=numbers.get("local_threshold"),
+            depth_shading=numbers.get("depth_shading"),
+            attenuation=numbers.get("attenuation"),
+            shading=light,
+            sheets_per_slice=default_sheets if sheets_per_slice is None else float(sheets_per_slice),
+            oversampling=default_oversampling if oversampling is None else float(oversampling),
+            psnr=None if psnr is None else float(psnr),
+            like=measured,
+            **region(crop, clip_planes),
+            background=behind,
+            threads=chosen_threads(threads),
+            depth=bool(depth),
+            pre_integration=bool(pre_integration),
+            early_ray_termination=bool(early_ray_termination),
+            progress=progress,
+        )
     report = result["report"] | numbers | {"look": {"name": chosen.name, "reason": chosen.reason}}
     report["processing"] = list(volume.facts.processing)
     told = report.get("measured")

@@ -21,6 +21,7 @@ from wavesplat._looks import colors
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine, units
+from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, vector
@@ -30,7 +31,12 @@ from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render import windows
-from wavesplat._render.arguments import checked_count, checked_size, chosen_transfer_function
+from wavesplat._render.arguments import (
+    check_picture_memory,
+    checked_size,
+    chosen_threads,
+    chosen_transfer_function,
+)
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -39,6 +45,8 @@ Array: TypeAlias = NDArray[np.float64]
 
 #: Planes of a slab per sample along its normal, so that no sample lies further than a quarter from a plane.
 PLANES_PER_SAMPLE = 2
+#: The value of a pixel and colours that are worked on in float64; measured.
+PIXEL_BYTES = 140
 #: What is as near as this to the edge is not outside, in samples: affines in files are rounded to float32.
 ON_SAMPLE = 1e-6
 
@@ -143,6 +151,7 @@ def slice(
         _check_anatomy(volume)
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
+    check_picture_memory(frame.size, PIXEL_BYTES)
     offsets = _offsets(volume, cut, float(thickness))
     if slab not in get_args(Slab):
         raise ArgumentError(f"slab is {slab!r}; use one of: {', '.join(get_args(Slab))}")
@@ -151,19 +160,20 @@ def slice(
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
     drawn = volume._decoded() if isinstance(volume, WaveletVolume) else volume._core
     first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
-    values = _native.plane(
-        drawn,
-        origin=_triple(frame.origin + first * cut.normal),
-        across=_triple(frame.pixel * cut.right),
-        down=_triple(-frame.pixel * cut.up),
-        width=frame.size[0],
-        height=frame.size[1],
-        kernel=kernel,
-        slab=slab,
-        n_planes=len(offsets),
-        step=_triple(step * cut.normal),
-        threads=checked_count(threads, "threads"),
-    )
+    with drawing(volume):
+        values = _native.plane(
+            drawn,
+            origin=_triple(frame.origin + first * cut.normal),
+            across=_triple(frame.pixel * cut.right),
+            down=_triple(-frame.pixel * cut.up),
+            width=frame.size[0],
+            height=frame.size[1],
+            kernel=kernel,
+            slab=slab,
+            n_planes=len(offsets),
+            step=_triple(step * cut.normal),
+            threads=chosen_threads(threads),
+        )
     report: dict[str, Any] = {
         "position": cut.position,
         "normal": cut.normal.tolist(),

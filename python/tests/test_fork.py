@@ -1,0 +1,125 @@
+"""A forked child draws on its own thread, or says why it cannot; it never waits for threads that it lacks."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="needs fork")
+
+#: A parent that has drawn, and a child that has some seconds for `work`.
+SCRIPT = """
+import os, sys, threading, time, warnings
+warnings.simplefilter("ignore")
+import numpy as np
+import wavesplat as ws
+from wavesplat.errors import LimitError
+
+small = ws.Volume(np.random.default_rng(1).random((24, 24, 24), np.float32))
+wavelets = ws.WaveletVolume.from_volume(small)
+before = ws.render(small, "grey", size=(64, 64)).rgba
+
+def child(work):
+    pid = os.fork()
+    if pid == 0:
+        try:
+            code = 0 if work() else 2
+        except BaseException as error:
+            print(type(error).__name__, error, flush=True)
+            code = 3
+        os._exit(code)
+    for _ in range(200):
+        done, status = os.waitpid(pid, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.05)
+    os.kill(pid, 9)
+    os.waitpid(pid, 0)
+    return "it hangs"
+
+"""
+
+SAME = "(ws.render(small, 'grey', size=(64, 64), threads={}).rgba == before).all()"
+
+
+def run(code):
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT + code], capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        SAME.format(None),
+        SAME.format(1),
+        SAME.format(2),
+        SAME.format(7),
+        "ws.render(small, composite='x-ray', size=(9, 9)).size",
+        "ws.slice(small).size",
+        "ws.reference.raycast(small, 'grey', size=(4, 4)).size",
+        "ws.Volume(np.ones((64, 64, 64))).value_range",
+        "ws.render(ws.Volume(np.arange(64.0).reshape(4, 4, 4)), 'grey', size=(9, 9), quality='high').size",
+        "child(lambda: " + SAME.format(None) + ") == 0",
+    ],
+)
+def test_a_child_of_a_process_that_has_drawn(work):
+    assert run(f"print(child(lambda: {work}))") == "0\n"
+
+
+@pytest.mark.parametrize(
+    "work",
+    ["ws.WaveletVolume.from_volume(small)", "wavelets.value_range", "wavelets.to_volume()", "wavelets._every(2)"],
+)
+def test_coefficients_in_a_child_say_what_is_missing(work):
+    lines = run(f"print(child(lambda: {work}))").splitlines()
+    assert lines[-1] == "3"
+    assert lines[0].startswith("LimitError this process was forked from one that had used the renderer")
+    assert '"spawn" or "forkserver"' in lines[0]
+
+
+def test_a_child_that_is_forked_during_a_frame():
+    """The first frame of a large volume prepares it, which the child must not wait for."""
+    code = """
+large = ws.Volume(np.random.default_rng(1).random((160, 160, 160), np.float32))
+found = []
+drawing = threading.Thread(target=lambda: ws.render(large, "grey", size=(700, 700), kernel="bspline3", quality="high"))
+drawing.start()
+while drawing.is_alive() and len(found) < 5:
+    found.append(child(lambda: ws.render(large, "grey", size=(9, 9), kernel="bspline3", quality="draft").size))
+    found.append(child(lambda: ws.render(small, "grey", size=(9, 9)).size))
+drawing.join()
+print(set(found))
+"""
+    assert run(code) == "{0}\n"
+
+
+def test_a_child_of_a_process_that_has_not_drawn_has_all_threads():
+    code = """
+import os, warnings
+warnings.simplefilter("ignore")
+import numpy as np
+import wavesplat as ws
+small = ws.Volume(np.random.default_rng(1).random((24, 24, 24), np.float32))
+pid = os.fork()
+if pid == 0:
+    os._exit(ws.render(small, "grey", size=(64, 64), threads=3).report["n_threads"])
+print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout == "3\n", done.stderr
+
+
+def test_multiprocessing_by_fork():
+    code = """
+import multiprocessing
+def draw(angle):
+    return ws.render(small, "grey", ws.Camera.orbit(small, angle), size=(32, 32)).rgba.shape
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    print(pool.map_async(draw, range(6)).get(60) == [(32, 32, 4)] * 6)
+"""
+    assert run(code) == "True\n"

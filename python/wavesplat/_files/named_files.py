@@ -1,0 +1,36 @@
+"""Files that a file names: those in its own folder, unless the user allows others.
+
+A header that somebody sent may name anything that this user can read, and pictures and meshes are passed on.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from wavesplat.errors import FileError
+
+__all__ = ["check_named_file", "refused"]
+
+
+def check_named_file(name: str, path: Path, *, anywhere: bool) -> None:
+    """A `FileError` if the file `name`, named by the file `path`, lies in another folder or is none.
+
+    Links in the folder are followed: they were made by the user, not by the file. A file that is not there is left to
+    the reader, which says what it misses.
+    """
+    folder = Path.cwd() / path.parent
+    named = Path(os.path.normpath(folder / name))
+    # A library in C would read the name to the zero byte only.
+    if "\0" in name or not (anywhere or named.is_relative_to(os.path.normpath(folder))):
+        raise refused(f"{name!r}, in another folder", path)
+    if named.exists() and not named.is_file():
+        raise FileError(f"the file names {name!r} as one that holds its samples, which is no file: {path}")
+
+
+def refused(what: str, path: object) -> FileError:
+    """The error for a file that wants `what` to be read."""
+    return FileError(
+        f"the file names {what}; if you trust it, pass external_files=True (--external-files), "
+        f"else move its parts into one folder: {path}"
+    )

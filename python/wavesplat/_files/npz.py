@@ -1,0 +1,36 @@
+"""What is promised by NumPy's files, .npy and archives of them, before it is read."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from wavesplat._files import payload
+
+__all__ = ["check_members", "npy_header"]
+
+
+def npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type in the header that the file begins with."""
+    version = np.lib.format.read_magic(file)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(file)
+    return shape, dtype
+
+
+def check_members(archive: zipfile.ZipFile, names: Iterable[str], path: object) -> None:
+    """An error if arrays of an archive cannot be as large as they say, or not all in memory."""
+    total = 0
+    for name in names:
+        with archive.open(name) as file:
+            shape, dtype = npy_header(file)
+        if dtype.hasobject:
+            continue  # a pickle, which NumPy refuses
+        member = archive.getinfo(name)
+        payload.check_stored(shape, dtype, member.file_size, path)
+        payload.check_stored(shape, dtype, member.compress_size, path, ratio=payload.ANY_RATIO)
+        total += payload.n_bytes(shape, dtype)
+    payload.check_memory(total, path)

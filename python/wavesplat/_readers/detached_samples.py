@@ -1,0 +1,108 @@
+"""Which other files hold the samples of an NRRD or MetaImage header.
+
+Found before ITK looks, which opens what it is told to. Both headers are read byte by byte as ITK's own parsers do, and
+what they could take for something else is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from wavesplat._files.named_files import check_named_file
+from wavesplat.errors import FileError
+
+__all__ = ["places_of_samples"]
+
+#: No header is as long: of one that is, nothing would be found in time.
+MOST_HEADER_BYTES = 1 << 24
+#: No series has as many files.
+MOST_FILES = 1 << 16
+
+META_IMAGE = re.compile(rb"(?:\A|\n)[ \t]*ElementDataFile[ \t]*[=:]([^\n]*)(?:\n|\Z)")
+#: `key:=value` is no field, also not where the key is called like one.
+NRRD = re.compile(rb"(?:\A|\n)[ \t]*data ?file[ \t]*:(?!=)([^\n]*)", re.IGNORECASE)
+#: Between header and samples.
+EMPTY_LINE = re.compile(rb"\r?\n\r?\n")
+#: The only conversion that a name of numbered files needs.
+NUMBER = re.compile(r"%0?\d{0,3}d")
+
+
+def places_of_samples(path: Path, *, anywhere: bool) -> list[tuple[Path, int]]:
+    """The files that hold the samples, each with the bytes before them; those elsewhere are refused."""
+    with path.open("rb") as file:
+        start = file.read(MOST_HEADER_BYTES)
+    is_nrrd = start.startswith(b"NRRD")
+    names = _named_by_nrrd(start, path) if is_nrrd else _named_by_meta_image(start, path)
+    for name in names:
+        check_named_file(name, path, anywhere=anywhere)
+    header = _header_of_nrrd(start) if is_nrrd else _header_of_meta_image(start)
+    return [(path.parent / name, 0) for name in names] or [(path, len(header or b""))]
+
+
+def _header_of_meta_image(start: bytes) -> bytes | None:
+    """The header, to the end of the line that says where the samples are; None where there is none."""
+    found = META_IMAGE.search(start)
+    # Any other place of this word could be taken for the key, or hide it.
+    return start[: found.end()] if found and start.count(b"ElementDataFile", 0, found.end()) == 1 else None
+
+
+def _header_of_nrrd(start: bytes) -> bytes:
+    """The header, with the empty line at its end."""
+    end = EMPTY_LINE.search(start)
+    return start[: end.end()] if end else start
+
+
+def _named_by_meta_image(start: bytes, path: Path) -> list[str]:
+    header = _header_of_meta_image(start)
+    found = META_IMAGE.search(header or b"")
+    if header is None or found is None:
+        raise FileError(f"the header does not say where the samples are; mend its line ElementDataFile: {path}")
+    value = _text(found[1])
+    if value.upper() == "LOCAL":
+        return []
+    if value.upper().startswith("LIST"):
+        return _lines(start[len(header) :])
+    return _numbered(value, path) if "%" in value else [value]
+
+
+def _named_by_nrrd(start: bytes, path: Path) -> list[str]:
+    header = _header_of_nrrd(start)
+    if b"\r" in header.replace(b"\r\n", b""):
+        raise FileError(f"the header has line ends in the middle of lines; write it again: {path}")
+    found = NRRD.findall(header)
+    if len(found) > 1:
+        raise FileError(f"the header says twice where the samples are; mend its line 'data file': {path}")
+    if not found:
+        return []
+    value = _text(found[0])
+    if value.upper().startswith("LIST"):
+        place = NRRD.search(header)
+        return _lines(start[place.end() :]) if place else []
+    return _numbered(value, path) if "%" in value else [value]
+
+
+def _lines(names: bytes) -> list[str]:
+    lines = [_text(line) for line in names.split(b"\n", MOST_FILES)]
+    return [line for line in lines if line]
+
+
+def _numbered(value: str, path: Path) -> list[str]:
+    """Names of a pattern with first and last number and step behind it, "slice%03d.raw 1 20 1"."""
+    pattern, *numbers = value.split()
+    try:
+        first, last, step = (int(number) for number in [*numbers, "1"][:3])
+        span = range(first, last + (1 if step > 0 else -1), step)
+    except ValueError:
+        span = range(0)
+    conversions = NUMBER.findall(pattern)
+    if len(conversions) != 1 or pattern.count("%") != 1 or not 0 < len(span) <= MOST_FILES:
+        raise FileError(
+            f"the header names files as {value!r}; write a pattern with one number, its first, last and step, "
+            f"as in 'slice%03d.raw 1 20 1': {path}"
+        )
+    return [NUMBER.sub(conversions[0] % number, pattern) for number in span]
+
+
+def _text(line: bytes) -> str:
+    return line.decode("utf-8", "surrogateescape").strip()

@@ -71,7 +71,7 @@ impl Light {
     /// White, from the upper left of the eye.
     pub const KEY: Self = Self { frame: LightFrame::Camera, to_light: DVec3::new(-0.55, 0.65, 1.0), rgb: [1.0; 3] };
     /// A weaker one at the eye: what the key light does not reach keeps its form.
-    pub const FILL: Self = Self { rgb: [0.35; 3], ..Self::HEADLIGHT };
+    pub const FILL: Self = Self { rgb: [0.3; 3], ..Self::HEADLIGHT };
 }
 
 /// How the gradient is estimated that surfaces are lit by.
@@ -80,7 +80,7 @@ pub enum Gradient {
     /// Central differences of what the kernel reconstructs; half their distance, voxels, `0.01..=4`, the whole distance
     /// where they go to one side. 1 is what other renderers have; it shows the steps of voxels as rings on smooth surfaces.
     Difference(f64),
-    /// The derivative of the samples smoothed by a cubic B-spline of this standard deviation, voxels, `0.4..=1.25`.
+    /// The derivative of the samples smoothed by a cubic B-spline of this standard deviation, voxels, `0.5..=1.25`.
     Smoothed(f64),
 }
 
@@ -122,7 +122,7 @@ pub struct Shading {
 impl Default for Shading {
     fn default() -> Self {
         Self {
-            ambient: 0.3,
+            ambient: 0.22,
             diffuse: 1.0,
             specular: 0.25,
             specular_power: 16.0,
@@ -180,10 +180,10 @@ impl Shading {
                 let what = "shading: gradient_offset (voxels)";
                 return Err(Error::out_of_range(what, offset, "between 0.01 and 4", mend));
             }
-            Gradient::Smoothed(deviation) if !(0.4..=1.25).contains(&deviation) => {
+            Gradient::Smoothed(deviation) if !(0.5..=1.25).contains(&deviation) => {
                 let mend = "pass 0.8 for smooth surfaces, 0 for central differences";
                 let what = "shading: gradient_smoothing (voxels)";
-                return Err(Error::out_of_range(what, deviation, "0, or between 0.4 and 1.25", mend));
+                return Err(Error::out_of_range(what, deviation, "0, or between 0.5 and 1.25", mend));
             }
             _ => {}
         }

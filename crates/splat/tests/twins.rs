@@ -117,8 +117,11 @@ fn sparse_texels_equal_their_literal_twin() {
     });
     let tf = opacity_ramp(&[(40.0, 0.0), (120.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
     for oversampling in [2.0, 0.5] {
-        for (kernel, gradient_offset) in [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)] {
-            let shading = Shading { gradient: Gradient::Difference(gradient_offset), ..Shading::headlight() };
+        let differences = [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)];
+        let differences = differences.map(|(kernel, offset)| (kernel, Gradient::Difference(offset)));
+        let smoothed = Kernel::NAMES.map(|(_, kernel)| (kernel, Gradient::Smoothed(0.8)));
+        for (kernel, gradient) in differences.into_iter().chain(smoothed) {
+            let shading = Shading { gradient, ..Shading::headlight() };
             let n_compared = check_twin(&phantom, &tf, kernel, Some(&shading), oversampling);
             assert!(n_compared > 100, "{kernel:?} {oversampling}: {n_compared} texels show something");
         }
@@ -408,14 +411,15 @@ fn panels_hold_what_wide_differences_need() {
         let slices = Slices::new(&volume, kernel);
         let decoded = Slices::of_decoder(decoder.clone(), volume.grid(), kernel, 1 << 17);
         assert!(decoded.must_load());
-        for gradient_offset in [0.5, 1.7, 2.0, 2.5, 4.0] {
+        let differences = [0.5, 1.7, 2.0, 2.5, 4.0].map(Gradient::Difference);
+        for gradient in differences.into_iter().chain([0.5, 0.8, 1.25].map(Gradient::Smoothed)) {
             for from in [DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.2, -1.0, 0.3)] {
                 let camera = camera_towards(phantom.centre(), from, 90.0, projection);
-                let shading = Some(Shading { gradient: Gradient::Difference(gradient_offset), ..Shading::headlight() });
+                let shading = Some(Shading { gradient, ..Shading::headlight() });
                 let options = RenderOptions { width_px: 48, height_px: 48, shading, ..RenderOptions::default() };
                 let draw = |slices: &Slices| render(slices, &tf, &camera, &options, &()).unwrap().0;
                 let difference = max_difference(&draw(&decoded).rgba, &draw(&slices).rgba);
-                assert!(difference < 1e-4, "{kernel:?} {gradient_offset} {from}: {difference}");
+                assert!(difference < 1e-4, "{kernel:?} {gradient:?} {from}: {difference}");
             }
         }
     }

@@ -50,7 +50,7 @@ class LightOptions:
     shadow: Annotated[float | None, typer.Option(metavar="0..1", help="How dark the first light's shadow is.")] = None
     gradient_smoothing: Annotated[
         float | None,
-        typer.Option(metavar="VOXELS", help="Smooth normals by 0.4 to 1.25 voxels; 0: differences, as VTK has them."),
+        typer.Option(metavar="VOXELS", help="Smooth normals by 0.5 to 1.25 voxels; 0: differences, as VTK has them."),
     ] = None
 
 

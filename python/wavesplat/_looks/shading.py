@@ -71,7 +71,7 @@ class Shading:
         Weights of the Phong terms.
     specular_power : float, 1 to 1000
         Higher is a smaller, sharper highlight.
-    gradient_smoothing : float, 0 or 0.4 to 1.25
+    gradient_smoothing : float, 0 or 0.5 to 1.25
         Normals are along the gradient of the samples smoothed by so many voxels, the standard deviation of a cubic
         B-spline: surfaces do not show the steps of voxels as rings. Edges and opacities are not smoothed. 0 takes
         differences of what is drawn.

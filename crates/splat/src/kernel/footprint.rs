@@ -3,127 +3,21 @@
 //! Sheets are axis-aligned and the kernel is separable, so a whole sheet needs one table for u and one for v, rebuilt
 //! per sheet in O(U + V). The *difference footprint* `[h(x + d − l) − h(x − d − l)] / 2d` gives the derivative; with
 //! the linear kernel and d = 1 that is the trilinearly interpolated central difference. Positions beyond the first
-//! and last sample stop there: the outside is empty, not zero density.
-//!
-//! A *smoothed* gradient is the derivative of another reconstruction, by a cubic B-spline that is widened to a wanted
-//! standard deviation: along the axis its derivative, across it the B-spline itself. Widened ones do not sum to 1
-//! everywhere, so the weights are those of the normalised sum and of its derivative. Differences see the steps of voxels on
-//! smooth surfaces as rings; this does not.
+//! and last sample stop there: the outside is empty, not zero density. A smoothed gradient has tables of its own
+//! ([`crate::kernel::smoothed`]).
 
 use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::{Gradient, Kernel};
 
+use crate::kernel::footprint_table::{Footprint, bits};
 use crate::kernel::slice_taps::SliceTaps;
+use crate::kernel::smoothed::{self, width_of};
 use crate::kernel::weights::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
 
 /// Taps of a difference footprint, at most.
 pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
-
-/// Weights of a run of positions, in groups of [`LANES`].
-#[derive(Clone, Debug, Default)]
-pub struct Footprint {
-    /// Taps per position.
-    pub n_taps: usize,
-    /// Lowest first sample of each group, counted from the window's first sample.
-    base: Vec<u32>,
-    /// First sample of each position, counted from its group's base.
-    index: Vec<Lanes<u32>>,
-    /// How far each group's `index` reach.
-    spans: Vec<Span>,
-    /// 1 where `index` is not below [`LANES`], of groups that span two vectors.
-    far: Vec<Lanes>,
-    /// `n_taps` of them per group.
-    weights: Vec<Lanes>,
-}
-
-impl Footprint {
-    fn reset(&mut self, n_groups: usize, n_taps: usize) {
-        self.n_taps = n_taps;
-        self.base.resize(n_groups, 0);
-        self.index.resize(n_groups, Lanes::default());
-        self.spans.resize(n_groups, Span::default());
-        self.far.resize(n_groups, Lanes::default());
-        self.weights.resize(n_groups * n_taps, Lanes::default());
-    }
-
-    /// Samples of a group, counted from its base.
-    #[inline(always)]
-    fn set_index(&mut self, g: usize, index: Lanes<u32>) {
-        self.index[g] = index;
-        self.spans[g] = Span::of(&index);
-        if self.spans[g] == Span::Two {
-            for i in 0..LANES {
-                self.far[g].0[i] = if index.0[i] < LANES as u32 { 0.0 } else { 1.0 };
-            }
-        }
-    }
-
-    /// First sample of a position.
-    pub fn first(&self, i: usize) -> usize {
-        (self.base[i / LANES] + self.index[i / LANES].0[i % LANES]) as usize
-    }
-
-    /// Weight of tap `t` of a position.
-    #[inline(always)]
-    pub fn weight(&self, i: usize, t: usize) -> f32 {
-        self.weights[i / LANES * self.n_taps + t].0[i % LANES]
-    }
-
-    /// The table of a group of positions.
-    #[inline(always)]
-    pub fn group(&self, g: usize) -> Group<'_> {
-        Group {
-            base: self.base[g] as usize,
-            index: &self.index[g],
-            span: self.spans[g],
-            far: &self.far[g],
-            weights: &self.weights[g * self.n_taps..(g + 1) * self.n_taps],
-        }
-    }
-}
-
-/// How many vectors of samples hold the first ones of a group.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Span {
-    /// All indices are below [`LANES`].
-    One,
-    /// Below twice that.
-    Two,
-    /// Beyond.
-    #[default]
-    Many,
-}
-
-impl Span {
-    fn of(index: &Lanes<u32>) -> Self {
-        // Positions rise or fall.
-        let last = index.0[0].max(index.0[LANES - 1]) as usize;
-        if last < LANES {
-            Self::One
-        } else if last < 2 * LANES {
-            Self::Two
-        } else {
-            Self::Many
-        }
-    }
-}
-
-/// The table of [`LANES`] neighbouring positions.
-#[derive(Clone, Copy)]
-pub struct Group<'a> {
-    /// Lowest first sample.
-    pub base: usize,
-    /// First sample of each lane, counted from `base`.
-    pub index: &'a Lanes<u32>,
-    /// How far `index` reach.
-    pub span: Span,
-    /// 1 where `index` is not below [`LANES`]; of groups that span two vectors.
-    pub far: &'a Lanes,
-    /// Weights, tap by tap.
-    pub weights: &'a [Lanes],
-}
 
 /// The tables of one axis for a run of positions.
 #[derive(Clone, Debug, Default)]
@@ -170,18 +64,6 @@ pub struct Axis {
     pub n_samples: usize,
     /// How gradients are estimated, in samples; `None` where none is wanted.
     pub gradient: Option<Gradient>,
-}
-
-/// Samples per unit of the cubic B-spline with a standard deviation, in samples of the volume. Prefiltered coefficients are
-/// sharper than the samples; what they lack is added.
-fn width_of(kernel: Kernel, deviation: f64) -> f64 {
-    let of_coefficients = match kernel {
-        Kernel::Bspline2 => 3.0 / 12.0,
-        Kernel::Bspline3 => 4.0 / 12.0,
-        _ => 0.0,
-    };
-    // The variance of the cubic B-spline is 4 / 12.
-    (3.0 * (deviation * deviation + of_coefficients)).sqrt()
 }
 
 impl Axis {
@@ -241,7 +123,7 @@ impl Axis {
                 self.folded(first, &weights)
             }
             Some(Gradient::Smoothed(deviation)) => {
-                let (first, [_, weights]) = self.smoothed(w, deviation);
+                let (first, [_, weights]) = smoothed::taps(self.kernel, w, deviation);
                 self.folded(first, &weights)
             }
         }
@@ -250,25 +132,8 @@ impl Axis {
     /// As [`Axis::slice_taps`] for the derivatives along the sheet; `None` where these are of the kernel's own values.
     pub fn slice_smooth_taps(&self, w: f64) -> Option<SliceTaps> {
         let Some(Gradient::Smoothed(deviation)) = self.gradient else { return None };
-        let (first, [weights, _]) = self.smoothed(w.clamp(0.0, self.last()), deviation);
+        let (first, [weights, _]) = smoothed::taps(self.kernel, w.clamp(0.0, self.last()), deviation);
         Some(self.folded(first, &weights))
-    }
-
-    /// Smoothed value and derivative at a position as taps, the first of which may be beyond the border.
-    pub fn smoothed(&self, x: f64, deviation: f64) -> (i64, [[f64; MAX_DIFFERENCE_TAPS]; 2]) {
-        let width = width_of(self.kernel, deviation);
-        let first = (x - 2.0 * width).floor() as i64 + 1;
-        let [mut value, mut derivative] = [[0.0; MAX_DIFFERENCE_TAPS]; 2];
-        for t in 0..MAX_DIFFERENCE_TAPS {
-            let distance = (x - (first + t as i64) as f64) / width;
-            [value[t], derivative[t]] = bspline3(distance);
-        }
-        let [sum, slope] = [&value, &derivative].map(|weights| weights.iter().sum::<f64>());
-        for t in 0..MAX_DIFFERENCE_TAPS {
-            value[t] /= sum;
-            derivative[t] = (derivative[t] - slope * value[t]) / (sum * width);
-        }
-        (first, [value, derivative])
     }
 
     fn folded(&self, first: i64, weights: &[f64]) -> SliceTaps {
@@ -389,25 +254,7 @@ impl AxisFootprints {
             }
             let values = &mut self.smooth.weights[g * n..(g + 1) * n];
             let slopes = &mut self.difference.weights[g * n..(g + 1) * n];
-            let [mut sum, mut slope] = [Lanes::<f32>::default(); 2];
-            for t in 0..n {
-                let before = t as f32 * per_width;
-                for i in 0..LANES {
-                    let [v, d] = bspline3_f32(position.0[i] - before);
-                    values[t].0[i] = v;
-                    slopes[t].0[i] = d;
-                    sum.0[i] += v;
-                    slope.0[i] += d;
-                }
-            }
-            for t in 0..n {
-                for i in 0..LANES {
-                    let share = 1.0 / sum.0[i];
-                    let value = values[t].0[i] * share;
-                    values[t].0[i] = value;
-                    slopes[t].0[i] = (slopes[t].0[i] - slope.0[i] * value) * share * per_width;
-                }
-            }
+            smoothed::fill(&position, per_width, values, slopes);
         }
     }
 
@@ -530,50 +377,12 @@ impl AxisFootprints {
     }
 }
 
-/// The cubic B-spline and its derivative.
-fn bspline3(x: f64) -> [f64; 2] {
-    let r = x.abs();
-    let [value, slope] = if r < 1.0 {
-        [2.0 / 3.0 + r * r * (0.5 * r - 1.0), r * (1.5 * r - 2.0)]
-    } else {
-        let rest = (2.0 - r).max(0.0);
-        [rest * rest * rest / 6.0, -0.5 * rest * rest]
-    };
-    [value, if x < 0.0 { -slope } else { slope }]
-}
-
-/// The same without branches.
-#[inline(always)]
-fn bspline3_f32(x: f32) -> [f32; 2] {
-    let r = x.abs();
-    let rest = if r < 2.0 { 2.0 - r } else { 0.0 };
-    let is_near = r < 1.0;
-    let value = if is_near { 2.0 / 3.0 + r * r * (0.5 * r - 1.0) } else { rest * rest * rest * (1.0 / 6.0) };
-    let slope = if is_near { r * (1.5 * r - 2.0) } else { -0.5 * rest * rest };
-    [value, if x < 0.0 { -slope } else { slope }]
-}
-
-/// The places of a mask's ones, from the lowest on.
-#[inline(always)]
-pub fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> + Clone {
-    let mut mask = mask.into();
-    std::iter::from_fn(move || {
-        let next = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        next
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn axis(kernel: Kernel, offset: f64) -> Axis {
         Axis { kernel, n_samples: 12, gradient: Some(Gradient::Difference(offset)) }
-    }
-
-    fn smooth_axis(kernel: Kernel, deviation: f64) -> Axis {
-        Axis { kernel, n_samples: 40, gradient: Some(Gradient::Smoothed(deviation)) }
     }
 
     /// All tables.
@@ -625,45 +434,12 @@ mod tests {
         }
     }
 
-    /// Widened B-splines have the mass, the slope on a ramp and the standard deviation that they are named by.
-    #[test]
-    fn smoothed_gradients_are_of_a_b_spline_with_a_standard_deviation() {
-        for (name, kernel) in Kernel::NAMES {
-            for deviation in [0.4, 0.8, 1.25] {
-                let axis = smooth_axis(kernel, deviation);
-                let mut tables = AxisFootprints::default();
-                build(&mut tables, &axis, [15.3, 0.083], 2);
-                let mut variance = 0.0;
-                for i in 0..2 * LANES {
-                    let x = 15.3 + 0.083 * i as f64;
-                    let [value, slope] = [&tables.smooth, &tables.difference].map(|t| dense(&axis, &tables, t, i));
-                    let moment = |weights: &[f64; 40], power: i32| {
-                        let terms = weights.iter().enumerate().map(|(k, weight)| weight * (k as f64 - x).powi(power));
-                        terms.sum::<f64>()
-                    };
-                    assert!((moment(&value, 0) - 1.0).abs() < 1e-5 && moment(&slope, 0).abs() < 1e-5, "{name}");
-                    let of_ramp = moment(&slope, 1);
-                    assert!((of_ramp - 1.0).abs() < 0.04, "{name} {deviation}: a ramp has slope {of_ramp}");
-                    variance += moment(&value, 2) / (2 * LANES) as f64;
-                    let (first, want) = axis.smoothed(x, deviation);
-                    for (t, (v, d)) in want[0].iter().zip(&want[1]).enumerate() {
-                        let sample = (first + t as i64) as usize;
-                        let differs = (v - value[sample]).abs().max((d - slope[sample]).abs()) > 2e-5;
-                        assert!(!differs, "{name} {deviation} texel {i}: both ways give the same weights");
-                    }
-                }
-                let wanted = width_of(kernel, deviation).powi(2) / 3.0;
-                assert!((variance / wanted - 1.0).abs() < 0.05, "{name} {deviation}: {variance} for {wanted}");
-            }
-        }
-    }
-
     /// A group's tables do not depend on which others are made, nor what is reached on whether differences are.
     #[test]
     fn groups_are_made_one_by_one() {
         for (_, kernel) in Kernel::NAMES {
             let differences = [1.0, 0.4, 2.0].map(Gradient::Difference);
-            for gradient in differences.into_iter().chain([0.4, 0.8, 1.25].map(Gradient::Smoothed)) {
+            for gradient in differences.into_iter().chain([0.5, 0.8, 1.25].map(Gradient::Smoothed)) {
                 for places in [[3.1, 0.11], [9.0, -0.3], [30.0, 0.5], [-2.0, 0.2], [39.0, 0.4]] {
                     let axis = Axis { kernel, n_samples: 40, gradient: Some(gradient) };
                     let mut all = AxisFootprints::default();

@@ -13,7 +13,8 @@ use wavesplat_core::{
     Camera, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
 };
 
-use crate::kernel::footprint::{Axis, MAX_DIFFERENCE_TAPS};
+use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
+use crate::kernel::smoothed;
 use crate::kernel::weights::{MAX_TAPS, fold, n_taps, taps};
 use crate::kernel::weights::{overshoot, radius};
 use crate::optics::labels::{Labels, own_depth};
@@ -182,8 +183,8 @@ impl<'a> Sampler<'a> {
     fn smoothed_gradient(&self, position: DVec3, deviation: f64) -> DVec3 {
         let kernel = self.slices.kernel();
         let taps = [0, 1, 2].map(|a| {
-            let axis = Axis { kernel, n_samples: self.size[a], gradient: None };
-            let (first, weights) = axis.smoothed(position[a].clamp(0.0, axis.last()), deviation);
+            let last = (self.size[a] - 1) as f64;
+            let (first, weights) = smoothed::taps(kernel, position[a].clamp(0.0, last), deviation);
             let sample = |t: usize| fold(kernel, first + t as i64, self.size[a]);
             (0..MAX_DIFFERENCE_TAPS)
                 .filter(|t| weights[0][*t] != 0.0)

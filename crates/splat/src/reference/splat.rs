@@ -31,7 +31,7 @@ use wavesplat_core::{
 use super::ablation::{Ablation, FootprintTable};
 use super::raycast::Sampler;
 use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_taps};
-use crate::kernel::footprint::Axis;
+use crate::kernel::smoothed;
 use crate::kernel::weights::{fold, n_taps, taps};
 use crate::picture::base_picture::BasePicture;
 use crate::picture::supersampling::reads_per_axis;
@@ -97,8 +97,7 @@ impl Splatter<'_> {
         };
         let smooth = |deviation: f64, which: usize| {
             let kernel = self.slices.kernel();
-            let axis = Axis { kernel, n_samples: n, gradient: None };
-            let (first, weights) = axis.smoothed(x, deviation);
+            let (first, weights) = smoothed::taps(kernel, x, deviation);
             (first..).zip(weights[which]).map(|(sample, weight)| (fold(kernel, sample, n), weight)).collect()
         };
         match footprint {

@@ -19,6 +19,8 @@ pub struct TileFootprints {
     pub slices: Vec<SliceTap>,
     /// The same for the derivative through the sheet.
     pub slice_differences: Vec<SliceTap>,
+    /// The same for the derivatives along the sheet of smoothed gradients; empty where these are of the kernel's own values.
+    pub slice_smooth: Vec<SliceTap>,
 }
 
 impl FamilyPlan {
@@ -40,7 +42,8 @@ impl FamilyPlan {
         along_v.build(&v, [v0 + dv * (tile[1] * TILE_V) as f64, dv], TILE_V / LANES, all(TILE_V / LANES));
         axes.iter_mut().for_each(AxisFootprints::make_difference);
         let (slices, differences) = (across.slice_taps(w), across.slice_difference_taps(w));
-        TileFootprints { axes, slices: slices.to_vec(), slice_differences: differences.to_vec() }
+        let slice_smooth = across.slice_smooth_taps(w).map_or(Vec::new(), |taps| taps.to_vec());
+        TileFootprints { axes, slices: slices.to_vec(), slice_differences: differences.to_vec(), slice_smooth }
     }
 
     /// The interval that each ray of a tile draws, row by row: first and last position along the ray (slice coordinate w,

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
 
-use crate::kernel::footprint::bits;
+use crate::kernel::footprint_table::bits;
 use crate::ray::compositor::{Compositor, Slab};
 use crate::ray::state::TileState;
 use crate::render::empty_space::ActiveSlab;

@@ -11,7 +11,8 @@
 use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Math, Simd, Wide};
 
-use crate::kernel::footprint::{AxisFootprints, Footprint, MAX_DIFFERENCE_TAPS};
+use crate::kernel::footprint::{AxisFootprints, MAX_DIFFERENCE_TAPS};
+use crate::kernel::footprint_table::Footprint;
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
 use crate::sheet::upsample::Upsample;
 use crate::source::geometry::SheetGeometry;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::kernel::footprint::{Footprint, Group, Span, bits};
+use crate::kernel::footprint_table::{Footprint, Group, Span, bits};
 use crate::sheet::buffer::Sheet;
 use crate::sheet::tile_layout::{Block, BlockMask};
 use crate::source::geometry::SheetGeometry;

@@ -135,7 +135,7 @@ mod tests {
         let places = [(40, -7.3, 0.4), (40, 30.2, 0.7), (9, -3.0, 1.0), (2, 0.0, 0.1), (40, 30.0, -1.3)];
         for (name, kernel) in Kernel::NAMES {
             let differences = [0.1, 0.5, 1.0, 1.7, 2.0, 2.5, 4.0].map(|offset| Some(Gradient::Difference(offset)));
-            let smoothed = [0.4, 0.8, 1.0, 1.25].map(|deviation| Some(Gradient::Smoothed(deviation)));
+            let smoothed = [0.5, 0.8, 1.0, 1.25].map(|deviation| Some(Gradient::Smoothed(deviation)));
             for gradient in [None].into_iter().chain(differences).chain(smoothed) {
                 for (n_samples, origin, step) in places {
                     let axis = Axis { kernel, n_samples, gradient };

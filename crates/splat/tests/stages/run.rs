@@ -148,7 +148,7 @@ fn sheet(level: Level, case: &Case) -> Arrays {
     let plane = plane_along(axes[2], DVec2::new(u0, v0), DVec2::new(du, dv), [LANES, 8]);
     assert_eq!(plane.family, Family { axes, ascending: true });
     assert_eq!(plane.sheet(w), [(u0, du), (v0, dv)]);
-    let geometry = SheetGeometry::new(level, &plane, &slices, Some(case.number("offset")));
+    let geometry = SheetGeometry::new(level, &plane, &slices, Some(Gradient::Difference(case.number("offset"))));
     let mut panel = TransposedSlices::default();
     panel.cover(&geometry, [w; 2], [w; 2], |_| [[0, 0], [LANES - 1, 7]]);
     let (mut sheet, block) = (Sheet::default(), Block::new(0));

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from wavesplat import errors, examples, reference
     from wavesplat._looks.labels import Label, Labels
+    from wavesplat._looks.largest_body import largest_body
     from wavesplat._looks.look import Look
     from wavesplat._looks.materials import Material, Materials
     from wavesplat._looks.shading import Light, Shading
@@ -61,6 +62,7 @@ __all__ = [
     "__version__",
     "errors",
     "examples",
+    "largest_body",
     "mesh",
     "open",
     "reference",
@@ -89,6 +91,7 @@ _HOMES = {
     "Volume": "_model.volume",
     "WaveletVolume": "_model.wavelet_volume",
     "__version__": "_native",
+    "largest_body": "_looks.largest_body",
     "mesh": "_mesh.meshing",
     "open": "_readers.opening",
     "render": "_render.rendering",

@@ -33,8 +33,16 @@ def _deviation(text: str) -> tuple[float, str | None]:
 
 @dataclass(frozen=True)
 class ProcessingOptions:
-    """What is done to the samples."""
+    """What is done to the samples, in this order."""
 
+    remove_table: Annotated[
+        bool,
+        typer.Option(
+            "--remove-table",
+            help="Keep the largest body of a CT alone: no table, headrest and blanket. Needs SciPy.",
+            show_default=False,
+        ),
+    ] = False
     smooth: Annotated[
         Any,
         typer.Option(
@@ -69,6 +77,10 @@ def processed_samples(
 ) -> Volume:
     """The volume of samples that INPUT names."""
     volume = open_samples(path, reader, quiet=quiet)
+    if processing.remove_table:
+        from wavesplat._looks.largest_body import largest_body
+
+        volume = largest_body(volume)
     return volume if processing.smooth is None else _smoothed(volume, *processing.smooth)
 
 

@@ -24,7 +24,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden \
+.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -106,6 +106,9 @@ instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--
 
 gallery: $(STAMPS)/tools ## draw the pictures of docs/gallery.md, each with the command that drew it
 	python docs/gallery.py
+
+pictures: $(STAMPS)/package ## draw the nine pictures of the README from the volumes of BENCH_DATA
+	BENCH_DATA=$(BENCH_DATA) python docs/first_pictures.py
 
 golden: $(STAMPS)/package ## draw the golden pictures of the tests anew; GOLDEN="labels maximum" draws those two
 	python python/tools/make_goldens.py $(GOLDEN)

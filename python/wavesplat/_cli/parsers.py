@@ -11,6 +11,9 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["choice", "color", "numbers", "one_of", "refuse_pairs", "size", "weights", "whole_numbers"]
 
+#: Of what the renderer is asked, which knows the true limit.
+MOST_PX = 2**31
+
 
 def choice(names: Sequence[str]) -> Any:
     """An option that takes one of these names; its help lists them."""
@@ -34,6 +37,8 @@ def size(text: str) -> tuple[int, int]:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         raise typer.BadParameter(f"{text!r} is not WIDTHxHEIGHT, such as 800x600") from None
+    if max(width, height) > MOST_PX:
+        raise typer.BadParameter(f"{text[:60]!r} is too large; give at most 16384 pixels a side")
     return width, height
 
 

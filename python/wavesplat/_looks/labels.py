@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -132,6 +133,7 @@ class Labels:
     _codes: NDArray[Any] = field(repr=False)
     _cores: dict[bytes, _native.Labels] = field(repr=False)
 
+    @takes_its_types
     def __init__(
         self,
         segmentation: Volume | ArrayLike,
@@ -139,7 +141,10 @@ class Labels:
         *,
         smooth: bool = True,
     ) -> None:
-        samples = segmentation.samples if isinstance(segmentation, Volume) else np.asarray(segmentation)
+        try:
+            samples = segmentation.samples if isinstance(segmentation, Volume) else np.asarray(segmentation)
+        except ValueError:
+            raise ArgumentError("labels: the segmentation has rows of different lengths; give [z, y, x]") from None
         matrix = segmentation.world_from_index if isinstance(segmentation, Volume) else None
         if samples.ndim != 3:
             raise ArgumentError(f"labels: the segmentation has shape {samples.shape}; give [z, y, x]")

@@ -8,8 +8,10 @@ from functools import partial
 from typing import Any, Literal
 
 from wavesplat import _native
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
+from wavesplat.errors import ArgumentError
 
 __all__ = ["Light", "Shading"]
 
@@ -39,6 +41,7 @@ class Light:
     color: Vector
     frame: Literal["camera", "world"]
 
+    @takes_its_types
     def __init__(
         self,
         direction: Iterable[float],
@@ -101,6 +104,7 @@ class Shading:
     shadow: float
     _core: _native.Shading = field(repr=False, compare=False)
 
+    @takes_its_types
     def __init__(
         self,
         *,
@@ -116,6 +120,9 @@ class Shading:
     ) -> None:
         # Checked at once, so that an error points at the line that made it.
         lights = tuple(lights)
+        for light in lights:
+            if not isinstance(light, Light):
+                raise ArgumentError(f"lights hold a {type(light).__name__}; give wavesplat.Light(direction) for each")
         native_lights = [(light.frame, light.direction, light.color) for light in lights]
         terms = (ambient, diffuse, specular, specular_power, gradient_offset)
         held_off = (ambient_occlusion, occlusion_radius, shadow)

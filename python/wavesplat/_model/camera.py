@@ -13,15 +13,21 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._model import affine
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.options import VIEWS
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.vectors import FARTHEST, Vector, check_magnitude, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
 
-__all__ = ["Camera"]
+__all__ = ["Camera", "check_place", "check_view"]
+
+#: Spacings that are smaller, or larger than its inverse, have squares that float32 does not hold.
+SMALLEST = 1e-18
+#: Of a place by the spacing there: a thousandth of a sample is still told apart in float64.
+PRECISION = 1e12
 
 
 @public
@@ -59,6 +65,7 @@ class Camera:
     view_angle: float | None
     _core: _native.Camera = field(repr=False, compare=False)
 
+    @takes_its_types
     def __init__(
         self,
         position: Iterable[float],
@@ -81,6 +88,7 @@ class Camera:
             object.__setattr__(self, name, value)
 
     @classmethod
+    @takes_its_types
     def orbit(
         cls,
         volume: Grid,
@@ -139,6 +147,7 @@ class Camera:
         return cls(eye, center, axes[1], parallel_scale=parallel_scale, view_angle=narrowed_angle)
 
     @classmethod
+    @takes_its_types
     def view(
         cls, volume: Grid, name: str, *, zoom: float = 1.0, view_angle: float | None = None, aspect: float = 1.0
     ) -> Camera:
@@ -175,6 +184,40 @@ class Camera:
         return lens, (self.position, self.focal_point, self.view_up)
 
 
+def check_view(camera: Camera, volume: Grid) -> None:
+    """An `ArgumentError` for a view in which the volume, or a pixel, leaves what numbers can tell apart."""
+    check_place(volume)
+    corners = affine.box_corners(volume.world_from_index, volume.shape)
+    across = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    eye, focus = np.array(camera.position), np.array(camera.focal_point)
+    with np.errstate(over="ignore", invalid="ignore"):
+        distance = float(np.linalg.norm(eye - focus))
+        farthest = float(np.abs(np.array([eye, focus]) - corners.mean(axis=0)).max())
+    half = distance * tan(radians(camera.view_angle) / 2) if camera.view_angle else camera.parallel_scale or 0.0
+    if not across / FARTHEST <= half <= across * FARTHEST:
+        raise ArgumentError(
+            f"the camera sees {2 * half:g} world units from bottom to top, the volume {volume.name!r} is {across:g} "
+            "across; give a zoom, parallel_scale or view_angle that shows something of it"
+        )
+    if not (farthest <= across * FARTHEST and distance >= across / FARTHEST):
+        raise ArgumentError(
+            f"the camera is {farthest:g} world units from the volume {volume.name!r}, which is {across:g} across, and "
+            f"{distance:g} from its focal point; move it nearer, or the two apart"
+        )
+
+
+def check_place(volume: Grid) -> None:
+    """An `ArgumentError` for spacings and places in the world that numbers cannot hold together."""
+    spacing = np.array(volume.spacing)
+    farthest = float(np.abs(volume.world_from_index[:3, 3]).max())
+    least, most = float(spacing.min()), float(spacing.max())
+    if not (least >= SMALLEST and most <= 1 / SMALLEST and most <= FARTHEST * least and farthest <= PRECISION * least):
+        raise ArgumentError(
+            f"volume {volume.name!r} has samples {least:g} to {most:g} apart, {farthest:g} from the world's origin; "
+            "give them in other units, or pass spacing="
+        )
+
+
 def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:
     for name, angle in (("azimuth", azimuth), ("elevation", elevation)):
         if not isfinite(angle):
@@ -182,6 +225,7 @@ def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: floa
     for name, ratio in (("zoom", zoom), ("aspect", aspect)):
         if not (isfinite(ratio) and ratio > 0):
             raise ArgumentError(f"{name} is {ratio}; give a positive finite number, 1 is neutral")
+        check_magnitude(ratio, name)
     if view_angle is not None and not 0 < view_angle < 180:
         raise ArgumentError(f"view_angle is {view_angle}; give degrees between 0 and 180, 30 is usual")
 

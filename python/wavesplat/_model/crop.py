@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
+from wavesplat._model.argument_types import described
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -44,8 +45,9 @@ class Crop:
     def __init__(
         self, lower: Iterable[float], upper: Iterable[float], space: Literal["world", "index"] = "world"
     ) -> None:
-        if space not in ("world", "index"):
-            raise ArgumentError(f'space of the crop is {space!r}; it is "world" or "index"')
+        given: object = space
+        if not isinstance(given, str) or given not in ("world", "index"):
+            raise ArgumentError(f'space of the crop is {described(space)}; it is "world" or "index"')
         object.__setattr__(self, "lower", vector(lower, "lower corner of the crop"))
         object.__setattr__(self, "upper", vector(upper, "upper corner of the crop"))
         object.__setattr__(self, "space", space)

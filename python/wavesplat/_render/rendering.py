@@ -12,6 +12,7 @@ from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
 from wavesplat._model.forked import drawing
@@ -38,9 +39,12 @@ __all__ = ["render"]
 
 #: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
+#: Where it does not matter how much more there would be.
+MOST_OVERSAMPLING = 1e6
 
 
 @public
+@takes_its_types
 def render(
     volume: Volume | WaveletVolume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
@@ -203,7 +207,8 @@ def render(
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
     absorbs = projection.absorption(composite, attenuation, volume)
     camera = chosen_camera(camera, volume, width / max(height, 1))
-    if transfer_function in (None, "auto") and composite in BY_VIEW:
+    is_chosen_here = transfer_function is None or (isinstance(transfer_function, str) and transfer_function == "auto")
+    if is_chosen_here and composite in BY_VIEW:
         overview = render(
             volume,
             projection.ANY_CURVES,
@@ -225,7 +230,8 @@ def render(
     light = None if shading is None else shading._core
     with drawing(volume):
         default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
-        texels = 1 if psnr is not None else (default_oversampling if oversampling is None else float(oversampling)) ** 2
+        wanted = default_oversampling if oversampling is None else abs(float(oversampling))
+        texels = 1 if psnr is not None else min(wanted, MOST_OVERSAMPLING) ** 2
         check_picture_memory((width, height), PIXEL_BYTES + TEXEL_BYTES * texels)
         result = _native.render(
             drawn,

@@ -22,10 +22,12 @@ from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.camera import check_place
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.vectors import Vector, check_magnitude, vector
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
@@ -52,6 +54,7 @@ ON_SAMPLE = 1e-6
 
 
 @public
+@takes_its_types
 def slice(
     volume: Volume | WaveletVolume,
     plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
@@ -132,12 +135,13 @@ def slice(
     >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
     (64, 48)
     """
+    check_place(volume)
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
     check_picture_memory(frame.size, PIXEL_BYTES)
     offsets = _offsets(volume, cut, float(thickness))
     if slab not in get_args(Slab):
-        raise ArgumentError(f"slab is {slab!r}; use one of: {', '.join(get_args(Slab))}")
+        raise ArgumentError(f"slab is {described(slab)}; use one of: {', '.join(get_args(Slab))}")
     if window is not None and transfer_function is not None:
         raise ArgumentError("window and transfer_function both say how values look; give one of them")
     window = None if window is None else checked_window(window)
@@ -238,7 +242,7 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
         point, normal = plane
     except (TypeError, ValueError):
         raise ArgumentError(
-            f"plane is {plane!r}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
+            f"plane is {described(plane)}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
         ) from None
     point, normal = np.array(vector(point, "point of the plane")), np.array(vector(normal, "normal of the plane"))
     length = np.linalg.norm(normal)
@@ -286,6 +290,7 @@ def _frame(
 ) -> _Frame:
     if not (isfinite(zoom) and zoom > 0):
         raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
+    check_magnitude(zoom, "zoom")
     ends = np.array([_extent(volume, cut.right), _extent(volume, cut.up)])
     lengths = ends[:, 1] - ends[:, 0]
     if size is None:
@@ -310,9 +315,15 @@ def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
         raise ArgumentError(f"thickness is {thickness}; give 0 for a plane, or a positive number, world units")
     if thickness == 0:
         return np.zeros(1)
-    n_steps = max(1, ceil(PLANES_PER_SAMPLE / 2 * thickness / _sample_step(volume, cut.normal) - ON_SAMPLE))
+    # Beyond the volume there is nothing; thinner than a millionth of a sample it is a plane.
+    sample_step = _sample_step(volume, cut.normal)
+    least, most = _extent(volume, cut.normal)
+    thickness = min(thickness, 2 * (most - least) + sample_step)
+    if thickness < ON_SAMPLE * sample_step:
+        return np.zeros(1)
+    n_steps = max(1, ceil(PLANES_PER_SAMPLE / 2 * thickness / sample_step - ON_SAMPLE))
     step = thickness / (2 * n_steps)
-    least, most = (np.array(_extent(volume, cut.normal)) - cut.offset) / step
+    least, most = (np.array((least, most)) - cut.offset) / step
     return np.arange(max(-n_steps, ceil(least - ON_SAMPLE)), min(n_steps, floor(most + ON_SAMPLE)) + 1) * step
 
 
@@ -326,7 +337,9 @@ def checked_window(window: Iterable[float]) -> tuple[float, float]:
     try:
         low, high = (float(value) for value in window)
     except (TypeError, ValueError):
-        raise ArgumentError(f"window is {window!r}; give (low, high), the values shown as black and white") from None
+        raise ArgumentError(
+            f"window is {described(window)}; give (low, high), the values shown as black and white"
+        ) from None
     if not (isfinite(low) and isfinite(high) and low < high):
         hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
         raise ArgumentError(f"window is ({low:g}, {high:g}); low must be less than high{hint}")

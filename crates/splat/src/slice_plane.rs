@@ -103,7 +103,8 @@ pub fn plane_values(
 fn row_values(slices: &Slices, plane: &Plane, slab: &ThickSlab, y: usize) -> Vec<f32> {
     let index_from_world = slices.grid().index_from_world();
     let across = index_from_world.matrix3 * plane.across;
-    let chunk = (CHUNK_EXTENT / across.abs().max_element()).clamp(1.0, CHUNK as f64) as usize;
+    // A direction that is not finite makes NaN, and 0 of it.
+    let chunk = ((CHUNK_EXTENT / across.abs().max_element()).clamp(1.0, CHUNK as f64) as usize).max(1);
     let mut kept = vec![Kept::default(); plane.width_px];
     let (mut points, mut places, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..slab.n_planes {

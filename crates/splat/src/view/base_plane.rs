@@ -175,7 +175,9 @@ pub fn base_planes(
         let anchor = if on_lattice { snapped(anchor) } else { anchor };
         let origin = anchor + ((lo - anchor) / step).floor() * step;
         let size = ((hi - origin) / step).ceil() + 1.0;
-        if size.x * size.y > MAX_TEXELS {
+        // False too where sizes are not numbers, as in views from farther than f64 can tell places apart.
+        let fits = size.min_element() >= 1.0 && size.x * size.y <= MAX_TEXELS;
+        if !fits {
             return Err(Error::TooLarge {
                 what: "the base plane of this view",
                 needed_mib: (size.x * size.y * 16.0 / f64::from(1 << 20)) as u64,

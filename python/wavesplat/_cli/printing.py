@@ -7,11 +7,14 @@ import os
 import sys
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wavesplat.errors import FileError
 
-__all__ = ["is_terminal", "json_text", "message", "print_lines", "print_result", "take_any_name"]
+if TYPE_CHECKING:
+    from wavesplat._picture.picture import Picture
+
+__all__ = ["is_terminal", "json_text", "message", "print_lines", "print_notes", "print_result", "take_any_name"]
 
 
 def print_result(facts: dict[str, Any], text: object, *, as_json: bool, written: Path | None = None) -> None:
@@ -42,6 +45,12 @@ def message(text: str) -> None:
     """A line on stderr, if there is one."""
     if sys.stderr is not None:
         print(f"wavesplat: {text}", file=sys.stderr)
+
+
+def print_notes(picture: Picture) -> None:
+    """Say what the report of a picture notes, such as why it is black."""
+    for note in picture.report.get("notes", ()):
+        message(f"note: {note}")
 
 
 def is_terminal() -> bool:

@@ -10,7 +10,7 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import box, chosen_crop
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import is_terminal, json_text, message, print_result
+from wavesplat._cli.printing import is_terminal, json_text, message, print_notes, print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import (
     Background,
@@ -164,7 +164,7 @@ def render(
     segmentation = _labels(labels, label_table)
     camera = _camera(volume, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
-        _note_what_stays_hidden(volume, transfer_function, composite)
+        _note_what_stays_hidden(volume)
     picture = _drawn(
         volume,
         transfer_function,
@@ -188,6 +188,8 @@ def render(
         background=background,
         threads=threads,
     )
+    if not quiet:
+        print_notes(picture)
     picture.save(output, bits=bits)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     if report is not None:
@@ -261,24 +263,9 @@ def _camera(
     return Camera.orbit(volume, azimuth or 0.0, elevation or 0.0, zoom=zoom, view_angle=view_angle, aspect=aspect)
 
 
-def _note_what_stays_hidden(
-    volume: Volume | WaveletVolume, transfer_function: TransferFunction | TransferFunction2D | None, composite: str
-) -> None:
-    import numpy as np
-
-    from wavesplat._looks.transfer_function import TransferFunction
-
+def _note_what_stays_hidden(volume: Volume | WaveletVolume) -> None:
     if volume.n_nonfinite:
         message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
-    if composite != "over" or not isinstance(transfer_function, TransferFunction):
-        return
-    low, high = volume.value_range
-    nodes = [value for value, _ in transfer_function.opacity if low <= value <= high]
-    if not transfer_function(np.array([low, high, *nodes]))[:, 3].any():
-        message(
-            f"note: the transfer function is transparent over the volume's values, {low:g} to {high:g}, so the "
-            "picture is empty; try --preset auto"
-        )
 
 
 def _drawn(

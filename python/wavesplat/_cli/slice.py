@@ -8,7 +8,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import print_result
+from wavesplat._cli.printing import print_notes, print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Threads, Zoom
 from wavesplat._cli.transfer_function_options import TransferFunctionFile, chosen_transfer_function
@@ -107,6 +107,7 @@ def slice(
         background=background,
         threads=threads,
     )
+    print_notes(picture)
     picture.save(output, bits=bits)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print_result(facts, output, as_json=json, written=output)

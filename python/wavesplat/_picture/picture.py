@@ -32,7 +32,8 @@ class Picture:
     value : float32 array, shape (height, width), or None
         For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
     report : dict
-        How the picture was made: sheets, texels, threads; of `render` also `seconds`, the times of its stages:
+        How the picture was made: sheets, texels, threads; `notes`, a list of sentences, where it has one colour all
+        over; of `render` also `seconds`, the times of its stages:
         `prepare` (bounds of bricks, spline coefficients; next to nothing after the first frame), `plan`, `draw` and
         `warp`.
     """

@@ -33,6 +33,7 @@ from wavesplat._render.arguments import (
     chosen_transfer_function,
     region,
 )
+from wavesplat._render.notes import notes_on_picture
 from wavesplat.errors import ArgumentError
 
 __all__ = ["render"]
@@ -263,6 +264,8 @@ def render(
     told = report.get("measured")
     if isinstance(told, dict):
         told["composite"] = composite
+    if notes := notes_on_picture(volume, chosen, composite, iso_value, result["rgba"], result["value"]):
+        report["notes"] = notes
     return Picture(result["rgba"], result["depth"], result["value"], report)
 
 

@@ -39,6 +39,7 @@ from wavesplat._render.arguments import (
     chosen_threads,
     chosen_transfer_function,
 )
+from wavesplat._render.notes import notes_on_slice
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -183,6 +184,8 @@ def slice(
         rgba = curves(values.ravel()).reshape(*values.shape, 4)
         rgb, shown = rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0)
     picture = _on_background(rgb, shown, background)
+    if notes := notes_on_slice(picture, values, report.get("window")):
+        report["notes"] = notes
     if letters:
         picture = annotation.with_letters(picture, report["letters"])
     if scale_bar:
@@ -304,6 +307,8 @@ def _frame(
     middle = ends.mean(axis=1)
     if center is not None:
         point = np.array(vector(center, "center of the slice"))
+        if not np.isfinite(point).all():
+            raise ArgumentError(f"center of the slice is {tuple(point.tolist())}; give finite numbers, world units")
         middle = np.array([cut.right @ point, cut.up @ point])
     left, top = middle[0] - (width - 1) / 2 * pixel, middle[1] + (height - 1) / 2 * pixel
     return _Frame(left * cut.right + top * cut.up + cut.offset * cut.normal, pixel, (width, height))

@@ -19,6 +19,7 @@ from wavesplat._files.silence import silenced
 from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.vtk_legacy import check_samples
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -36,12 +37,16 @@ def read(request: Request) -> Grid:
         # Said, not found out: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
         is_vtk = path.suffix.lower() == ".vtk"
-        places = [(path, 0)] if is_vtk else places_of_samples(path, anywhere=request.external_files)
+        places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files)
         reader.SetFileName(str(path))
         reader.ReadImageInformation()
         size = reader.GetSize()
         dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
-        _check_payload(path, places, (*size, reader.GetNumberOfComponents()), dtype)
+        shape = (*size, reader.GetNumberOfComponents())
+        if is_vtk:
+            check_samples(path, shape, dtype)
+        else:
+            _check_payload(path, places, shape, dtype)
         if len(size) == 4:
             time = choose("time", size[3], request.time, path)
             reader.SetExtractSize([*size[:3], 0])

@@ -22,10 +22,16 @@ STEP = 1 / 255
 #: Smaller pictures may well have one colour.
 LEAST_PIXELS = 64
 
+NOTHING_SHOWS = (
+    "every pixel has the same colour: the view misses the volume, is inside of it, or shows it smaller than a pixel; "
+    "look at zoom, camera and crop"
+)
+
 
 def notes_on_picture(
     volume: Volume | WaveletVolume,
     curves: TransferFunction | TransferFunction2D,
+    *,
     composite: str,
     iso_value: float | None,
     rgba: Floats,
@@ -40,14 +46,9 @@ def notes_on_picture(
     if composite == "first-hit" and iso_value is not None and not low <= iso_value <= high:
         return [f"there is no surface at iso value {iso_value:g}: the volume's values are {low:g} to {high:g}"]
     if composite == "over" and isinstance(curves, TransferFunction) and _is_transparent(curves, low, high):
-        return [
-            f"the transfer function is transparent over the volume's values, {low:g} to {high:g}, so the "
-            "picture is empty; try --preset auto"
-        ]
-    return [
-        "every pixel has the same colour: the view misses the volume, is inside of it, or shows it smaller than a "
-        "pixel; look at zoom, camera and crop"
-    ]
+        where = f"over the volume's values, {low:g} to {high:g}"
+        return [f"the transfer function is transparent {where}, so the picture is empty; try --preset auto"]
+    return [NOTHING_SHOWS]
 
 
 def notes_on_slice(rgba: Floats, value: Floats, window: tuple[float, float] | None) -> list[str]:
@@ -60,9 +61,7 @@ def notes_on_slice(rgba: Floats, value: Floats, window: tuple[float, float] | No
     least, most = float(seen.min()), float(seen.max())
     if least == most:
         return [f"every value in the picture is {least:g}"]
-    where = (
-        "what the transfer function tells apart" if window is None else f"the window, {window[0]:g} to {window[1]:g}"
-    )
+    where = f"the window, {window[0]:g} to {window[1]:g}" if window else "what the transfer function tells apart"
     return [f"the values in the picture, {least:g} to {most:g}, lie beyond {where}"]
 
 
@@ -77,9 +76,7 @@ def _on_values(value: Floats, composite: str, low: float, high: float) -> str:
         return f"the x-ray lets {100 * most:.3g} % of the light through everywhere; give another attenuation"
     if least == most:
         return f"the {composite} is {least:g} along every ray"
-    return (
-        f"the colours do not change over what the rays show, {least:g} to {most:g}; give a transfer function for that"
-    )
+    return f"the colours do not change over what the rays show, {least:g} to {most:g}; give another transfer function"
 
 
 def _has_one_color(rgba: Floats) -> bool:

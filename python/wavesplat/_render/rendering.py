@@ -264,7 +264,8 @@ def render(
     told = report.get("measured")
     if isinstance(told, dict):
         told["composite"] = composite
-    if notes := notes_on_picture(volume, chosen, composite, iso_value, result["rgba"], result["value"]):
+    rgba, value = result["rgba"], result["value"]
+    if notes := notes_on_picture(volume, chosen, composite=composite, iso_value=iso_value, rgba=rgba, value=value):
         report["notes"] = notes
     return Picture(result["rgba"], result["depth"], result["value"], report)
 

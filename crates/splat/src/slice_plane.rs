@@ -213,6 +213,17 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_plane_without_a_direction_is_drawn_empty() {
+        let samples = vec![1.0_f32; SIZE.iter().product()];
+        let volume = Volume::new("a", Samples::F32(&samples), SIZE, world_from_index()).unwrap();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let plane = Plane { across: DVec3::splat(f64::NAN), ..oblique(5, 4) };
+        let slab = ThickSlab { reduction: Reduction::Maximum, n_planes: 1, step: DVec3::ZERO };
+        let values = plane_values(&slices, &plane, &slab, Some(1), &Silent).unwrap();
+        assert_eq!(values.len(), 20);
+    }
+
     /// A plane that lies obliquely in the index space, most of it inside the volume.
     fn oblique(width_px: usize, height_px: usize) -> Plane {
         let world = world_from_index();

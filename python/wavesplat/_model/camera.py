@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
-from math import atan, cos, degrees, isfinite, radians, sin, tan
+from math import atan, cos, degrees, dist, hypot, isfinite, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -186,13 +186,10 @@ class Camera:
 
 def check_view(camera: Camera, volume: Grid) -> None:
     """An `ArgumentError` for a view in which the volume, or a pixel, leaves what numbers can tell apart."""
-    check_place(volume)
-    corners = affine.box_corners(volume.world_from_index, volume.shape)
-    across = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    eye, focus = np.array(camera.position), np.array(camera.focal_point)
-    with np.errstate(over="ignore", invalid="ignore"):
-        distance = float(np.linalg.norm(eye - focus))
-        farthest = float(np.abs(np.array([eye, focus]) - corners.mean(axis=0)).max())
+    columns, middle = check_place(volume)
+    across = sum(hypot(*column) for column in columns)
+    distance = dist(camera.position, camera.focal_point)
+    farthest = max(dist(camera.position, middle), dist(camera.focal_point, middle))
     half = distance * tan(radians(camera.view_angle) / 2) if camera.view_angle else camera.parallel_scale or 0.0
     if not across / FARTHEST <= half <= across * FARTHEST:
         raise ArgumentError(
@@ -206,16 +203,26 @@ def check_view(camera: Camera, volume: Grid) -> None:
         )
 
 
-def check_place(volume: Grid) -> None:
-    """An `ArgumentError` for spacings and places in the world that numbers cannot hold together."""
-    spacing = np.array(volume.spacing)
-    farthest = float(np.abs(volume.world_from_index[:3, 3]).max())
-    least, most = float(spacing.min()), float(spacing.max())
+def check_place(volume: Grid) -> tuple[list[Vector], Vector]:
+    """Edges of the volume's box and its middle; an `ArgumentError` where numbers cannot hold its place in the world.
+
+    In plain floats: this is done for every frame.
+    """
+    rows = volume.world_from_index.tolist()
+    steps = [hypot(rows[0][axis], rows[1][axis], rows[2][axis]) for axis in range(3)]
+    least, most = min(steps), max(steps)
+    farthest = max(abs(rows[0][3]), abs(rows[1][3]), abs(rows[2][3]))
     if not (least >= SMALLEST and most <= 1 / SMALLEST and most <= FARTHEST * least and farthest <= PRECISION * least):
         raise ArgumentError(
             f"volume {volume.name!r} has samples {least:g} to {most:g} apart, {farthest:g} from the world's origin; "
             "give them in other units, or pass spacing="
         )
+    edges = [
+        (rows[0][axis] * (n - 1), rows[1][axis] * (n - 1), rows[2][axis] * (n - 1))
+        for axis, n in enumerate(reversed(volume.shape))
+    ]
+    x, y, z = (rows[axis][3] + sum(edge[axis] for edge in edges) / 2 for axis in range(3))
+    return edges, (x, y, z)
 
 
 def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:

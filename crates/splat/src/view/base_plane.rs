@@ -232,6 +232,21 @@ mod tests {
     }
 
     #[test]
+    fn planes_without_a_size_are_refused() {
+        let (focal, size) = (DVec3::new(10.0, 9.0, 8.0), [64, 48]);
+        // So large that the box is a place between two numbers, and so small that its ratio to a texel is none.
+        for parallel_scale in [1e-300, 1e-160, 1e300] {
+            let projection = Projection::Orthographic { parallel_scale };
+            let camera = Camera::new(focal + DVec3::Y * 50.0, focal, DVec3::Z, projection).unwrap();
+            let rays = IndexRays::new(&camera, DAffine3::IDENTITY, size[0], size[1]);
+            let planes = base_planes(&camera, &rays, size, 1.0, [DVec3::ZERO, DVec3::splat(20.0)]);
+            for plane in planes.iter().flatten() {
+                assert!(plane.size[0] > 0 && plane.size[1] > 0, "{parallel_scale}");
+            }
+        }
+    }
+
+    #[test]
     fn a_texel_lies_on_the_ray_of_its_pixel() {
         let far = DVec3::splat(20.0);
         check(Projection::Orthographic { parallel_scale: 12.0 }, DVec3::new(50.0, 30.0, 22.0), far, 1);

@@ -69,7 +69,7 @@ def _check(annotation: str) -> Callable[[str, object], None] | None:
     """What checks a value; None for annotations that say more than can be looked at."""
     if annotation == "Volume":
         return None  # what takes only samples says what to do with coefficients
-    words = re.split(r" \| (?![^\[]*\])", annotation)
+    words = [annotation] if annotation in KINDS else re.split(r" \| (?![^\[]*\])", annotation)
     kinds = [_kind(word) for word in words]
     if not all(kinds):
         return None
@@ -144,7 +144,8 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "bool": (_is_flag, "True or False"),
     "str": TEXT,
     **dict.fromkeys(("Kernel", "Composite", "Quality", "Slab", "Buffer"), TEXT),
-    "PathLike[str]": (lambda value: isinstance(value, os.PathLike), "a path"),
+    # Names of files may hold bytes that are no text.
+    "str | PathLike[str]": (lambda value: isinstance(value, str | os.PathLike), "the name of a file or folder"),
     "Grid": (_is_a("Grid"), VOLUME),
     "Volume": (_is_a("Volume"), VOLUME),
     "WaveletVolume": (_is_a("WaveletVolume"), ""),

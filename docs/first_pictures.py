@@ -56,14 +56,15 @@ def main() -> None:
     for one in SHOWN:
         file = PICTURES / f"{one.name}.png"
         command = f"wavesplat render {one.command}"
-        subprocess.run(
+        subprocess.run(  # noqa: S603 - our own
             [*shlex.split(command), "--size", f"{SIZE_PX}x{SIZE_PX}", "-q", "-o", str(file)], cwd=DATA, check=True
         )
         rows.append(f"| ![{one.shows}]({file.name}) | {one.shows}.<br>`{command}`<br>{one.source} |")
     head = (
         "# The pictures of the README\n\n"
         f"`make pictures` draws them, {SIZE_PX} x {SIZE_PX} pixels, from the volumes of BENCH_DATA. "
-        "Without `--preset` or `--cmap` the look is the one that the command chooses by itself.\n\n| | |\n| --- | --- |\n"
+        "Without `--preset` or `--cmap` the look is the one that the command chooses by itself.\n\n"
+        "| | |\n| --- | --- |\n"
     )
     (PICTURES / "README.md").write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
 

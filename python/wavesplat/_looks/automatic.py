@@ -74,6 +74,10 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Lo
     if isinstance(volume, WaveletVolume) and volume.is_detail and composite in (None, "over"):
         function = histogram.signed(volume)
         return Look(transfer_function=function, name="auto", reason="details of wavelets: values with two signs")
+    if not math.isfinite(high - low):
+        raise ArgumentError(
+            f"volume {volume.name!r} has samples from {low:g} to {high:g}, too far apart for float64; divide them"
+        )
     known = evidence(volume)
     if composite is None and known.kind == "PET":
         return _inverted_maximum(volume, known)

@@ -104,7 +104,7 @@ def test_progress_reports_and_cancels():
         ({"background": (2, 0, 0)}, "color is"),
         ({"background": "blue-ish"}, "color is"),
         ({"sheets_per_slice": 0}, "sheets_per_slice"),
-        ({"transfer_function": 3}, "transfer_function is a int"),
+        ({"look": 3}, "look is 3; give a wavesplat.Look or a TransferFunction"),
         ({"camera": 3}, "camera is a int"),
         ({"camera": "front"}, "unknown view"),
     ],

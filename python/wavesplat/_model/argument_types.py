@@ -151,5 +151,12 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "WaveletVolume": (_is_a("WaveletVolume"), ""),
     "Picture": (_is_a("Picture"), "a wavesplat.Picture"),
     "Shading": (_is_a("Shading"), "a wavesplat.Shading or None"),
-    'Literal["look"]': (lambda value: isinstance(value, str) and value == "look", '"look"'),
+    "Literal['look']": (lambda value: isinstance(value, str) and value == "look", '"look"'),
+    "Look": (_is_a("Look"), "a wavesplat.Look"),
+    # What takes only the one says so itself.
+    "TransferFunction": (_is_a("TransferFunction", "TransferFunction2D"), "a TransferFunction"),
+    "TransferFunction2D": (_is_a("TransferFunction2D"), "a TransferFunction2D"),
+    "Materials": (_is_a("Materials"), "Materials"),
+    "Crop": (_is_a("Crop"), "a wavesplat.Crop(lower, upper, space=...)"),
+    "Sequence[Crop]": (_is_many, "several of them"),
 }

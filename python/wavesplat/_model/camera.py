@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._model import affine
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.options import VIEWS
 from wavesplat._model.vectors import FARTHEST, Vector, check_magnitude, vector
 from wavesplat._public import public
@@ -137,7 +137,7 @@ class Camera:
         _check_orbit(azimuth, elevation, zoom, view_angle, aspect)
         axes = _orbit_axes(azimuth, elevation)
         corners = affine.box_corners(volume.world_from_index, volume.shape)
-        shown = corners if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        shown = corners if points is None else _checked_points(points)
         if points is None:
             center = (corners.min(axis=0) + corners.max(axis=0)) / 2
         else:
@@ -240,6 +240,16 @@ def check_place(volume: Grid) -> tuple[list[Vector], Vector]:
     ]
     x, y, z = (rows[axis][3] + sum(edge[axis] for edge in edges) / 2 for axis in range(3))
     return edges, (x, y, z)
+
+
+def _checked_points(points: ArrayLike) -> NDArray[np.float64]:
+    try:
+        shown = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        shown = np.empty(0)
+    if shown.ndim != 2 or shown.shape[1] != 3 or not len(shown) or not np.isfinite(shown).all():
+        raise ArgumentError(f"points is {described(points)}; give finite world positions, shape (n, 3), at least one")
+    return shown
 
 
 def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:

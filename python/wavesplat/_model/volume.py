@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._files.places import printable
 from wavesplat._model import affine, smoothing, units
+from wavesplat._model.argument_types import described
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
@@ -291,7 +292,12 @@ def _checked_facts(facts: Facts | None, unit: str | None, anatomical: bool | Non
     facts = facts or Facts()
     if unit is not None:
         facts = replace(facts, unit=units.checked(unit))
-    return facts if anatomical is None else replace(facts, is_anatomical=bool(anatomical))
+    if anatomical is None:
+        return facts
+    try:
+        return replace(facts, is_anatomical=bool(anatomical))
+    except (TypeError, ValueError):
+        raise ArgumentError(f"volume {name!r}: anatomical is {described(anatomical)}; give True or False") from None
 
 
 def _checked_affine(

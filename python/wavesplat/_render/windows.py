@@ -72,7 +72,7 @@ def _named(name: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
 def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
     try:
         level, width = (float(value) for value in window)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(
             f"window is {described(window)}; give (level, width), such as (40, 400), or a name: {', '.join(CT_WINDOWS)}"
         ) from None
@@ -87,7 +87,7 @@ def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
 def _checked(clim: Iterable[float]) -> tuple[float, float]:
     try:
         low, high = (float(value) for value in clim)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(
             f"clim is {described(clim)}; give (low, high), the values shown as black and white"
         ) from None

@@ -5,11 +5,13 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._render.framing import framed
 
 COMMANDS = ("render", "slice", "info", "presets", "wavelet", "mesh", "demo")
 
@@ -62,16 +64,17 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
     more = "--quality draft --background #102030 --crop-index 0,0,0,15,15,9.5 --no-shading --composite over"
     more += " --threads 1"
     assert wavesplat("render", ramp_file, "-o", out, *options.split(), *more.split()).returncode == 0
-    volume = ws.open(ramp_file)
+    volume, crop = ws.open(ramp_file), ws.Crop((0, 0, 0), (15, 15, 9.5), space="index")
+    look = replace(ws.Look.preset("grey", volume), composite="over")
     expected = ws.render(
         volume,
-        "grey",
-        ws.Camera.orbit(volume, 30, 20, zoom=1.5, view_angle=40, aspect=40 / 30),
+        look,
+        framed(volume, look, 30, 20, crop=crop, zoom=1.5, view_angle=40, aspect=40 / 30),
         size=(40, 30),
         kernel="bspline3",
         quality="draft",
         background="#102030",
-        crop=ws.Crop((0, 0, 0), (15, 15, 9.5), space="index"),
+        crop=crop,
         shading=None,
     )
     np.testing.assert_array_equal(tifffile.imread(out), expected.rgba)
@@ -89,6 +92,7 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
         ["--sheets-per-slice", "1", "--oversampling", "0.5", "--background", "transparent"],
         ["--crop", "0,0,0,5,5,5", "--bits", "16", "--quiet"],
         ["--azimuth", "-30", "--spacing", "1,1,2"],
+        ["--view", "left", "--azimuth", "3"],
     ],
 )
 def test_more_ways_to_render(wavesplat, ramp_file, tmp_path, options):
@@ -119,10 +123,9 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
         (["IN", "-o", "OUT", "--local-threshold", "3"], "local_threshold is for composite"),
         (["IN", "-o", "OUT", "--composite", "x-ray", "--attenuation", "3"], "'3' is not 2 numbers"),
         (["IN", "-o", "OUT", "--quality", "best"], "'best' is not one of: draft"),
-        (["IN", "-o", "OUT", "--view", "front"], "'front' is not one of: anterior"),
+        (["IN", "-o", "OUT", "--view", "sideways"], "'sideways' is not one of: anterior"),
         (["IN", "-o", "OUT", "--preset", "bone"], "unknown preset 'bone'; did you mean ct-bone"),
         (["IN", "-o", "OUT", "--preset", "grey", "--tf", "a.json"], "--preset and --tf"),
-        (["IN", "-o", "OUT", "--view", "left", "--azimuth", "3"], "--view and --azimuth"),
         (["IN", "-o", "OUT", "--background", "#12"], "color is '#12'"),
         (["IN", "-o", "OUT", "--crop", "1,2,3"], "'1,2,3' is not 6 numbers"),
         (["IN", "-o", "OUT", "--crop", "50,50,50,60,60,60"], "crop"),

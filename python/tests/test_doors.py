@@ -10,20 +10,27 @@ from importlib.resources import files
 import pytest
 
 import wavesplat as ws
+from wavesplat._render.framing import framed
 
 SIZE = (64, 48)
 DATA = files("wavesplat") / "data"
 SCANS = {name: DATA / name / f"{name}.nii.gz" for name in ("ct_pelvis", "mri_head")}
 
 
+def _drawn(volume, look, azimuth, elevation=0, *, crop=None, lens=None, **options):
+    """As the command line sees a volume from a side: what a look shows of it is in view."""
+    camera = framed(volume, look, azimuth, elevation, crop=crop, aspect=64 / 48, **(lens or {}))
+    return ws.render(volume, look, camera, crop=crop, size=SIZE, **options)
+
+
 def _over(ct):
-    return ws.render(ct, "ct-bone", ws.Camera.orbit(ct, 25, 15, aspect=64 / 48), size=SIZE, background="black")
+    return _drawn(ct, ws.Look.preset("ct-bone"), 25, 15, background="black")
 
 
 def _cropped_in_perspective(ct):
-    camera = ws.Camera.orbit(ct, -30, 35, zoom=1.6, view_angle=60, aspect=64 / 48)
-    crop = ws.Crop((10, 10.5, 0), (100, 90, 80.25), space="index")
-    return ws.render(ct, "ct-soft-tissue", camera, crop=crop, size=SIZE, kernel="bspline3", background="#102030")
+    lens, crop = {"zoom": 1.6, "view_angle": 60}, ws.Crop((10, 10.5, 0), (100, 90, 80.25), space="index")
+    look = ws.Look.preset("ct-soft-tissue")
+    return _drawn(ct, look, -30, 35, lens=lens, crop=crop, kernel="bspline3", background="#102030")
 
 
 def _maximum(mri):
@@ -31,14 +38,13 @@ def _maximum(mri):
 
 
 def _surface(mri):
-    camera = ws.Camera.orbit(mri, 50, 15, aspect=64 / 48)
-    return ws.render(mri, camera=camera, composite="first-hit", iso_value=22, quality="high", size=SIZE)
+    return _drawn(mri, ws.Look.auto(mri, "first-hit"), 50, 15, iso_value=22, quality="high")
 
 
 def _wavelets(mri):
     wavelets = ws.WaveletVolume.from_volume(mri, threshold=12)
-    camera = ws.Camera.orbit(mri, 50, aspect=64 / 48)
-    return ws.render(wavelets, "mr-head", camera, drop_levels=1, shading=None, size=SIZE, background="black")
+    look = ws.Look.preset("mr-head", wavelets)
+    return _drawn(wavelets, look, 50, drop_levels=1, shading=None, background="black")
 
 
 #: Scan, the Python, bits per channel, and the same as options.
@@ -78,10 +84,14 @@ def test_python_and_the_command_line_draw_the_same_file(wavesplat, tmp_path, sce
 def test_the_bundled_scans_are_their_files(wavesplat, tmp_path):
     """And the pictures of two scenes are not the same file."""
     pictures = []
-    for scan, volume in (("ct_pelvis", ws.examples.ct_pelvis()), ("mri_head", ws.examples.mri_head())):
+    # With looks by name: the files do not say what their scanners were, which the examples know.
+    for scan, look, volume in (
+        ("ct_pelvis", "ct-bone", ws.examples.ct_pelvis()),
+        ("mri_head", "mr-head", ws.examples.mri_head()),
+    ):
         by_file, by_name = tmp_path / "file.png", tmp_path / "name.png"
-        ws.render(ws.open(SCANS[scan]), size=(16, 16)).save(by_file)
-        ws.render(volume, size=(16, 16)).save(by_name)
+        ws.render(ws.open(SCANS[scan]), look, size=(16, 16)).save(by_file)
+        ws.render(volume, look, size=(16, 16)).save(by_name)
         assert by_file.read_bytes() == by_name.read_bytes()
         pictures.append(by_file.read_bytes())
     assert pictures[0] != pictures[1]

@@ -52,6 +52,7 @@ SHOWN = (
 
 def main() -> None:
     """Draw, and write the page."""
+    PICTURES.mkdir(exist_ok=True)
     rows = []
     for one in SHOWN:
         file = PICTURES / f"{one.name}.png"
@@ -63,7 +64,8 @@ def main() -> None:
     head = (
         "# The pictures of the README\n\n"
         f"`make pictures` draws them, {SIZE_PX} x {SIZE_PX} pixels, from the volumes of BENCH_DATA. "
-        "Without `--preset` or `--cmap` the look is the one that the command chooses by itself.\n\n| | |\n| --- | --- |\n"
+        "Without `--preset` or `--cmap` the look is the one that the command chooses by itself.\n\n"
+        "| | |\n| --- | --- |\n"
     )
     (PICTURES / "README.md").write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
 

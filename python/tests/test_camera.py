@@ -22,17 +22,25 @@ def axes(camera):
 
 
 # In RAS, +x is the patient's right, +y anterior, +z superior: what lies to the right, at the top, and in front.
-@pytest.mark.parametrize(
-    ("name", "right", "up", "front"),
-    [
-        ("anterior", (-1, 0, 0), (0, 0, 1), (0, 1, 0)),
-        ("posterior", (1, 0, 0), (0, 0, 1), (0, -1, 0)),
-        ("left", (0, -1, 0), (0, 0, 1), (-1, 0, 0)),
-        ("right", (0, 1, 0), (0, 0, 1), (1, 0, 0)),
-        ("superior", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
-        ("inferior", (-1, 0, 0), (0, 1, 0), (0, 0, -1)),
-    ],
-)
+#: Name of a view -> right and up of its picture, and where the eye is.
+VIEWS_ALONG_AXES = [
+    ("anterior", (-1, 0, 0), (0, 0, 1), (0, 1, 0)),
+    ("posterior", (1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    ("left", (0, -1, 0), (0, 0, 1), (-1, 0, 0)),
+    ("right", (0, 1, 0), (0, 0, 1), (1, 0, 0)),
+    ("superior", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ("inferior", (-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    ("front", (-1, 0, 0), (0, 0, 1), (0, 1, 0)),
+    ("back", (1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    ("top", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ("bottom", (-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    ("xy", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ("xz", (1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    ("yz", (0, 1, 0), (0, 0, 1), (1, 0, 0)),
+]
+
+
+@pytest.mark.parametrize(("name", "right", "up", "front"), VIEWS_ALONG_AXES)
 def test_named_views(name, right, up, front):
     camera = ws.Camera.view(VOLUME, name)
     for got, expected in zip(axes(camera), (right, up, front), strict=True):
@@ -41,7 +49,16 @@ def test_named_views(name, right, up, front):
 
 
 def test_every_view_is_tested():
-    assert set(VIEWS) == {"anterior", "posterior", "left", "right", "superior", "inferior"}
+    assert set(VIEWS) == {name for name, *_ in VIEWS_ALONG_AXES} | {"isometric"}
+
+
+def test_the_isometric_view_shows_three_faces_and_what_is_up():
+    right, up, front = axes(ws.Camera.view(VOLUME, "isometric"))
+    assert front[0] < 0 > front[1]
+    assert front[2] == pytest.approx(0.5)
+    assert right[2] == pytest.approx(0, abs=1e-12)
+    assert up[2] > 0
+    np.testing.assert_allclose(front, axes(ws.Camera.orbit(VOLUME, *VIEWS["isometric"]))[2])
 
 
 def test_azimuth_turns_to_the_patients_left_and_elevation_lifts():
@@ -86,8 +103,8 @@ def test_bad_orbits_are_refused(arguments, message):
 
 
 def test_unknown_views_list_the_known():
-    with pytest.raises(ArgumentError, match="unknown view 'front'.*anterior"):
-        ws.Camera.view(VOLUME, "front")
+    with pytest.raises(ArgumentError, match="unknown view 'sideways'.*anterior"):
+        ws.Camera.view(VOLUME, "sideways")
 
 
 @pytest.mark.parametrize(

@@ -177,7 +177,7 @@ def test_names_in_python(path):
 @pytest.mark.parametrize("path", [None, 3, ["a"]])
 def test_what_is_no_name_at_all(path):
     for load in (ws.open, ws.WaveletVolume.load):
-        with pytest.raises(ws.errors.ArgumentError, match="path is a .*; give the name of a file"):
+        with pytest.raises(ws.errors.ArgumentError, match=r"path is .*; give the name of a file"):
             load(path)
 
 

@@ -73,7 +73,8 @@ def _draw(scene, eye, **options):
 
 def _draw_over(scene, eye, **options):
     light = scene.light
-    shading = light and ws.Shading(
+    # The caster lights with the differences of neighbours and one headlight.
+    shading = light and ws.Shading.headlight(
         ambient=light.ambient,
         diffuse=light.diffuse,
         specular=light.specular,
@@ -81,7 +82,7 @@ def _draw_over(scene, eye, **options):
         gradient_offset=light.gradient_offset,
     )
     curves = ws.TransferFunction(scene.opacity, scene.color, scene.opacity_unit)
-    return _draw(scene, eye, transfer_function=curves, shading=shading, **options).rgba
+    return _draw(scene, eye, look=curves, shading=shading, **options).rgba
 
 
 def _check_over(got, scene, eye):
@@ -178,7 +179,7 @@ def _check_projection(got, scene, eye, operator):
 @pytest.mark.parametrize("operator", ["maximum", "minimum", "mean", "sum"])
 @pytest.mark.parametrize("eye", ["orthographic", "perspective"])
 def test_projections_are_those_of_the_caster(eye, operator):
-    value = _draw(SCENE, EYES[eye], transfer_function=GREY, composite=operator).value
+    value = _draw(SCENE, EYES[eye], look=GREY, composite=operator).value
     _check_projection(value, SCENE, EYES[eye], operator)
 
 
@@ -214,7 +215,7 @@ def test_wrong_pictures_are_noticed(mistake):
 @pytest.mark.parametrize("operator", ["maximum", "minimum", "mean", "sum"])
 @pytest.mark.parametrize("mistake", ["half a sample of shift", "a flipped axis"])
 def test_wrong_projections_are_noticed(mistake, operator):
-    got = _draw(SCENE, EYES["orthographic"], transfer_function=GREY, composite=operator).value
+    got = _draw(SCENE, EYES["orthographic"], look=GREY, composite=operator).value
     with pytest.raises(AssertionError):
         _check_projection(got, replace(SCENE, **_wrong_scenes()[mistake]), EYES["orthographic"], operator)
 

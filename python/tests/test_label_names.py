@@ -92,6 +92,8 @@ def test_tables(tmp_path, segmentation, name):
         ("a.txt", "liver 1 2 3\n", "line 1 is 'liver 1 2 3'"),
         ("a.tsv", "number\tname\n1\tliver\n", "columns index and name"),
         ("a.tsv", "index\tname\none\tliver\n", "one"),
+        ("a.tsv", "index\tname\n1\t" + "x" * 200_000 + "\n", "field larger than field limit"),
+        ("a.tsv", "name\tindex\nliver\n", "int"),
     ],
 )
 def test_tables_that_are_none_are_refused(tmp_path, segmentation, name, text, message):

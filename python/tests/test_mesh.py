@@ -243,7 +243,7 @@ def test_wavelet_volumes_are_taken():
         ({"iso_value": "high"}, "iso_value is 'high'; give a number"),
         ({"iso_value": 13, "step": 0}, "step is 0; give a whole number of at least 1"),
         ({"iso_value": 13, "step": 1.5}, "step is 1.5; give a whole number"),
-        ({"iso_value": 13, "crop": (0, 1)}, "crop is a tuple; give a wavesplat.Crop"),
+        ({"iso_value": 13, "crop": (0, 1)}, r"crop is \(0, 1\); give a wavesplat.Crop"),
         ({"iso_value": 13, "crop": ws.Crop((50, 50, 50), (60, 60, 60))}, "no sample in the crop box is larger"),
         ({"iso_value": 13, "crop": ws.Crop((0, 0, 0), (2, 2, 0.5))}, "no sample in the crop box is larger"),
     ],

@@ -165,7 +165,7 @@ def test_a_local_maximum_shows_what_is_near_and_dim_before_what_is_far_and_brigh
     far = np.hypot(np.hypot(x - 36, y - 12), z - 12) < 10
     samples = np.where(near, 120, np.where(far, 250, 10)).astype(np.uint8)
     volume = ws.Volume(samples)
-    options = {"size": (47, 47), "transfer_function": ws.TransferFunction.auto(volume, "maximum")}
+    options = {"size": (47, 47), "look": ws.TransferFunction.auto(volume, "maximum")}
 
     def middle(composite, side, **more):
         eye = ws.Camera((side * 500 + 23.5, 11.5, 11.5), (23.5, 11.5, 11.5), (0, 0, 1), parallel_scale=12)
@@ -284,7 +284,7 @@ def test_bones_are_bright_on_a_radiograph():
 def test_the_numbers_of_an_operator_follow_the_colours_and_are_reported():
     volume = ws.examples.ripples(16)
     window = ws.TransferFunction([(0, 1)], [(40, 0, 0, 0), (140, 1, 1, 1)])
-    draw = {"transfer_function": window, "size": (16, 16)}
+    draw = {"look": window, "size": (16, 16)}
     assert ws.render(volume, composite="local-maximum", **draw).report["local_threshold"] == 65
     assert ws.render(volume, composite="depth-shaded-maximum", **draw).report["depth_shading"] == (0.6, 40)
     assert "local_threshold" not in ws.render(volume, composite="maximum", **draw).report

@@ -249,6 +249,27 @@ def test_what_itk_says_is_passed_on_without_its_source(tmp_path):
     assert "cxx" not in line
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (
+            "Exception thrown in Execute: /tmp/b/IO/src/sitkReader.cxx:97:\nsitk::ERROR: No reader for a.mha",
+            "No reader",
+        ),
+        ("D:\\a\\1\\bld\\ITK\\Modules\\IO\\src\\itkNrrdImageIO.cxx:570: bad header", "bad header"),
+        ("/home/u/ITK-bld/Modules/x.hxx:5:\nitk::ERROR: ImageFileReader(0x55aa): no samples", "no samples"),
+    ],
+)
+def test_no_place_in_a_librarys_source_is_told(text, line):
+    from wavesplat._files.reading import reading
+
+    with (
+        pytest.raises(FileError, match=f"^cannot read as an image: {line}[^:/]*; the file is truncated"),
+        reading("an image", "a.mha"),
+    ):
+        raise RuntimeError(text)
+
+
 def test_itk_does_not_say_that_a_damaged_file_is_not_there(tmp_path):
     path = save(tmp_path / "a.mha")
     path.write_bytes(path.read_bytes().replace(b"MET_USHORT", b"MET_USHERT"))
@@ -293,6 +314,24 @@ def test_streams_that_follow_each_other_are_one(tmp_path):
     samples = NOISE.tobytes()
     path.write_bytes(header + gzip.compress(samples[:7777]) + gzip.compress(samples[7777:]) + b"\0" * 9)
     np.testing.assert_array_equal(ws.open(path).samples, NOISE)
+
+
+@pytest.mark.parametrize("is_text", [False, True])
+def test_a_legacy_vtk_file_that_is_cut_short(tmp_path, is_text):
+    path = tmp_path / "a.vtk"
+    header = (
+        f"# vtk DataFile Version 3.0\na\n{'ASCII' if is_text else 'BINARY'}\nDATASET STRUCTURED_POINTS\n"
+        "DIMENSIONS 7 6 5\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 210\nSCALARS s float 1\nLOOKUP_TABLE default\n"
+    )
+    samples = np.arange(210, dtype=np.float32).reshape(5, 6, 7) % 9
+    content = (
+        " ".join(f"{value:g}" for value in samples.ravel()).encode() if is_text else samples.astype(">f4").tobytes()
+    )
+    path.write_bytes(header.encode() + content)
+    np.testing.assert_array_equal(ws.open(path).samples, samples)
+    for cut in (1, 2, 5, 20, 100, 400):
+        path.write_bytes(header.encode() + content[: -2 * cut if is_text else -cut])
+        fails(path, "truncated")
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -326,7 +326,7 @@ def test_without_pillow_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     assert ws.slice(ws.Volume(SAMPLES)).size == (7, 6)
     with pytest.raises(ws.errors.LibraryError, match=r'PIL is not installed; .*: pip install "\.\[annotation\]"'):
-        ws.slice(ws.Volume(SAMPLES), scale_bar=True)
+        ws.slice(ws.Volume(SAMPLES), size=(14, 12), scale_bar=True)
 
 
 @pytest.mark.parametrize("kernel", ["linear", "bspline3"])

@@ -88,14 +88,15 @@ def test_a_wavelet_volume_is_drawn_by_its_samples(standard):
 
 @pytest.mark.parametrize("standard", BUFFERS)
 def test_crop_clip_planes_background_and_holes(standard):
-    cropped = draw(transfer_function=WHITE, crop=ws.Crop((0, 0, 8), (15, 15, 15), space="index"), standard=standard)
-    clipped = draw(transfer_function=WHITE, clip_planes=[((0, 0, 7.5), (0, 0, 1))], standard=standard)
+    how = {"camera": ws.Camera.view(VOLUME, "anterior", aspect=24 / 16), "standard": standard}  # of the whole volume
+    cropped = draw(transfer_function=WHITE, crop=ws.Crop((0, 0, 8), (15, 15, 15), space="index"), **how)
+    clipped = draw(transfer_function=WHITE, clip_planes=[((0, 0, 7.5), (0, 0, 1))], **how)
     np.testing.assert_allclose(clipped.rgba, cropped.rgba, atol=1e-5)
     assert cropped.rgba[:6, :, 3].max() > 0.9
     assert cropped.rgba[10:, :, 3].max() == 0
     samples = VOLUME.samples.astype(np.float32)
     samples[:8] = np.nan
-    holes = draw(ws.Volume(samples), WHITE, standard=standard, shading=None, background="#ff0000")
+    holes = draw(ws.Volume(samples), WHITE, **how, shading=None, background="#ff0000")
     np.testing.assert_array_equal(holes.rgba[12, 12], [1, 0, 0, 1])
     assert holes.report["n_nonfinite_samples"] == 8 * 16 * 16
 
@@ -127,8 +128,8 @@ def test_it_has_as_many_texels_as_asked_for(oversampling):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"shading": ws.Shading(gradient_offset=0.5)}, "gradient_offset.*standard splatting"),
-        ({"shading": ws.Shading(shadow=1)}, "light of standard splatting"),
+        ({"shading": ws.Shading.headlight(gradient_offset=0.5)}, "gradient of standard splatting"),
+        ({"shading": ws.Shading.headlight(shadow=1)}, "light of standard splatting"),
         ({"standard": "axis"}, "standard is a str; give a wavesplat.study.StandardSplatting"),
         ({"kernel": "cubic"}, "unknown kernel"),
         ({"size": (0, 16)}, "width"),

@@ -36,7 +36,11 @@ def ripples():
     """The volume, a camera that sees its sheets obliquely, and the converged picture."""
     volume = ws.examples.ripples(24)
     camera = ws.Camera.orbit(volume, 35, 30)
-    return volume, camera, ws.reference.raycast(volume, SOFT, camera, size=SIZE, step=0.1)
+    return (
+        volume,
+        camera,
+        ws.reference.raycast(volume, SOFT, camera, size=SIZE, step=0.1, shading=ws.Shading.headlight()),
+    )
 
 
 def draw(ripples, **options) -> ws.Picture:
@@ -113,7 +117,7 @@ DIFFUSE = {"ambient": 0.0, "diffuse": 1.0, "specular": 0.0}
 def lit_ball(gradient: str, offset: float, *, light: tuple[float, float, float] = (0, 0, 1)) -> np.ndarray:
     """Brightness of the ball's surface, seen along -y from the front, its right and left the volume's -x and +x."""
     volume = ball()
-    shading = ws.Shading(gradient_offset=offset, lights=[ws.Light(light)], **DIFFUSE)
+    shading = ws.Shading.headlight(gradient_offset=offset, lights=[ws.Light(light)], **DIFFUSE)
     surface = ws.TransferFunction([(100, 0), (101, 1)], [(0, 1, 1, 1)])
     camera = ws.Camera.orbit(volume, 0, 0, zoom=2.5)
     options = {"size": (97, 97), "sheets_per_slice": 8, "shading": shading}
@@ -155,7 +159,7 @@ def test_sheet_differences_are_footprints_a_whole_number_of_texels_wide():
     options = {"size": (n, n), "sheets_per_slice": 4}
 
     def shaded(gradient: str, offset: float) -> np.ndarray:
-        shading = ws.Shading(gradient_offset=offset)
+        shading = ws.Shading.headlight(gradient_offset=offset)
         return splat(volume, SOFT, camera, shading=shading, ablation=Ablation(gradient=gradient), **options).rgba
 
     for ours, theirs in (("sheet-central", "footprint"), ("sheet-forward", "footprint-forward")):
@@ -264,8 +268,9 @@ def test_without_an_ablation_it_is_the_renderer_with_plain_sheets(ripples, view_
     plain = {"pre_integration": False, "early_ray_termination": False, "sheets_per_slice": 2, "oversampling": 1}
     cut = {"crop": ws.Crop((3, 3, 3), (20.5, 19, 18), space="index"), "clip_planes": [((11, 11, 11), (1, 2, 1))]}
     for options in ({}, {"kernel": "bspline3"}, {"shading": None}, {"kernel": "catmull-rom"}, cut):
-        fast = ws.render(volume, SOFT, camera, size=SIZE, **plain, **options).rgba
-        literal = splat(volume, SOFT, camera, size=SIZE, **options).rgba
+        how = {"size": SIZE, "shading": ws.Shading.headlight()} | options
+        fast = ws.render(volume, SOFT, camera, **plain, **how).rgba
+        literal = splat(volume, SOFT, camera, **how).rgba
         assert fast[..., 3].max() > 0.5
         # Single precision, and tables of the transfer function: as the twins in Rust.
         np.testing.assert_allclose(literal, fast, atol=1e-4)

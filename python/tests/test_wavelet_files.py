@@ -39,7 +39,7 @@ def test_what_is_saved_comes_back(tmp_path, family, oblique):
         [(-1000, 0.0), (3000, 0.5)], [(-1000, 0.2, 0.4, 1.0), (3000, 1.0, 0.5, 0.1)]
     )
     for drop_levels in (0, 1):
-        draw = {"transfer_function": transfer_function, "size": (24, 20), "drop_levels": drop_levels}
+        draw = {"look": transfer_function, "size": (24, 20), "drop_levels": drop_levels}
         picture = ws.render(wavelets, **draw).rgba
         assert picture[..., 3].max() > 0.5
         assert ws.render(again, **draw).rgba.tobytes() == picture.tobytes()

@@ -10,6 +10,7 @@ from importlib.resources import as_file, files
 
 import numpy as np
 
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
@@ -41,6 +42,7 @@ def ct_pelvis() -> Volume:
     return _bundled("ct_pelvis", "CT")
 
 
+@takes_its_types
 def ripples(n: int = 32) -> Volume:
     """The test signal of Marschner and Lobb, scaled to 0..255, float32, shape (n, n, n), spacing 1.
 

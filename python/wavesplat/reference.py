@@ -10,6 +10,7 @@ from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
 from wavesplat._model.options import Kernel
@@ -21,6 +22,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["raycast", "splat_literal"]
 
 
+@takes_its_types
 def raycast(
     volume: Volume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
@@ -85,6 +87,7 @@ def raycast(
     return Picture(rgba)
 
 
+@takes_its_types
 def splat_literal(
     volume: Volume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,

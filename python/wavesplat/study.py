@@ -13,6 +13,7 @@ from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
 from wavesplat._model.options import Buffer, Kernel
@@ -100,6 +101,7 @@ def _rebuild(settings: dict[str, Any]) -> Ablation:
     return Ablation(**settings)
 
 
+@takes_its_types
 def splat(
     volume: Volume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
@@ -212,6 +214,7 @@ class StandardSplatting:
             raise ArgumentError(f"view_angle_correction is {self.view_angle_correction!r}; give True or False")
 
 
+@takes_its_types
 def standard(
     volume: Volume | WaveletVolume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,

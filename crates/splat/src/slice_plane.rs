@@ -103,7 +103,8 @@ pub fn plane_values(
 fn row_values(slices: &Slices, plane: &Plane, slab: &ThickSlab, y: usize) -> Vec<f32> {
     let index_from_world = slices.grid().index_from_world();
     let across = index_from_world.matrix3 * plane.across;
-    let chunk = (CHUNK_EXTENT / across.abs().max_element()).clamp(1.0, CHUNK as f64) as usize;
+    // A direction that is not finite makes NaN, and 0 of it.
+    let chunk = ((CHUNK_EXTENT / across.abs().max_element()).clamp(1.0, CHUNK as f64) as usize).max(1);
     let mut kept = vec![Kept::default(); plane.width_px];
     let (mut points, mut places, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..slab.n_planes {
@@ -210,6 +211,17 @@ mod tests {
             matrix3: turn * DMat3::from_diagonal(DVec3::new(0.7, 0.8, 1.5)),
             translation: DVec3::new(3.0, -20.0, 100.0),
         }
+    }
+
+    #[test]
+    fn a_plane_without_a_direction_is_drawn_empty() {
+        let samples = vec![1.0_f32; SIZE.iter().product()];
+        let volume = Volume::new("a", Samples::F32(&samples), SIZE, world_from_index()).unwrap();
+        let slices = Slices::new(&volume, Kernel::Linear);
+        let plane = Plane { across: DVec3::splat(f64::NAN), ..oblique(5, 4) };
+        let slab = ThickSlab { reduction: Reduction::Maximum, n_planes: 1, step: DVec3::ZERO };
+        let values = plane_values(&slices, &plane, &slab, Some(1), &Silent).unwrap();
+        assert_eq!(values.len(), 20);
     }
 
     /// A plane that lies obliquely in the index space, most of it inside the volume.

@@ -22,6 +22,9 @@ __all__ = [
     "window",
 ]
 
+#: Of what the renderer is asked, which knows the true limit.
+MOST_PX = 2**31
+
 
 def choice(names: Sequence[str]) -> Any:
     """An option that takes one of these names; its help lists them."""
@@ -45,6 +48,8 @@ def size(text: str) -> tuple[int, int]:
         width, height = (int(part) for part in text.lower().split("x"))
     except ValueError:
         raise typer.BadParameter(f"{text!r} is not WIDTHxHEIGHT, such as 800x600") from None
+    if max(width, height) > MOST_PX:
+        raise typer.BadParameter(f"{text[:60]!r} is too large; give at most 16384 pixels a side")
     return width, height
 
 

@@ -9,15 +9,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wavesplat.errors import FileError, WavesplatWarning
+
+if TYPE_CHECKING:
+    from wavesplat._picture.picture import Picture
 
 __all__ = [
     "is_terminal",
     "json_text",
     "message",
     "print_lines",
+    "print_notes",
     "print_result",
     "take_any_name",
     "warnings_as_notes",
@@ -66,6 +70,12 @@ def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
         if quiet and issubclass(warning.category, WavesplatWarning):
             continue
         message(f"note: {warning.message}")
+
+
+def print_notes(picture: Picture) -> None:
+    """Say what the report of a picture notes, such as why it is black."""
+    for note in picture.report.get("notes", ()):
+        message(f"note: {note}")
 
 
 def is_terminal() -> bool:

@@ -18,7 +18,7 @@ from wavesplat._cli.crop_options import (
 )
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import is_terminal, json_text, message, print_result
+from wavesplat._cli.printing import is_terminal, json_text, message, print_notes, print_result
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import (
@@ -192,7 +192,7 @@ def render(
     # Greys that depend on the view are left to the renderer.
     by_view = look.name == "auto" and look.composite in BY_VIEW
     if not quiet:
-        _note_what_stays_hidden(volume, look)
+        _note_what_stays_hidden(volume)
     picture = _drawn(
         volume,
         None if by_view else look,
@@ -218,6 +218,8 @@ def render(
         background=background or look.background or "black",
         threads=threads,
     )
+    if not quiet:
+        print_notes(picture)
     picture.save(output, bits=bits)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     if report is not None:
@@ -304,10 +306,11 @@ def _camera(
     size: tuple[int, int],
 ) -> Camera:
     """From a view, turned by the angles; without any, from the side that suits the data."""
-    from wavesplat._model.camera import checked_lens
+    from wavesplat._model.camera import check_place, checked_lens
     from wavesplat._render.arguments import checked_planes
     from wavesplat._render.framing import framed, natural_view
 
+    check_place(volume)
     turned = (azimuth or 0.0, elevation or 0.0)
     if view is None and look.view is None:
         from_view = natural_view(volume) if azimuth is None and elevation is None else VIEWS["anterior"]
@@ -328,23 +331,9 @@ def _camera(
     )
 
 
-def _note_what_stays_hidden(volume: Volume | WaveletVolume, look: Look) -> None:
-    import numpy as np
-
-    from wavesplat._looks.transfer_function import TransferFunction
-
+def _note_what_stays_hidden(volume: Volume | WaveletVolume) -> None:
     if volume.n_nonfinite:
         message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
-    transfer_function = look.transfer_function
-    if look.composite != "over" or look.labels is not None or not isinstance(transfer_function, TransferFunction):
-        return
-    low, high = volume.value_range
-    nodes = [value for value, _ in transfer_function.opacity if low <= value <= high]
-    if not transfer_function(np.array([low, high, *nodes]))[:, 3].any():
-        message(
-            f"note: the transfer function is transparent over the volume's values, {low:g} to {high:g}, so the "
-            "picture is empty; try --preset auto"
-        )
 
 
 def _drawn(

@@ -8,7 +8,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import message, print_result, warnings_as_notes
+from wavesplat._cli.printing import message, print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
@@ -132,6 +132,8 @@ def slice(
             background=background,
             threads=threads,
         )
+    if not quiet:
+        print_notes(picture)
     if scale_bar and volume.unit is None and not quiet:
         message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")
     picture.save(output, bits=bits)

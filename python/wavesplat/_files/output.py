@@ -17,7 +17,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Literal, TypeAlias
 
-from wavesplat.errors import FileError
+from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["SUFFIXES", "Kind", "check_output", "check_writable", "write_atomically"]
 
@@ -47,7 +47,7 @@ NUMBERS = count()
 
 def check_output(path: str | PathLike[str], kind: Kind) -> str:
     """The suffix in lower case, if a result of this kind can be written there; else a `FileError`."""
-    suffix = Path(path).suffix.lower()
+    suffix = _named(path).suffix.lower()
     if suffix not in SUFFIXES[kind]:
         given = f"as {suffix}" if suffix else "to a name without a suffix"
         raise FileError(f"cannot write {kind} {given}; use one of: {', '.join(SUFFIXES[kind])}: {path}")
@@ -55,9 +55,16 @@ def check_output(path: str | PathLike[str], kind: Kind) -> str:
     return suffix
 
 
+def _named(path: str | PathLike[str]) -> Path:
+    try:
+        return Path(path)
+    except TypeError:
+        raise ArgumentError(f"path is a {type(path).__name__}; give the name of a file") from None
+
+
 def check_writable(path: str | PathLike[str]) -> Path:
     """The path, if a file can be written there; else a `FileError`."""
-    target = Path(path)
+    target = _named(path)
     with _telling_why_not(target):
         folder = target.parent
         if not folder.is_dir():

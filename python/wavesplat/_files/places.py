@@ -76,4 +76,4 @@ def check_text(path: Path) -> None:
 
 def printable(name: str) -> str:
     """A name as text: bytes that are no UTF-8, which some systems allow in names, are replaced."""
-    return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+    return name.encode("utf-8", "surrogatepass").decode("utf-8", "replace")

@@ -14,9 +14,9 @@ __all__ = ["reading"]
 #: What ITK adds to every failure: the last error of the system, which is of some earlier call, or "Success".
 OLD_REASON = "Reason: "
 
-#: A file of ITK's source, and what stands before its words: "itk::ERROR: Class(0x5555): ", "[nrrd] _function: ".
-ITK_SOURCE = ".cxx:"
-ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |\[\w+\] \w+: )")
+#: A place in a library's source, and what is before ITK's words: "itk::ERROR: Class(0x5555): ", "[nrrd] function: ".
+SOURCE = re.compile(r"\S*\.[ch](?:xx|pp)?:\d+:\s*")
+ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |sitk::ERROR: |\[\w+\] \w+: )")
 
 #: And the file, which we name ourselves.
 ITK_FILE = re.compile(r": \S.* for reading$")
@@ -59,6 +59,6 @@ def _telling_line(error: BaseException) -> str:
     """
     lines = [line.strip().rstrip(".;") for line in str(error).splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith(OLD_REASON)] or lines
-    if len(lines) > 1 and ITK_SOURCE in lines[0]:
-        return ITK_FILE.sub("", ITK_PLACE.sub("", lines[-1]))
-    return lines[0] if lines else type(error).__name__
+    if len(lines) > 1 and SOURCE.search(f"{lines[0]}:"):
+        lines = [ITK_FILE.sub("", lines[-1])]
+    return ITK_PLACE.sub("", SOURCE.sub("", lines[0])) if lines else type(error).__name__

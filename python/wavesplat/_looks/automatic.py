@@ -22,6 +22,7 @@ from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model import units
+from wavesplat._model.options import BY_VIEW
 from wavesplat._model.units import METRES
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -66,7 +67,8 @@ FIELD_MAP = "inferno"
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Look:
     """See `Look.auto`."""
     low, high = volume.value_range
-    if not low < high:
+    # What a view shows of even matter are lengths, so greys can be found for it.
+    if not low < high and composite not in BY_VIEW:
         raise ArgumentError(
             f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
             "pass a transfer function, or check the file"
@@ -74,6 +76,10 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Lo
     if isinstance(volume, WaveletVolume) and volume.is_detail and composite in (None, "over"):
         function = histogram.signed(volume)
         return Look(transfer_function=function, name="auto", reason="details of wavelets: values with two signs")
+    if not math.isfinite(high - low):
+        raise ArgumentError(
+            f"volume {volume.name!r} has samples from {low:g} to {high:g}, too far apart for float64; divide them"
+        )
     known = evidence(volume)
     if composite is None and known.kind == "PET":
         return _inverted_maximum(volume, known)

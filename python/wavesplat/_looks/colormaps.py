@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 if TYPE_CHECKING:
@@ -85,9 +86,9 @@ def _limits(
         return low, high
     try:
         low, high = (float(value) for value in clim)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(
-            f"clim is {clim!r}; give (low, high), the values of the first and the last colour"
+            f"clim is {described(clim)}; give (low, high), the values of the first and the last colour"
         ) from None
     if not (isfinite(low) and isfinite(high) and low < high):
         hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
@@ -153,11 +154,12 @@ def _table(opacity: Any) -> Array:
     try:
         given = opacity if isinstance(opacity, int | float | np.ndarray) else list(opacity)
         table = np.atleast_1d(np.array(given, dtype=np.float64))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         table = np.empty(0)
     if not table.size or table.ndim > 2 or (table.ndim == 2 and table.shape[1] != 2):
         raise ArgumentError(
-            f"opacity is {opacity!r}; give {', '.join(OPACITIES)}, a number 0..1, such numbers, or (value, alpha)"
+            f"opacity is {described(opacity)}; give {', '.join(OPACITIES)}, a number 0..1, such numbers, "
+            "or (value, alpha)"
         )
     return table
 

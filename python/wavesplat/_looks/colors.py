@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
+from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Rgba", "parse"]
@@ -25,9 +26,11 @@ def parse(color: str | Iterable[Any] | None) -> Rgba | None:
 
     Takes three or four numbers 0..1, a name (black, white, grey, transparent), "#rrggbb", "#rrggbbaa", or "r,g,b[,a]".
     """
-    if color is None or color == "transparent":
+    if color is None:
         return None
     if isinstance(color, str):
+        if color == "transparent":
+            return None
         return _parse_text(color.strip().lower())
     return _checked(color, color)
 
@@ -43,12 +46,12 @@ def _parse_text(text: str) -> Rgba:
 def _checked(numbers: Iterable[Any], given: object) -> Rgba:
     try:
         channels = [float(number) for number in numbers]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         channels = []
     if len(channels) not in (3, 4) or not all(0 <= channel <= 1 for channel in channels):
         raise ArgumentError(
-            f'color is {given!r}; give (r, g, b) or (r, g, b, a) with numbers 0..1, "#rrggbb", black, white, grey '
-            "or transparent"
+            f'color is {described(given)}; give (r, g, b) or (r, g, b, a) with numbers 0..1, "#rrggbb", black, white, '
+            "grey or transparent"
         )
     red, green, blue, alpha = (*channels, 1.0)[:4]
     return red, green, blue, alpha

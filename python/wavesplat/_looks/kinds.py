@@ -73,10 +73,13 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     samples, neighbours = _looked_at(volume)
     values = samples.astype(np.float64)
     differences = [0.5 * (after.astype(np.float64) - before) for before, after in neighbours]
-    gradients = np.sqrt(sum((d * d for d in differences), np.zeros_like(values)))
+    # No sum of squares: those of samples near the limits of float64 have none.
+    gradients = np.hypot.reduce([np.zeros_like(values), *differences])
     finite = np.isfinite(values) & np.isfinite(gradients)
     alike = _share_alike(samples, neighbours)
     values, gradients = values[finite], gradients[finite]
+    if not values.size:
+        values, gradients = np.array(volume.value_range), np.zeros(2)
     kind, reason = _kind(volume, values, alike)
     return Evidence(kind, reason, values, gradients)
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
@@ -134,6 +135,7 @@ class Labels:
     _cores: dict[bytes, _native.Labels] = field(repr=False)
     _cuts: dict[tuple[bytes, Boxes], Labels] = field(repr=False)
 
+    @takes_its_types
     def __init__(
         self,
         segmentation: Volume | ArrayLike,
@@ -141,7 +143,10 @@ class Labels:
         *,
         smooth: bool = True,
     ) -> None:
-        samples = segmentation.samples if isinstance(segmentation, Volume) else np.asarray(segmentation)
+        try:
+            samples = segmentation.samples if isinstance(segmentation, Volume) else np.asarray(segmentation)
+        except ValueError:
+            raise ArgumentError("labels: the segmentation has rows of different lengths; give [z, y, x]") from None
         matrix = segmentation.world_from_index if isinstance(segmentation, Volume) else None
         if samples.ndim != 3:
             raise ArgumentError(f"labels: the segmentation has shape {samples.shape}; give [z, y, x]")

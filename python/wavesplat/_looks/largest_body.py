@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from wavesplat._files.libraries import library
 from wavesplat._looks.histogram import finite_samples, is_hounsfield, otsu, robust_range
 from wavesplat._model import units
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -44,6 +45,7 @@ LEAST_LEFT, LEAST_LEFT_HU = 0.7, 0.5
 
 
 @public
+@takes_its_types
 def largest_body(volume: Volume, threshold: float | None = None, *, opening: float | None = None) -> Volume:
     """The volume with all but its largest body emptied: a patient without table and headrest.
 

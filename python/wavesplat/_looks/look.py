@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.options import Composite
 from wavesplat._public import public
 
@@ -65,6 +66,7 @@ class Look:
     reason: str = ""
 
     @classmethod
+    @takes_its_types
     def auto(cls, volume: Volume | WaveletVolume, composite: Composite | None = None) -> Look:
         """A look for a first picture, by the kind of data that the volume holds; `reason` says which, and why.
 
@@ -85,6 +87,7 @@ class Look:
         return automatic.automatic(volume, composite)
 
     @classmethod
+    @takes_its_types
     def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> Look:
         """A look by name: what usually looks good on that kind of data.
 
@@ -120,6 +123,7 @@ class Look:
         return presets.preset(name, volume)
 
     @classmethod
+    @takes_its_types
     def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> Look:
         """The look that a JSON text describes, as `to_json` writes it.
 

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._looks import colors, materials_mixture
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -207,6 +208,7 @@ class Materials:
         return materials_surface.surfaces(self, share, thickness)
 
     @classmethod
+    @takes_its_types
     def preset(cls, name: str) -> Materials:
         """Materials by name.
 
@@ -231,6 +233,7 @@ class Materials:
         return materials_json.preset(name)
 
     @classmethod
+    @takes_its_types
     def fit(cls, volume: Volume | WaveletVolume, materials: int | Sequence[str] = 4) -> Materials:
         """Materials from the volume's histogram: a mixture of normal distributions, one for each.
 
@@ -263,6 +266,7 @@ class Materials:
         return materials_fit.fit(volume, materials)
 
     @classmethod
+    @takes_its_types
     def from_json(cls, text: str) -> Materials:
         """The materials that a JSON text describes, as `to_json` writes it.
 

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any, Literal
 
 from wavesplat import _native
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -40,6 +41,7 @@ class Light:
     color: Vector
     frame: Literal["camera", "world"]
 
+    @takes_its_types
     def __init__(
         self,
         direction: Iterable[float],
@@ -128,6 +130,7 @@ class Shading:
     shadow: float
     _core: _native.Shading = field(repr=False, compare=False)
 
+    @takes_its_types
     def __init__(
         self,
         *,
@@ -149,6 +152,9 @@ class Shading:
         lights = tuple(lights)
         if not 0 <= exposure < float("inf"):
             raise ArgumentError(f"shading: exposure is {exposure}; it must be 0 or more, 1 is neutral")
+        for light in lights:
+            if not isinstance(light, Light):
+                raise ArgumentError(f"lights hold a {type(light).__name__}; give wavesplat.Light(direction) for each")
         native_lights = [(light.frame, light.direction, light.color) for light in lights or (KEY_LIGHT, FILL_LIGHT)]
         exposed = (exposure * ambient, exposure * diffuse, exposure * specular)
         surface = (specular_power, gradient_smoothing, gradient_offset, unoriented, shoulder)

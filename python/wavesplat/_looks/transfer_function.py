@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -66,6 +67,7 @@ class TransferFunction:
     gradient_opacity: tuple[tuple[float, float], ...]
     _core: _native.TransferFunction = field(repr=False, compare=False)
 
+    @takes_its_types
     def __init__(
         self,
         opacity: Iterable[Iterable[float]],
@@ -86,9 +88,10 @@ class TransferFunction:
 
     def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
         """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
-        return self._core.evaluate(np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64).ravel())
+        return self._core.evaluate(_floats(values).ravel())
 
     @classmethod
+    @takes_its_types
     def auto(cls, volume: Volume | WaveletVolume, composite: Composite = "over") -> TransferFunction:
         """A transfer function from the volume's histogram, for a first look at any kind of data.
 
@@ -118,6 +121,7 @@ class TransferFunction:
         return function
 
     @classmethod
+    @takes_its_types
     def diverging(cls, limit: float, *, opacity: float = 0.5) -> TransferFunction:
         """Colours for signed values: blue below 0, red above, nothing near it.
 
@@ -150,6 +154,7 @@ class TransferFunction:
         )
 
     @classmethod
+    @takes_its_types
     def from_colormap(
         cls,
         name: str,
@@ -207,6 +212,7 @@ class TransferFunction:
         )
 
     @classmethod
+    @takes_its_types
     def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
         """The transfer function that a JSON text describes, as `to_json` writes it.
 
@@ -269,6 +275,13 @@ class TransferFunction:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.opacity, self.color, self.opacity_unit, self.gradient_opacity)
+
+
+def _floats(values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.ascontiguousarray(np.atleast_1d(values), dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError("transfer function: values are no array of numbers; give the sample values") from None
 
 
 def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -> tuple[Any, ...]:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -70,6 +71,7 @@ class TransferFunction2D:
     opacity_unit: float | None
     _core: _native.TransferFunction = field(repr=False)
 
+    @takes_its_types
     def __init__(
         self,
         values: Iterable[float],
@@ -80,7 +82,7 @@ class TransferFunction2D:
         columns, rows = _numbers(values, "values"), _numbers(magnitudes, "magnitudes")
         try:
             table = np.array(rgba, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ArgumentError(f"{WHAT}: rgba is no array of numbers; give shape (magnitudes, values, 4)") from None
         if table.shape != (len(rows), len(columns), 4):
             raise ArgumentError(
@@ -115,6 +117,7 @@ class TransferFunction2D:
         return hash((self.values, self.magnitudes, self.opacity_unit, self.rgba.tobytes()))
 
     @classmethod
+    @takes_its_types
     def boundaries(
         cls,
         boundaries: Sequence[tuple[float, float, float, Any, float]],
@@ -174,6 +177,7 @@ class TransferFunction2D:
         return cls(columns.tolist(), rows, table, opacity_unit)
 
     @classmethod
+    @takes_its_types
     def from_json(cls, text: str) -> TransferFunction2D:
         """The function that a JSON text describes, as `to_json` writes it.
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._files.libraries import library
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._mesh.isosurface import Isosurface, isosurface
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.crop import Crop
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -117,6 +118,7 @@ class Mesh:
 
 
 @public
+@takes_its_types
 def mesh(
     volume: Volume | WaveletVolume,
     iso_value: float,

@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 __all__ = ["RAS_FROM_LPS", "axis_codes", "from_spacing", "spacing_of", "with_spacing", "world_bounds"]
@@ -46,7 +47,7 @@ def checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
     try:
         x, y, z = (float(step) for step in spacing)
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"spacing is {spacing!r}; give three numbers (x, y, z)") from None
+        raise ArgumentError(f"spacing is {described(spacing)}; give three numbers (x, y, z)") from None
     if not all(np.isfinite(step) and step > 0 for step in (x, y, z)):
         raise ArgumentError(
             f"spacing is ({x:g}, {y:g}, {z:g}); each of (x, y, z) must be a positive finite number "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
-from math import atan, cos, degrees, isfinite, radians, sin, tan
+from math import atan, cos, degrees, dist, hypot, isfinite, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,15 +13,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._model import affine
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.options import VIEWS
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.vectors import FARTHEST, Vector, check_magnitude, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
 
-__all__ = ["Camera", "checked_lens"]
+__all__ = ["Camera", "check_place", "check_view", "checked_lens"]
+
+#: Spacings that are smaller, or larger than its inverse, have squares that float32 does not hold.
+SMALLEST = 1e-18
+#: Of a place by the spacing there: a thousandth of a sample is still told apart in float64.
+PRECISION = 1e12
 
 
 @public
@@ -59,6 +65,7 @@ class Camera:
     view_angle: float | None
     _core: _native.Camera = field(repr=False, compare=False)
 
+    @takes_its_types
     def __init__(
         self,
         position: Iterable[float],
@@ -81,6 +88,7 @@ class Camera:
             object.__setattr__(self, name, value)
 
     @classmethod
+    @takes_its_types
     def orbit(
         cls,
         volume: Grid,
@@ -129,7 +137,7 @@ class Camera:
         _check_orbit(azimuth, elevation, zoom, view_angle, aspect)
         axes = _orbit_axes(azimuth, elevation)
         corners = affine.box_corners(volume.world_from_index, volume.shape)
-        shown = corners if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        shown = corners if points is None else _checked_points(points)
         if points is None:
             center = (corners.min(axis=0) + corners.max(axis=0)) / 2
         else:
@@ -149,6 +157,7 @@ class Camera:
         return cls(eye, center, axes[1], parallel_scale=parallel_scale, view_angle=narrowed_angle)
 
     @classmethod
+    @takes_its_types
     def view(
         cls, volume: Grid, name: str, *, zoom: float = 1.0, view_angle: float | None = None, aspect: float = 1.0
     ) -> Camera:
@@ -192,6 +201,57 @@ def checked_lens(zoom: float, view_angle: float | None) -> None:
     _check_orbit(0.0, 0.0, zoom, view_angle, 1.0)
 
 
+def check_view(camera: Camera, volume: Grid) -> None:
+    """An `ArgumentError` for a view in which the volume, or a pixel, leaves what numbers can tell apart."""
+    columns, middle = check_place(volume)
+    across = sum(hypot(*column) for column in columns)
+    distance = dist(camera.position, camera.focal_point)
+    farthest = max(dist(camera.position, middle), dist(camera.focal_point, middle))
+    half = distance * tan(radians(camera.view_angle) / 2) if camera.view_angle else camera.parallel_scale or 0.0
+    if not across / FARTHEST <= half <= across * FARTHEST:
+        raise ArgumentError(
+            f"the camera sees {2 * half:g} world units from bottom to top, the volume {volume.name!r} is {across:g} "
+            "across; give a zoom, parallel_scale or view_angle that shows something of it"
+        )
+    if not (farthest <= across * FARTHEST and distance >= across / FARTHEST):
+        raise ArgumentError(
+            f"the camera is {farthest:g} world units from the volume {volume.name!r}, which is {across:g} across, and "
+            f"{distance:g} from its focal point; move it nearer, or the two apart"
+        )
+
+
+def check_place(volume: Grid) -> tuple[list[Vector], Vector]:
+    """Edges of the volume's box and its middle; an `ArgumentError` where numbers cannot hold its place in the world.
+
+    In plain floats: this is done for every frame.
+    """
+    rows = volume.world_from_index.tolist()
+    steps = [hypot(rows[0][axis], rows[1][axis], rows[2][axis]) for axis in range(3)]
+    least, most = min(steps), max(steps)
+    farthest = max(abs(rows[0][3]), abs(rows[1][3]), abs(rows[2][3]))
+    if not (least >= SMALLEST and most <= 1 / SMALLEST and most <= FARTHEST * least and farthest <= PRECISION * least):
+        raise ArgumentError(
+            f"volume {volume.name!r} has samples {least:g} to {most:g} apart, {farthest:g} from the world's origin; "
+            "give them in other units, or pass spacing="
+        )
+    edges = [
+        (rows[0][axis] * (n - 1), rows[1][axis] * (n - 1), rows[2][axis] * (n - 1))
+        for axis, n in enumerate(reversed(volume.shape))
+    ]
+    x, y, z = (rows[axis][3] + sum(edge[axis] for edge in edges) / 2 for axis in range(3))
+    return edges, (x, y, z)
+
+
+def _checked_points(points: ArrayLike) -> NDArray[np.float64]:
+    try:
+        shown = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        shown = np.empty(0)
+    if shown.ndim != 2 or shown.shape[1] != 3 or not len(shown) or not np.isfinite(shown).all():
+        raise ArgumentError(f"points is {described(points)}; give finite world positions, shape (n, 3), at least one")
+    return shown
+
+
 def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:
     for name, angle in (("azimuth", azimuth), ("elevation", elevation)):
         if not isfinite(angle):
@@ -199,6 +259,7 @@ def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: floa
     for name, ratio in (("zoom", zoom), ("aspect", aspect)):
         if not (isfinite(ratio) and ratio > 0):
             raise ArgumentError(f"{name} is {ratio}; give a positive finite number, 1 is neutral")
+        check_magnitude(ratio, name)
     if view_angle is not None and not 0 < view_angle < 180:
         raise ArgumentError(f"view_angle is {view_angle}; give degrees between 0 and 180, 30 is usual")
 

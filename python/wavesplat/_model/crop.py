@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.grid import Grid
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
@@ -59,13 +60,15 @@ class Crop:
     def __init__(
         self, lower: Iterable[float], upper: Iterable[float], space: Literal["world", "index"] = "world"
     ) -> None:
-        if space not in ("world", "index"):
-            raise ArgumentError(f'space of the crop is {space!r}; it is "world" or "index"')
+        given: object = space
+        if not isinstance(given, str) or given not in ("world", "index"):
+            raise ArgumentError(f'space of the crop is {described(space)}; it is "world" or "index"')
         object.__setattr__(self, "lower", vector(lower, "lower corner of the crop"))
         object.__setattr__(self, "upper", vector(upper, "upper corner of the crop"))
         object.__setattr__(self, "space", space)
 
     @classmethod
+    @takes_its_types
     def corner(cls, volume: Grid, name: str, *, at: Iterable[float] | None = None) -> Crop:
         """A corner, an edge or a half of a volume, to be taken out or kept: a box in the world.
 

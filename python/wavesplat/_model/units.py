@@ -6,6 +6,7 @@ one, and a reader turns them into one that has.
 
 from __future__ import annotations
 
+from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 __all__ = ["METRES", "canonical", "checked", "in_one_unit", "metres", "shown"]
@@ -97,7 +98,9 @@ def checked(unit: object) -> str | None:
     if unit is None:
         return None
     if not isinstance(unit, str) or len(unit) > LONGEST_NAME or not unit.isprintable():
-        raise ArgumentError(f'unit is {unit!r}; give the name of the world\'s unit of length, such as "mm" or "um"')
+        raise ArgumentError(
+            f'unit is {described(unit)}; give the name of the world\'s unit of length, such as "mm" or "um"'
+        )
     name = canonical(unit)
     if name in FOREIGN:
         raise ArgumentError(f"unit is {unit!r}; give {FOREIGN[name][1]} and the lengths in it")

@@ -5,11 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
+from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Vector", "vector"]
+__all__ = ["FARTHEST", "Vector", "check_magnitude", "vector"]
 
 Vector: TypeAlias = tuple[float, float, float]
+
+
+#: Beyond this, sizes of pixels leave what numbers can tell apart.
+FARTHEST = 1e9
+
+
+def check_magnitude(ratio: float, name: str) -> None:
+    """An `ArgumentError` for a positive factor that no picture has a use for."""
+    if not 1 / FARTHEST <= ratio <= FARTHEST:
+        raise ArgumentError(f"{name} is {ratio:g}; give a number from {1 / FARTHEST:g} to {FARTHEST:g}, 1 is neutral")
 
 
 def vector(numbers: Iterable[Any], what: str) -> Vector:
@@ -17,5 +28,5 @@ def vector(numbers: Iterable[Any], what: str) -> Vector:
     try:
         x, y, z = (float(number) for number in numbers)
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{what} is {numbers!r}; give three numbers") from None
+        raise ArgumentError(f"{what} is {described(numbers)}; give three numbers") from None
     return x, y, z

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._files.places import printable
 from wavesplat._model import affine, smoothing, units
+from wavesplat._model.argument_types import described
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
@@ -223,7 +224,12 @@ class Volume(Grid):
 
 def _as_array(samples: ArrayLike) -> NDArray[Any]:
     """An array; a masked one keeps its mask."""
-    return samples if isinstance(samples, np.ma.MaskedArray) else np.asarray(samples)
+    if isinstance(samples, np.ma.MaskedArray):
+        return samples
+    try:
+        return np.asarray(samples)
+    except ValueError:
+        raise ArgumentError("the samples are rows of different lengths; give an array [z, y, x]") from None
 
 
 def _renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
@@ -232,7 +238,7 @@ def _renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
     if isinstance(array, np.ma.MaskedArray):
         array = np.ma.filled(array.astype(np.result_type(array.dtype, np.float32)), np.nan)
     dtype = _renderable_dtype(array, name)
-    shared = np.ascontiguousarray(array, dtype=dtype).view()
+    shared = np.require(array, dtype, ["C", "A"]).view()
     shared.flags.writeable = False
     return shared
 
@@ -286,7 +292,12 @@ def _checked_facts(facts: Facts | None, unit: str | None, anatomical: bool | Non
     facts = facts or Facts()
     if unit is not None:
         facts = replace(facts, unit=units.checked(unit))
-    return facts if anatomical is None else replace(facts, is_anatomical=bool(anatomical))
+    if anatomical is None:
+        return facts
+    try:
+        return replace(facts, is_anatomical=bool(anatomical))
+    except (TypeError, ValueError):
+        raise ArgumentError(f"volume {name!r}: anatomical is {described(anatomical)}; give True or False") from None
 
 
 def _checked_affine(
@@ -297,7 +308,10 @@ def _checked_affine(
     elif spacing is not None:
         raise ArgumentError(f"volume {name!r}: got both spacing and world_from_index; give one of them")
     else:
-        matrix = np.array(world_from_index, dtype=np.float64)
+        try:
+            matrix = np.array(world_from_index, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise ArgumentError(f"volume {name!r}: world_from_index is no array of numbers; give 4 x 4") from None
         if matrix.shape != (4, 4):
             raise ArgumentError(f"volume {name!r}: world_from_index has shape {matrix.shape}; it must be (4, 4)")
         if matrix[3].tolist() != [0, 0, 0, 1]:

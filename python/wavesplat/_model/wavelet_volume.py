@@ -23,6 +23,7 @@ from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.places import expanded
 from wavesplat._files.reading import reading
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.forked import check_threads
 from wavesplat._model.grid import Grid
@@ -87,6 +88,7 @@ class WaveletVolume(Grid):
         self._decoded_levels: dict[tuple[int, tuple[float, ...]], _native.DecodedVolume] = {}
 
     @classmethod
+    @takes_its_types
     def from_volume(
         cls,
         volume: Volume,
@@ -211,6 +213,7 @@ class WaveletVolume(Grid):
         """Smallest and largest sample."""
         return self._decoded().value_range
 
+    @takes_its_types
     def to_volume(self, *, drop_levels: int = 0, band_weights: Sequence[float] | None = None) -> Volume:
         """The volume that the coefficients stand for, float32, on the grid it was made from.
 
@@ -273,6 +276,7 @@ class WaveletVolume(Grid):
         weighted._decoded_levels = self._decoded_levels
         return weighted
 
+    @takes_its_types
     def save(self, path: str | PathLike[str]) -> None:
         """Write the coefficients to a file, `.wavelets`: a NumPy archive of what `load` needs.
 
@@ -312,6 +316,7 @@ class WaveletVolume(Grid):
         write_atomically(path, write)
 
     @classmethod
+    @takes_its_types
     def load(cls, path: str | PathLike[str]) -> WaveletVolume:
         """Coefficients that `save` wrote.
 

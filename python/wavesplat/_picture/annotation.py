@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,6 +25,8 @@ LETTERS = ("LR", "PA", "IS")
 LEAST_LEAN = 0.2
 #: Text is this part of the shorter side high, in these bounds, pixels.
 TEXT_SHARE, TEXT_PX = 1 / 22, (10, 60)
+#: A picture with less has no room for a scale bar and its margins.
+LEAST_PX = 8
 #: A scale bar is at most this part of the width long.
 BAR_SHARE = 0.3
 
@@ -44,7 +47,8 @@ def _letters(direction: NDArray[np.float64]) -> str:
 def round_length(most: float) -> float:
     """The largest of 1, 2, 5, 10, 20, ... (and their tenths) that is not more."""
     decade = 10.0 ** floor(log10(most))
-    return next(digit * decade for digit in (5, 2, 1) if digit * decade <= most)
+    # The last one all the same where rounding makes it a little more.
+    return next((digit * decade for digit in (5, 2) if digit * decade <= most), decade)
 
 
 def bar_length(width: int, pixel: float) -> float:
@@ -70,8 +74,10 @@ def with_letters(rgba: Rgba, letters: dict[str, str]) -> Rgba:
 
 def with_scale_bar(rgba: Rgba, length: float, pixel: float, text: str) -> Rgba:
     """The picture with a bar and a text at the lower left. `length`: of the bar, `pixel`: distance of neighbours."""
-    height = rgba.shape[0]
+    height, width = rgba.shape[:2]
     length_px = length / pixel
+    if round(length_px) < 1 or min(width, height) < LEAST_PX:
+        raise ArgumentError(f"a picture of {width} x {height} pixels has no room for a scale bar; draw a larger one")
 
     def draw(pen: Any, font: Any, margin: int) -> None:
         bar_px = max(2, margin // 2)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -31,7 +32,8 @@ class Picture:
     value : float32 array, shape (height, width), or None
         For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
     report : dict
-        How the picture was made: sheets, texels, threads; of `render` also `seconds`, the times of its stages:
+        How the picture was made: sheets, texels, threads; `notes`, a list of sentences, where it has one colour all
+        over; of `render` also `seconds`, the times of its stages:
         `prepare` (bounds of bricks, spline coefficients; next to nothing after the first frame), `plan`, `draw` and
         `warp`.
     """
@@ -47,6 +49,7 @@ class Picture:
         height, width = self.rgba.shape[:2]
         return width, height
 
+    @takes_its_types
     def over(self, below: Picture) -> Picture:
         """Lay this picture over another of the same size, as light is composited: details over the whole, say.
 
@@ -76,6 +79,7 @@ class Picture:
             )
         return Picture(self.rgba + (1 - self.rgba[..., 3:]) * below.rgba, report={"over": self.report})
 
+    @takes_its_types
     def save(self, path: str | PathLike[str], *, bits: int = 8) -> None:
         """Write the picture to a file; the suffix chooses the format.
 

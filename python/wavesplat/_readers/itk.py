@@ -21,6 +21,7 @@ from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd, of_vtk
 from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.vtk_legacy import check_samples
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -38,14 +39,18 @@ def read(request: Request) -> Grid:
         # Said, not found out: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
         is_vtk = path.suffix.lower() == ".vtk"
-        places = [(path, 0)] if is_vtk else places_of_samples(path, anywhere=request.external_files)
+        places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files)
         reader.SetFileName(str(path))
         reader.ReadImageInformation()
         size = reader.GetSize()
         dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
         header = _header(path)
         n_components = reader.GetNumberOfComponents()
-        _check_payload(path, places, header.fields, (*size, n_components), dtype)
+        shape = (*size, n_components)
+        if is_vtk:
+            check_samples(path, shape, dtype)
+        else:
+            _check_payload(path, places, header.fields, shape, dtype)
         if len(size) == 4:
             time = choose("time", size[3], request.time, path)
             reader.SetExtractSize([*size[:3], 0])

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Literal
 from wavesplat._files import payload
 from wavesplat._files.places import check_no_pipe, check_text, expanded, printable
 from wavesplat._model import affine, units
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.request import Grid, Request
@@ -83,6 +84,7 @@ KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 
 
 
 @public
+@takes_its_types
 def open(
     path: str | PathLike[str],
     *,

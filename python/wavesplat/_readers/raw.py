@@ -55,11 +55,12 @@ def _dtype(request: Request) -> np.dtype[np.generic]:
         raise ArgumentError(f'raw samples need dtype=, such as "uint8" or "int16"; pass it: {request.path}')
     try:
         dtype = np.dtype(request.dtype)
-    except TypeError:
+    except (TypeError, ValueError):
         raise ArgumentError(
             f'dtype is {request.dtype!r}; give a NumPy type, such as "uint8", "int16" or "float32"'
         ) from None
-    if request.byte_order not in (None, "little", "big"):
+    order: object = request.byte_order
+    if order is not None and not (isinstance(order, str) and order in ("little", "big")):
         raise ArgumentError(f'byte_order is {request.byte_order!r}; it is "little" or "big"')
     if request.byte_order is None:
         return dtype.newbyteorder("<") if dtype.byteorder == "=" else dtype

@@ -86,7 +86,12 @@ class Request:
 
     def given(self) -> set[str]:
         """Names of the options that were set."""
-        return {f.name for f in fields(self) if f.name != "path" and getattr(self, f.name) != f.default}
+        return {f.name for f in fields(self) if f.name != "path" and not _is_same(getattr(self, f.name), f.default)}
+
+
+def _is_same(value: object, default: object) -> bool:
+    """Also of arrays, whose comparison is an array."""
+    return value is default or (isinstance(value, int) and value == default)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from math import isnan
 from operator import index
 from typing import Any, TypeAlias
 
@@ -16,7 +17,8 @@ from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.camera import Camera
+from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera, check_place, check_view
 from wavesplat._model.crop import Crop
 from wavesplat._model.cutting import Boxes, checked_boxes, without
 from wavesplat._model.forked import threads_here
@@ -52,6 +54,11 @@ DEFAULT_SHADING = Shading()
 #: Of studies, which compare with the light of other renderers.
 HEADLIGHT = Shading.headlight()
 
+#: Of what the compiled module is asked, which knows the true limit.
+LARGEST_SIDE = 2**31
+#: Of threads, more than any machine has processors, and each one is made; of rays in a pixel.
+MOST_COUNT = 4096
+
 
 def chosen_transfer_function(
     given: TransferFunction | TransferFunction2D | Materials | str | None,
@@ -63,7 +70,7 @@ def chosen_transfer_function(
         return given
     if isinstance(given, Materials):
         return given.transfer_function()
-    if given is None or given == "auto":
+    if given is None:
         return TransferFunction.auto(volume, composite)
     if isinstance(given, str):
         return Look.preset(given, volume).transfer_function
@@ -109,15 +116,17 @@ def chosen_camera(
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits."""
     if isinstance(given, Camera):
+        check_view(given, volume)
         return given
     if not (given is None or isinstance(given, str)):
         raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
+    check_place(volume)
     view = look.view if given is None else given
     if view is not None and view not in VIEWS:
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
     azimuth, elevation = framing.natural_view(volume) if view is None else VIEWS[view]
     # A picture without pixels has no aspect; the compiled module refuses it.
-    return framing.framed(
+    camera = framing.framed(
         volume,
         look,
         azimuth,
@@ -126,6 +135,8 @@ def chosen_camera(
         clip_planes=checked_planes(clip_planes),
         aspect=aspect if aspect > 0 else 1.0,
     )
+    check_view(camera, volume)
+    return camera
 
 
 def cut_open(volume: Volume | WaveletVolume, cut_out: Crop | Iterable[Crop]) -> tuple[Volume | WaveletVolume, Boxes]:
@@ -146,7 +157,9 @@ def checked_size(size: Sequence[int]) -> tuple[int, int]:
     try:
         width, height = (index(number) for number in size)
     except (TypeError, ValueError):
-        raise ArgumentError(f"size is {size!r}; give (width, height), two whole numbers of pixels") from None
+        raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels") from None
+    if max(width, height) > LARGEST_SIDE:
+        raise ArgumentError(f"size is {described((width, height))}; give at most 16384 pixels a side")
     if width < 0 or height < 0:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     return width, height
@@ -156,6 +169,8 @@ def check_picture_memory(size: tuple[int, int], bytes_per_pixel: float) -> None:
     """A `LimitError` if a picture takes more memory than there is: the compiled module would end the process."""
     width, height = size
     needed = width * height * bytes_per_pixel
+    if isnan(needed):
+        return  # which is refused elsewhere
     check_room(
         int(min(needed, sys.maxsize)),
         f"the pixels of a picture of {width} x {height}",
@@ -171,8 +186,8 @@ def checked_count(number: int | None, name: str) -> int | None:
         count = index(number)
     except TypeError:
         raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
-    if count < 0:
-        raise ArgumentError(f"{name} is {count}; give a whole number of at least 1")
+    if not 0 <= count <= MOST_COUNT:
+        raise ArgumentError(f"{name} is {described(count)}; give a whole number from 1 to {MOST_COUNT}")
     return count
 
 
@@ -201,5 +216,7 @@ def _plane(plane: ClipPlane, number: int) -> tuple[Vector, Vector]:
     try:
         point, normal = plane
     except (TypeError, ValueError):
-        raise ArgumentError(f"clip plane {number} is {plane!r}; give (point, normal), three numbers each") from None
+        raise ArgumentError(
+            f"clip plane {number} is {described(plane)}; give (point, normal), three numbers each"
+        ) from None
     return vector(point, f"point of clip plane {number}"), vector(normal, f"normal of clip plane {number}")

@@ -132,7 +132,10 @@ def _inside(volume: Volume | WaveletVolume, crop: Crop | None) -> tuple[NDArray[
     last = np.array([n - 1.0 for n in reversed(volume.shape)])
     if crop is None:
         return np.zeros(3), last
-    lower, upper = (np.asarray(corner, dtype=np.float64) for corner in _index_corners(volume, crop))
+    with np.errstate(over="ignore", invalid="ignore"):
+        lower, upper = (np.asarray(corner, dtype=np.float64) for corner in _index_corners(volume, crop))
+    if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
+        return np.zeros(3), last  # The renderer refuses such a box.
     return np.clip(lower, 0.0, last), np.clip(upper, 0.0, last)
 
 

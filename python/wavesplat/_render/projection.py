@@ -14,6 +14,7 @@ import numpy as np
 from wavesplat._looks import colors, histogram
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -105,8 +106,8 @@ def absorption(
         clear, per_unit = (float(number) for number in attenuation)
     except (TypeError, ValueError):
         raise ArgumentError(
-            f"attenuation is {attenuation!r}; give (clear, attenuation): a sample value that absorbs nothing, and "
-            "absorption per world unit and sample unit above it"
+            f"attenuation is {described(attenuation)}; give (clear, attenuation): a sample value that absorbs nothing, "
+            "and absorption per world unit and sample unit above it"
         ) from None
     return clear, per_unit
 

@@ -13,6 +13,7 @@ from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.crop import Crop
 from wavesplat._model.forked import drawing
@@ -33,15 +34,19 @@ from wavesplat._render.arguments import (
     cut_open,
     region,
 )
+from wavesplat._render.notes import notes_on_picture
 from wavesplat.errors import ArgumentError
 
 __all__ = ["render"]
 
 #: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
+#: Where it does not matter how much more there would be.
+MOST_OVERSAMPLING = 1e6
 
 
 @public
+@takes_its_types
 def render(
     volume: Volume | WaveletVolume,
     look: Look | TransferFunction | TransferFunction2D | Materials | str | None = None,
@@ -236,7 +241,8 @@ def render(
     light = None if shading is None else shading._core
     with drawing(volume):
         default_sheets, default_oversampling = _native.quality_settings(quality, drawn, curves, light, eye, height)
-        texels = 1 if psnr is not None else (default_oversampling if oversampling is None else float(oversampling)) ** 2
+        wanted = default_oversampling if oversampling is None else abs(float(oversampling))
+        texels = 1 if psnr is not None else min(wanted, MOST_OVERSAMPLING) ** 2
         check_picture_memory((width, height), PIXEL_BYTES + TEXEL_BYTES * texels)
         result = _native.render(
             drawn,
@@ -269,6 +275,9 @@ def render(
     told = report.get("measured")
     if isinstance(told, dict):
         told["composite"] = composite
+    rgba, value = result["rgba"], result["value"]
+    if notes := notes_on_picture(volume, function, composite=composite, iso_value=iso_value, rgba=rgba, value=value):
+        report["notes"] = notes
     return Picture(result["rgba"], result["depth"], result["value"], report)
 
 

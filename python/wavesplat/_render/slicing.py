@@ -21,10 +21,12 @@ from wavesplat._looks import colors
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine, units
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.camera import check_place
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.vectors import Vector, check_magnitude, vector
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
@@ -37,6 +39,7 @@ from wavesplat._render.arguments import (
     chosen_threads,
     chosen_transfer_function,
 )
+from wavesplat._render.notes import notes_on_slice
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -52,6 +55,7 @@ ON_SAMPLE = 1e-6
 
 
 @public
+@takes_its_types
 def slice(
     volume: Volume | WaveletVolume,
     plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
@@ -147,6 +151,7 @@ def slice(
     >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
     (64, 48)
     """
+    check_place(volume)
     if letters:
         _check_anatomy(volume)
     cut = _cut(volume, plane, position)
@@ -154,7 +159,7 @@ def slice(
     check_picture_memory(frame.size, PIXEL_BYTES)
     offsets = _offsets(volume, cut, float(thickness))
     if slab not in get_args(Slab):
-        raise ArgumentError(f"slab is {slab!r}; use one of: {', '.join(get_args(Slab))}")
+        raise ArgumentError(f"slab is {described(slab)}; use one of: {', '.join(get_args(Slab))}")
     if (window is not None or clim is not None) and transfer_function is not None:
         raise ArgumentError("window or clim and transfer_function both say how values look; give one of them")
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
@@ -197,6 +202,8 @@ def slice(
         rgba = curves(values.ravel()).reshape(*values.shape, 4)
         rgb, shown = rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0)
     picture = _on_background(rgb, shown, background)
+    if notes := notes_on_slice(picture, values, report.get("clim")):
+        report["notes"] = notes
     if letters:
         picture = annotation.with_letters(picture, report["letters"])
     if scale_bar:
@@ -266,7 +273,7 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
         point, normal = plane
     except (TypeError, ValueError):
         raise ArgumentError(
-            f"plane is {plane!r}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
+            f"plane is {described(plane)}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
         ) from None
     point, normal = np.array(vector(point, "point of the plane")), np.array(vector(normal, "normal of the plane"))
     length = np.linalg.norm(normal)
@@ -314,6 +321,7 @@ def _frame(
 ) -> _Frame:
     if not (isfinite(zoom) and zoom > 0):
         raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
+    check_magnitude(zoom, "zoom")
     ends = np.array([_extent(volume, cut.right), _extent(volume, cut.up)])
     lengths = ends[:, 1] - ends[:, 0]
     if size is None:
@@ -327,6 +335,8 @@ def _frame(
     middle = ends.mean(axis=1)
     if center is not None:
         point = np.array(vector(center, "center of the slice"))
+        if not np.isfinite(point).all():
+            raise ArgumentError(f"center of the slice is {tuple(point.tolist())}; give finite numbers, world units")
         middle = np.array([cut.right @ point, cut.up @ point])
     left, top = middle[0] - (width - 1) / 2 * pixel, middle[1] + (height - 1) / 2 * pixel
     return _Frame(left * cut.right + top * cut.up + cut.offset * cut.normal, pixel, (width, height))
@@ -338,9 +348,15 @@ def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
         raise ArgumentError(f"thickness is {thickness}; give 0 for a plane, or a positive number, world units")
     if thickness == 0:
         return np.zeros(1)
-    n_steps = max(1, ceil(PLANES_PER_SAMPLE / 2 * thickness / _sample_step(volume, cut.normal) - ON_SAMPLE))
+    # Beyond the volume there is nothing; thinner than a millionth of a sample it is a plane.
+    sample_step = _sample_step(volume, cut.normal)
+    least, most = _extent(volume, cut.normal)
+    thickness = min(thickness, 2 * (most - least) + sample_step)
+    if thickness < ON_SAMPLE * sample_step:
+        return np.zeros(1)
+    n_steps = max(1, ceil(PLANES_PER_SAMPLE / 2 * thickness / sample_step - ON_SAMPLE))
     step = thickness / (2 * n_steps)
-    least, most = (np.array(_extent(volume, cut.normal)) - cut.offset) / step
+    least, most = (np.array((least, most)) - cut.offset) / step
     return np.arange(max(-n_steps, ceil(least - ON_SAMPLE)), min(n_steps, floor(most + ON_SAMPLE)) + 1) * step
 
 

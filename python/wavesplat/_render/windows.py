@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.presets import plain, warn_of_other_units
+from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -71,9 +72,9 @@ def _named(name: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
 def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
     try:
         level, width = (float(value) for value in window)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(
-            f"window is {window!r}; give (level, width), such as (40, 400), or a name: {', '.join(CT_WINDOWS)}"
+            f"window is {described(window)}; give (level, width), such as (40, 400), or a name: {', '.join(CT_WINDOWS)}"
         ) from None
     if not (isfinite(level) and isfinite(width) and width > 0):
         raise ArgumentError(
@@ -86,8 +87,10 @@ def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
 def _checked(clim: Iterable[float]) -> tuple[float, float]:
     try:
         low, high = (float(value) for value in clim)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"clim is {clim!r}; give (low, high), the values shown as black and white") from None
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(
+            f"clim is {described(clim)}; give (low, high), the values shown as black and white"
+        ) from None
     if not (isfinite(low) and isfinite(high) and low < high):
         hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
         raise ArgumentError(f"clim is ({low:g}, {high:g}); low must be less than high{hint}")

@@ -175,7 +175,9 @@ pub fn base_planes(
         let anchor = if on_lattice { snapped(anchor) } else { anchor };
         let origin = anchor + ((lo - anchor) / step).floor() * step;
         let size = ((hi - origin) / step).ceil() + 1.0;
-        if size.x * size.y > MAX_TEXELS {
+        // False too where sizes are not numbers, as in views from farther than f64 can tell places apart.
+        let fits = size.min_element() >= 1.0 && size.x * size.y <= MAX_TEXELS;
+        if !fits {
             return Err(Error::TooLarge {
                 what: "the base plane of this view",
                 needed_mib: (size.x * size.y * 16.0 / f64::from(1 << 20)) as u64,
@@ -225,6 +227,21 @@ mod tests {
                     assert!((ray.at_zero[0] + ray.slope[0] * w - (ou + t * du)).abs() < near);
                     assert!((ray.at_zero[1] + ray.slope[1] * w - (ov + t * dv)).abs() < near);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn planes_without_a_size_are_refused() {
+        let (focal, size) = (DVec3::new(10.0, 9.0, 8.0), [64, 48]);
+        // So large that the box is a place between two numbers, and so small that its ratio to a texel is none.
+        for parallel_scale in [1e-300, 1e-160, 1e300] {
+            let projection = Projection::Orthographic { parallel_scale };
+            let camera = Camera::new(focal + DVec3::Y * 50.0, focal, DVec3::Z, projection).unwrap();
+            let rays = IndexRays::new(&camera, DAffine3::IDENTITY, size[0], size[1]);
+            let planes = base_planes(&camera, &rays, size, 1.0, [DVec3::ZERO, DVec3::splat(20.0)]);
+            for plane in planes.iter().flatten() {
+                assert!(plane.size[0] > 0 && plane.size[1] > 0, "{parallel_scale}");
             }
         }
     }

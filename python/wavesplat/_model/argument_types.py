@@ -1,0 +1,162 @@
+"""Arguments of another type than a function's annotations say: one sentence that names the argument and what it takes.
+
+Only what the annotations of one word say is looked at; what needs more words is checked where it is used.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import re
+from collections.abc import Callable, Iterable
+from functools import wraps
+from operator import index
+from typing import ParamSpec, TypeVar
+
+from wavesplat.errors import ArgumentError
+
+__all__ = ["described", "takes_its_types"]
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+#: Longer values are named by their type.
+MOST_LETTERS = 60
+#: Whole numbers that the compiled module can be handed.
+MOST_WHOLE = 2**63
+
+VOLUME = (
+    "a wavesplat.Volume, as from wavesplat.open(path) or wavesplat.Volume(array, spacing=(x, y, z)), or a WaveletVolume"
+)
+
+
+def described(value: object) -> str:
+    """A value in a message, or its type where it is long."""
+    if value is None or isinstance(value, str | int | float | complex | tuple | bytes):
+        try:
+            text = repr(value)
+        except ValueError:  # whole numbers of more than 4300 digits
+            text = "a number of very many digits"
+        if len(text) <= MOST_LETTERS:
+            return text
+    return f"a {type(value).__name__}"
+
+
+def takes_its_types(function: Callable[P, R]) -> Callable[P, R]:
+    """The function, refusing arguments of other types than its annotations say with an `ArgumentError`."""
+    signature = inspect.signature(function)
+    checks = {
+        name: check
+        for name, parameter in signature.parameters.items()
+        if isinstance(parameter.annotation, str) and (check := _check(parameter.annotation))
+    }
+
+    @wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            given = signature.bind(*args, **kwargs).arguments
+        except TypeError:
+            return function(*args, **kwargs)  # which says it better
+        for name, value in given.items():
+            if name in checks:
+                checks[name](name, value)
+        return function(*args, **kwargs)
+
+    return checked
+
+
+def _check(annotation: str) -> Callable[[str, object], None] | None:
+    """What checks a value; None for annotations that say more than can be looked at."""
+    if annotation == "Volume":
+        return None  # what takes only samples says what to do with coefficients
+    words = [annotation] if annotation in KINDS else re.split(r" \| (?![^\[]*\])", annotation)
+    kinds = [_kind(word) for word in words]
+    if not all(kinds):
+        return None
+    forms = list(dict.fromkeys(form for kind in kinds if kind and (form := kind[1])))
+
+    def check(name: str, value: object) -> None:
+        if not any(kind and kind[0](value) for kind in kinds):
+            raise ArgumentError(f"{name} is {described(value)}; give {' or '.join(forms)}")
+
+    return check
+
+
+def _kind(word: str) -> tuple[Callable[[object], bool], str] | None:
+    """Whether a value is what one word of an annotation says, and how to say that to a user."""
+    if word in KINDS:
+        return KINDS[word]
+    return (callable, "a function") if word.startswith("Callable[") else None
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, str | bytes | bytearray):
+        return False
+    try:
+        float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
+
+
+def _is_whole(value: object) -> bool:
+    try:
+        return -MOST_WHOLE <= index(value) < MOST_WHOLE  # type: ignore[arg-type]
+    except TypeError:
+        return False
+
+
+def _is_flag(value: object) -> bool:
+    try:
+        bool(value)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def _is_many(value: object) -> bool:
+    return isinstance(value, Iterable)
+
+
+def _is_text(value: object) -> bool:
+    if not isinstance(value, str):
+        return False
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _is_a(*names: str) -> Callable[[object], bool]:
+    """By the names of classes, whose modules import this one."""
+    return lambda value: any(base.__name__ in names for base in type(value).__mro__)
+
+
+TEXT = (_is_text, "a name")
+
+KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
+    **dict.fromkeys(("Sequence[ClipPlane]", "Sequence[arguments.ClipPlane]"), (_is_many, "(point, normal) pairs")),
+    "Iterable[Light]": (_is_many, "a sequence of wavesplat.Light"),
+    "None": (lambda value: value is None, ""),
+    "float": (_is_number, "a number"),
+    "int": (_is_whole, "a whole number"),
+    "bool": (_is_flag, "True or False"),
+    "str": TEXT,
+    **dict.fromkeys(("Kernel", "Composite", "Quality", "Slab", "Buffer"), TEXT),
+    # Names of files may hold bytes that are no text.
+    "str | PathLike[str]": (lambda value: isinstance(value, str | os.PathLike), "the name of a file or folder"),
+    "Grid": (_is_a("Grid"), VOLUME),
+    "Volume": (_is_a("Volume"), VOLUME),
+    "WaveletVolume": (_is_a("WaveletVolume"), ""),
+    "Picture": (_is_a("Picture"), "a wavesplat.Picture"),
+    "Shading": (_is_a("Shading"), "a wavesplat.Shading or None"),
+    "Literal['look']": (lambda value: isinstance(value, str) and value == "look", '"look"'),
+    "Look": (_is_a("Look"), "a wavesplat.Look"),
+    # What takes only the one says so itself.
+    "TransferFunction": (_is_a("TransferFunction", "TransferFunction2D"), "a TransferFunction"),
+    "TransferFunction2D": (_is_a("TransferFunction2D"), "a TransferFunction2D"),
+    "Materials": (_is_a("Materials"), "Materials"),
+    "Crop": (_is_a("Crop"), "a wavesplat.Crop(lower, upper, space=...)"),
+    "Sequence[Crop]": (_is_many, "several of them"),
+}

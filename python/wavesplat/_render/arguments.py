@@ -105,6 +105,7 @@ def chosen_camera(
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits."""
     if isinstance(given, Camera):
         return given
+    _check_crop(crop)
     view = look.view if given is None else given
     if view is not None and (not isinstance(view, str) or view not in VIEWS):
         if not isinstance(view, str):
@@ -162,13 +163,17 @@ def checked_count(number: int | None, name: str) -> int | None:
 
 def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:
     """Crop and clip planes as the compiled module takes them."""
-    if crop is not None and not isinstance(crop, Crop):
-        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
+    _check_crop(crop)
     return {
         "crop_index": crop.corners_in("index") if crop else None,
         "crop_world": crop.corners_in("world") if crop else None,
         "clip_planes": checked_planes(clip_planes),
     }
+
+
+def _check_crop(crop: Crop | None) -> None:
+    if crop is not None and not isinstance(crop, Crop):
+        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
 
 
 def checked_planes(clip_planes: Sequence[ClipPlane]) -> list[tuple[Vector, Vector]]:

@@ -252,7 +252,7 @@ fn halving_the_sheets_changes_no_brightness() {
         mean_brightness(&draw(&phantom.volume(), &tf, &camera, &options).rgba)
     });
     for b in brightness {
-        assert!((b / brightness[0] - 1.0).abs() < 3e-3, "{brightness:?}");
+        assert!((b / brightness[0] - 1.0).abs() < 5e-3, "{brightness:?}");
     }
 }
 

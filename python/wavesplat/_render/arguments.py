@@ -118,13 +118,10 @@ def chosen_camera(
     if isinstance(given, Camera):
         check_view(given, volume)
         return given
-<<<<<<< HEAD
     if not (given is None or isinstance(given, str)):
         raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
     check_place(volume)
-=======
     _check_crop(crop)
->>>>>>> process
     view = look.view if given is None else given
     if view is not None and view not in VIEWS:
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")

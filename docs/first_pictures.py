@@ -52,6 +52,7 @@ SHOWN = (
 
 def main() -> None:
     """Draw, and write the page."""
+    PICTURES.mkdir(exist_ok=True)
     rows = []
     for one in SHOWN:
         file = PICTURES / f"{one.name}.png"

@@ -249,6 +249,8 @@ fn halving_the_sheets_changes_no_brightness() {
     let brightness = [4.0, 2.0, 1.0].map(|sheets_per_slice| {
         let options =
             RenderOptions { sheets_per_slice, pre_integration: false, early_ray_termination: false, ..options() };
+        // Highlights are narrower than sheets are apart.
+        let options = RenderOptions { shading: Some(Shading::headlight()), ..options };
         mean_brightness(&draw(&phantom.volume(), &tf, &camera, &options).rgba)
     });
     for b in brightness {

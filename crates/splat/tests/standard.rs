@@ -52,8 +52,13 @@ fn draw(
     render(&Slices::new(&volume, Kernel::Linear), tf, camera, options, standard, &()).unwrap().0
 }
 
+/// With the light that standard splatting can have.
+fn plain() -> RenderOptions {
+    RenderOptions { shading: Some(Shading::headlight()), ..RenderOptions::default() }
+}
+
 fn small() -> RenderOptions {
-    RenderOptions { width_px: 40, height_px: 32, ..RenderOptions::default() }
+    RenderOptions { width_px: 40, height_px: 32, ..plain() }
 }
 
 /// One colour; opacity per unit by the sample's value.
@@ -530,7 +535,7 @@ fn what_cannot_be_drawn_is_refused() {
         let nothing = Some(Crop::Index { lo: DVec3::splat(90.0), hi: DVec3::splat(99.0) });
         assert!(matches!(refused(linear, &|o| o.crop = nothing), Error::EmptyCrop { .. }));
     }
-    let options = RenderOptions { width_px: 16_384, height_px: 16_384, oversampling: 2.0, ..RenderOptions::default() };
+    let options = RenderOptions { width_px: 16_384, height_px: 16_384, oversampling: 2.0, ..plain() };
     let standard = StandardOptions { buffer: Buffer::View, view_angle_correction: true, kernel: Kernel::Linear };
     let too_large = render(&Slices::new(&volume, Kernel::Linear), &tf, &camera, &options, standard, &()).unwrap_err();
     assert!(matches!(too_large, Error::TooLarge { .. }), "{too_large}");

@@ -27,7 +27,7 @@ def expanded(path: str | PathLike[str]) -> Path:
 def real_place(path: Path) -> Path:
     """Where a path leads, links followed as far as they go."""
     try:
-        return Path(os.path.realpath(path))  # noqa: PTH - resolve() raises where links go round in a circle
+        return Path(os.path.realpath(path))
     except OSError:  # the working folder was deleted
         return path
 

@@ -121,6 +121,7 @@ def chosen_camera(
     if not (given is None or isinstance(given, str)):
         raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
     check_place(volume)
+    _check_crop(crop)
     view = look.view if given is None else given
     if view is not None and view not in VIEWS:
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
@@ -198,13 +199,17 @@ def chosen_threads(number: int | None) -> int | None:
 
 def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:
     """Crop and clip planes as the compiled module takes them."""
-    if crop is not None and not isinstance(crop, Crop):
-        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
+    _check_crop(crop)
     return {
         "crop_index": crop.corners_in("index") if crop else None,
         "crop_world": crop.corners_in("world") if crop else None,
         "clip_planes": checked_planes(clip_planes),
     }
+
+
+def _check_crop(crop: Crop | None) -> None:
+    if crop is not None and not isinstance(crop, Crop):
+        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
 
 
 def checked_planes(clip_planes: Sequence[ClipPlane]) -> list[tuple[Vector, Vector]]:

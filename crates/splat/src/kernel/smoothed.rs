@@ -120,7 +120,7 @@ mod tests {
                     };
                     assert!((moment(&value, 0) - 1.0).abs() < 1e-5 && moment(&slope, 0).abs() < 1e-5, "{name}");
                     let of_ramp = moment(&slope, 1);
-                    assert!((of_ramp - 1.0).abs() < 0.04, "{name} {deviation}: a ramp has slope {of_ramp}");
+                    assert!((of_ramp - 1.0).abs() < 0.06, "{name} {deviation}: a ramp has slope {of_ramp}");
                     variance += moment(&value, 2) / (2 * LANES) as f64;
                     let (first, want) = taps(kernel, x, deviation);
                     for (t, (v, d)) in want[0].iter().zip(&want[1]).enumerate() {

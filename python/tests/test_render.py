@@ -51,14 +51,13 @@ def test_backgrounds(background):
 
 
 def test_crop_and_clip_planes_agree():
-    camera = ws.Camera.view(VOLUME, "anterior", aspect=24 / 16)  # of the whole volume
-    cropped = ws.render(VOLUME, WHITE, camera, crop=ws.Crop((0, 0, 7.5), (15, 15, 15), space="index"), **SMALL)
-    in_world = ws.render(VOLUME, WHITE, camera, crop=ws.Crop((-1, -1, 7.5), (20, 20, 20)), **SMALL)
-    clipped = ws.render(VOLUME, WHITE, camera, clip_planes=[((0, 0, 7.5), (0, 0, 1))], **SMALL)
+    crop = ws.Crop((0, 0, 7.5), (15, 15, 15), space="index")
+    cropped = ws.render(VOLUME, WHITE, crop=crop, **SMALL)
+    in_world = ws.render(VOLUME, WHITE, crop=ws.Crop((-1, -1, 7.5), (20, 20, 20)), **SMALL)
+    clipped = ws.render(VOLUME, WHITE, clip_planes=[((0, 0, 7.5), (0, 0, 1))], **SMALL)
     np.testing.assert_allclose(in_world.rgba, cropped.rgba, atol=1e-5)
     np.testing.assert_allclose(clipped.rgba, cropped.rgba, atol=1e-5)  # views fit what either of them leaves
-    camera = ws.Camera.view(VOLUME, "anterior")
-    whole_view = ws.render(VOLUME, WHITE, camera, crop=ws.Crop((0, 0, 7.5), (15, 15, 15), space="index"), **SMALL)
+    whole_view = ws.render(VOLUME, WHITE, ws.Camera.view(VOLUME, "anterior"), crop=crop, **SMALL)
     assert whole_view.rgba[:7, :, 3].max() > 0
     assert whole_view.rgba[9:, :, 3].max() == 0
 

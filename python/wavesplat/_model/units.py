@@ -98,8 +98,9 @@ def checked(unit: object) -> str | None:
     if unit is None:
         return None
     if not isinstance(unit, str) or len(unit) > LONGEST_NAME or not unit.isprintable():
+        begin = unit[:LONGEST_NAME] if isinstance(unit, str) else unit
         raise ArgumentError(
-            f'unit is {described(unit)}; give the name of the world\'s unit of length, such as "mm" or "um"'
+            f'unit is {described(begin)}; give the name of the world\'s unit of length, such as "mm" or "um"'
         )
     name = canonical(unit)
     if name in FOREIGN:

@@ -18,7 +18,7 @@ def draw():
     look = ws.TransferFunction(opacity=[(100, 0), (200, 0.4)], color=[(100, 0.2, 0.4, 0.8), (250, 1.0, 0.75, 0.5)])
     camera = ws.Camera((50, -30, 40), (9.5, 9.5, 9.5), (0, 0, 1), parallel_scale=12)
     # The light that the crate has where none is given.
-    return ws.render(ws.Volume(samples), look, camera, size=(64, 48), shading=ws.Shading.headlight())
+    return ws.render(ws.Volume(samples), look, camera, size=(64, 48))
 
 
 def test_the_picture_is_that_of_the_other_doors(tmp_path):

@@ -47,7 +47,7 @@ def difference(a: np.ndarray, b: np.ndarray) -> float:
 
 def check_same(wavelets: ws.WaveletVolume, samples: ws.Volume, limit: float = 0.0, **draw) -> None:
     """Both show something, and the same."""
-    draw = {"transfer_function": SOFT, "size": (40, 36), **draw}
+    draw = {"look": SOFT, "size": (40, 36), **draw}
     want, got = ws.render(samples, **draw), ws.render(wavelets, **draw)
     assert want.rgba[..., 3].max() > 0.2
     assert difference(got.rgba, want.rgba) <= limit
@@ -103,7 +103,7 @@ def test_every_way_of_drawing_is_that_of_the_samples(textured, draw, cache_bytes
     samples = wavelets.to_volume()
     sharp = ws.TransferFunction([(-1e3, 0.0), (-1e3 + 1, 0.9)], [(-100, 0.0, 0.0, 1.0), (100, 1.0, 1.0, 0.0)])
     if draw.get("composite", "over") != "over":
-        draw = {**draw, "transfer_function": sharp}
+        draw = {**draw, "look": sharp}
     for view_angle in (None, 40):
         check_same(wavelets, samples, camera=ws.Camera.orbit(textured, 40, 35, view_angle=view_angle), **draw)
 
@@ -129,7 +129,7 @@ def test_all_bands_are_the_volume_and_sums_of_bands_are_sums_of_pictures(texture
     """A projection that sums is linear in the samples."""
     wavelets = ws.WaveletVolume.from_volume(textured, family, threshold=5, levels=3)
     camera = ws.Camera.orbit(textured, 20, 30)
-    draw = {"transfer_function": SOFT, "camera": camera, "size": (32, 32)}
+    draw = {"look": SOFT, "camera": camera, "size": (32, 32)}
     whole = ws.render(wavelets, **draw).rgba
     assert np.array_equal(ws.render(wavelets, band_weights=[1.0] * 4, **draw).rgba, whole)
     assert not np.array_equal(ws.render(wavelets, band_weights=[0.0], **draw).rgba, whole)
@@ -162,7 +162,7 @@ def test_a_level_fills_the_same_box(family, shape):
     for view_angle, oversampling in ((None, 1.0), (50, 1.4)):
         camera = ws.Camera.orbit(fog, 30, 25, view_angle=view_angle)
         size = {"size": (48, 48), "oversampling": oversampling}
-        draw = {"transfer_function": curve, "camera": camera, "shading": None, **size}
+        draw = {"look": curve, "camera": camera, "shading": None, **size}
         want = ws.render(fog, **draw).rgba
         assert want[..., 3].max() > 0.5
         assert (want[..., 3] == 0).any()
@@ -183,7 +183,7 @@ def test_a_crop_of_a_level_is_that_of_the_world(textured, family):
     index = ws.Crop(low, high, space="index")
     world = ws.Crop(low * upright.spacing, high * upright.spacing)
     for drop_levels in range(4):
-        draw = {"transfer_function": SOFT, "camera": camera, "size": (40, 40), "drop_levels": drop_levels}
+        draw = {"look": SOFT, "camera": camera, "size": (40, 40), "drop_levels": drop_levels}
         by_index = ws.render(wavelets, crop=index, **draw).rgba
         assert difference(by_index, ws.render(wavelets, crop=world, **draw).rgba) < 1e-5
         assert 0 < (by_index[..., 3] > 0).mean() < 0.7 * (ws.render(wavelets, **draw).rgba[..., 3] > 0).mean()
@@ -200,7 +200,7 @@ def test_levels_are_as_bright_as_the_whole(scans, family, name, keep):
     soft = ws.TransferFunction(ramps[name], [(-75, 0.9, 0.6, 0.4), (1000, 1.0, 1.0, 1.0)])
     wavelets = ws.WaveletVolume.from_volume(scans[name], family, keep=keep)
     for shading, limit in [(None, 0.04), (ws.Shading(), 0.06)]:
-        draw = {"transfer_function": soft, "size": (96, 96), "shading": shading}
+        draw = {"look": soft, "size": (96, 96), "shading": shading}
         whole = ws.render(wavelets, **draw).rgba
         for drop_levels in (1, 2):
             level = ws.render(wavelets, drop_levels=drop_levels, **draw).rgba
@@ -214,7 +214,7 @@ def test_levels_keep_what_is_thin(scans, family, name):
     least = {"ct": 200.0, "mri": 50.0}[name]
     solid = ws.TransferFunction([(least, 0.0), (least + 1, 0.8)], [(0, 1.0, 1.0, 1.0)])
     wavelets = ws.WaveletVolume.from_volume(scans[name], family)
-    draw = {"transfer_function": solid, "size": (96, 96), "shading": None}
+    draw = {"look": solid, "camera": ws.Camera.orbit(scans[name]), "size": (96, 96), "shading": None}
     whole = ws.render(wavelets, **draw).rgba[..., 3].mean()
     level = ws.render(wavelets, drop_levels=2, **draw).rgba[..., 3].mean()
     blurred = ws.render(wavelets.to_volume(drop_levels=2), **draw).rgba[..., 3].mean()
@@ -229,7 +229,7 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(walls), "cdf53")
     smooth = ws.TransferFunction([(60, 0), (200, 0.5)], [(0, 1, 1, 1)], 1.0)
     # A second level has 27 texels across: half as many beat with the walls.
-    draw = {"transfer_function": smooth, "size": (128, 128)}
+    draw = {"look": smooth, "size": (128, 128)}
     assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
     pictures = [ws.render(wavelets, drop_levels=k, **draw) for k in range(3)]
     assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]
@@ -271,7 +271,7 @@ def test_threads_share_coefficients(textured):
     """Blocks are decoded by whoever comes first, and dropped while others read them."""
     wavelets = ws.WaveletVolume.from_volume(textured, "cdf97", threshold=12)
     wavelets.cache_bytes = TINY_CACHE
-    draw = {"transfer_function": SOFT, "size": (24, 24)}
+    draw = {"look": SOFT, "size": (24, 24)}
     want = [ws.render(wavelets, drop_levels=k, **draw).rgba for k in range(4)]
     wrong = []
 

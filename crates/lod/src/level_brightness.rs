@@ -1,16 +1,18 @@
 //! Level of detail: brightness of a coarser level beside the finest, and the factors that make them equal.
 //!
 //! [`ProbeRays`] know the values that they meet in both, and how the gradients stand to them. Classified by a table
-//! each and lit by a headlight with Phong shading, the mean brightness of a ray is
+//! each and lit with Phong shading, the mean brightness of a ray is
 //!
-//! `B = Σ T α (c (ambient + diffuse |n·v|) + specular max(0, 2 (n·v)² − 1)^power)`,
+//! `B = Σ T α (c (ambient + diffuse |n·l|) + specular max(0, 2 (n·l) (n·v) − l·v)^power)`,
 //!
-//! `T` the transmittance so far, `c` the mean of red, green and blue. The two means tell how much the level changes the
+//! `|n·l|` and the highlight as means over the normals that stand to the eye as the gradient does, since only that is
+//! known; `T` the transmittance so far, `c` the mean of red, green and blue. The two means tell how much the level changes the
 //! brightness, whatever hides what. The factor of the coarse function's extinction that makes them equal is found by
 //! the secant method.
 
+use glam::DVec3;
 use wavesplat_compute::parallel;
-use wavesplat_core::Shading;
+use wavesplat_core::{Light, LightFrame, Shading};
 
 use crate::probe_rays::{N_COSINES, ProbeRay, ProbeRays, step_lengths};
 
@@ -166,14 +168,40 @@ fn coarse_sheets(is_steep: bool) -> usize {
     1 + usize::from(is_steep)
 }
 
-/// Phong shading by step of `|n·v|`: factor of the colour, and highlight. The last entry has no gradient.
+/// Phong shading by step of `|n·v|`: factor of the colour, and highlight, as means over the normals at that angle to the
+/// eye. The last entry has no gradient. Lights of the world are taken to be at the eye, since levels do not know the camera.
 fn phong_table(shading: Option<&Shading>) -> Vec<[f64; 2]> {
     let Some(shading) = shading else { return vec![[1.0, 0.0]; N_COSINES + 1] };
-    let Shading { ambient, diffuse, specular, specular_power, .. } = *shading;
+    let Shading { ambient, diffuse, specular, specular_power, unoriented, .. } = *shading;
     let [ambient, diffuse, specular, power] = [ambient, diffuse, specular, specular_power].map(f64::from);
+    let lights: Vec<(DVec3, f64)> = shading.lights.iter().map(of_light).collect();
     let lit = |step: usize| {
         let cosine = (step as f64 + 0.5) / N_COSINES as f64;
-        [ambient + diffuse * cosine, specular * (2.0 * cosine * cosine - 1.0).max(0.0).powf(power)]
+        let sine = (1.0 - cosine * cosine).sqrt();
+        let mut sums = [0.0; 2];
+        for turn in 0..N_TURNS {
+            let (s, c) = ((turn as f64 + 0.5) * std::f64::consts::TAU / N_TURNS as f64).sin_cos();
+            let normal = DVec3::new(sine * c, sine * s, cosine);
+            for (to_light, brightness) in &lights {
+                let n_l = normal.dot(*to_light);
+                sums[0] += brightness * n_l.abs();
+                sums[1] += brightness * (2.0 * n_l * cosine - to_light.z).max(0.0).powf(power);
+            }
+        }
+        [ambient + diffuse * sums[0] / N_TURNS as f64, specular * sums[1] / N_TURNS as f64]
     };
-    (0..N_COSINES).map(lit).chain([[ambient, 0.0]]).collect()
+    let even = lights.iter().map(|(_, brightness)| brightness).sum::<f64>() * f64::from(unoriented);
+    (0..N_COSINES).map(lit).chain([[ambient + diffuse * even, 0.0]]).collect()
+}
+
+/// Normals at an angle to the eye.
+const N_TURNS: usize = 12;
+
+/// Unit direction to a light in the camera's frame, and the mean of its colours.
+fn of_light(light: &Light) -> (DVec3, f64) {
+    let to_light = match light.frame {
+        LightFrame::Camera => light.to_light.normalize(),
+        LightFrame::World => DVec3::Z,
+    };
+    (to_light, light.rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / 3.0)
 }

@@ -39,6 +39,10 @@ def psnr_db(got: np.ndarray, want: np.ndarray) -> float:
     return float(-10 * np.log10(np.mean((got[..., :3].astype(float) - want[..., :3]) ** 2)))
 
 
+#: Whose gradients the ray caster takes twenty times as fast as smoothed ones; that light has a test of its own.
+HEADLIGHT = ws.Shading.headlight()
+
+
 @pytest.fixture(scope="module", params=SCENES)
 def scene(request: pytest.FixtureRequest):
     make, soft, hard, curve, hard_goal = SCENES[request.param]
@@ -51,7 +55,7 @@ def camera(volume: ws.Volume, view: tuple[float, float, float | None]) -> ws.Cam
 
 
 @pytest.mark.parametrize("view", VIEWS)
-@pytest.mark.parametrize(("shading", "goals_db"), [(ws.Shading(), (40, 45)), (None, (45, 50))])
+@pytest.mark.parametrize(("shading", "goals_db"), [(HEADLIGHT, (40, 45)), (None, (45, 50))])
 def test_soft_pictures(scene, view, shading, goals_db):
     volume, soft, _, _ = scene
     view = camera(volume, view)
@@ -62,12 +66,19 @@ def test_soft_pictures(scene, view, shading, goals_db):
     assert want[..., 3].mean() > 0.2, "the view shows the volume"
 
 
+def test_pictures_in_the_usual_light(scene):
+    volume, soft, _, _ = scene
+    view = ws.Camera.orbit(volume, 30, 20)
+    want = ws.reference.raycast(volume, soft, view, size=(48, 40), step=0.1).rgba
+    assert psnr_db(ws.render(volume, soft, view, size=(48, 40), quality="high").rgba, want) > 40
+
+
 @pytest.mark.parametrize("view", VIEWS)
 def test_hard_pictures(scene, view):
     volume, _, hard, goal_db = scene
     view = camera(volume, view)
-    want = ws.reference.raycast(volume, hard, view, size=SIZE, step=0.01, rays_per_pixel=16).rgba
-    got = ws.render(volume, hard, view, size=SIZE, quality="high").rgba
+    want = ws.reference.raycast(volume, hard, view, size=SIZE, step=0.01, rays_per_pixel=16, shading=HEADLIGHT).rgba
+    got = ws.render(volume, hard, view, size=SIZE, quality="high", shading=HEADLIGHT).rgba
     assert psnr_db(got, want) >= goal_db
     assert want[..., 3].mean() > 0.2, "the view shows the volume"
 
@@ -77,10 +88,10 @@ def test_a_wanted_psnr_is_reached(scene, view_angle):
     volume, soft, _, _ = scene
     view = ws.Camera.orbit(volume, 30, 20, view_angle=view_angle)
     size = (96, 80)
-    want = ws.reference.raycast(volume, soft, view, size=size, step=0.05, rays_per_pixel=16).rgba
+    want = ws.reference.raycast(volume, soft, view, size=size, step=0.05, rays_per_pixel=16, shading=HEADLIGHT).rgba
     effort = []
     for wanted_db in (38, 44, 50):
-        picture = ws.render(volume, soft, view, size=size, psnr=wanted_db)
+        picture = ws.render(volume, soft, view, size=size, psnr=wanted_db, shading=HEADLIGHT)
         report = picture.report
         assert report["expected_psnr_db"] >= wanted_db
         assert psnr_db(picture.rgba, want) > wanted_db - 1
@@ -109,9 +120,9 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
     eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle)
     size = (72, 60)
     step = 0.02 if is_hard else 0.05
-    want = ws.reference.raycast(volume, function, eye, size=size, step=step, rays_per_pixel=16).rgba
+    want = ws.reference.raycast(volume, function, eye, size=size, step=step, rays_per_pixel=16, shading=HEADLIGHT).rgba
     for wanted_db in (30, 40, 50):
-        picture = ws.render(volume, function, eye, size=size, psnr=wanted_db)
+        picture = ws.render(volume, function, eye, size=size, psnr=wanted_db, shading=HEADLIGHT)
         told_db, spread_db = (picture.report[f"expected_psnr_{name}"] for name in ("db", "spread_db"))
         reached_db = psnr_db(picture.rgba, want)
         print(f"{name} {is_hard=} {view} {wanted_db}: reached {reached_db:.1f}, told {told_db:.1f} +- {spread_db:.1f}")
@@ -121,19 +132,20 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
 
 def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
     volume, soft, _, _ = scene
-    first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20), size=(96, 80), psnr=38)
+    shown = {"size": (96, 80), "shading": HEADLIGHT}
+    first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20), **shown, psnr=38)
     assert json.loads(json.dumps(first.report["measured"])) == first.report["measured"]
     for wanted_db in (38, 44):
         view = ws.Camera.orbit(volume, 40, 10)
-        frame = ws.render(volume, soft, view, size=(96, 80), psnr=wanted_db, like=first)
+        frame = ws.render(volume, soft, view, **shown, psnr=wanted_db, like=first)
         assert frame.report["expected_psnr_db"] >= wanted_db
         assert frame.report["expected_psnr_spread_db"] > first.report["expected_psnr_spread_db"]
         fixed = {name: frame.report[name] for name in ("sheets_per_slice", "oversampling")}
-        np.testing.assert_array_equal(frame.rgba, ws.render(volume, soft, view, size=(96, 80), **fixed).rgba)
-        want = ws.reference.raycast(volume, soft, view, size=(96, 80), step=0.05, rays_per_pixel=16).rgba
+        np.testing.assert_array_equal(frame.rgba, ws.render(volume, soft, view, **shown, **fixed).rgba)
+        want = ws.reference.raycast(volume, soft, view, **shown, step=0.05, rays_per_pixel=16).rgba
         assert psnr_db(frame.rgba, want) > wanted_db - frame.report["expected_psnr_spread_db"]
         # What was measured goes from frame to frame.
-        again = ws.render(volume, soft, view, size=(96, 80), psnr=wanted_db, like=frame)
+        again = ws.render(volume, soft, view, **shown, psnr=wanted_db, like=frame)
         np.testing.assert_array_equal(again.rgba, frame.rgba)
 
 

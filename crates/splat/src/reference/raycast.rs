@@ -195,12 +195,15 @@ impl<'a> Sampler<'a> {
         let mut gradient = DVec3::ZERO;
         for (z, [value_z, slope_z]) in along_z {
             for (y, [value_y, slope_y]) in along_y {
+                let [mut value, mut slope] = [0.0; 2];
                 for (x, [value_x, slope_x]) in along_x {
                     let density = self.slices.at([*x, *y, *z]);
-                    gradient.x += slope_x * value_y * value_z * density;
-                    gradient.y += value_x * slope_y * value_z * density;
-                    gradient.z += value_x * value_y * slope_z * density;
+                    value += value_x * density;
+                    slope += slope_x * density;
                 }
+                gradient.x += slope * value_y * value_z;
+                gradient.y += value * slope_y * value_z;
+                gradient.z += value * value_y * slope_z;
             }
         }
         gradient

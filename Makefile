@@ -51,7 +51,7 @@ looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volum
 	BENCH_DATA=$(BENCH_DATA) python studies/looks/looks.py --out $(OUT)/looks $(LOOKS)
 
 looks-beside-vtk: $(STAMPS)/bench $(STAMPS)/tools ## draw four volumes by ourselves, with 3D Slicer's looks, and by VTK with these
-	BENCH_DATA=$(BENCH_DATA) python studies/looks/beside_vtk.py --out $(OUT)/looks
+	BENCH_DATA=$(BENCH_DATA) python benches/beside_vtk.py --out $(OUT)/looks
 
 study: $(STAMPS)/study ## draw by old and high-resolution splatting and ray casting, and compare, on a page; minutes
 	BENCH_DATA=$(BENCH_DATA) python studies/method/method.py --out $(OUT)/study $(STUDY)

@@ -260,7 +260,7 @@ def test_what_itk_says_is_passed_on_without_its_source(tmp_path):
         ("/home/u/ITK-bld/Modules/x.hxx:5:\nitk::ERROR: ImageFileReader(0x55aa): no samples", "no samples"),
     ],
 )
-def test_no_place_in_a_librarys_source_is_told(text, line):
+def test_no_place_in_the_source_of_a_library_is_told(text, line):
     from wavesplat._files.reading import reading
 
     with (

@@ -69,8 +69,8 @@ def test_soft_pictures(scene, view, shading, goals_db):
 def test_pictures_in_the_usual_light(scene):
     volume, soft, _, _ = scene
     view = ws.Camera.orbit(volume, 30, 20)
-    want = ws.reference.raycast(volume, soft, view, size=(48, 40), step=0.1, rays_per_pixel=16).rgba
-    assert psnr_db(ws.render(volume, soft, view, size=(48, 40), quality="high").rgba, want) > 40
+    want = ws.reference.raycast(volume, soft, view, size=(36, 30), step=0.1, rays_per_pixel=9).rgba
+    assert psnr_db(ws.render(volume, soft, view, size=(36, 30), quality="high").rgba, want) > 40
 
 
 @pytest.mark.parametrize("view", VIEWS)

@@ -12,7 +12,7 @@
 
 use wavesplat_core::{Error, MAX_GRADIENT_OFFSET, Result};
 
-/// Where the differences for the gradient are taken; `d` is [`wavesplat_core::Shading::gradient_offset`], in samples.
+/// Where the differences for the gradient are taken; `d` is that of [`wavesplat_core::Gradient::Difference`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GradientScheme {
     /// `[V(x + d) − V(x − d)] / 2d` along the index axes at every texel, by footprints.

@@ -85,6 +85,15 @@ def test_what_the_file_says_comes_before_what_values_look_like():
     assert ws.Look.auto(windowed).reason == "a scan of no fixed scale"
 
 
+def test_a_channel_that_the_file_names_is_shown_in_its_colour():
+    facts = ws.Facts(channel=ws.Channel("Abeta", color=(1, 0, 1)))
+    picture = first_picture(ws.Volume(spots(), facts=facts))
+    assert "the file names channels" in picture.report["look"]["reason"]
+    red, green, blue = picture.rgba[..., :3].reshape(-1, 3).sum(axis=0)
+    assert red > 1.2 * green
+    assert blue > 1.2 * green
+
+
 def test_bone_shows_through_soft_tissue():
     seen = first_picture(volume("CT"), camera="top")
     red, green, blue = (seen.rgba[48, 48, c] for c in range(3))

@@ -117,7 +117,9 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
     if modality in MODALITIES:
         return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
     if volume.unit not in SMALL_UNITS:
-        return None
+        if volume.facts.channel is None or volume.is_anatomical or _is_dense(values):
+            return None
+        return "fluorescence", "fluorescence: the file names channels, and mostly dark, by the values"
     # Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture.
     if _is_dense(values):
         return "EM", f"dense microscopy: lengths in {volume.unit}, and mostly bright, by the values"

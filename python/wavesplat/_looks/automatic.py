@@ -53,12 +53,12 @@ CT_COLOR = [
     (900, 1.0, 1.0, 0.97),
 ]
 #: From faint to bright: tissue in warm colours, as it is expected; other scans from blue to ivory.
-TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.97, 0.92)]
+TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.99, 0.95)]
 MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
 #: Of fluorescence without a colour of its own: green, as GFP has it, white where it is brightest.
 GREEN = (0.35, 1.0, 0.45)
 #: Of values below and above zero, brighter than on paper: they are seen against black.
-SIGNS = [(0.22, 0.5, 1.0), (0.72, 0.86, 1.0), (1.0, 0.84, 0.74), (1.0, 0.34, 0.2)]
+SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.26)]
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
 FIELD_MAP = "inferno"

@@ -1,7 +1,11 @@
 """The look and the view that a volume gets by itself, and the light."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
+from PIL import Image
 
 import wavesplat as ws
 
@@ -134,6 +138,18 @@ def test_projections_on_white_are_inverted(composite):
     assert (np.diff(black) > -1e-3).all()
     assert white[0] > 0.9
     assert white[-1] < 0.1
+
+
+def test_the_command_line_inverts_projections_on_white_too(tmp_path):
+    file, out = tmp_path / "pet.npy", tmp_path / "pet.png"
+    np.save(file, pet())
+    command = [sys.executable, "-m", "wavesplat", "render", str(file), "--composite", "mip", "--background", "white"]
+    subprocess.run([*command, "--size", "64x64", "-q", "-o", str(out)], check=True)
+    grey = np.asarray(Image.open(out).convert("L"))
+    assert grey[0, 0] == 255
+    # The object is darker than what is around it, and the hottest spot is black.
+    assert np.median(grey[24:40, 24:40]) < 240
+    assert grey.min() < 30
 
 
 def test_labels_have_colours_and_a_cut_face_is_lit():

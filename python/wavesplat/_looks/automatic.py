@@ -202,7 +202,7 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
         nodes = low + (upper - low) * places
     nodes = np.array(_increasing(nodes.tolist(), high - low))
     across = _across(volume)
-    # What half of the volume exceeds is nearly clear.
+    # Seven tenths of the volume are clear, so that what is left can be seen inside of it.
     clear = float(np.interp(np.percentile(known.values, 70.0), nodes, places))
     rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
     opacity = [(float(v), _per_voxel(0.999 * float(r) ** 0.9, across)) for v, r in zip(nodes, rise, strict=True)]

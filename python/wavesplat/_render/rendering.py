@@ -234,7 +234,7 @@ def render(
 
         function = projection.exposed_by(overview, volume, composite, camera, (width, height)) or function
     behind = colors.parse(chosen.background if background is None else background)
-    if automatic and chosen.background is None:
+    if chosen.name == "auto" and chosen.background is None:
         function = projection.on(behind, composite, function)
     numbers = projection.numbers(composite, function, local_threshold, depth_shading, absorbs)
     curves, eye = function._core, camera._core

@@ -192,6 +192,9 @@ def render(
     # Greys that depend on the view are left to the renderer.
     by_view = look.name == "auto" and look.composite in BY_VIEW
     if not quiet:
+        # Of the guesses the one that changes what a pixel means; all are in the report.
+        if look.name == "auto" and composite is None and look.composite != "over" and look.reason.endswith("values"):
+            message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
         _note_what_stays_hidden(volume)
     picture = _drawn(
         volume,

@@ -87,7 +87,7 @@ def test_one_bad_argument_is_one_sentence(name):
     assert [case for case in told if "\n" in case[2] or case[2].startswith("not ours: ")] == []
 
 
-@pytest.mark.parametrize("volume", [None, [[1]], np.zeros((3, 3, 3)), "a.nii", b"a", 3])
+@pytest.mark.parametrize("volume", [None, [[1]], b"a", 3])
 def test_what_is_no_volume(volume):
     for function in (ws.render, ws.slice, ws.Camera.orbit, ws.TransferFunction.auto, ws.study.standard):
         with pytest.raises(

@@ -149,8 +149,8 @@ def test_holes_and_levels_that_are_not_there_are_refused():
         wavelets.bands("ab")
     with pytest.raises(ws.errors.ArgumentError, match="are for a WaveletVolume"):
         ws.render(ws.examples.ripples(8), drop_levels=1)
-    with pytest.raises(ws.errors.ArgumentError, match="volume is a ndarray"):
-        ws.WaveletVolume.from_volume(samples)
+    with pytest.raises(ws.errors.ArgumentError, match="volume: wavelet coefficients are no samples; decode them first"):
+        ws.WaveletVolume.from_volume(wavelets)
 
 
 @pytest.mark.parametrize("drop_levels", [-1, 4, 1.5, "1", None])

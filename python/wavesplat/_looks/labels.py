@@ -13,13 +13,14 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
+from wavesplat._model.taking import taken
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.opening import open as open_volume
@@ -102,9 +103,9 @@ class Labels:
 
     Parameters
     ----------
-    segmentation : Volume or array, shape (z, y, x)
-        Whole numbers; every number is a label, 0 is none. A Volume must lie on the scan's samples (same shape and
-        affine); an array is taken to.
+    segmentation : Volume, array [z, y, x], or what else `Volume` takes
+        Whole numbers; every number is a label, 0 is none. It must lie on the scan's samples (same shape and affine); an
+        array, which has no place, is taken to.
     labels : mapping of int to Label, optional
         Looks by number; numbers without a look show the scan as it is.
         None gives every number but 0 a colour of its own and the usual opacity.
@@ -138,16 +139,13 @@ class Labels:
     @takes_its_types
     def __init__(
         self,
-        segmentation: Volume | ArrayLike,
+        segmentation: object,
         labels: Mapping[int, Label] | None = None,
         *,
         smooth: bool = True,
     ) -> None:
-        try:
-            samples = segmentation.samples if isinstance(segmentation, Volume) else np.asarray(segmentation)
-        except ValueError:
-            raise ArgumentError("labels: the segmentation has rows of different lengths; give [z, y, x]") from None
-        matrix = segmentation.world_from_index if isinstance(segmentation, Volume) else None
+        found = taken(segmentation, "labels")
+        samples, matrix = found.samples, found.world_from_index
         if samples.ndim != 3:
             raise ArgumentError(f"labels: the segmentation has shape {samples.shape}; give [z, y, x]")
         numbers, codes = _codes(samples)

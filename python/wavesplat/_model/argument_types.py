@@ -26,7 +26,8 @@ MOST_LETTERS = 60
 MOST_WHOLE = 2**63
 
 VOLUME = (
-    "a wavesplat.Volume, as from wavesplat.open(path) or wavesplat.Volume(array, spacing=(x, y, z)), or a WaveletVolume"
+    "a wavesplat.Volume, as from wavesplat.open(path), an array [z, y, x], or an image of SimpleITK, ITK, nibabel, "
+    "xarray, PyVista, VTK, PyTorch or napari"
 )
 
 

@@ -23,11 +23,11 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine, units
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import check_place
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, check_magnitude, vector
-from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
@@ -57,7 +57,7 @@ ON_SAMPLE = 1e-6
 @public
 @takes_its_types
 def slice(
-    volume: Volume | WaveletVolume,
+    volume: VolumeLike,
     plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
     position: float | None = None,
     *,
@@ -79,7 +79,7 @@ def slice(
 
     Parameters
     ----------
-    volume : Volume or WaveletVolume
+    volume : Volume, WaveletVolume, array, or what else `Volume` takes
         What to cut.
     plane : str or (point, normal), default "axial"
         "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
@@ -151,6 +151,7 @@ def slice(
     >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
     (64, 48)
     """
+    volume = as_volume(volume)
     check_place(volume)
     if letters:
         _check_anatomy(volume)

@@ -48,10 +48,11 @@ def _check_payload(image: SpatialImage, request: Request) -> None:
     proxy: Any = image.dataobj
     file = proxy.file_like
     path = request.file if not isinstance(file, str) else type(request.file)(file)
+    one = image.shape[:3]  # of several only the one that is asked for is read
     if path.name.lower().endswith((".gz", ".mgz")):
-        payload.check_gzip(image.shape, proxy.dtype, proxy.offset, path)
+        payload.check_gzip(image.shape, proxy.dtype, proxy.offset, path, one)
     else:
-        payload.check_stored(image.shape, proxy.dtype, path.stat().st_size - proxy.offset, path)
+        payload.check_stored(image.shape, proxy.dtype, path.stat().st_size - proxy.offset, path, held=one)
 
 
 def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:

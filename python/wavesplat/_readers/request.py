@@ -20,7 +20,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
-__all__ = ["Grid", "Request", "SeveralError", "choose", "index_unnamed_axes", "n_times_of", "quiet", "several"]
+__all__ = ["Grid", "Request", "SeveralError", "choose", "index_unnamed_axes", "n_times_of", "one_volume_of", "quiet", "several", "window_of"]
 
 
 class Grid(NamedTuple):
@@ -142,6 +142,21 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     first = () if request.time is None else (choose("time", shape[0], request.time, request.path),)
     last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.path),)
     return (*first, ..., *last)
+
+
+def window_of(low: Any, high: Any) -> tuple[float, float] | None:
+    """What a file says of the values that a channel is shown with; None if it is nothing of use."""
+    try:
+        ends = float(low), float(high)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return ends if np.isfinite(ends).all() and ends[0] < ends[1] else None
+
+
+def one_volume_of(shape: Sequence[int], request: Request) -> tuple[int, ...]:
+    """Shape of what is read of an array whose axes have no names: of several volumes the one that is asked for."""
+    first = 0 if request.time is None or len(shape) < 4 else 1
+    return tuple(shape[first : first + 3])
 
 
 def n_times_of(shape: Sequence[int], request: Request) -> int:

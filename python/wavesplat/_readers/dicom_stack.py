@@ -46,7 +46,8 @@ def in_order(frames: Sequence[Frame]) -> list[Frame]:
 def one_volume(frames: Sequence[Frame], request: Request) -> tuple[list[Frame], int, tuple[float, ...]]:
     """The frames of one stack and time (or echo, or phase), how many of these there are, and their times.
 
-    Times are seconds after the first, and empty where nothing tells one from another. Every position of a stack must have been taken as often as the others.
+    Times are seconds after the first, and empty where nothing tells one from another.
+    Every position of a stack must have been taken as often as the others.
     """
     stacks: dict[tuple[object, ...], list[Frame]] = {}
     for frame in frames:

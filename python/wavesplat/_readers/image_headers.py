@@ -116,7 +116,9 @@ def of_nrrd(path: Path) -> Header:
     kinds = fields.get("kinds", "").lower().split()
     is_list = len(kinds) == 4 and "list" in kinds
     if is_list:
-        facts = replace(facts, **_listed_times(kinds.index("list"), int(fields["sizes"].split()[kinds.index("list")]), keys))
+        facts = replace(
+            facts, **_listed_times(kinds.index("list"), int(fields["sizes"].split()[kinds.index("list")]), keys)
+        )
     return Header(fields, facts, index_factors, world_factors, keys, is_list)
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.named_files import check_named_file
+from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import Grid, Request, choose, quiet
@@ -85,7 +86,10 @@ def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
 def _read_folder(folder: Path, request: Request) -> Grid:
     import tifffile
 
-    files = sorted((file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")), key=_natural)
+    files = sorted(
+        (file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")),
+        key=lambda file: natural_key(file.name),
+    )
     first = _slice(tifffile.imread(files[0]), files[0], request)
     payload.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
@@ -109,11 +113,6 @@ def _slice(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
     if pixels.ndim != 2:
         raise FileError(f"a slice in the folder is {pixels.ndim}-D, shape {pixels.shape}; open that file alone: {file}")
     return pixels
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Sort key that puts slice10 after slice9."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
 
 
 def _one_stack(
@@ -148,18 +147,18 @@ def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDAr
     """Samples of the first series at that index; pages beside it are not read."""
     series: Any = tiff.series[0]
     of_pages = len(series.shape) - len(series.keyframe.shape)
-    numbers = np.arange(len(series.pages))
+    n_pages = len(series.pages)
     is_part = not all(isinstance(part, slice) for part in picked[:of_pages])
+    is_regular = series.shape[of_pages:] == series.keyframe.shape and n_pages == prod(series.shape[:of_pages])
     if is_part and series.dataoffset is not None and not series.is_multifile:
         dtype = series.dtype.newbyteorder(tiff.byteorder)
         mapped = np.memmap(path, dtype, "r", offset=series.dataoffset, shape=tuple(series.shape))
         return np.array(mapped[picked])
-    if is_part and series.shape == (*series.shape[:of_pages], *series.keyframe.shape):
-        if numbers.size == prod(series.shape[:of_pages]):
-            wanted = numbers.reshape(series.shape[:of_pages])[picked[:of_pages]]
-            pages: NDArray[Any] = tiff.asarray(key=wanted.ravel().tolist(), series=0)
-            pages = pages.reshape(*wanted.shape, *series.keyframe.shape)
-            return np.asarray(pages[(..., *picked[of_pages:])])
+    if is_part and is_regular:
+        wanted = np.arange(n_pages).reshape(series.shape[:of_pages])[picked[:of_pages]]
+        pages: NDArray[Any] = tiff.asarray(key=wanted.ravel().tolist(), series=0)
+        pages = pages.reshape(*wanted.shape, *series.keyframe.shape)
+        return np.asarray(pages[(..., *picked[of_pages:])])
     whole: NDArray[Any] = series.asarray()
     return np.asarray(whole[picked])
 

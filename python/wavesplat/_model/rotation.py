@@ -24,7 +24,7 @@ def from_axes(axes: NDArray[np.float64]) -> Quaternion:
     """Of the rotation that takes x, y, z to the rows of a right-handed orthonormal frame."""
     matrix = axes.T
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = matrix.tolist()
-    # Four times each product with the largest component (Shepperd 1978), which is never small.
+    # Four times each product with the largest component, which is never small.
     candidates = np.array(
         [
             [1 + xx + yy + zz, zy - yz, xz - zx, yx - xy],

@@ -229,7 +229,7 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(walls), "cdf53")
     smooth = ws.TransferFunction([(60, 0), (200, 0.5)], [(0, 1, 1, 1)], 1.0)
     # A second level has 27 texels across: half as many beat with the walls.
-    draw = {"look": smooth, "size": (128, 128)}
+    draw = {"look": smooth, "camera": ws.Camera.orbit(wavelets), "size": (128, 128), "shading": ws.Shading.headlight()}
     assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
     pictures = [ws.render(wavelets, drop_levels=k, **draw) for k in range(3)]
     assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]

@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 22
+    assert len(things) == 24
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -73,10 +73,10 @@ def test_pickles_hold_no_private_place():
 
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
-    heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy"]
+    heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy", "matplotlib"]
     modules = (
         "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
-        "wavesplat._looks.largest_body"
+        "wavesplat._looks.largest_body, wavesplat._readers.time_points"
     )
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -113,7 +113,7 @@ def test_extras_are_installed_from_the_checkout():
     named = {extra for text in texts for extra in re.findall(r'extra="(\w+)"|pip install "\.\[(\w+)\]"', text)}
     project = (root / "pyproject.toml").read_text(encoding="utf-8")
     extras = {name for pair in named for name in pair if name}
-    assert extras == {"annotation", "body", "fit", "mesh", "pyvista", "xarray"}
+    assert extras == {"body", "figure", "fit", "mesh", "pyvista", "xarray"}
     assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
 
 

@@ -33,11 +33,13 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
     from wavesplat._model.crop import Crop
     from wavesplat._model.facts import Channel, Facts
+    from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._native import __version__
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
+    from wavesplat._readers.time_points import open_series
     from wavesplat._render.rendering import render
     from wavesplat._render.slicing import slice
 
@@ -54,6 +56,7 @@ __all__ = [
     "Materials",
     "Mesh",
     "Picture",
+    "Series",
     "Shading",
     "TransferFunction",
     "TransferFunction2D",
@@ -65,6 +68,7 @@ __all__ = [
     "largest_body",
     "mesh",
     "open",
+    "open_series",
     "reference",
     "render",
     "slice",
@@ -85,6 +89,7 @@ _HOMES = {
     "Materials": "_looks.materials",
     "Mesh": "_mesh.meshing",
     "Picture": "_picture.picture",
+    "Series": "_model.series",
     "Shading": "_looks.shading",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
@@ -94,6 +99,7 @@ _HOMES = {
     "largest_body": "_looks.largest_body",
     "mesh": "_mesh.meshing",
     "open": "_readers.opening",
+    "open_series": "_readers.time_points",
     "render": "_render.rendering",
     "slice": "_render.slicing",
 }

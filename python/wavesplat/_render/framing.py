@@ -63,7 +63,7 @@ def framed(
     """Camera from a side, with all that a look shows of a volume just in view; `clip_planes`: points and normals."""
     points = _seen(volume, look, crop, clip_planes)
     return Camera.orbit(
-        volume, azimuth, elevation, zoom=FILLED * zoom, view_angle=view_angle, aspect=aspect, points=points
+        volume, azimuth, elevation, zoom=FILLED * zoom, view_angle=view_angle, aspect=aspect, points=points, fit="view"
     )
 
 

@@ -30,6 +30,8 @@ __all__ = ["Label", "Labels"]
 
 #: More labels than any segmentation has; what has more is a scan.
 MAX_LABELS = 65_535
+#: Labels that `repr` lists.
+SHOWN = 6
 #: World units, in spacings, by which samples of a segmentation may lie beside those of the scan.
 TOLERANCE = 1e-3
 
@@ -260,6 +262,16 @@ class Labels:
                 object.__setattr__(cut, name, value)
             self._cuts[key] = cut
         return self._cuts[key]
+
+    def __repr__(self) -> str:
+        n_z, n_y, n_x = self.shape
+        named = [
+            f"{number} {self.labels[number].name!r}" if number in self.labels else str(number)
+            for number in self.numbers
+            if number != 0
+        ]
+        listed = ", ".join(named[:SHOWN]) + (", ..." if len(named) > SHOWN else "")
+        return f"<Labels: z {n_z}, y {n_y}, x {n_x}, {len(named)} labels: {listed or 'none'}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         samples = np.asarray(self.numbers, dtype=np.int64)[self._codes]

@@ -64,6 +64,11 @@ class Look:
     name: str = ""
     reason: str = ""
 
+    def __repr__(self) -> str:
+        rest = [self.composite, *([] if self.shading else ["no shading"]), *([self.view] if self.view else [])]
+        labels = [] if self.labels is None else [repr(self.labels)]
+        return f"<Look {self.name!r}: {', '.join([*rest, repr(self.transfer_function), *labels])}>"
+
     @classmethod
     @takes_its_types
     def auto(cls, volume: VolumeLike, composite: Composite | None = None) -> Look:

@@ -150,6 +150,9 @@ class Materials:
         claims /= np.maximum(claims.sum(axis=1, keepdims=True), 1.0)
         return claims
 
+    def __repr__(self) -> str:
+        return f"<Materials: {', '.join(self.names)}>"
+
     def transfer_function(self, opacity_unit: float | None = None) -> TransferFunction:
         """The mixture as a transfer function.
 

@@ -85,6 +85,15 @@ class TransferFunction:
         object.__setattr__(self, "opacity_unit", unit)
         object.__setattr__(self, "_core", _native.TransferFunction(opacity_nodes, color_nodes, unit, gradient_nodes))
 
+    def __repr__(self) -> str:
+        values = sorted(node[0] for nodes in (self.opacity, self.color) for node in nodes)
+        unit = "" if self.opacity_unit is None else f", per {self.opacity_unit:.4g}"
+        by_gradient = ", by the gradient too" if self.gradient_opacity else ""
+        return (
+            f"<TransferFunction: values {values[0]:.4g} to {values[-1]:.4g}, {len(self.opacity)} nodes of opacity "
+            f"up to {max(alpha for _, alpha in self.opacity):.4g}, {len(self.color)} of colour{unit}{by_gradient}>"
+        )
+
     def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
         """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
         return self._core.evaluate(_floats(values).ravel())

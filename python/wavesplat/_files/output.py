@@ -25,7 +25,7 @@ Kind: TypeAlias = Literal["pictures", "meshes", "volumes", "wavelet coefficients
 
 #: What each kind of result is written as; the suffix chooses the format.
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
-    "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr"),
+    "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".svg", ".pdf"),
     "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
     "volumes": (".nii.gz", ".nii", ".nrrd"),
     "wavelet coefficients": (".wavelets",),

@@ -178,8 +178,8 @@ def test_slabs_of_any_thickness(thickness):
 def test_a_picture_without_room_for_a_scale_bar():
     for size in ((1, 1), (2, 1), (7, 300)):
         with pytest.raises(ArgumentError, match="no room for a scale bar"):
-            ws.slice(VOLUME, size=size, scale_bar=True)
-    ws.slice(VOLUME, size=(8, 8), scale_bar=True)
+            ws.slice(VOLUME, size=size).annotated(scale_bar=True)
+    ws.slice(VOLUME, size=(60, 60)).annotated(scale_bar=True)
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def main() -> None:
     for row, (path, preset) in enumerate(CASES):
         volume = ws.open(DATA / path)
         look = ws.Look.preset(preset, volume)
-        eye = ws.Camera.orbit(volume, 0, 0)
+        eye = ws.Camera.orbit(volume, 0, 0, fit="view")
         columns = [
             ("ours by itself", lambda n, v=volume, e=eye: _ours(v, None, e, n)),
             (f"ours, {preset}", lambda n, v=volume, e=eye, a=look: _ours(v, a, e, n)),

@@ -108,7 +108,7 @@ def ramp() -> ws.TransferFunction:
 
 def oblique(volume: ws.Volume | ws.WaveletVolume, view_angle: float | None = None) -> ws.Camera:
     """From the front, the right and above."""
-    return ws.Camera.orbit(volume, azimuth=40, elevation=25, view_angle=view_angle)
+    return ws.Camera.orbit(volume, azimuth=40, elevation=25, view_angle=view_angle, fit="view")
 
 
 def inside(volume: ws.Volume) -> ws.Camera:
@@ -192,7 +192,7 @@ def of_views() -> Iterator[tuple[str, Scene]]:
     for angle in (20, 70):
         yield f"perspective {angle}", draw(mri(), soft_mri(), oblique(mri(), angle))
         yield f"perspective {angle} hard", draw(mri(), hard(60), oblique(mri(), angle))
-    diagonal = ws.Camera.orbit(mri(), azimuth=45, elevation=35.26, view_angle=40)
+    diagonal = ws.Camera.orbit(mri(), azimuth=45, elevation=35.26, view_angle=40, fit="view")
     yield "three families", draw(mri(), soft_mri(), diagonal)
     yield "eye inside", draw(mri(), soft_mri(), inside(mri()))
     yield "eye inside hard depth", draw(mri(), hard(60), inside(mri()), depth=True)

@@ -29,7 +29,7 @@ PYTHON_HEAD = """import numpy as np
 import wavesplat as ws
 
 ct = ws.open("ct_pelvis.nii.gz")
-view = {"camera": ws.Camera.orbit(ct, 25, 15), "size": (288, 288)}
+view = {"camera": ws.Camera.orbit(ct, 25, 15, fit="view"), "size": (288, 288)}
 """
 
 

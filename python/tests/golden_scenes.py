@@ -45,14 +45,14 @@ SOFT = ws.TransferFunction(
 def soft_ct() -> ws.Picture:
     """Skin over bones."""
     ct = ws.examples.ct_pelvis()
-    return ws.render(ct, SOFT, ws.Camera.orbit(ct, 25, 15), size=SIZE, background="black")
+    return ws.render(ct, SOFT, ws.Camera.orbit(ct, 25, 15, fit="view"), size=SIZE, background="black")
 
 
 def hard_mri_in_perspective() -> ws.Picture:
     """A surface without thickness, in perspective, by a cubic B-spline."""
     mri = ws.examples.mri_head()
     step = ws.TransferFunction([(21, 0), (22, 1)], HEAD)
-    eye = ws.Camera.orbit(mri, 50, 15, view_angle=40, zoom=1.3)
+    eye = ws.Camera.orbit(mri, 50, 15, view_angle=40, zoom=1.3, fit="view")
     return ws.render(mri, step, eye, size=SIZE, kernel="bspline3", background="black")
 
 
@@ -69,7 +69,7 @@ def labels() -> ws.Picture:
     segmentation[:, :, : ct.shape[2] // 2] = 1
     segmentation[(segmentation == 1) & (ct.samples > 220)] = 2
     looks = {1: ws.Label("grey", 0, scan=0), 2: ws.Label("#40a0e0", 0.9, name="bone")}
-    view = ws.Camera.orbit(ct, 25, 15)
+    view = ws.Camera.orbit(ct, 25, 15, fit="view")
     return ws.render(ct, SOFT, view, labels=ws.Labels(segmentation, looks), size=SIZE, background="black")
 
 
@@ -79,7 +79,7 @@ def two_dimensional() -> ws.Picture:
     skin, bone = (-400, 1.5, 40, "#c08060", 0.1), (300, 1.0, 30, "#fff2d9", 0.7)
     surfaces = ws.TransferFunction2D.boundaries([skin, bone])
     middle = np.mean(ct.bounds, axis=0)
-    view = ws.Camera.orbit(ct, 150, 10)
+    view = ws.Camera.orbit(ct, 150, 10, fit="view")
     return ws.render(ct, surfaces, view, clip_planes=[(middle, (-1, -0.5, 0))], size=SIZE, background="black")
 
 
@@ -89,7 +89,7 @@ def coarse_wavelet_level() -> ws.Picture:
     wavelets = ws.WaveletVolume.from_volume(mri, "cdf53", threshold=4)
     soft = ws.TransferFunction([(20, 0), (45, 0.05), (110, 0.4)], HEAD)
     return ws.render(
-        wavelets, soft, ws.Camera.orbit(mri, 50, 15, zoom=1.2), size=SIZE, drop_levels=2, background="black"
+        wavelets, soft, ws.Camera.orbit(mri, 50, 15, zoom=1.2, fit="view"), size=SIZE, drop_levels=2, background="black"
     )
 
 

@@ -69,7 +69,7 @@ def test_azimuth_turns_to_the_patients_left_and_elevation_lifts():
 
 @given(st.floats(-720, 720), st.floats(-90, 90), st.none() | st.floats(1, 150), st.floats(0.2, 5))
 def test_the_whole_volume_is_just_in_view(azimuth, elevation, view_angle, aspect):
-    camera = ws.Camera.orbit(VOLUME, azimuth, elevation, view_angle=view_angle, aspect=aspect)
+    camera = ws.Camera.orbit(VOLUME, azimuth, elevation, view_angle=view_angle, aspect=aspect, fit="view")
     corners = np.array(np.meshgrid(*VOLUME.bounds.T)).reshape(3, 8).T - camera.position
     right, up, back = axes(camera)
     depth = -corners @ back
@@ -95,6 +95,7 @@ def test_zoom_narrows_the_view_but_keeps_the_eye():
         ({"aspect": -1}, "aspect is -1"),
         ({"view_angle": 180}, "view_angle is 180"),
         ({"azimuth": float("inf")}, "azimuth is inf"),
+        ({"fit": "tight"}, """fit is 'tight'; it is "turn" or "view\""""),
     ],
 )
 def test_bad_orbits_are_refused(arguments, message):

@@ -155,7 +155,11 @@ def test_failures_exit_with_1_and_leave_nothing(wavesplat, ramp_file, tmp_path):
     np.save(tmp_path / "4d.npy", np.zeros((2, 4, 4, 4)))
     check(wavesplat("render", tmp_path / "4d.npy", "-o", out), 1, stderr="time=0..1")
     check(wavesplat("render", ramp_file, "-o", tmp_path / "no" / "a.png"), 1, stderr="folder does not exist")
-    check(wavesplat("render", ramp_file, "-o", tmp_path / "a.jpg"), 1, stderr="use one of: .png, .tif, .tiff, .exr")
+    check(
+        wavesplat("render", ramp_file, "-o", tmp_path / "a.gif"),
+        1,
+        stderr="use one of: .png, .jpg, .jpeg, .webp, .tif, .tiff, .exr",
+    )
     check(
         wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "no.json"),
         1,
@@ -178,7 +182,7 @@ def test_bad_outputs_are_found_before_the_work(wavesplat, tmp_path, command, suf
         return wavesplat(command, tmp_path / "no.nii", "-o", output, *options, *more)
 
     check(run(tmp_path / "no" / f"a.{suffix}"), 1, stderr="folder does not exist")
-    check(run(tmp_path / "a.jpg"), 1, stderr="as .jpg; use one of: .")
+    check(run(tmp_path / "a.gif"), 1, stderr="as .gif; use one of: .")
     check(run(tmp_path / "no.nii" / f"a.{suffix}"), 1, stderr="folder does not exist")
     check(run(tmp_path / f"a.{suffix}"), 1, stderr="no such file or folder; check the name: ")
     if command in ("render", "slice"):

@@ -76,7 +76,7 @@ def test_taking_out_is_the_complement_of_keeping(composite, dtype):
     volume = ws.Volume(samples)
     view = {
         "look": ws.TransferFunction([(0, 0), (100, 0.5)], [(0, 1, 1, 1)]),
-        "camera": ws.Camera.orbit(volume, 30, 20),
+        "camera": ws.Camera.orbit(volume, 30, 20, fit="view"),
         "composite": composite,
         "shading": None,
         "size": (40, 40),
@@ -100,7 +100,7 @@ def test_colours_are_those_of_the_whole():
     samples[..., 4:8], samples[..., 10:] = 1000, 10
     volume = ws.Volume(samples)
     box = index_box((-1, -1, -1), (9, 20, 20))
-    camera = ws.Camera.orbit(volume, 0, 0)
+    camera = ws.Camera.orbit(volume, 0, 0, fit="view")
     got = ws.render(volume, None, camera, composite="maximum", cut_out=box, size=(20, 20))
     want = ws.render(volume, ws.Look.auto(volume, "maximum"), camera, cut_out=box, size=(20, 20))
     np.testing.assert_array_equal(got.rgba, want.rgba)
@@ -125,7 +125,11 @@ def test_frames_of_a_turn_share_one_copy():
 def test_a_changed_array_is_cut_anew():
     samples = np.full((12, 14, 16), 100, np.float32)
     volume = ws.Volume(samples)
-    draw = {"camera": ws.Camera.orbit(volume, 0, 0), "size": (10, 10), "cut_out": index_box((-1, -1, -1), (8, 20, 20))}
+    draw = {
+        "camera": ws.Camera.orbit(volume, 0, 0, fit="view"),
+        "size": (10, 10),
+        "cut_out": index_box((-1, -1, -1), (8, 20, 20)),
+    }
     assert ws.render(volume, SOLID, **draw).rgba.max() > 0
     samples[:] = 0
     volume.changed()
@@ -137,7 +141,7 @@ def test_a_changed_array_is_cut_anew():
 
 def cut_labels(segmentation, looks, box, *, scan_value=0):
     scan = block(shape=segmentation.shape, value=scan_value)
-    camera = ws.Camera.orbit(scan, 30, 30)
+    camera = ws.Camera.orbit(scan, 30, 30, fit="view")
     labels = ws.Labels(segmentation, looks)
     return labels, ws.render(scan, CLEAR, camera, labels=labels, cut_out=box, size=(60, 60), background="black").rgba
 

@@ -118,7 +118,7 @@ def test_multiprocessing_by_fork():
     code = """
 import multiprocessing
 def draw(angle):
-    return ws.render(small, "grey", ws.Camera.orbit(small, angle), size=(32, 32)).rgba.shape
+    return ws.render(small, "grey", ws.Camera.orbit(small, angle, fit="view"), size=(32, 32)).rgba.shape
 with multiprocessing.get_context("fork").Pool(2) as pool:
     print(pool.map_async(draw, range(6)).get(60) == [(32, 32, 4)] * 6)
 """

@@ -32,7 +32,7 @@ def test_pictures_agree_with_direct_evaluation(scan):
         300: ws.Label((0.8, 0.1, 0.1), 0.4),
     }
     labels = ws.Labels(segmentation, looks)
-    camera = ws.Camera.orbit(scan, 30, 20, zoom=6)
+    camera = ws.Camera.orbit(scan, 30, 20, zoom=6, fit="view")
     light = {"shading": ws.Shading()}
     sampling = {"step": 0.1, "rays_per_pixel": 9, **light}
     want = ws.reference.raycast(scan, "ct-soft-tissue", camera, labels=labels, size=(32, 32), **sampling)

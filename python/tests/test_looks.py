@@ -210,7 +210,7 @@ def test_a_crop_is_framed():
 def test_smoothed_gradients_take_the_rings_of_voxels_off_the_skin():
     scan = ws.examples.ct_pelvis()
     skin = ws.TransferFunction([(-350, 0), (-250, 1)], [(0, 0.95, 0.8, 0.7)])
-    eye = ws.Camera.orbit(scan, 20, 10, zoom=2.2)
+    eye = ws.Camera.orbit(scan, 20, 10, zoom=2.2, fit="view")
     plain = {"specular": 0.0, "shoulder": 1.0}
     contrast, alpha = [], []
     for smoothing in (0, ws.Shading().gradient_smoothing):

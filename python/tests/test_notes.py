@@ -13,7 +13,7 @@ VOLUME = ws.examples.ripples(12)
 FLAT = ws.Volume(np.full((8, 8, 8), 7, np.uint8))
 SIZE = {"size": (24, 24), "background": "black"}
 #: Nothing but the volume is in the picture.
-NEAR = {"camera": ws.Camera.orbit(VOLUME, zoom=2)}
+NEAR = {"camera": ws.Camera.orbit(VOLUME, zoom=2, fit="view")}
 FOG = ws.TransferFunction([(0, 0), (255, 1)], [(0, 1, 1, 1)])
 BEYOND = ws.TransferFunction([(1000, 0), (2000, 1)], [(1000, 0, 0, 0), (2000, 1, 1, 1)])
 
@@ -30,7 +30,7 @@ def notes(picture):
         ({"look": BEYOND, "composite": "maximum"}, "the colours do not change over what the rays show"),
         ({"composite": "x-ray", "attenuation": (1000, 1.0)} | NEAR, "lets 100 % of the light through everywhere"),
         ({"composite": "x-ray", "attenuation": (-1e6, 1.0)} | NEAR, "lets 0 % of the light through everywhere"),
-        ({"camera": ws.Camera.orbit(VOLUME, zoom=1e-5)}, "shows it smaller than a pixel"),
+        ({"camera": ws.Camera.orbit(VOLUME, zoom=1e-5, fit="view")}, "shows it smaller than a pixel"),
         ({"camera": ws.Camera((500, 900, 0), (500, 0, 0), (0, 0, 1), view_angle=1)}, "the view misses the volume"),
     ],
 )

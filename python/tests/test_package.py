@@ -73,7 +73,7 @@ def test_pickles_hold_no_private_place():
 
 def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
-    heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy"]
+    heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy", "matplotlib"]
     modules = (
         "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
         "wavesplat._looks.largest_body"
@@ -113,7 +113,7 @@ def test_extras_are_installed_from_the_checkout():
     named = {extra for text in texts for extra in re.findall(r'extra="(\w+)"|pip install "\.\[(\w+)\]"', text)}
     project = (root / "pyproject.toml").read_text(encoding="utf-8")
     extras = {name for pair in named for name in pair if name}
-    assert extras == {"annotation", "body", "fit", "mesh"}
+    assert extras == {"body", "figure", "fit", "mesh"}
     assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
 
 

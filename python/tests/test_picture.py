@@ -48,7 +48,7 @@ def test_notebooks_get_a_png():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.jpg", r"as \.jpg; use one of: \.png, \.tif, \.tiff, \.exr: .*a\.jpg$"),
+        ("a.gif", r"as \.gif; use one of: \.png, \.jpg, \.jpeg, \.webp, \.tif, \.tiff, \.exr: .*a\.gif$"),
         ("a", "without a suffix"),
         ("nowhere/a.png", "folder does not exist.*a.png$"),
         ("folder.png", "this is a folder.*folder.png$"),
@@ -65,7 +65,7 @@ def test_devices_are_not_replaced():
         ws.TransferFunction([(0, 1)], [(0, 1, 1, 1)]).save("/dev/null")
 
 
-@pytest.mark.parametrize("suffix", [".png", ".tif", ".exr"])
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".webp", ".tif", ".exr"])
 def test_a_failure_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, suffix):
     from pathlib import Path
 
@@ -87,3 +87,122 @@ def test_bits_are_8_or_16(tmp_path):
         PICTURE.save(tmp_path / "a.png", bits=12)
     with pytest.raises(ArgumentError, match="bits is 12"):
         PICTURE.save(tmp_path / "a.tif", bits=12)
+
+
+def noise(n=40):
+    """Associated floats, with some that are a little more than they may be."""
+    rng = np.random.default_rng(3)
+    rgba = rng.random((n, n, 4), dtype=np.float32)
+    rgba[..., :3] *= rgba[..., 3:] * np.float32(1.05)
+    rgba[0, :, 3] = 0
+    return ws.Picture(rgba)
+
+
+def test_bytes_are_those_of_the_png(tmp_path):
+    picture = noise()
+    picture.save(tmp_path / "a.png")
+    np.testing.assert_array_equal(np.asarray(picture), read_png(tmp_path / "a.png"))
+    np.testing.assert_array_equal(np.asarray(picture.to_pil()), read_png(tmp_path / "a.png"))
+
+
+def test_what_takes_arrays_takes_pictures():
+    from PIL import Image
+
+    picture = noise()
+    shown = np.asarray(picture)
+    assert (shown.dtype, shown.shape) == (np.uint8, (40, 40, 4))
+    assert np.asarray(picture, dtype=np.float32).dtype == np.float32
+    np.testing.assert_array_equal(np.array(picture, dtype=int), shown)
+    assert Image.fromarray(np.asarray(picture)).mode == "RGBA"
+    with pytest.raises(ValueError, match="leave out copy=False"):
+        picture.__array__(copy=False)
+    assert picture.__array__(copy=True).flags.owndata
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".jpeg"])
+def test_jpeg_lies_on_white(tmp_path, suffix):
+    from PIL import Image
+
+    rgba = np.zeros((16, 16, 4), np.float32)
+    rgba[:, 8:] = (0.5, 0, 0, 0.5)
+    ws.Picture(rgba).save(tmp_path / f"a{suffix}", dpi=300)
+    with Image.open(tmp_path / f"a{suffix}") as read:
+        assert (read.format, read.mode, read.info["dpi"]) == ("JPEG", "RGB", (300, 300))
+        assert np.abs(np.asarray(read)[:, 2].astype(int) - 255).max() <= 2
+        assert np.abs(np.asarray(read)[:, 13].astype(int) - (255, 128, 128)).max() <= 2
+
+
+def test_webp_keeps_transparency_and_may_lose_nothing(tmp_path):
+    from PIL import Image
+
+    picture = noise()
+    for quality in (95, 100):
+        picture.save(tmp_path / f"{quality}.webp", quality=quality)
+    with Image.open(tmp_path / "100.webp") as read:
+        got = np.asarray(read)
+        seen = got[..., 3] > 0
+        np.testing.assert_array_equal(got[seen], np.asarray(picture)[seen])
+        np.testing.assert_array_equal(got[..., 3], np.asarray(picture)[..., 3])
+    assert (tmp_path / "95.webp").stat().st_size < (tmp_path / "100.webp").stat().st_size
+
+
+def test_pixels_per_inch_are_in_the_file(tmp_path):
+    from PIL import Image
+
+    for suffix in ("png", "tif"):
+        PICTURE.save(tmp_path / f"a.{suffix}", dpi=600)
+    with Image.open(tmp_path / "a.png") as read:
+        assert read.info["dpi"] == pytest.approx((600, 600), abs=0.1)
+        np.testing.assert_array_equal(np.asarray(read), np.asarray(PICTURE))
+    with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
+        assert tiff.pages[0].get_resolution("INCH") == (600, 600)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [({"dpi": 0}, "dpi is 0; give pixels per inch"), ({"quality": 0}, "quality is 0; give 1 to 100")],
+)
+def test_settings_that_cannot_be(tmp_path, given, message):
+    with pytest.raises(ArgumentError, match=message):
+        PICTURE.save(tmp_path / "a.jpg", **given)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_short_text_says_what_a_picture_is():
+    assert repr(PICTURE) == "Picture(5 x 3 pixels, with depth)"
+    ct = ws.slice(ws.examples.ct_pelvis())
+    assert repr(ct) == "Picture(122 x 101 pixels of 3 mm, with value)"
+    assert (ct.pixel, ct.unit) == (3.0, "mm")
+    assert (PICTURE.pixel, PICTURE.unit) == (None, None)
+
+
+def test_the_systems_viewer_shows_it(monkeypatch):
+    from PIL import ImageShow
+
+    shown = []
+    monkeypatch.setattr(ImageShow, "show", lambda image, title: shown.append((image.size, title)) or True)
+    PICTURE.show()
+    assert shown == [((5, 3), "wavesplat")]
+    monkeypatch.setattr(ImageShow, "show", lambda *_, **__: False)
+    with pytest.raises(ws.errors.LibraryError, match="no viewer of pictures; write a file"):
+        PICTURE.show()
+
+
+def test_axes_of_a_figure_are_the_worlds():
+    volume = ws.Volume(np.arange(60).reshape(3, 4, 5), spacing=(2, 2, 2), unit="um")
+    axes = ws.slice(volume, "axial").figure().axes[0]
+    # Seen from below, as radiologists do: x grows to the left. Samples lie at the middles of pixels.
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (µm)", "y (µm)")
+    assert axes.get_xlim() == (9, -1)
+    assert axes.get_ylim() == (-1, 7)
+    assert PICTURE.figure().axes[0].axison is False
+    seen = ws.Picture(RGBA, report={"pixel": 0.5}).figure().axes[0]
+    assert (seen.get_xlim(), seen.get_ylim(), seen.get_xlabel()) == ((-1.25, 1.25), (-0.75, 0.75), "right")
+
+
+def test_figures_need_matplotlib(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(ws.errors.LibraryError, match=r'matplotlib is not installed.*pip install "\.\[figure\]"'):
+        PICTURE.figure()

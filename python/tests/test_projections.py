@@ -339,7 +339,7 @@ def test_coefficients_project_as_their_samples_do(composite):
     wavelets = ws.WaveletVolume.from_volume(volume, "cdf53")
     numbers = {"x-ray": {"attenuation": (0.0, 1e-3)}, "local-maximum": {"local_threshold": 150.0}}
     draw = {"size": (24, 24), "composite": composite, **numbers.get(composite, {})}
-    camera = ws.Camera.orbit(volume, 30, 20)
+    camera = ws.Camera.orbit(volume, 30, 20, fit="view")
     want = ws.render(volume, GREY, camera, **draw).value
     got = ws.render(wavelets, GREY, camera, **draw).value
     np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-2)

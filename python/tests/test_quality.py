@@ -51,7 +51,7 @@ def scene(request: pytest.FixtureRequest):
 
 def camera(volume: ws.Volume, view: tuple[float, float, float | None]) -> ws.Camera:
     azimuth, elevation, view_angle = view
-    return ws.Camera.orbit(volume, azimuth, elevation, zoom=ZOOM, view_angle=view_angle)
+    return ws.Camera.orbit(volume, azimuth, elevation, zoom=ZOOM, view_angle=view_angle, fit="view")
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -68,7 +68,7 @@ def test_soft_pictures(scene, view, shading, goals_db):
 
 def test_pictures_in_the_usual_light(scene):
     volume, soft, _, _ = scene
-    view = ws.Camera.orbit(volume, 30, 20)
+    view = ws.Camera.orbit(volume, 30, 20, fit="view")
     want = ws.reference.raycast(volume, soft, view, size=(36, 30), step=0.1, rays_per_pixel=9).rgba
     assert psnr_db(ws.render(volume, soft, view, size=(36, 30), quality="high").rgba, want) > 40
 
@@ -86,7 +86,7 @@ def test_hard_pictures(scene, view):
 @pytest.mark.parametrize("view_angle", [None, 25.0])
 def test_a_wanted_psnr_is_reached(scene, view_angle):
     volume, soft, _, _ = scene
-    view = ws.Camera.orbit(volume, 30, 20, view_angle=view_angle)
+    view = ws.Camera.orbit(volume, 30, 20, view_angle=view_angle, fit="view")
     size = (96, 80)
     want = ws.reference.raycast(volume, soft, view, size=size, step=0.05, rays_per_pixel=16, shading=HEADLIGHT).rgba
     effort = []
@@ -117,7 +117,7 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
     volume = make()
     function = ws.TransferFunction(HELD_OUT_CURVES[name][is_hard], curve)
     azimuth, elevation, view_angle = view
-    eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle)
+    eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle, fit="view")
     shown = {"size": (112, 96), "shading": HEADLIGHT}
     # With sixteen rays a pixel the caster has an error of its own, 40 dB where pixels are four samples wide.
     want = ws.render(volume, function, eye, **shown, sheets_per_slice=24, oversampling=8).rgba
@@ -133,10 +133,10 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
 def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
     volume, soft, _, _ = scene
     shown = {"size": (96, 80), "shading": HEADLIGHT}
-    first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20), **shown, psnr=38)
+    first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20, fit="view"), **shown, psnr=38)
     assert json.loads(json.dumps(first.report["measured"])) == first.report["measured"]
     for wanted_db in (38, 44):
-        view = ws.Camera.orbit(volume, 40, 10)
+        view = ws.Camera.orbit(volume, 40, 10, fit="view")
         frame = ws.render(volume, soft, view, **shown, psnr=wanted_db, like=first)
         assert frame.report["expected_psnr_db"] >= wanted_db
         assert frame.report["expected_psnr_spread_db"] > first.report["expected_psnr_spread_db"]

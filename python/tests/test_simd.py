@@ -19,7 +19,7 @@ import hashlib, wavesplat as ws
 volume = ws.examples.ct_pelvis()
 digest = hashlib.sha256()
 for options in ({"composite": "over"}, {"composite": "maximum"}, {"composite": "over", "kernel": "bspline3"}):
-    camera = ws.Camera.orbit(volume, 25, 15, view_angle=30)
+    camera = ws.Camera.orbit(volume, 25, 15, view_angle=30, fit="view")
     picture = ws.render(volume, "ct-soft-tissue", camera, size=(72, 56), **options)
     digest.update(picture.rgba.tobytes())
 print(picture.report["simd"], digest.hexdigest())
@@ -65,6 +65,6 @@ def test_the_hash_is_that_of_this_process():
     volume = ws.examples.ct_pelvis()
     digest = hashlib.sha256()
     for options in ({"composite": "over"}, {"composite": "maximum"}, {"composite": "over", "kernel": "bspline3"}):
-        camera = ws.Camera.orbit(volume, 25, 15, view_angle=30)
+        camera = ws.Camera.orbit(volume, 25, 15, view_angle=30, fit="view")
         digest.update(ws.render(volume, "ct-soft-tissue", camera, size=(72, 56), **options).rgba.tobytes())
     assert _vectors_and_hash(_draw())[1] == digest.hexdigest()

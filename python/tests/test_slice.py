@@ -1,7 +1,6 @@
 """Slices: values, where they lie, what is written on them, and mistakes."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -320,13 +319,6 @@ def test_letters_and_scale_bar_are_drawn_at_the_edges():
 @pytest.mark.parametrize(("most", "length"), [(1, 1), (1.99, 1), (2, 2), (73, 50), (0.04, 0.02), (1000, 1000)])
 def test_scale_bars_are_round(most, length):
     assert annotation.round_length(most) == pytest.approx(length)
-
-
-def test_without_pillow_the_error_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "PIL.Image", None)
-    assert ws.slice(ws.Volume(SAMPLES)).size == (7, 6)
-    with pytest.raises(ws.errors.LibraryError, match=r'PIL is not installed; .*: pip install "\.\[annotation\]"'):
-        ws.slice(ws.Volume(SAMPLES), size=(14, 12), scale_bar=True)
 
 
 @pytest.mark.parametrize("kernel", ["linear", "bspline3"])

@@ -37,7 +37,7 @@ def test_a_picture_of_defaults():
 @pytest.mark.parametrize("standard", BUFFERS)
 @pytest.mark.parametrize("kernel", ["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"])
 def test_every_buffer_and_kernel_draws(standard, kernel):
-    rgba = draw(standard=standard, kernel=kernel, camera=ws.Camera.orbit(VOLUME, 30, 20)).rgba
+    rgba = draw(standard=standard, kernel=kernel, camera=ws.Camera.orbit(VOLUME, 30, 20, fit="view")).rgba
     assert np.isfinite(rgba).all()
     assert rgba.min() >= 0
     assert 0.1 < rgba[..., 3].max() <= 1
@@ -52,7 +52,7 @@ def test_pictures_lie_as_those_of_high_resolution_splatting_do(standard, view_an
     affine = np.array([[0, -1.5, 0, 4], [1.1, 0, 0.2, -9], [0, 0, 2, 1], [0, 0, 0, 1]], float)
     volume = ws.Volume(samples, world_from_index=affine)
     transfer_function = ws.TransferFunction([(0, 0), (255, 1)], [(0, 1, 1, 1)])
-    camera = ws.Camera.orbit(volume, 35, 25)
+    camera = ws.Camera.orbit(volume, 35, 25, fit="view")
     if view_angle is not None:
         camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, view_angle=view_angle)
     options = {"size": (60, 50), "shading": None}

@@ -35,7 +35,7 @@ def ball(n: int = 32, radius: float = 10.0, center: tuple[float, float, float] |
 def ripples():
     """The volume, a camera that sees its sheets obliquely, and the converged picture."""
     volume = ws.examples.ripples(24)
-    camera = ws.Camera.orbit(volume, 35, 30)
+    camera = ws.Camera.orbit(volume, 35, 30, fit="view")
     return (
         volume,
         camera,
@@ -86,7 +86,7 @@ def test_without_slicing_sheets_repeat_slices():
     samples[4] = 1
     volume = ws.Volume(samples)
     curve = ws.TransferFunction([(0.99, 0), (1, 0.5)], [(0, 1, 1, 1)])
-    camera = ws.Camera.orbit(volume, 0, 90)
+    camera = ws.Camera.orbit(volume, 0, 90, fit="view")
     opacity = {}
     for sliced in (True, False):
         options = {"sheets_per_slice": 10, "shading": None, "size": (9, 9)}
@@ -119,7 +119,7 @@ def lit_ball(gradient: str, offset: float, *, light: tuple[float, float, float] 
     volume = ball()
     shading = ws.Shading.headlight(gradient_offset=offset, lights=[ws.Light(light)], **DIFFUSE)
     surface = ws.TransferFunction([(100, 0), (101, 1)], [(0, 1, 1, 1)])
-    camera = ws.Camera.orbit(volume, 0, 0, zoom=2.5)
+    camera = ws.Camera.orbit(volume, 0, 0, zoom=2.5, fit="view")
     options = {"size": (97, 97), "sheets_per_slice": 8, "shading": shading}
     return splat(volume, surface, camera, ablation=Ablation(gradient=gradient), **options).rgba[..., 0]
 
@@ -195,7 +195,7 @@ def ramp_values(footprint: str) -> np.ndarray:
     """The mean colour along z of a volume that rises evenly along x, at eight texels a sample; half the samples."""
     samples = np.broadcast_to(np.arange(24, dtype=np.float32), (16, 24, 24))
     volume = ws.Volume(np.ascontiguousarray(samples))
-    camera = ws.Camera.orbit(volume, 0, 90)
+    camera = ws.Camera.orbit(volume, 0, 90, fit="view")
     camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, parallel_scale=6.0)
     # So thin that all sheets count much the same.
     grey = ws.TransferFunction([(0, 0.01)], [(0, 0, 0, 0), (24, 1, 1, 1)])
@@ -236,7 +236,7 @@ def test_noise_repeats_whatever_the_threads(ripples):
     noise = {"footprint": "nearest-noise", "footprint_entries": 3}
     for view_angle in (None, 40.0):
         volume = ripples[0]
-        camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle)
+        camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle, fit="view")
         pictures = [draw((volume, camera, None), ablation=noise, threads=threads).rgba for threads in (1, 2, 2)]
         assert pictures[0].tobytes() == pictures[1].tobytes() == pictures[2].tobytes()
     assert psnr_db(draw(ripples, ablation=noise), draw(ripples, ablation=noise | {"footprint": "nearest"})) < 60
@@ -246,7 +246,7 @@ def test_holes_stay_holes_with_any_weights():
     samples = np.full((12, 12, 12), 100.0, np.float32)
     samples[4:8, 4:8, 4:8] = np.nan
     volume = ws.Volume(samples)
-    camera = ws.Camera.orbit(volume, 20, 10)
+    camera = ws.Camera.orbit(volume, 20, 10, fit="view")
     shown = {}
     for footprint in ("exact", "nearest", "nearest-noise"):
         ablation = Ablation(footprint=footprint, footprint_entries=16)
@@ -264,7 +264,7 @@ def test_holes_stay_holes_with_any_weights():
 @pytest.mark.parametrize("view_angle", [None, 40.0])
 def test_without_an_ablation_it_is_the_renderer_with_plain_sheets(ripples, view_angle):
     volume = ripples[0]
-    camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle)
+    camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle, fit="view")
     plain = {"pre_integration": False, "early_ray_termination": False, "sheets_per_slice": 2, "oversampling": 1}
     cut = {"crop": ws.Crop((3, 3, 3), (20.5, 19, 18), space="index"), "clip_planes": [((11, 11, 11), (1, 2, 1))]}
     for options in ({}, {"kernel": "bspline3"}, {"shading": None}, {"kernel": "catmull-rom"}, cut):
@@ -293,7 +293,7 @@ def test_every_view_draws_every_ablation(change):
     volume = ws.examples.ripples(12)
     # Coarse texels, wide sheets and the eye inside the volume are where offsets in texels are far or vanish.
     for camera, sheets in (
-        (ws.Camera.orbit(volume, 35, 30), 0.1),
+        (ws.Camera.orbit(volume, 35, 30, fit="view"), 0.1),
         (ws.Camera((5, 5.2, 5.1), (11, 9, 8), (0, 0, 1), view_angle=100), 3),
     ):
         options = {"size": (17, 13), "sheets_per_slice": sheets, "oversampling": 0.3, "kernel": "catmull-rom"}

@@ -31,7 +31,7 @@ def test_pictures_agree_with_direct_evaluation():
     tf = ws.TransferFunction2D.boundaries(
         [(-100, 6.0, 20, "#e0a080", 0.1), (250, 6.0, 40, "#fff2d9", 0.3)], opacity_unit=3.0
     )
-    camera = ws.Camera.orbit(volume, 30, 20, zoom=5)
+    camera = ws.Camera.orbit(volume, 30, 20, zoom=5, fit="view")
     want = ws.reference.raycast(volume, tf, camera, size=(32, 32), step=0.1, rays_per_pixel=9)
     got = ws.render(volume, tf, camera, size=(32, 32), sheets_per_slice=12, oversampling=3)
     assert want.rgba[..., 3].max() > 0.5
@@ -64,7 +64,7 @@ def test_bad_tables_are_refused():
 
 def test_occlusion_and_shadow_only_take_light_away():
     volume = ws.examples.ct_pelvis()
-    view = {"camera": ws.Camera.orbit(volume, 30, 20), "size": (96, 96)}
+    view = {"camera": ws.Camera.orbit(volume, 30, 20, fit="view"), "size": (96, 96)}
     lights = [ws.Light((-1, 1, 1))]
     bright = ws.render(volume, "ct-bone", shading=ws.Shading(lights=lights), **view).rgba
     for held_off in ({"ambient_occlusion": 0.8}, {"shadow": 0.8}, {"ambient_occlusion": 0.8, "shadow": 0.8}):

@@ -68,7 +68,7 @@ def test_the_picture_is_that_of_the_samples(textured, family, threshold):
         for kernel, limit in [("linear", 0.0), ("catmull-rom", 0.0), ("bspline3", 1e-4)]:
             # Along z and x: slices as they lie in memory, and turned.
             for azimuth, elevation in [(10, 80), (75, 10)]:
-                camera = ws.Camera.orbit(textured, azimuth, elevation)
+                camera = ws.Camera.orbit(textured, azimuth, elevation, fit="view")
                 check_same(wavelets, samples, limit, camera=camera, kernel=kernel)
 
 
@@ -105,7 +105,9 @@ def test_every_way_of_drawing_is_that_of_the_samples(textured, draw, cache_bytes
     if draw.get("composite", "over") != "over":
         draw = {**draw, "look": sharp}
     for view_angle in (None, 40):
-        check_same(wavelets, samples, camera=ws.Camera.orbit(textured, 40, 35, view_angle=view_angle), **draw)
+        check_same(
+            wavelets, samples, camera=ws.Camera.orbit(textured, 40, 35, view_angle=view_angle, fit="view"), **draw
+        )
 
 
 @pytest.mark.parametrize("shape", [(2, 2, 2), (2, 3, 40), (33, 2, 5)])
@@ -114,7 +116,7 @@ def test_thin_volumes_are_drawn(shape, family):
     """Smaller than a block, and axes that are split up before the others."""
     samples = np.random.default_rng(1).uniform(0, 100, shape).astype(np.float32)
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(samples), family)
-    camera = ws.Camera.orbit(wavelets, 30, 40)
+    camera = ws.Camera.orbit(wavelets, 30, 40, fit="view")
     check_same(wavelets, wavelets.to_volume(), camera=camera, shading=None)
     for drop_levels in range(wavelets.n_levels + 1):
         # The texels of a coarse level would be larger than the volume. What is left of noise has hardly any slopes.
@@ -128,7 +130,7 @@ def test_thin_volumes_are_drawn(shape, family):
 def test_all_bands_are_the_volume_and_sums_of_bands_are_sums_of_pictures(textured, family):
     """A projection that sums is linear in the samples."""
     wavelets = ws.WaveletVolume.from_volume(textured, family, threshold=5, levels=3)
-    camera = ws.Camera.orbit(textured, 20, 30)
+    camera = ws.Camera.orbit(textured, 20, 30, fit="view")
     draw = {"look": SOFT, "camera": camera, "size": (32, 32)}
     whole = ws.render(wavelets, **draw).rgba
     assert np.array_equal(ws.render(wavelets, band_weights=[1.0] * 4, **draw).rgba, whole)
@@ -160,7 +162,7 @@ def test_a_level_fills_the_same_box(family, shape):
     curve = ws.TransferFunction([(0, 0.03)], [(0, 1.0, 0.5, 0.2)])
     # In perspective the finest pixels have texels that are coarser than they by 1.4.
     for view_angle, oversampling in ((None, 1.0), (50, 1.4)):
-        camera = ws.Camera.orbit(fog, 30, 25, view_angle=view_angle)
+        camera = ws.Camera.orbit(fog, 30, 25, view_angle=view_angle, fit="view")
         size = {"size": (48, 48), "oversampling": oversampling}
         draw = {"look": curve, "camera": camera, "shading": None, **size}
         want = ws.render(fog, **draw).rgba
@@ -179,7 +181,7 @@ def test_a_crop_of_a_level_is_that_of_the_world(textured, family):
     low, high = 0.21 * size, 0.73 * size
     upright = ws.Volume(textured.samples, spacing=(1.0, 0.8, 1.3))
     wavelets = ws.WaveletVolume.from_volume(upright, family, threshold=2)
-    camera = ws.Camera.orbit(upright, 30, 25)
+    camera = ws.Camera.orbit(upright, 30, 25, fit="view")
     index = ws.Crop(low, high, space="index")
     world = ws.Crop(low * upright.spacing, high * upright.spacing)
     for drop_levels in range(4):
@@ -214,7 +216,7 @@ def test_levels_keep_what_is_thin(scans, family, name):
     least = {"ct": 200.0, "mri": 50.0}[name]
     solid = ws.TransferFunction([(least, 0.0), (least + 1, 0.8)], [(0, 1.0, 1.0, 1.0)])
     wavelets = ws.WaveletVolume.from_volume(scans[name], family)
-    draw = {"look": solid, "camera": ws.Camera.orbit(scans[name]), "size": (96, 96), "shading": None}
+    draw = {"look": solid, "camera": ws.Camera.orbit(scans[name], fit="view"), "size": (96, 96), "shading": None}
     whole = ws.render(wavelets, **draw).rgba[..., 3].mean()
     level = ws.render(wavelets, drop_levels=2, **draw).rgba[..., 3].mean()
     blurred = ws.render(wavelets.to_volume(drop_levels=2), **draw).rgba[..., 3].mean()
@@ -229,7 +231,12 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(walls), "cdf53")
     smooth = ws.TransferFunction([(60, 0), (200, 0.5)], [(0, 1, 1, 1)], 1.0)
     # A second level has 27 texels across: half as many beat with the walls.
-    draw = {"look": smooth, "size": (128, 128)}
+    draw = {
+        "look": smooth,
+        "camera": ws.Camera.orbit(wavelets, fit="view"),
+        "size": (128, 128),
+        "shading": ws.Shading.headlight(),
+    }
     assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
     pictures = [ws.render(wavelets, drop_levels=k, **draw) for k in range(3)]
     assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]

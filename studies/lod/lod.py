@@ -140,7 +140,9 @@ def draw(
     volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
 ) -> Array:
     """RGB, 0..1."""
-    picture = ws.render(volume, tf, ws.Camera.orbit(camera_of or volume, *view), size=(size, size), **options)
+    picture = ws.render(
+        volume, tf, ws.Camera.orbit(camera_of or volume, *view, fit="view"), size=(size, size), **options
+    )
     return np.clip(picture.rgba[..., :3], 0.0, 1.0).astype(np.float64)
 
 
@@ -160,7 +162,7 @@ def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) 
 
     The least of some rounds, so that a slow spell of the machine does not meet all frames of a level.
     """
-    camera = ws.Camera.orbit(wavelets, *VIEWS[0])
+    camera = ws.Camera.orbit(wavelets, *VIEWS[0], fit="view")
     frame = partial(ws.render, wavelets, tf, camera, size=(size, size))
     n_dropped = [*range(MOST_DROPPED + 1), wavelets.n_levels]
     rounds = [[least_ms(partial(frame, drop_levels=n)) for n in n_dropped] for _ in range(4)]

@@ -95,7 +95,7 @@ def scene_of(name: str, curve: str, volume: ws.Volume, size_px: int) -> dict[str
     drawn = SUBJECTS[name]
     return {
         "transfer_function": transfer_function(name, curve),
-        "camera": ws.Camera.orbit(volume, *drawn.view),
+        "camera": ws.Camera.orbit(volume, *drawn.view, fit="view"),
         "size": (size_px, size_px),
         "crop": drawn.crop,
     }
@@ -181,7 +181,7 @@ def against_signal(view: str, curve: str, size_px: int) -> Signal:
     """Every kernel by every way, compared with the signal."""
     started = time.monotonic()
     volume = ws.examples.ripples(N_RIPPLES)
-    camera = ws.Camera.orbit(volume, *SIGNAL_VIEWS[view])
+    camera = ws.Camera.orbit(volume, *SIGNAL_VIEWS[view], fit="view")
     tf = transfer_function("ripples", curve)
     is_hard = curve == "hard"
     # A tenth of a sample distance is a sixteenth of the shortest wave; surfaces are refined by bisection.
@@ -212,7 +212,7 @@ def angles() -> dict[str, list[float]]:
     found: dict[str, list[float]] = {label: [] for label in ways}
     for angle in ANGLES:
         scene = scene_of("mri", "soft", volume, ANGLE_SIZE_PX)
-        scene["camera"] = ws.Camera.orbit(volume, 0, angle)
+        scene["camera"] = ws.Camera.orbit(volume, 0, angle, fit="view")
         wanted = rgb(entries.RAYS[1].draw(volume, scene).rgba).mean()
         for label, entry in ways.items():
             found[label].append(100 * float(rgb(entry.draw(volume, scene).rgba).mean() / wanted))

@@ -118,7 +118,7 @@ class Case:
         volume = loaded(self.volume)
         opacity, color = CURVES[self.volume, self.curve]
         azimuth, elevation = next((a, e) for name, a, e in VIEWS if name == self.view)
-        camera = ws.Camera.orbit(volume, azimuth, elevation, view_angle=PROJECTIONS[self.projection])
+        camera = ws.Camera.orbit(volume, azimuth, elevation, view_angle=PROJECTIONS[self.projection], fit="view")
         return volume, ws.TransferFunction(opacity, color), camera, ws.Shading.headlight() if self.shaded else None
 
 

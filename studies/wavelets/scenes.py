@@ -151,7 +151,7 @@ def camera_along_z(volume: ws.Volume) -> ws.Camera:
 def drawing(name: str, scene: Scene, size_px: int) -> dict[str, Any]:
     """What `render` and `raycast` take besides the volume."""
     volume, drawn = loaded(name), SUBJECTS[name].drawn
-    camera = camera_along_z(volume) if scene.along_z else ws.Camera.orbit(volume, *drawn.view)
+    camera = camera_along_z(volume) if scene.along_z else ws.Camera.orbit(volume, *drawn.view, fit="view")
     return {
         "transfer_function": transfer_function(name, scene.curve),
         "camera": camera,

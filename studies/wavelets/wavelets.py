@@ -422,7 +422,7 @@ def band_sheet(size_px: int, folder: Path) -> None:
     """A crack that the whole picture hides: the finest two bands alone, and over the whole."""
     volume = cracked_bar()
     wavelets = ws.WaveletVolume.from_volume(volume)
-    camera = ws.Camera.orbit(volume, -35, 35)
+    camera = ws.Camera.orbit(volume, -35, 35, fit="view")
     gray = ws.TransferFunction(
         [(60, 0), (150, 0.03), (255, 0.12)], [(60, 0.5, 0.55, 0.65), (160, 0.8, 0.82, 0.86), (255, 1, 1, 1)]
     )

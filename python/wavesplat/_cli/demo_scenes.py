@@ -66,7 +66,9 @@ def draw(folder: Path) -> Iterator[Path]:
         check_output(path, "pictures")
     for scene, path in zip(SCENES, paths, strict=True):
         volume = scene.volume()
-        camera = Camera.orbit(volume, scene.azimuth, scene.elevation, view_angle=scene.view_angle, zoom=scene.zoom)
+        camera = Camera.orbit(
+            volume, scene.azimuth, scene.elevation, view_angle=scene.view_angle, zoom=scene.zoom, fit="view"
+        )
         picture = render(
             volume,
             scene.preset,

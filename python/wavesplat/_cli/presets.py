@@ -29,7 +29,7 @@ def presets(
     ] = None,
     *,
     sheet: Annotated[
-        Path | None, typer.Option(metavar="OUT", help="Draw the volume with each of these: .png, .tif or .exr.")
+        Path | None, typer.Option(metavar="OUT", help="Draw the volume with each of these: .png, .jpg, ...")
     ] = None,
     size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels of each picture.")] = "320x320",
     reader: ReaderOptions,

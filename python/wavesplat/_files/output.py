@@ -25,7 +25,7 @@ Kind: TypeAlias = Literal["pictures", "meshes", "wavelet coefficients"]
 
 #: What each kind of result is written as; the suffix chooses the format.
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
-    "pictures": (".png", ".tif", ".tiff", ".exr"),
+    "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr"),
     "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
     "wavelet coefficients": (".wavelets",),
 }

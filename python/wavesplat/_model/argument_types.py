@@ -146,6 +146,7 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     # Names of files may hold bytes that are no text.
     "str | PathLike[str]": (lambda value: isinstance(value, str | os.PathLike), "the name of a file or folder"),
     "Grid": (_is_a("Grid"), VOLUME),
+    "Bounded": (lambda value: hasattr(value, "bounds"), ""),
     "Volume": (_is_a("Volume"), VOLUME),
     "WaveletVolume": (_is_a("WaveletVolume"), ""),
     "Picture": (_is_a("Picture"), "a wavesplat.Picture"),

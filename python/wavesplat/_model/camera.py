@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from math import atan, cos, degrees, dist, hypot, isfinite, radians, sin, tan
+from math import dist, hypot, radians, tan
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wavesplat import _native
-from wavesplat._model import affine
+from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.camera_fit import Bounded, Fit
 from wavesplat._model.options import VIEWS
-from wavesplat._model.vectors import FARTHEST, Vector, check_magnitude, vector
+from wavesplat._model.vectors import FARTHEST, Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -63,7 +65,7 @@ class Camera:
     view_up: Vector
     parallel_scale: float | None
     view_angle: float | None
-    _core: _native.Camera = field(repr=False, compare=False)
+    _core: _native.Camera = field(init=False, repr=False, compare=False)
 
     @takes_its_types
     def __init__(
@@ -91,7 +93,7 @@ class Camera:
     @takes_its_types
     def orbit(
         cls,
-        volume: Grid,
+        volume: Grid | Bounded,
         azimuth: float = 0.0,
         elevation: float = 0.0,
         *,
@@ -99,12 +101,13 @@ class Camera:
         view_angle: float | None = None,
         aspect: float = 1.0,
         points: ArrayLike | None = None,
+        fit: Fit = "turn",
     ) -> Camera:
-        """Camera on a circle around the volume, with the whole volume just in view.
+        """Camera on a sphere around the volume, at one scale from everywhere, with the whole volume in view.
 
         Parameters
         ----------
-        volume : Volume or WaveletVolume
+        volume : Volume, WaveletVolume or Scene
             What to look at; the middle of its box is the focal point.
         azimuth : float, degrees
             0 is the anterior view: the eye on +y of the RAS world, looking towards -y, +z up.
@@ -120,6 +123,9 @@ class Camera:
             Width over height of the picture that the volume must fit.
         points : array, shape (n, 3), optional
             What must be in view instead of the corners of the volume's box, world positions.
+        fit : "turn" or "view", default "turn"
+            "turn": scale and distance are those at which the volume is in view from every azimuth and elevation, so
+            frames of a turn can be compared. "view": as near as this one view allows.
 
         Raises
         ------
@@ -133,39 +139,30 @@ class Camera:
         >>> eye = ws.Camera.orbit(volume, azimuth=90)  # from the patient's left
         >>> eye.position[0] < eye.focal_point[0]
         True
+        >>> eye.parallel_scale == ws.Camera.orbit(volume, azimuth=45).parallel_scale
+        True
         """
-        _check_orbit(azimuth, elevation, zoom, view_angle, aspect)
-        axes = _orbit_axes(azimuth, elevation)
-        corners = affine.box_corners(volume.world_from_index, volume.shape)
-        shown = corners if points is None else _checked_points(points)
-        if points is None:
-            center = (corners.min(axis=0) + corners.max(axis=0)) / 2
-        else:
-            # The middle of what is seen from there.
-            seen = shown @ axes.T
-            center = (seen.min(axis=0) + seen.max(axis=0)) / 2 @ axes
-        in_view = (shown - center) @ axes.T
-        if view_angle is None:
-            beyond = (corners - center) @ axes.T
-            distance = float(np.ptp(beyond[:, 2]))  # clear of the box, so that depths are positive
-            half_height = np.maximum(np.abs(in_view[:, 1]), np.abs(in_view[:, 0]) / aspect).max()
-            parallel_scale, narrowed_angle = float(half_height) / zoom, None
-        else:
-            distance = _distance_that_fits(in_view, view_angle, aspect)
-            parallel_scale, narrowed_angle = None, degrees(2 * atan(tan(radians(view_angle) / 2) / zoom))
-        eye = center + distance * axes[2]
-        return cls(eye, center, axes[1], parallel_scale=parallel_scale, view_angle=narrowed_angle)
+        camera_fit.check_angles(azimuth=azimuth, elevation=elevation)
+        axes = camera_fit.orbit_axes(azimuth, elevation)
+        lens: Any = {"zoom": zoom, "view_angle": view_angle, "aspect": aspect}
+        return cls._placed(axes, volume, points=points, fit=fit, **lens)
 
     @classmethod
     @takes_its_types
     def view(
-        cls, volume: Grid, name: str, *, zoom: float = 1.0, view_angle: float | None = None, aspect: float = 1.0
+        cls,
+        volume: Grid | Bounded,
+        name: str,
+        *,
+        zoom: float = 1.0,
+        view_angle: float | None = None,
+        aspect: float = 1.0,
     ) -> Camera:
         """Camera of a named view, with the whole volume just in view.
 
         Parameters
         ----------
-        volume : Volume or WaveletVolume
+        volume : Volume, WaveletVolume or Scene
             What to look at.
         name : str
             "anterior", "posterior", "left", "right", "superior" or "inferior": where the eye is.
@@ -189,7 +186,273 @@ class Camera:
         if name not in VIEWS:
             raise ArgumentError(f"unknown view {name!r}; use one of: {', '.join(VIEWS)}")
         azimuth, elevation = VIEWS[name]
-        return cls.orbit(volume, azimuth, elevation, zoom=zoom, view_angle=view_angle, aspect=aspect)
+        return cls.orbit(volume, azimuth, elevation, zoom=zoom, view_angle=view_angle, aspect=aspect, fit="view")
+
+    @takes_its_types
+    def turned(self, azimuth: float = 0.0, elevation: float = 0.0, roll: float = 0.0) -> Camera:
+        """The camera after a turn about its focal point; scale and distance stay.
+
+        Parameters
+        ----------
+        azimuth : float, degrees
+            About the world's +z, as in `Camera.orbit`: from a patient's front towards the left.
+        elevation : float, degrees
+            Lifts the eye towards the top of the picture; the up direction turns along, past 90 degrees too.
+        roll : float, degrees
+            Turns the eye clockwise about the line of sight, and so what is seen anticlockwise.
+
+        Raises
+        ------
+        ArgumentError
+            If an angle is not a finite number.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> volume = ws.examples.ripples(8)
+        >>> front = ws.Camera.view(volume, "front")
+        >>> front.turned(azimuth=90).view_up, front.turned(azimuth=90).parallel_scale == front.parallel_scale
+        ((0.0, 0.0, 1.0), True)
+        """
+        camera_fit.check_angles(azimuth=azimuth, elevation=elevation, roll=roll)
+        if azimuth == elevation == roll == 0:
+            return self
+        right, up, back = camera_fit.axes_of(self)
+        s, c = camera_fit.sin_cos_deg(elevation)
+        up, back = c * up - s * back, s * up + c * back
+        s, c = camera_fit.sin_cos_deg(roll)
+        up = c * up + s * right
+        s, c = camera_fit.sin_cos_deg(azimuth)
+        about_z = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        up, back = about_z @ up + 0.0, about_z @ back + 0.0
+        eye = self.focal_point + dist(self.position, self.focal_point) * back
+        return replace(self, position=eye, view_up=up)
+
+    @takes_its_types
+    def zoomed(self, factor: float) -> Camera:
+        """The camera that shows everything so many times as large; in perspective by a narrower angle, the eye stays.
+
+        Parameters
+        ----------
+        factor : float
+            2 shows half as much, twice as large.
+
+        Raises
+        ------
+        ArgumentError
+            If the factor is not a positive number.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), parallel_scale=100).zoomed(4).parallel_scale
+        25.0
+        """
+        camera_fit.check_lens(factor, None, 1.0)
+        if self.view_angle is not None:
+            return replace(self, view_angle=camera_fit.narrowed(self.view_angle, factor))
+        return replace(self, parallel_scale=(self.parallel_scale or 0.0) / factor)
+
+    @takes_its_types
+    def fitted(
+        self, volume: Grid | Bounded, *, aspect: float = 1.0, zoom: float = 1.0, points: ArrayLike | None = None
+    ) -> Camera:
+        """The camera in the same direction, with the same kind of lens, from where all of a volume is just in view.
+
+        Parameters
+        ----------
+        volume : Volume, WaveletVolume or Scene
+            What to look at; its middle is the new focal point.
+        aspect : float, default 1
+            Width over height of the picture that it must fit.
+        zoom : float, default 1
+            Magnification beyond that.
+        points : array, shape (n, 3), optional
+            What must be in view instead of the corners of the volume's box, world positions.
+
+        Raises
+        ------
+        ArgumentError
+            If a number is out of range.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> volume = ws.examples.ripples(8)
+        >>> somewhere = ws.Camera((0, 900, 0), (0, 0, 0), (0, 0, 1), parallel_scale=5)
+        >>> somewhere.fitted(volume) == ws.Camera.view(volume, "front")
+        True
+        """
+        axes = camera_fit.axes_of(self)
+        lens: Any = {"zoom": zoom, "view_angle": self.view_angle, "aspect": aspect}
+        return self._placed(axes, volume, points=points, fit="view", **lens)
+
+    @classmethod
+    @takes_its_types
+    def interpolate(cls, cameras: Sequence[Camera], n: int, *, closed: bool = False) -> list[Camera]:
+        """Cameras on a smooth way through key frames.
+
+        The direction turns without a jerk at the keys; focal point, distance and scale change evenly from key to key
+        (the last two by factors) and never overshoot.
+
+        Parameters
+        ----------
+        cameras : sequence of Camera
+            Key frames, as far in time from each other; all orthographic or all in perspective.
+        n : int
+            How many cameras. The first is the first key, and the last the last one.
+        closed : bool
+            Go on from the last key to the first one: the way repeats after `n` cameras without showing one twice.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no key, or keys are of different kinds.
+
+        Notes
+        -----
+        Between two keys that look in opposite directions both ways round are as long: the azimuth grows.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> volume = ws.examples.ripples(8)
+        >>> keys = [ws.Camera.orbit(volume, 0), ws.Camera.orbit(volume, 90, 20)]
+        >>> way = ws.Camera.interpolate(keys, 5)
+        >>> len(way), way[0] == keys[0], way[4] == keys[1]
+        (5, True, True)
+        """
+        from wavesplat._model import camera_path
+
+        return camera_path.evenly(cameras, n, closed=closed)
+
+    def as_json(self) -> dict[str, Any]:
+        """The camera as an object that `json` can write, which `from_json` reads back exactly.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), view_angle=30).as_json()["view_angle"]
+        30.0
+        """
+        from wavesplat._model import camera_json
+
+        return camera_json.fields_of(self)
+
+    @classmethod
+    @takes_its_types
+    def from_json(cls, document: Mapping[str, Any] | str) -> Camera:
+        """The camera that an object, or its JSON text, describes, as `as_json` writes it.
+
+        Parameters
+        ----------
+        document : dict or str
+            With `version` 1, `position`, `focal_point` and `view_up`, and `parallel_scale` or `view_angle`.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no such object; the message names the field.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> camera = ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), view_angle=30)
+        >>> ws.Camera.from_json(camera.as_json()) == camera
+        True
+        """
+        from wavesplat._model import camera_json
+
+        if isinstance(document, str):
+            return camera_json.parse(document)
+        if not isinstance(document, Mapping):
+            raise ArgumentError(f"document is {described(document)}; give the object or the JSON text of a camera")
+        return camera_json.build(dict(document))
+
+    @takes_its_types
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the camera to a JSON file.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; nothing is left behind.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> camera = ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), view_angle=30)
+        >>> camera.save("camera.json")
+        >>> ws.Camera.load("camera.json") == camera
+        True
+        """
+        from wavesplat._files import json_object
+        from wavesplat._model import camera_json
+
+        json_object.save(path, camera_json.write(self))
+
+    @classmethod
+    @takes_its_types
+    def load(cls, path: str | PathLike[str]) -> Camera:
+        """The camera in a JSON file, as `save` writes it.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read.
+        ArgumentError
+            If it does not describe a camera; the message names the field.
+        """
+        from wavesplat._files import json_object
+        from wavesplat._model import camera_json
+
+        return json_object.load(path, "camera", camera_json.parse)
+
+    @classmethod
+    @takes_its_types
+    def from_pyvista(
+        cls, source: Any, *, view_angle: float | None = None, parallel_scale: float | None = None
+    ) -> Camera:
+        """The camera of a PyVista or VTK window: the same view, in world coordinates.
+
+        Parameters
+        ----------
+        source : Plotter, Camera, vtkCamera or camera position
+            A plotter or its camera, whose lens is taken too; or (position, focal point, up), three numbers each.
+        view_angle : float, degrees, optional
+            Perspective with this vertical angle; None is the source's own, 30 of a camera position alone.
+        parallel_scale : float, optional
+            Orthographic, instead.
+
+        Raises
+        ------
+        ArgumentError
+            If it is none of these.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> cpos = [(0, 500, 0), (0, 0, 0), (0, 0, 1)]  # plotter.camera_position
+        >>> ws.Camera.from_pyvista(cpos).view_angle
+        30.0
+        """
+        from wavesplat._model import camera_vtk
+
+        return camera_vtk.camera_of(source, view_angle, parallel_scale)
+
+    @property
+    def cpos(self) -> tuple[Vector, Vector, Vector]:
+        """Position, focal point and up: what PyVista's `plotter.camera_position` takes.
+
+        The lens is beside it: `plotter.camera.view_angle`, or `parallel_scale` with `parallel_projection`.
+        """
+        return self.position, self.focal_point, self.view_up
+
+    @classmethod
+    def _placed(cls, axes: camera_fit.Vectors, volume: Grid | Bounded, **options: Any) -> Camera:
+        eye = camera_fit.placed(axes, volume, **options)
+        lens = {"parallel_scale": eye.parallel_scale, "view_angle": eye.view_angle}
+        return cls(eye.position, eye.focal_point, axes[1], **lens)
 
     def __reduce__(self) -> tuple[Any, ...]:
         lens = partial(type(self), parallel_scale=self.parallel_scale, view_angle=self.view_angle)
@@ -198,7 +461,7 @@ class Camera:
 
 def checked_lens(zoom: float, view_angle: float | None) -> None:
     """Refuse a magnification or an angle of view that cannot be."""
-    _check_orbit(0.0, 0.0, zoom, view_angle, 1.0)
+    camera_fit.check_lens(zoom, view_angle, 1.0)
 
 
 def check_view(camera: Camera, volume: Grid) -> None:
@@ -240,52 +503,3 @@ def check_place(volume: Grid) -> tuple[list[Vector], Vector]:
     ]
     x, y, z = (rows[axis][3] + sum(edge[axis] for edge in edges) / 2 for axis in range(3))
     return edges, (x, y, z)
-
-
-def _checked_points(points: ArrayLike) -> NDArray[np.float64]:
-    try:
-        shown = np.array(points, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        shown = np.empty(0)
-    if shown.ndim != 2 or shown.shape[1] != 3 or not len(shown) or not np.isfinite(shown).all():
-        raise ArgumentError(f"points is {described(points)}; give finite world positions, shape (n, 3), at least one")
-    return shown
-
-
-def _check_orbit(azimuth: float, elevation: float, zoom: float, view_angle: float | None, aspect: float) -> None:
-    for name, angle in (("azimuth", azimuth), ("elevation", elevation)):
-        if not isfinite(angle):
-            raise ArgumentError(f"{name} is {angle}; give a finite number of degrees")
-    for name, ratio in (("zoom", zoom), ("aspect", aspect)):
-        if not (isfinite(ratio) and ratio > 0):
-            raise ArgumentError(f"{name} is {ratio}; give a positive finite number, 1 is neutral")
-        check_magnitude(ratio, name)
-    if view_angle is not None and not 0 < view_angle < 180:
-        raise ArgumentError(f"view_angle is {view_angle}; give degrees between 0 and 180, 30 is usual")
-
-
-def _orbit_axes(azimuth: float, elevation: float) -> NDArray[np.float64]:
-    """Rows: right, up, and back (towards the eye) of a camera on the orbit, in the world."""
-    sin_a, cos_a = _sin_cos_deg(azimuth)
-    sin_e, cos_e = _sin_cos_deg(elevation)
-    back = (-sin_a * cos_e, cos_a * cos_e, sin_e)
-    up = (sin_a * sin_e, -cos_a * sin_e, cos_e)  # the derivative of `back` by the elevation
-    # Adding 0.0 turns -0.0 into 0.0, which prints better.
-    return np.array([np.cross(up, back), up, back]) + 0.0
-
-
-def _sin_cos_deg(angle: float) -> tuple[float, float]:
-    """Sine and cosine, exact at quarter turns, so that the named views look straight along an axis."""
-    quarters, rest = divmod(angle, 90.0)
-    s, c = sin(radians(rest)), cos(radians(rest))
-    return ((s, c), (c, -s), (-s, -c), (-c, s))[int(quarters) % 4]
-
-
-def _distance_that_fits(in_view: NDArray[np.float64], view_angle: float, aspect: float) -> float:
-    """Smallest distance of the eye from the middle at which every corner is inside the view.
-
-    A corner (u, v, w) is seen from distance d at v / (d - w), which must not exceed the tangent of half the angle.
-    """
-    slope = tan(radians(view_angle) / 2)
-    u, v, w = in_view.T
-    return float((w + np.maximum(np.abs(v), np.abs(u) / aspect) / slope).max())

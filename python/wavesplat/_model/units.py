@@ -9,7 +9,7 @@ from __future__ import annotations
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["METRES", "canonical", "checked", "in_one_unit", "metres", "shown"]
+__all__ = ["METRES", "canonical", "checked", "in_one_unit", "metres", "shown", "written"]
 
 #: What we call a unit -> its size in metres.
 METRES = {
@@ -147,4 +147,9 @@ def shown(length: float, unit: str | None) -> str:
         number = float(f"{length * size / METRES[name]:.9g}")
         if number >= 1:
             break
-    return f"{number:g} {name.replace('um', 'µm')}"
+    return f"{number:g} {written(name)}"
+
+
+def written(unit: str) -> str:
+    """A unit's sign, as print has it."""
+    return {"um": "µm", "angstrom": "Å"}.get(unit, unit)

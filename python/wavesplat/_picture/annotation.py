@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import library
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -112,14 +111,13 @@ class _Pen:
 
 
 def _drawn(rgba: Rgba, draw: Callable[[Any, Any, int], None]) -> Rgba:
-    image, image_draw, image_font = (
-        library(f"PIL.{name}", extra="annotation") for name in ("Image", "ImageDraw", "ImageFont")
-    )
+    from PIL import Image, ImageDraw, ImageFont
+
     height, width = rgba.shape[:2]
     text_px = int(np.clip(round(min(width, height) * TEXT_SHARE), *TEXT_PX))
-    strokes, outlined = (image.new("L", (width, height)) for _ in range(2))
-    pen = _Pen(image_draw.Draw(strokes), image_draw.Draw(outlined), outline_px=max(1, text_px // 12))
-    draw(pen, image_font.load_default(text_px), max(2, text_px // 4))
+    strokes, outlined = (Image.new("L", (width, height)) for _ in range(2))
+    pen = _Pen(ImageDraw.Draw(strokes), ImageDraw.Draw(outlined), outline_px=max(1, text_px // 12))
+    draw(pen, ImageFont.load_default(text_px), max(2, text_px // 4))
     for mask, ink in ((outlined, (0, 0, 0, 1)), (strokes, (1, 1, 1, 1))):
         share = np.asarray(mask)[..., None] / 255
         rgba = (rgba * (1 - share) + share * np.array(ink)).astype(np.float32)

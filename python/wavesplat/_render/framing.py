@@ -80,7 +80,14 @@ def framed(
         whole = [_corners(volume, _inside(volume, None)) for volume, _ in parts]
         points = np.concatenate([a if b is None else b for a, b in zip(whole, seen, strict=True)])
     return Camera.orbit(
-        around, azimuth, elevation, zoom=FILLED * zoom, view_angle=view_angle, aspect=aspect, points=points
+        around,
+        azimuth,
+        elevation,
+        zoom=FILLED * zoom,
+        view_angle=view_angle,
+        aspect=aspect,
+        points=points,
+        fit="view",
     )
 
 

@@ -111,10 +111,10 @@ def slice(
         Instead of a window: the colours, opaque, of all values that are not transparent.
     letters : bool
         Write at the edges where they lie: R, L, A, P, S, I, and the sum of these for oblique planes. Only where the
-        volume `is_anatomical`. Needs Pillow.
+        volume `is_anatomical`.
     scale_bar : bool or str
         Draw a bar of a round length, with the volume's `unit` where it has one (2000 um is "2 mm"); a text is a unit's
-        name instead, as it is. Needs Pillow.
+        name instead, as it is.
     background : colour, optional
         As for `render`; shows where there are no values.
     threads : int, optional
@@ -133,9 +133,6 @@ def slice(
     ArgumentError
         If an argument cannot work, the plane lies outside the volume (the message has the range), or letters are
         wanted of a volume without anatomy.
-    LibraryError
-        If letters or a scale bar are wanted and Pillow is not installed (`pip install ".[annotation]"` in the
-        checkout).
 
     Warns
     -----
@@ -186,6 +183,8 @@ def slice(
         "right": cut.right.tolist(),
         "down": (-cut.up + 0.0).tolist(),
         "pixel": frame.pixel,
+        "unit": volume.unit,
+        "anatomical": volume.is_anatomical,
         "letters": annotation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
         "n_planes": len(offsets),
         "kernel": kernel,

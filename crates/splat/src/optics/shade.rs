@@ -117,7 +117,12 @@ impl Shader {
             lit = s.add_mul(lit, diffuse, s.splat(light.rgb[0]));
             highlight = s.add_mul(highlight, specular, s.splat(light.rgb[0]));
         }
-        rgb.map(|c| s.add(s.mul(c, lit), highlight))
+        // No closure: it would not be inlined into the vectors' own code.
+        let mut shaded = rgb;
+        for c in 0..3 {
+            shaded[c] = s.add(s.mul(rgb[c], lit), highlight);
+        }
+        shaded
     }
 
     /// As [`Shader::shade`], where only a share of the first light gets there.

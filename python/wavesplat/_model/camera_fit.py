@@ -1,0 +1,198 @@
+"""How near an eye comes: the distance and the scale at which a volume is just in view.
+
+Seen from a side, by the volume's corners as they lie in the picture; over a whole turn, by the sphere around them:
+a sphere of radius r fills the view where half the height is r, and in perspective from r / sin(half the angle).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import atan, cos, degrees, isfinite, radians, sin, tan
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wavesplat._model import affine
+from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.grid import Grid
+from wavesplat._model.vectors import Vector, check_magnitude
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.camera import Camera
+
+__all__ = [
+    "Bounded",
+    "Fit",
+    "Placed",
+    "axes_of",
+    "check_angles",
+    "check_lens",
+    "corners_of",
+    "narrowed",
+    "orbit_axes",
+    "placed",
+    "sin_cos_deg",
+]
+
+#: "turn": in view from everywhere on a sphere around it, at one scale; "view": as near as this one view allows.
+Fit: TypeAlias = Literal["turn", "view"]
+
+Vectors: TypeAlias = NDArray[np.float64]
+
+
+class Bounded(Protocol):
+    """Anything with a box in the world, such as a scene."""
+
+    @property
+    def bounds(self) -> ArrayLike:
+        """Corners (lower, upper), shape (2, 3)."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where an eye is, and what its lens is like."""
+
+    position: Vector
+    focal_point: Vector
+    parallel_scale: float | None
+    view_angle: float | None
+
+
+def corners_of(what: Grid | Bounded) -> Vectors:
+    """World positions of the eight corners of a volume's own box or, of other things, of their box in the world."""
+    if isinstance(what, Grid):
+        return affine.box_corners(what.world_from_index, what.shape)
+    try:
+        bounds = np.array(what.bounds, dtype=np.float64)
+    except (AttributeError, TypeError, ValueError):
+        bounds = np.empty(0)
+    if bounds.shape != (2, 3) or not np.isfinite(bounds).all():
+        raise ArgumentError(f"volume is {described(what)}; give {VOLUME}, or a scene")
+    return np.array(list(product(*bounds.T)))
+
+
+def placed(
+    axes: Vectors,
+    what: Grid | Bounded,
+    *,
+    zoom: float,
+    view_angle: float | None,
+    aspect: float,
+    points: ArrayLike | None,
+    fit: Fit,
+) -> Placed:
+    """An eye that looks along the third of `axes` (right, up, back), with the volume, or `points` of it, in view."""
+    check_lens(zoom, view_angle, aspect)
+    given: object = fit
+    if not isinstance(given, str) or given not in ("turn", "view"):
+        raise ArgumentError(f'fit is {described(fit)}; it is "turn" or "view"')
+    corners = corners_of(what)
+    shown = corners if points is None else _checked_points(points)
+    if points is None or fit == "turn":
+        center = (shown.min(axis=0) + shown.max(axis=0)) / 2
+    else:
+        # The middle of what is seen from there.
+        seen = shown @ axes.T
+        center = (seen.min(axis=0) + seen.max(axis=0)) / 2 @ axes
+    parallel_scale = narrowed_angle = None
+    if fit == "turn":
+        radius = float(np.linalg.norm(shown - center, axis=1).max())
+        if view_angle is None:
+            distance = 2 * float(np.linalg.norm(corners - center, axis=1).max())  # clear of the box
+            parallel_scale = radius * max(1.0, 1 / aspect) / zoom
+        else:
+            slope = tan(radians(view_angle) / 2)
+            distance = radius / sin(atan(slope * min(1.0, aspect)))
+    else:
+        in_view = (shown - center) @ axes.T
+        if view_angle is None:
+            distance = float(np.ptp((corners - center) @ axes[2]))  # clear of the box, so that depths are positive
+            half_height = np.maximum(np.abs(in_view[:, 1]), np.abs(in_view[:, 0]) / aspect).max()
+            parallel_scale = float(half_height) / zoom
+        else:
+            distance = _distance_that_fits(in_view, view_angle, aspect)
+    if view_angle is not None:
+        narrowed_angle = narrowed(view_angle, zoom)
+    return Placed(
+        position=_tuple(center + distance * axes[2]),
+        focal_point=_tuple(center),
+        parallel_scale=parallel_scale,
+        view_angle=narrowed_angle,
+    )
+
+
+def narrowed(view_angle: float, zoom: float) -> float:
+    """The angle of view, degrees, in which things look `zoom` times as large."""
+    return degrees(2 * atan(tan(radians(view_angle) / 2) / zoom))
+
+
+def axes_of(camera: Camera) -> Vectors:
+    """Rows: right, up, and back (towards the eye) of a camera, unit vectors in the world."""
+    back = np.subtract(camera.position, camera.focal_point)
+    back /= np.linalg.norm(back)
+    right = np.cross(camera.view_up, back)
+    right /= np.linalg.norm(right)
+    return np.array([right, np.cross(back, right), back])
+
+
+def orbit_axes(azimuth: float, elevation: float) -> Vectors:
+    """Rows: right, up, and back (towards the eye) of a camera on the orbit, in the world."""
+    sin_a, cos_a = sin_cos_deg(azimuth)
+    sin_e, cos_e = sin_cos_deg(elevation)
+    back = (-sin_a * cos_e, cos_a * cos_e, sin_e)
+    up = (sin_a * sin_e, -cos_a * sin_e, cos_e)  # the derivative of `back` by the elevation
+    # Adding 0.0 turns -0.0 into 0.0, which prints better.
+    return np.array([np.cross(up, back), up, back]) + 0.0
+
+
+def sin_cos_deg(angle: float) -> tuple[float, float]:
+    """Sine and cosine, exact at quarter turns, so that the named views look straight along an axis."""
+    quarters, rest = divmod(angle, 90.0)
+    s, c = sin(radians(rest)), cos(radians(rest))
+    return ((s, c), (c, -s), (-s, -c), (-c, s))[int(quarters) % 4]
+
+
+def check_angles(**angles: float) -> None:
+    """Refuse angles that are no numbers of degrees."""
+    for name, angle in angles.items():
+        if not isfinite(angle):
+            raise ArgumentError(f"{name} is {angle}; give a finite number of degrees")
+
+
+def check_lens(zoom: float, view_angle: float | None, aspect: float) -> None:
+    """Refuse a magnification, an angle of view or a shape of the picture that cannot be."""
+    for name, ratio in (("zoom", zoom), ("aspect", aspect)):
+        if not (isfinite(ratio) and ratio > 0):
+            raise ArgumentError(f"{name} is {ratio}; give a positive finite number, 1 is neutral")
+        check_magnitude(ratio, name)
+    if view_angle is not None and not 0 < view_angle < 180:
+        raise ArgumentError(f"view_angle is {view_angle}; give degrees between 0 and 180, 30 is usual")
+
+
+def _tuple(point: Sequence[float] | Vectors) -> Vector:
+    x, y, z = (float(number) for number in point)
+    return x, y, z
+
+
+def _checked_points(points: ArrayLike) -> Vectors:
+    try:
+        shown = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        shown = np.empty(0)
+    if shown.ndim != 2 or shown.shape[1] != 3 or not len(shown) or not np.isfinite(shown).all():
+        raise ArgumentError(f"points is {described(points)}; give finite world positions, shape (n, 3), at least one")
+    return shown
+
+
+def _distance_that_fits(in_view: Vectors, view_angle: float, aspect: float) -> float:
+    """Smallest distance of the eye from the middle at which every corner is inside the view.
+
+    A corner (u, v, w) is seen from distance d at v / (d - w), which must not exceed the tangent of half the angle.
+    """
+    slope = tan(radians(view_angle) / 2)
+    u, v, w = in_view.T
+    return float((w + np.maximum(np.abs(v), np.abs(u) / aspect) / slope).max())

@@ -1,0 +1,100 @@
+"""Pictures as files: PNG, JPEG, WebP, TIFF and OpenEXR.
+
+Floats go to files as they are; bytes are what `straight_bytes` makes of them, rounded as the PNG encoder rounds.
+"""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+
+if TYPE_CHECKING:
+    from wavesplat._picture.picture import Picture
+
+__all__ = ["image", "png_bytes", "straight_bytes", "write_bytes_of", "write_exr", "write_tiff"]
+
+#: Behind transparent pixels of formats that have none.
+PAPER = 1.0
+METRES_PER_INCH = 0.0254
+
+
+def straight_bytes(rgba: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Associated floats as bytes of colour, not multiplied by opacity, and opacity."""
+    alpha = np.clip(rgba[..., 3:], 0, 1)
+    color = np.divide(rgba[..., :3], alpha, out=np.zeros_like(rgba[..., :3]), where=alpha > 0)
+    levels = np.concatenate([np.clip(color, 0, 1), alpha], axis=2) * np.float32(255)
+    # Halves go up, as in the PNG encoder; in float64, where half more is exact.
+    return np.floor(levels.astype(np.float64) + 0.5).astype(np.uint8)
+
+
+def image(rgba: NDArray[np.float32]) -> Any:
+    """A `PIL.Image.Image` with straight alpha."""
+    from PIL import Image
+
+    return Image.fromarray(straight_bytes(rgba))
+
+
+def png_bytes(rgba: NDArray[np.float32], bits: int, dpi: float | None = None) -> bytes:
+    """The content of a PNG file."""
+    content = _native.encode_png(np.ascontiguousarray(rgba, dtype=np.float32), bits)
+    if dpi is None:
+        return content
+    per_metre = round(dpi / METRES_PER_INCH)
+    data = b"pHYs" + struct.pack(">IIB", per_metre, per_metre, 1)
+    chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
+    header = 8 + 25  # the signature and the first chunk, after which others may stand
+    return content[:header] + chunk + content[header:]
+
+
+def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: int) -> None:
+    """A JPEG or WebP file, chosen by the suffix."""
+    # Opened here: a failing disk is then an error of the file system's own kind.
+    content = io.BytesIO()
+    if path.suffix.lower() == ".webp":
+        image(picture.rgba).save(content, "webp", quality=quality, lossless=quality == 100, method=4)
+    else:
+        rgb = picture.rgba[..., :3] + (1 - np.clip(picture.rgba[..., 3:], 0, 1)) * np.float32(PAPER)
+        opaque = np.concatenate([rgb, np.ones_like(rgb[..., :1])], axis=2)
+        options: dict[str, Any] = {} if dpi is None else {"dpi": (dpi, dpi)}
+        # Without subsampling: thin coloured lines stay sharp.
+        image(opaque).convert("RGB").save(content, "jpeg", quality=quality, subsampling=0, **options)
+    path.write_bytes(content.getvalue())
+
+
+def write_tiff(picture: Picture, path: Path, *, dpi: float | None) -> None:
+    """Floats, associated."""
+    import tifffile
+
+    options: dict[str, Any] = {} if dpi is None else {"resolution": (dpi, dpi), "resolutionunit": "INCH"}
+    tifffile.imwrite(
+        path,
+        picture.rgba,
+        photometric="rgb",
+        extrasamples=["assocalpha"],
+        compression="zlib",
+        metadata=None,
+        **options,
+    )
+
+
+def write_exr(picture: Picture, path: Path) -> None:
+    """Floats, associated, and the depth as channel Z."""
+    import OpenEXR
+
+    channels: dict[str, NDArray[np.float32]] = {"RGBA": np.ascontiguousarray(picture.rgba)}
+    if picture.depth is not None:
+        channels["Z"] = np.ascontiguousarray(np.nan_to_num(picture.depth, nan=np.inf))
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    try:
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(path))
+    except (RuntimeError, ValueError) as error:
+        raise OSError(str(error)) from error

@@ -16,10 +16,11 @@ FACTS = ws.Facts(
     is_anatomical=True,
     modality="fluorescence",
     channel=ws.Channel("DAPI", (0, 0, 1), 461),
-    channels=(ws.Channel("DAPI", (0, 0, 1), 461), ws.Channel("GFP")),
+    channels=(ws.Channel("DAPI", (0, 0, 1), 461), ws.Channel("GFP", window=(10, 200.5), is_active=False)),
     n_times=3,
     time_step=0.5,
     time_unit="s",
+    times=(0, 0.5, 1.5),
     levels=((8, 6, 4), (4, 3, 2)),
     conventions=("a custom",),
     guesses=("a guess: nothing said",),
@@ -96,6 +97,10 @@ def test_unit_and_anatomy_can_be_said():
         (lambda: ws.Channel("a", color=(0, 0, 255)), "color of a channel"),
         (lambda: ws.Channel("a", color="red"), "color of a channel"),
         (lambda: ws.Channel("a", emission_nm=-1), "emission_nm of a channel is -1"),
+        (lambda: ws.Channel("a", window=(9, 1)), r"window of a channel is \(9, 1\); give two numbers, the smaller"),
+        (lambda: ws.Channel("a", window=5), "window of a channel is 5"),
+        (lambda: ws.Facts(n_times=3, times=(1, 2)), "2 times are given for 3 time points"),
+        (lambda: ws.Facts(n_times=1, times=(np.inf,)), "not a finite number"),
     ],
 )
 def test_what_cannot_be_is_refused(make, message):

@@ -232,6 +232,15 @@ def test_imagej_channels_and_times(tmp_path):
     assert (found.n_times, found.time_step, found.time_unit) == (3, 1.5, "s")
 
 
+def test_imagej_display_ranges(tmp_path):
+    stack = np.stack([SAMPLES, SAMPLES], axis=1)
+    path = save_imagej(tmp_path / "a.tif", stack, axes="ZCYX", Ranges=(1.0, 90.5, 7.0, 7.0), mode="composite")
+    found = ws.open(path, channel=0).facts
+    assert found.channels == (ws.Channel(window=(1, 90.5)), ws.Channel())
+    path = save_imagej(tmp_path / "b.tif", min=3.0, max=80.0)
+    assert ws.open(path).facts.channel == ws.Channel(window=(3, 80))
+
+
 def save_ome(path, samples=SAMPLES, **metadata):
     import tifffile
 
@@ -331,6 +340,37 @@ def test_ome_zarr_channels_and_times(tmp_path):
     assert found.channels == (ws.Channel("DAPI", (0, 0, 1)), ws.Channel("GFP", (0, 1, 0)))
     assert found.channel.name == "GFP"
     assert (found.n_times, found.time_step, found.time_unit) == (3, 2.5, "s")
+
+
+@pytest.mark.parametrize(
+    ("window", "ours"),
+    [
+        ({"min": 0, "max": 65535, "start": 100, "end": 900.5}, (100, 900.5)),
+        ({"start": 9, "end": 9}, None),
+        ({"start": 9, "end": 1}, None),
+        ({"start": "x", "end": 9}, None),
+        ({"start": float("nan"), "end": 9}, None),
+        ({}, None),
+        ([1, 2], None),
+    ],
+)
+def test_ome_zarr_windows(tmp_path, window, ours):
+    omero = {"channels": [{"label": "DAPI", "active": False, "window": window}, {"active": True}]}
+    path = save_ome_zarr(tmp_path / "a.zarr", np.stack([SAMPLES] * 2), axes="czyx", scale=(1.0,) * 4, omero=omero)
+    found = ws.open(path, channel=0).facts
+    assert found.channels == (ws.Channel("DAPI", window=ours, is_active=False), ws.Channel())
+    again = ws.Facts.from_json(json.loads(json.dumps(found.as_json())))
+    assert again == found
+
+
+def test_info_tells_windows(tmp_path, wavesplat):
+    omero = {"channels": [{"label": "DAPI", "window": {"start": 10, "end": 90}}, {"label": "GFP", "active": False}]}
+    path = save_ome_zarr(tmp_path / "a.zarr", np.stack([SAMPLES] * 2), axes="czyx", scale=(1.0,) * 4, omero=omero)
+    done = wavesplat("info", path)
+    assert "channel 0    DAPI, shown from 10 to 90" in done.stdout
+    assert "channel 1    GFP, not shown" in done.stdout
+    done = wavesplat("info", path, "--json")
+    assert json.loads(done.stdout)["channels"][0]["window"] == [10, 90]
 
 
 def test_hdf5_units(tmp_path):

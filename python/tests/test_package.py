@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 22
+    assert len(things) == 24
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -76,7 +76,7 @@ def test_importing_loads_no_heavy_library():
     heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy", "matplotlib"]
     modules = (
         "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
-        "wavesplat._looks.largest_body"
+        "wavesplat._looks.largest_body, wavesplat._readers.time_points"
     )
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -25,6 +25,7 @@ OF_FILE = (
     "n_times",
     "time_step",
     "time_unit",
+    "times",
     "levels",
     "conventions",
     "guesses",
@@ -186,6 +187,9 @@ def _place_lines(facts: dict[str, Any]) -> list[str]:
     text += [f"channel {n:<4} {_channel_text(channel)}" for n, channel in enumerate(facts["channels"])]
     if facts["n_times"] > 1:
         step = f", {facts['time_step']:g} {facts['time_unit'] or ''}".rstrip() + " apart" if facts["time_step"] else ""
+        if facts["times"]:
+            times = ", ".join(f"{time:g}" for time in facts["times"][:N_LISTED])
+            step = f": {times}{', ...' if facts['n_times'] > N_LISTED else ''} {facts['time_unit'] or ''}".rstrip()
         text.append(f"times        {facts['n_times']}{step}")
     shapes = (f"{x} x {y} x {z}" for z, y, x in facts["levels"])
     return [*text, f"levels       {', '.join(shapes)}"] if facts["levels"] else text
@@ -197,6 +201,11 @@ def _channel_text(channel: dict[str, Any]) -> str:
         parts.append("#" + "".join(f"{round(255 * share):02x}" for share in channel["color"]))
     if channel["emission_nm"]:
         parts.append(f"{channel['emission_nm']:g} nm")
+    if channel["window"]:
+        low, high = channel["window"]
+        parts.append(f"shown from {low:g} to {high:g}")
+    if not channel["is_active"]:
+        parts.append("not shown")
     return ", ".join(parts)
 
 

@@ -60,24 +60,37 @@ def n_bytes(shape: Sequence[int], dtype: np.dtype[Any]) -> int:
     return prod(int(n) for n in shape) * dtype.itemsize
 
 
-def check_stored(shape: Sequence[int], dtype: np.dtype[Any], stored: int, path: object, *, ratio: int = 1) -> None:
-    """A `FileError` if `stored` bytes, compressed at best by `ratio`, cannot hold such an array."""
+def check_stored(
+    shape: Sequence[int],
+    dtype: np.dtype[Any],
+    stored: int,
+    path: object,
+    *,
+    ratio: int = 1,
+    held: Sequence[int] | None = None,
+) -> None:
+    """A `FileError` if `stored` bytes, compressed at best by `ratio`, cannot hold such an array.
+
+    held : shape of what will be in memory; all of the array if not given.
+    """
     needed = n_bytes(shape, dtype)
     if stored * ratio < needed:
         raise FileError(
             f"truncated, or a wrong header: {_described(shape, dtype)} need {needed} bytes, the file holds {stored}"
             f"{' (compressed)' if ratio > 1 else ''}; copy or export it again: {path}"
         )
-    check_memory(needed, path)
+    check_memory(needed if held is None else n_bytes(held, dtype), path)
 
 
-def check_gzip(shape: Sequence[int], dtype: np.dtype[Any], offset: int, path: Path) -> None:
+def check_gzip(
+    shape: Sequence[int], dtype: np.dtype[Any], offset: int, path: Path, held: Sequence[int] | None = None
+) -> None:
     """The same for a gzip file whose samples begin at byte `offset` of what it unpacks to."""
     needed = offset + n_bytes(shape, dtype)
     if not _ends_as_promised(path, needed):
         unpacked = _unpacked_size(path, needed)
-        check_stored(shape, dtype, max(unpacked - offset, 0), path)
-    check_memory(needed, path)
+        check_stored(shape, dtype, max(unpacked - offset, 0), path, held=held)
+    check_memory(needed if held is None else n_bytes(held, dtype), path)
 
 
 def check_deflated(places: Iterable[tuple[Path, int]], needed: int, path: object) -> None:

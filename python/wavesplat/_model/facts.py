@@ -27,22 +27,28 @@ class Channel:
         Red, green, blue that the file wants it shown in.
     emission_nm : float, optional
         Wavelength of the light that was measured, in nanometres.
+    window : two numbers (low, high), optional
+        Values that the file wants shown in black and in the full colour (its contrast limits, or display range).
+    is_active : bool
+        Whether the file wants it shown.
 
     Raises
     ------
     ArgumentError
-        If the colour is not three numbers 0..1, or the wavelength not positive.
+        If the colour is not three numbers 0..1, the wavelength not positive, or the window not two growing numbers.
 
     Examples
     --------
     >>> import wavesplat as ws
-    >>> ws.Channel("DAPI", color=(0, 0, 1), emission_nm=461).color
-    (0.0, 0.0, 1.0)
+    >>> ws.Channel("DAPI", color=(0, 0, 1), emission_nm=461, window=(100, 900)).window
+    (100.0, 900.0)
     """
 
     name: str = ""
     color: tuple[float, float, float] | None = None
     emission_nm: float | None = None
+    window: tuple[float, float] | None = None
+    is_active: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", str(self.name))
@@ -50,6 +56,9 @@ class Channel:
             object.__setattr__(self, "color", _color(self.color))
         if self.emission_nm is not None:
             object.__setattr__(self, "emission_nm", _positive(self.emission_nm, "emission_nm"))
+        if self.window is not None:
+            object.__setattr__(self, "window", _window(self.window))
+        object.__setattr__(self, "is_active", bool(self.is_active))
 
 
 @public
@@ -77,6 +86,8 @@ class Facts:
         Between them, in `time_unit`.
     time_unit : str, optional
         Such as "s".
+    times : sequence of float
+        Of all time points, in `time_unit`, where the file has one for each; else empty.
     levels : sequence of shapes (z, y, x)
         Levels of detail in the file, the finest first; empty where there is but one.
     conventions : sequence of str
@@ -106,6 +117,7 @@ class Facts:
     n_times: int = 1
     time_step: float | None = None
     time_unit: str | None = None
+    times: tuple[float, ...] = ()
     levels: tuple[tuple[int, int, int], ...] = ()
     conventions: tuple[str, ...] = ()
     guesses: tuple[str, ...] = ()
@@ -125,6 +137,7 @@ class Facts:
             "channels": channels,
             "n_times": int(self.n_times),
             "time_step": None if self.time_step is None else float(self.time_step),
+            "times": _times(self.times, self.n_times),
             "levels": tuple((int(z), int(y), int(x)) for z, y, x in self.levels),
             "conventions": _sentences(self.conventions, "conventions"),
             "guesses": _sentences(self.guesses, "guesses"),
@@ -155,6 +168,15 @@ class Facts:
         return cls(**given)
 
 
+def _times(times: Iterable[float], n_times: int) -> tuple[float, ...]:
+    numbers = tuple(float(time) for time in times)
+    if numbers and len(numbers) != n_times:
+        raise ArgumentError(f"facts: {len(numbers)} times are given for {n_times} time points; give as many, or none")
+    if not all(isfinite(time) for time in numbers):
+        raise ArgumentError("facts: a time is not a finite number; leave the times out")
+    return numbers
+
+
 def _color(color: Iterable[float]) -> tuple[float, float, float]:
     try:
         red, green, blue = (float(share) for share in color)
@@ -165,6 +187,16 @@ def _color(color: Iterable[float]) -> tuple[float, float, float]:
             f"color of a channel is ({red:g}, {green:g}, {blue:g}); give red, green and blue, 0..1 each"
         )
     return red, green, blue
+
+
+def _window(window: Iterable[float]) -> tuple[float, float]:
+    try:
+        low, high = (float(end) for end in window)
+    except (TypeError, ValueError):
+        low, high = 0.0, 0.0
+    if not (isfinite(low) and isfinite(high) and low < high):
+        raise ArgumentError(f"window of a channel is {window!r}; give two numbers, the smaller one first")
+    return low, high
 
 
 def _positive(number: float, name: str) -> float:

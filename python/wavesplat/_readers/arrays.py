@@ -12,7 +12,7 @@ from wavesplat._files import payload
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several
 from wavesplat.errors import ArgumentError
 
 __all__ = ["read"]
@@ -24,6 +24,7 @@ def read(request: Request) -> Grid:
     with reading("a NumPy file", path):
         array = _from_npz(request) if zipfile.is_zipfile(path) else _from_npy(request)
         samples = array[index_unnamed_axes(array.shape, request)]
+        samples = np.array(samples) if isinstance(array, np.memmap) else samples
         return Grid(samples, np.eye(4), Facts(n_times=n_times_of(array.shape, request)))
 
 
@@ -33,8 +34,9 @@ def _from_npy(request: Request) -> NDArray[Any]:
         raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
     with path.open("rb") as file:
         shape, dtype = npy_header(file)
-        payload.check_stored(shape, dtype, path.stat().st_size - file.tell(), path)
-    array: NDArray[Any] = np.load(path, allow_pickle=False)
+        payload.check_stored(shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request))
+    # Of several time points or channels only the one that is asked for is read.
+    array: NDArray[Any] = np.load(path, "r" if len(shape) > 3 else None, allow_pickle=False)
     return array
 
 

@@ -110,9 +110,11 @@ def _named(files: Sequence[Path]) -> str:
 def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Request) -> Grid:
     """One volume of the frames of these files."""
     _check_alike(headers, request)
-    pixels, damaged = _pixels(headers, request)
+    pixels, damaged = _pixels(_of_one_time(headers, request) if not unreadable else headers, request)
+    if damaged:  # where files are missing, all that there are decide which frames are of one time
+        pixels, damaged = _pixels(headers, request)
     unreadable = [*unreadable, *damaged]
-    headers = [header for header in headers if header.file in pixels]
+    headers = [header for header in headers if header.file not in damaged]
     losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
     frames = [frame for header in headers for frame in header.frames]
     if len(frames) == 1:
@@ -124,13 +126,13 @@ def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Re
     if any(header.has_lookup_table for header in headers):
         guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
     if all(frame.is_placed() for frame in frames):
-        chosen, n_times = _one_volume(frames, losses, request)
+        chosen, n_times, times = _one_volume(frames, losses, request)
         if len(chosen) == 1:
             raise FileError(f"the frames lie at one place, and are pictures of it, no volume: {request.path}")
         stack = stacked(chosen, request)
     else:
         choose("time", 1, request.time, request.path)
-        n_times = 1
+        n_times, times = 1, ()
         stack = _as_they_come(frames, first)
         guesses.append(f"frames as slices, {_distances(stack)} mm apart: the file does not say where they lie")
     if not np.isfinite(first.frames[0].pixel_spacing).all():
@@ -146,12 +148,25 @@ def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Re
         channels=colors,
         channel=colors[request.channel or 0] if colors else None,
         n_times=n_times,
+        times=times,
+        time_unit="s" if times else None,
         guesses=tuple(guesses),
     )
     return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
 
 
-def _one_volume(frames: Sequence[Frame], losses: Sequence[str], request: Request) -> tuple[list[Frame], int]:
+def _of_one_time(headers: Sequence[Header], request: Request) -> Sequence[Header]:
+    """The files of the time that is asked for: those of others need not be read."""
+    frames = [frame for header in headers for frame in header.frames]
+    if len(frames) < 2 or not all(frame.is_placed() for frame in frames):
+        return headers
+    files = {frame.file for frame in one_volume(frames, request)[0]}
+    return [header for header in headers if header.file in files]
+
+
+def _one_volume(
+    frames: Sequence[Frame], losses: Sequence[str], request: Request
+) -> tuple[list[Frame], int, tuple[float, ...]]:
     """As of `dicom_stack`; what was left out may be why it fails."""
     try:
         return one_volume(frames, request)

@@ -25,6 +25,10 @@ NO_IMAGES = {"RTSTRUCT", "RTPLAN", "RTRECORD", "SR", "PR", "KO", "DOC", "REG", "
 #: Attributes by which frames of one place are told apart are all dimensions but these.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080}
 FRAME_TYPES = (0x00189226, 0x00189329, 0x00189751, 0x00189806)
+#: Attributes that say when a frame was taken, the surest first, and how many of their units are a second; 0 is the
+#: time of day, HHMMSS. Trigger time, frame reference time, time offset of a temporal position, acquisition and content
+#: time.
+CLOCKS = {0x00181060: 1000, 0x00541300: 1000, 0x0020930D: 1, 0x00080032: 0, 0x00080033: 0}
 NONE = float("nan")
 
 
@@ -46,6 +50,8 @@ class Frame:
     #: What else tells it from frames at its place: time, echo, kind.
     others: tuple[int, ...] = ()
     label: str = ""
+    #: Seconds, by each of `CLOCKS`; NaN where it is not said.
+    seconds: tuple[float, ...] = ()
 
     @property
     def name(self) -> str:
@@ -174,6 +180,7 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
             stack=_text(content, 0x00209056) if content is not None else "",
             others=(*time, *(value for value, of in zip(values, pointers, strict=False) if of not in OF_PLACE)),
             label=_label(groups),
+            seconds=tuple(_seconds(dataset, groups, tag, rate) for tag, rate in CLOCKS.items()),
         )
 
 
@@ -216,6 +223,24 @@ def _label(groups: Sequence[Dataset]) -> str:
         if group is not None:
             return _text(group, 0x00089007).rpartition("\\")[2].strip()
     return ""
+
+
+def _seconds(dataset: Dataset, groups: Sequence[Any], tag: int, rate: int) -> float:
+    """What a clock says; of enhanced files only the offset is told frame by frame."""
+    if rate == 0:
+        text = _text(dataset, tag)
+        try:
+            return 3600.0 * int(text[:2]) + 60.0 * int(text[2:4]) + float(text[4:] or 0)
+        except ValueError:
+            return NONE
+    number = _found(groups, dataset, 0x00209310, tag, 1)[0]
+    if tag == 0x0020930D:
+        # A double, and not text.
+        item = _in_group(groups, 0x00209310)
+        content, is_little = _bytes(item if item is not None else dataset, tag)
+        found = np.frombuffer(content, "<f8" if is_little else ">f8") if len(content) == 8 else np.array([number])
+        number = found[0]
+    return float(number) / rate if np.isfinite(number) else NONE
 
 
 def _groups(dataset: Dataset, index: int) -> tuple[Any, Any]:

@@ -43,9 +43,10 @@ def in_order(frames: Sequence[Frame]) -> list[Frame]:
     return sorted(frames, key=lambda one: (round(float(one.position @ normal), 3), one.others, one.instance, one.index))
 
 
-def one_volume(frames: Sequence[Frame], request: Request) -> tuple[list[Frame], int]:
-    """The frames of one stack and time (or echo, or phase), and how many of these there are.
+def one_volume(frames: Sequence[Frame], request: Request) -> tuple[list[Frame], int, tuple[float, ...]]:
+    """The frames of one stack and time (or echo, or phase), how many of these there are, and their times.
 
+    Times are seconds after the first, and empty where nothing tells one from another.
     Every position of a stack must have been taken as often as the others.
     """
     stacks: dict[tuple[object, ...], list[Frame]] = {}
@@ -59,7 +60,16 @@ def one_volume(frames: Sequence[Frame], request: Request) -> tuple[list[Frame], 
         volumes += [ordered[time::n_times] for time in range(n_times)]
     labels = [volume[0].label for volume in volumes]
     number = choose("time", len(volumes), request.time, request.path, described=labels)
-    return volumes[number], len(volumes)
+    return volumes[number], len(volumes), _times(volumes)
+
+
+def _times(volumes: Sequence[Sequence[Frame]]) -> tuple[float, ...]:
+    """When the first frame of each volume was taken, by the first clock that goes on from volume to volume."""
+    for clock in range(min(len(frame.seconds) for volume in volumes for frame in volume)):
+        times = np.array([min(frame.seconds[clock] for frame in volume) for volume in volumes])
+        if len(volumes) > 1 and np.isfinite(times).all() and (np.diff(times) > 0).all():
+            return tuple(round(float(time - times[0]), 6) for time in times)
+    return ()
 
 
 def _has_stacks(frames: Sequence[Frame]) -> bool:

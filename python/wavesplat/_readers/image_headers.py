@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +59,8 @@ class Header:
     index_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     world_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     keys: dict[str, str] = field(default_factory=dict)
+    #: Whether what ITK takes for components of a sample are its values at several times.
+    has_times_as_components: bool = False
 
     def in_one_unit(self, world_from_index: NDArray[np.float64]) -> NDArray[np.float64]:
         """The affine with all lengths in one unit."""
@@ -111,7 +113,26 @@ def of_nrrd(path: Path) -> Header:
         conventions=tuple(conventions),
         guesses=tuple(guesses),
     )
-    return Header(fields, facts, index_factors, world_factors, keys)
+    kinds = fields.get("kinds", "").lower().split()
+    is_list = len(kinds) == 4 and "list" in kinds
+    if is_list:
+        facts = replace(
+            facts, **_listed_times(kinds.index("list"), int(fields["sizes"].split()[kinds.index("list")]), keys)
+        )
+    return Header(fields, facts, index_factors, world_factors, keys, is_list)
+
+
+def _listed_times(axis: int, count: int, keys: dict[str, str]) -> dict[str, Any]:
+    """Times of an axis of kind "list", as 3D Slicer writes them for its sequences and multi-volumes."""
+    values = keys.get(f"axis {axis} index values", "").split() or keys.get("multivolume.framelabels", "").split(",")
+    try:
+        times = [float(value) for value in values]
+    except ValueError:
+        times = []
+    if len(times) != count or not np.isfinite(times).all():
+        return {"n_times": count}
+    unit = keys.get("multivolume.frameidentifyingdicomtagunits", keys.get(f"axis {axis} index unit"))
+    return {"n_times": count, "times": tuple(times), "time_unit": unit or None}
 
 
 def _three_units(text: str) -> tuple[str | None, str | None, str | None]:

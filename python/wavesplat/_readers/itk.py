@@ -51,24 +51,27 @@ def read(request: Request) -> Grid:
             check_samples(path, shape, dtype)
         else:
             _check_payload(path, places, header.fields, shape, dtype)
+        # The last axis, or the components, may be times.
+        n_times = size[3] if len(size) == 4 else n_components if header.has_times_as_components else 1
+        n_channels = 1 if header.has_times_as_components else n_components
+        time = choose("time", n_times, request.time, path)
+        channel = choose("channel", n_channels, request.channel, path)
         if len(size) == 4:
-            time = choose("time", size[3], request.time, path)
             reader.SetExtractSize([*size[:3], 0])
             reader.SetExtractIndex([0, 0, 0, time])
-        else:
-            choose("time", 1, request.time, path)
         if _lacks_length(header):
             whole = inflated(path, header, (*size[::-1], n_components))
-            samples = whole[request.time or 0] if len(size) == 4 else whole
+            samples = whole[time] if len(size) == 4 else whole
             samples = samples[..., 0] if n_components == 1 else samples
             place: Any = reader
         else:
             place = reader.Execute()
             samples = sitk.GetArrayFromImage(place)
-        channel = choose("channel", n_components, request.channel, path)
         if n_components > 1:
-            samples = samples[..., channel]
-        facts = replace(header.facts, n_times=size[3] if len(size) == 4 else 1)
+            samples = samples[..., time if header.has_times_as_components else channel]
+        step = float(reader.GetSpacing()[3]) if len(size) == 4 else 1.0
+        # 1 is what is written where nothing is known.
+        facts = replace(header.facts, n_times=n_times, time_step=step if step not in (0.0, 1.0) else None)
         return Grid(samples, _world_from_index(place, header), facts)
 
 

@@ -48,10 +48,11 @@ def _check_payload(image: SpatialImage, request: Request) -> None:
     proxy: Any = image.dataobj
     file = proxy.file_like
     path = request.file if not isinstance(file, str) else type(request.file)(file)
+    one = image.shape[:3]  # of several only the one that is asked for is read
     if path.name.lower().endswith((".gz", ".mgz")):
-        payload.check_gzip(image.shape, proxy.dtype, proxy.offset, path)
+        payload.check_gzip(image.shape, proxy.dtype, proxy.offset, path, one)
     else:
-        payload.check_stored(image.shape, proxy.dtype, path.stat().st_size - proxy.offset, path)
+        payload.check_stored(image.shape, proxy.dtype, path.stat().st_size - proxy.offset, path, held=one)
 
 
 def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
@@ -68,7 +69,7 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     time = choose("time", sizes[3], request.time, request.path)
     channel = 0 if _has_colors(proxy) else choose("channel", sizes[4], request.channel, request.path)
     extra = (time, channel, 0, 0)[: max(len(image.shape) - 3, 0)]
-    with _stored_bytes(proxy) as file:
+    with _stored_bytes(proxy, request.kept) as file:
         unscaled = ArrayProxy(file, (image.shape, proxy.dtype, proxy.offset, 1.0, 0.0), mmap=False)
         samples: NDArray[Any] = np.asarray(unscaled[(..., *extra)] if extra else unscaled)
     if _has_colors(proxy):
@@ -78,15 +79,23 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
 
 
 @contextmanager
-def _stored_bytes(proxy: Any) -> Iterator[Any]:
-    """What to read the samples from; a compressed file is read to its end, where its checksum is."""
+def _stored_bytes(proxy: Any, kept: dict[str, Any] | None) -> Iterator[Any]:
+    """What to read the samples from; a compressed file is read to its end, where its checksum is.
+
+    kept : of a series: the file stays open, so that the next time point is read on from the last one.
+    """
     if not str(proxy.file_like).lower().endswith((".gz", ".mgz")):
         yield proxy.file_like
+        return
+    if kept is not None and "gzip" in kept:
+        yield kept["gzip"]
         return
     with gzip.open(proxy.file_like) as file:
         yield file
         while file.read(2**20):
             pass
+    if kept is not None:
+        kept["gzip"] = gzip.open(proxy.file_like)  # noqa: SIM115 - closed with the series
 
 
 def _has_colors(proxy: Any) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
+from wavesplat._readers.request import window_of
 
 __all__ = ["Axes", "channels_of", "facts_of"]
 
@@ -59,7 +60,7 @@ class Axes:
 
 
 def channels_of(attributes: dict[str, Any]) -> tuple[Channel, ...]:
-    """Names and colours that `omero` has."""
+    """What `omero` says of channels."""
     omero = attributes.get("omero")
     described = omero.get("channels") if isinstance(omero, dict) else None
     if not isinstance(described, list):
@@ -71,7 +72,14 @@ def _channel(channel: dict[str, Any]) -> Channel:
     color = str(channel.get("color") or "").removeprefix("#")
     wavelength = channel.get("emission_wavelength", channel.get("emissionWavelength"))
     is_length = isinstance(wavelength, int | float) and np.isfinite(wavelength) and wavelength > 0
-    return Channel(str(channel.get("label") or ""), _hex(color), float(wavelength or 0) if is_length else None)
+    window = channel.get("window")
+    return Channel(
+        str(channel.get("label") or ""),
+        _hex(color),
+        float(wavelength or 0) if is_length else None,
+        window_of(window.get("start"), window.get("end")) if isinstance(window, dict) else None,
+        channel.get("active") is not False,
+    )
 
 
 def _hex(text: str) -> tuple[float, float, float] | None:

@@ -15,18 +15,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from wavesplat._files import payload
-from wavesplat._files.places import check_no_pipe, check_text, expanded, printable
-from wavesplat._model import affine, units
+from wavesplat._files.places import check_no_pipe, check_text, printable
+from wavesplat._model import affine
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
-from wavesplat._readers.request import Grid, Request
+from wavesplat._readers.request import Grid, Request, requested
 from wavesplat.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["open"]
+__all__ = ["open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -164,29 +164,27 @@ def open(
     >>> ws.open(path, shape=(2, 3, 4), dtype="uint8", spacing=(1, 1, 2)).shape
     (2, 3, 4)
     """
-    expanded(path)  # or an error
-    request = Request(
+    request = requested(
         path,
-        series,
-        time,
-        channel,
-        dataset,
-        level,
-        shape,
-        dtype,
-        spacing,
-        byte_order,
-        offset,
-        units.checked(unit),
-        gaps,
-        external_files,
+        series=series,
+        time=time,
+        channel=channel,
+        dataset=dataset,
+        level=level,
+        shape=shape,
+        dtype=dtype,
+        spacing=spacing,
+        byte_order=byte_order,
+        offset=offset,
+        unit=unit,
+        gaps=gaps,
+        external_files=external_files,
     )
-    if gaps not in ("fill", "refuse"):
-        raise ArgumentError(f'gaps is {gaps!r}; use "fill" or "refuse"')
-    if str(path).lower().endswith(".wavelets"):
-        raise ArgumentError(
-            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
-        )
+    return opened(request, stacklevel=4)
+
+
+def opened(request: Request, *, stacklevel: int = 2) -> Volume:
+    """The volume that is asked for. `stacklevel`: of warnings."""
     family = _family(request)
     _check_options(request, family)
     if family in ("itk", "dicom"):
@@ -195,7 +193,7 @@ def open(
     grid: Grid = module.read(request)
     volume = _volume(grid, request)
     for loss in grid.losses:
-        warnings.warn(f"{loss}: {path}", FileWarning, stacklevel=2)
+        warnings.warn(f"{loss}: {request.path}", FileWarning, stacklevel=stacklevel)
     return volume
 
 

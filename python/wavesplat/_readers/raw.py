@@ -9,7 +9,7 @@ import numpy as np
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -25,16 +25,19 @@ def read(request: Request) -> Grid:
     if request.offset < 0:
         raise ArgumentError(f"offset={request.offset}; give the bytes before the first sample, 0 or more")
     stored = path.stat().st_size - request.offset
-    payload.check_stored(shape, dtype, max(stored, 0), path)
+    payload.check_stored(shape, dtype, max(stored, 0), path, held=one_volume_of(shape, request))
     needed = payload.n_bytes(shape, dtype)
     if stored > needed:
         raise FileError(
             f"shape {shape} of {dtype} needs {needed} bytes, the file holds {stored} after offset {request.offset}; "
             f"check shape and dtype, or pass offset={path.stat().st_size - needed} to skip a header: {path}"
         )
+    index = index_unnamed_axes(shape, request)
     with reading("raw samples", path):
-        array = np.fromfile(path, dtype, offset=request.offset).reshape(shape)
-    samples = array[index_unnamed_axes(shape, request)]
+        if len(shape) > 3:  # only the volume that is asked for is read
+            samples = np.array(np.memmap(path, dtype, "r", offset=request.offset, shape=shape)[index])
+        else:
+            samples = np.fromfile(path, dtype, offset=request.offset).reshape(shape)[index]
     return Grid(samples, np.eye(4), Facts(n_times=n_times_of(shape, request)))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,13 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.places import expanded, printable
+from wavesplat._model import units
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
-__all__ = ["Grid", "Request", "SeveralError", "choose", "index_unnamed_axes", "n_times_of", "quiet", "several"]
+__all__ = [
+    "Grid",
+    "Request",
+    "SeveralError",
+    "choose",
+    "index_unnamed_axes",
+    "n_times_of",
+    "one_volume_of",
+    "quiet",
+    "requested",
+    "several",
+    "window_of",
+]
 
 
 class Grid(NamedTuple):
@@ -68,6 +81,8 @@ class Request:
     unit: str | None = None
     gaps: str = "fill"
     external_files: bool = False
+    #: What readers keep from one time point of a file to the next, such as a file that is read on.
+    kept: dict[str, Any] | None = field(default=None, compare=False, repr=False)
 
     @property
     def file(self) -> Path:
@@ -86,12 +101,29 @@ class Request:
 
     def given(self) -> set[str]:
         """Names of the options that were set."""
-        return {f.name for f in fields(self) if f.name != "path" and not _is_same(getattr(self, f.name), f.default)}
+        return {
+            f.name
+            for f in fields(self)
+            if f.name not in ("path", "kept") and not _is_same(getattr(self, f.name), f.default)
+        }
+
+
+def requested(path: str | PathLike[str], **options: Any) -> Request:
+    """The request that a path and options of `wavesplat.open` make, checked as far as no file is needed."""
+    expanded(path)  # or an error
+    request = Request(path, **{**options, "unit": units.checked(options.get("unit"))})
+    if request.gaps not in ("fill", "refuse"):
+        raise ArgumentError(f'gaps is {request.gaps!r}; use "fill" or "refuse"')
+    if str(path).lower().endswith(".wavelets"):
+        raise ArgumentError(
+            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
+        )
+    return request
 
 
 def _is_same(value: object, default: object) -> bool:
     """Also of arrays, whose comparison is an array."""
-    return value is default or (isinstance(value, int) and value == default)
+    return value is default or (isinstance(value, int | str) and value == default)
 
 
 @contextmanager
@@ -142,6 +174,21 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     first = () if request.time is None else (choose("time", shape[0], request.time, request.path),)
     last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.path),)
     return (*first, ..., *last)
+
+
+def window_of(low: Any, high: Any) -> tuple[float, float] | None:
+    """What a file says of the values that a channel is shown with; None if it is nothing of use."""
+    try:
+        ends = float(low), float(high)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return ends if np.isfinite(ends).all() and ends[0] < ends[1] else None
+
+
+def one_volume_of(shape: Sequence[int], request: Request) -> tuple[int, ...]:
+    """Shape of what is read of an array whose axes have no names: of several volumes the one that is asked for."""
+    first = 0 if request.time is None or len(shape) < 4 else 1
+    return tuple(shape[first : first + 3])
 
 
 def n_times_of(shape: Sequence[int], request: Request) -> int:

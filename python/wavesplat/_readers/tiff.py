@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.named_files import check_named_file
+from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import Grid, Request, choose, quiet
@@ -48,10 +49,13 @@ def _read_file(path: Path, request: Request) -> Grid:
     with tifffile.TiffFile(path) as tiff:
         _check_named_files(tiff, path, anywhere=request.external_files)
         series = tiff.series[0]
-        _check_stored(tiff, path)
+        others = "TCS" if "Z" in series.axes else "CS"
+        one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
+        _check_stored(tiff, path, one)
         place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
         names = [channel.name for channel in place.facts.channels]
-        samples = _one_stack(series.asarray(), series.axes, request, names)
+        picked, order = _one_stack(series.axes, series.shape, request, names)
+        samples = np.transpose(_picked_samples(tiff, picked, path), order)
         facts = replace(place.facts, channel=_channel_of(place.facts, request), n_times=_n_times(series))
         # A negative distance mirrors the axis.
         return Grid(samples, np.diag([*place.steps, 1.0]), facts)
@@ -82,7 +86,10 @@ def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
 def _read_folder(folder: Path, request: Request) -> Grid:
     import tifffile
 
-    files = sorted((file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")), key=_natural)
+    files = sorted(
+        (file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")),
+        key=lambda file: natural_key(file.name),
+    )
     first = _slice(tifffile.imread(files[0]), files[0], request)
     payload.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
@@ -108,20 +115,20 @@ def _slice(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
     return pixels
 
 
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Sort key that puts slice10 after slice9."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
+def _one_stack(
+    axes: str, shape: Sequence[int], request: Request, channels: Sequence[str] = ()
+) -> tuple[tuple[Any, ...], list[int]]:
+    """Index of one stack in an array whose axes tifffile named, and the order that makes it [z, y, x].
 
-
-def _one_stack(samples: NDArray[Any], axes: str, request: Request, channels: Sequence[str] = ()) -> NDArray[Any]:
-    """The [z, y, x] part of an array whose axes tifffile named: T time, C channel, S colour, Q or I unknown."""
+    The names: T time, C channel, S colour, Q or I unknown.
+    """
     if "Z" not in axes:
         # Many programs store a stack as anonymous pages or as time points.
-        stack = next((name for name in "QIT" if name in axes and samples.shape[axes.index(name)] > 1), None)
+        stack = next((name for name in "QIT" if name in axes and shape[axes.index(name)] > 1), None)
         axes = axes.replace(stack, "Z") if stack else axes
     picked: list[Any] = []
     kept = ""
-    for name, count in zip(axes, samples.shape, strict=True):
+    for name, count in zip(axes, shape, strict=True):
         if name in "ZYX":
             picked.append(slice(None))
             kept += name
@@ -132,16 +139,35 @@ def _one_stack(samples: NDArray[Any], axes: str, request: Request, channels: Seq
         elif count == 1:
             picked.append(0)
         else:
-            raise FileError(f"the axes are {axes}, shape {samples.shape}; export one stack as Z, Y, X: {request.path}")
-    order = [kept.index(name) for name in "ZYX" if name in kept]
-    return np.transpose(samples[tuple(picked)], order)
+            raise FileError(f"the axes are {axes}, shape {tuple(shape)}; export one stack as Z, Y, X: {request.path}")
+    return tuple(picked), [kept.index(name) for name in "ZYX" if name in kept]
 
 
-def _check_stored(tiff: TiffFile, path: Path) -> None:
-    """A `FileError` if a page's data reach past the end of the file."""
+def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDArray[Any]:
+    """Samples of the first series at that index; pages beside it are not read."""
+    series: Any = tiff.series[0]
+    of_pages = len(series.shape) - len(series.keyframe.shape)
+    n_pages = len(series.pages)
+    is_part = not all(isinstance(part, slice) for part in picked[:of_pages])
+    is_regular = series.shape[of_pages:] == series.keyframe.shape and n_pages == prod(series.shape[:of_pages])
+    if is_part and series.dataoffset is not None and not series.is_multifile:
+        dtype = series.dtype.newbyteorder(tiff.byteorder)
+        mapped = np.memmap(path, dtype, "r", offset=series.dataoffset, shape=tuple(series.shape))
+        return np.array(mapped[picked])
+    if is_part and is_regular:
+        wanted = np.arange(n_pages).reshape(series.shape[:of_pages])[picked[:of_pages]]
+        pages: NDArray[Any] = tiff.asarray(key=wanted.ravel().tolist(), series=0)
+        pages = pages.reshape(*wanted.shape, *series.keyframe.shape)
+        return np.asarray(pages[(..., *picked[of_pages:])])
+    whole: NDArray[Any] = series.asarray()
+    return np.asarray(whole[picked])
+
+
+def _check_stored(tiff: TiffFile, path: Path, one: Sequence[int]) -> None:
+    """A `FileError` if a page's data reach past the end of the file. `one`: shape of one volume."""
     size = path.stat().st_size
     series: Any = tiff.series[0]
-    payload.check_stored(series.shape, series.dtype, size, path, ratio=payload.ANY_RATIO)
+    payload.check_stored(series.shape, series.dtype, size, path, ratio=payload.ANY_RATIO, held=one)
     ends = [series.dataoffset + series.nbytes] if series.dataoffset is not None else []
     for page in series.pages:
         if page is not None:

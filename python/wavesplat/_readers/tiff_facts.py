@@ -15,6 +15,7 @@ import numpy as np
 
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
+from wavesplat._readers.request import window_of
 
 if TYPE_CHECKING:
     from tifffile import TiffFile
@@ -130,10 +131,20 @@ def _imagej_channels(metadata: dict[str, Any]) -> tuple[Channel, ...]:
     tables = metadata.get("LUTs") or []
     if len(tables) < n_channels or (n_channels == 1 and str(metadata.get("mode", "")) == "grayscale"):
         tables = []
-    colors = [_table_color(table) for table in tables[:n_channels]]
-    if not any(colors) and n_channels == 1:
+    colors = [_table_color(table) for table in tables[:n_channels]] or [None] * n_channels
+    windows = _imagej_windows(metadata, n_channels)
+    if n_channels == 1 and not any(colors) and not any(windows):
         return ()
-    return tuple(Channel("", color) for color in (colors or [None] * n_channels))
+    return tuple(Channel("", color, window=window) for color, window in zip(colors, windows, strict=True))
+
+
+def _imagej_windows(metadata: dict[str, Any], n_channels: int) -> list[tuple[float, float] | None]:
+    """The display range of each channel; of a single one in two lines of the description."""
+    ranges = list(metadata.get("Ranges") or ())
+    if len(ranges) < 2 * n_channels:
+        ranges = [metadata.get("min"), metadata.get("max")]
+    windows = [window_of(low, high) for low, high in zip(ranges[::2], ranges[1::2], strict=False)]
+    return (windows + [None] * n_channels)[:n_channels]
 
 
 def _table_color(table: Any) -> tuple[float, float, float] | None:
@@ -161,6 +172,8 @@ def _of_ome(tiff: TiffFile) -> _Said:
         for axis, step in zip("XYZ", steps, strict=True)
     )
     described = list(_named(pixels, "Channel"))
+    n_times = max(int(pixels.get("SizeT", "1")), 1)
+    times, times_unit = _ome_times(pixels, n_times)
     time_step = _number(pixels.get("TimeIncrement"))
     return _Said(
         steps=(steps[0], steps[1], steps[2]),
@@ -168,11 +181,24 @@ def _of_ome(tiff: TiffFile) -> _Said:
         facts=Facts(
             modality=_ome_modality(described),
             channels=tuple(_ome_channel(channel) for channel in described),
-            n_times=max(int(pixels.get("SizeT", "1")), 1),
+            n_times=n_times,
             time_step=time_step,
-            time_unit=None if time_step is None else pixels.get("TimeIncrementUnit", "s"),
+            time_unit=times_unit if time_step is None else pixels.get("TimeIncrementUnit", "s"),
+            times=times if time_step is None else (),
         ),
     )
+
+
+def _ome_times(pixels: ET.Element, n_times: int) -> tuple[tuple[float, ...], str | None]:
+    """When the first plane of each time point was taken, and the unit; empty if it is not said of all."""
+    first: dict[int, tuple[float, str]] = {}
+    for plane in _named(pixels, "Plane") if n_times > 1 else ():
+        if plane.get("TheZ", "0") == plane.get("TheC", "0") == "0" and plane.get("DeltaT") is not None:
+            first[int(plane.get("TheT", "0"))] = (float(plane.get("DeltaT")), plane.get("DeltaTUnit", "s"))
+    found = [first[number] for number in range(n_times) if number in first]
+    if len(found) < n_times or len({unit for _, unit in found}) != 1 or not all(isfinite(time) for time, _ in found):
+        return (), None
+    return tuple(time for time, _ in found), found[0][1]
 
 
 def _parsed(text: str) -> ET.Element | None:

@@ -1,0 +1,12 @@
+"""The order that people put names in: frame2 before frame10."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["natural_key"]
+
+
+def natural_key(name: str) -> list[tuple[int, str]]:
+    """What names are sorted by."""
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)]

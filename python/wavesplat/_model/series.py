@@ -1,0 +1,191 @@
+"""Time series: volumes at several times, each read when it is asked for."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator, Sequence
+from math import isfinite
+from operator import index
+from threading import RLock
+from typing import Any, Protocol, overload, runtime_checkable
+
+from wavesplat._files.places import printable
+from wavesplat._model.argument_types import described
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Series", "TimePoints"]
+
+#: Volumes that are kept: who goes back and forth between two times, or shows them beside each other, reads each once.
+N_KEPT = 3
+
+
+@runtime_checkable
+class TimePoints(Protocol):
+    """Volumes that are read when they are asked for, and what is known of their times."""
+
+    def __len__(self) -> int:
+        """How many there are."""
+
+    def __getitem__(self, number: int) -> Volume:
+        """The volume of that number, from 0 on."""
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        """Of each, and their unit."""
+
+    def told(self) -> str:
+        """What messages call them."""
+
+
+@public
+class Series:
+    """Volumes at several times, each read when it is asked for; the last few are kept.
+
+    `wavesplat.open_series` makes one of files.
+
+    Parameters
+    ----------
+    volumes : sequence of Volume
+        One for each time, or anything with a length whose `[n]` gives a volume, then asked for it when it is needed.
+    times : sequence of float, optional
+        Of each; 0, 1, 2, ... if not given.
+    time_unit : str, optional
+        Of the times, such as "s".
+    name : str, default "series"
+        What messages call it.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no volume, or there are more or fewer times than volumes.
+
+    Examples
+    --------
+    >>> import numpy as np, wavesplat as ws
+    >>> beating = np.random.default_rng(1).random((5, 8, 8, 8), np.float32)
+    >>> series = ws.Series([ws.Volume(one, spacing=(1, 1, 2)) for one in beating], times=[0, 2, 4, 6, 8], time_unit="s")
+    >>> len(series), series[-1].shape, series[::2].times
+    (5, (8, 8, 8), (0.0, 4.0, 8.0))
+    """
+
+    def __init__(
+        self,
+        volumes: Sequence[Volume] | TimePoints,
+        *,
+        times: Sequence[float] | None = None,
+        time_unit: str | None = None,
+        name: str = "series",
+    ) -> None:
+        if isinstance(volumes, Volume) or not (hasattr(volumes, "__len__") and hasattr(volumes, "__getitem__")):
+            raise ArgumentError(f"volumes of a series are {described(volumes)}; give a list of wavesplat.Volume")
+        n = len(volumes)
+        if n == 0:
+            raise ArgumentError("a series needs at least one volume; the list is empty")
+        self._name = printable(str(name))
+        self._volumes = volumes
+        self._numbers = range(n)
+        self._times = None if times is None else _checked_times(times, n)
+        self._time_unit = None if time_unit is None else str(time_unit)
+        self._kept: OrderedDict[int, Volume] = OrderedDict()
+        self._lock = RLock()
+
+    @property
+    def name(self) -> str:
+        """What messages call it: of a file its name."""
+        return self._name
+
+    @property
+    def times(self) -> tuple[float, ...]:
+        """Of each volume, in `time_unit`; 0, 1, 2, ... where nothing is known. A file may be read to find out."""
+        times = self._known_times()[0]
+        return tuple(times[number] for number in self._numbers)
+
+    @property
+    def time_unit(self) -> str | None:
+        """Of `times`, such as "s"; None where nothing is known."""
+        return self._known_times()[1]
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    @overload
+    def __getitem__(self, key: int) -> Volume: ...
+    @overload
+    def __getitem__(self, key: slice) -> Series: ...
+    def __getitem__(self, key: int | slice) -> Volume | Series:
+        """The volume of that number, negative ones from the end; of a slice a series, which reads nothing yet."""
+        if isinstance(key, slice):
+            return self._part(self._numbers[key], key)
+        try:
+            place = index(key)
+        except TypeError:
+            raise ArgumentError(
+                f"number of a time point is {described(key)}; give a whole number, or a slice"
+            ) from None
+        n = len(self)
+        if not -n <= place < n:
+            raise ArgumentError(f"time point {place}, but {self._told()} holds {n}, 0..{n - 1}")
+        return self._volume(self._numbers[place])
+
+    def __iter__(self) -> Iterator[Volume]:
+        return (self._volume(number) for number in self._numbers)
+
+    def __repr__(self) -> str:
+        n = len(self)
+        return f"<Series {self.name!r}: {n} time point{'' if n == 1 else 's'}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is kept can be read again.
+        return {name: value for name, value in vars(self).items() if name not in ("_kept", "_lock")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _kept=OrderedDict(), _lock=RLock())
+
+    def _part(self, numbers: range, key: slice) -> Series:
+        if not numbers:
+            raise ArgumentError(
+                f"no time point lies in {key.start}:{key.stop}:{key.step}; {self._told()} holds {len(self)}"
+            )
+        part = Series.__new__(Series)
+        vars(part).update(vars(self), _numbers=numbers)  # what is kept is shared
+        return part
+
+    def _volume(self, number: int) -> Volume:
+        with self._lock:
+            if number in self._kept:
+                self._kept.move_to_end(number)
+                return self._kept[number]
+            volume = self._volumes[number]
+            if not isinstance(volume, Volume):
+                raise ArgumentError(
+                    f"time point {number} of series {self.name!r} is {described(volume)}; give a list of volumes, as "
+                    "[wavesplat.Volume(array, spacing=(x, y, z)) for array in arrays]"
+                )
+            self._kept[number] = volume
+            while len(self._kept) > N_KEPT:
+                self._kept.popitem(last=False)
+            return volume
+
+    def _known_times(self) -> tuple[tuple[float, ...], str | None]:
+        with self._lock:
+            if self._times is None:
+                self._times = tuple(float(number) for number in range(len(self._volumes)))
+                if isinstance(self._volumes, TimePoints):
+                    self._times, self._time_unit = self._volumes.times()
+            return self._times, self._time_unit
+
+    def _told(self) -> str:
+        return self._volumes.told() if isinstance(self._volumes, TimePoints) else f"series {self.name!r}"
+
+
+def _checked_times(times: Sequence[float], n: int) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(time) for time in times)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"times of a series are {described(times)}; give a number for each volume") from None
+    if len(numbers) != n:
+        raise ArgumentError(f"{len(numbers)} times are given for {n} volumes; give one for each")
+    if not all(isfinite(time) for time in numbers):
+        raise ArgumentError("times of a series must be finite numbers")
+    return numbers

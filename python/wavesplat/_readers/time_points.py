@@ -1,0 +1,209 @@
+"""Series of files: the time points of one file or folder, or a file for each."""
+
+from __future__ import annotations
+
+import glob
+from collections.abc import Sequence
+from dataclasses import replace
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, Literal
+
+from wavesplat._files.natural_order import natural_key
+from wavesplat._files.places import expanded
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.series import Series
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat._readers.opening import opened
+from wavesplat._readers.request import Request, SeveralError, requested
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["open_series"]
+
+
+@public
+@takes_its_types
+def open_series(
+    path: str | PathLike[str] | Sequence[str | PathLike[str]],
+    *,
+    series: str | None = None,
+    channel: int | None = None,
+    dataset: str | None = None,
+    level: int | None = None,
+    shape: Sequence[int] | None = None,
+    dtype: np.typing.DTypeLike | None = None,
+    spacing: Sequence[float] | None = None,
+    byte_order: Literal["little", "big"] | None = None,
+    offset: int = 0,
+    unit: str | None = None,
+    gaps: Literal["fill", "refuse"] = "fill",
+    external_files: bool = False,
+) -> Series:
+    """The time points of a file, or files of one time point each, read when they are asked for.
+
+    Parameters
+    ----------
+    path : path, URL, pattern or list of paths
+        A file or folder that holds several time points: 4-D NIfTI, NRRD and MetaImage, OME-Zarr, TIFF of OME and
+        ImageJ, DICOM; arrays without named axes (.npy, raw, HDF5), whose first axis is time. Or files of one time point
+        each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
+        numbers in their names (t2 before t10). A file of one volume is a series of one.
+    series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files : optional
+        As of `wavesplat.open`, for every time point.
+
+    Returns
+    -------
+    Series
+        `series[3]` is a Volume, `len(series)` tells how many there are, `series.times` when they were taken.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is unreadable. What is wrong with a later time point is said when it is read.
+    ArgumentError
+        If an option has no meaning for that format or is out of range.
+
+    Examples
+    --------
+    >>> import numpy as np, wavesplat as ws
+    >>> np.save("beating.npy", np.random.default_rng(1).random((5, 8, 8, 8), np.float32))
+    >>> series = ws.open_series("beating.npy")
+    >>> len(series), series[-1].shape, series[1:3]
+    (5, (8, 8, 8), <Series 'beating.npy': 2 time points>)
+    """
+    options = {
+        "series": series,
+        "channel": channel,
+        "dataset": dataset,
+        "level": level,
+        "shape": shape,
+        "dtype": dtype,
+        "spacing": spacing,
+        "byte_order": byte_order,
+        "offset": offset,
+        "unit": unit,
+        "gaps": gaps,
+        "external_files": external_files,
+    }
+    paths = _files(path)
+    if len(paths) == 1 and isinstance(path, str | PathLike):
+        points: Any = _OfOneFile(requested(paths[0], **options))
+        return Series(points, name=points.request.name)
+    requests = [requested(one, **options) for one in paths]
+    for request in requests:
+        if not (request.is_url or request.file.exists()):
+            raise FileError(f"no such file or folder; check the name: {request.path}")
+    return Series(_OfManyFiles(requests), name=_name_of_all(requests))
+
+
+class _OfOneFile:
+    """The time points that a file or folder holds."""
+
+    def __init__(self, request: Request) -> None:
+        self.request = request
+        self._first: Volume | None = None
+        try:
+            self._first = opened(request)
+        except SeveralError as error:
+            if error.option != "time":
+                raise
+            self._n = len(error.names)
+            self._has_several = True
+        else:
+            self._n = 1
+            self._has_several = False
+        self._kept: dict[str, Any] = {}
+
+    def __len__(self) -> int:
+        return self._n
+
+    def __getitem__(self, number: int) -> Volume:
+        if not self._has_several:
+            first, self._first = self._first, None
+            return opened(self.request) if first is None else first
+        volume = opened(replace(self.request, time=number, kept=self._kept))
+        self._times = _times_of(volume, self._n)
+        return volume
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        """By the file, once a volume of it is read."""
+        if self._times is None:
+            volume = self._first or self[0]
+            self._times = _times_of(volume, self._n)
+        return self._times
+
+    _times: tuple[tuple[float, ...], str | None] | None = None
+
+    def told(self) -> str:
+        """Its path."""
+        return f"the file {fspath(self.request.path)!r}"
+
+    def __getstate__(self) -> dict[str, Any]:
+        # No open files.
+        return {**vars(self), "_kept": {}, "_first": None}
+
+
+class _OfManyFiles:
+    """Files of one time point each."""
+
+    def __init__(self, requests: Sequence[Request]) -> None:
+        self._requests = tuple(requests)
+
+    def __len__(self) -> int:
+        return len(self._requests)
+
+    def __getitem__(self, number: int) -> Volume:
+        try:
+            return opened(self._requests[number])
+        except SeveralError as error:
+            if error.option != "time":
+                raise
+            raise FileError(
+                f"one of several files holds {len(error.names)} time points itself; open it alone, or list files of "
+                f"one time point each: {self._requests[number].path}"
+            ) from None
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        """Files of their own say nothing of each other."""
+        return tuple(float(number) for number in range(len(self))), None
+
+    def told(self) -> str:
+        """The first and the last one."""
+        return f"the list of files {_name_of_all(self._requests)!r}"
+
+
+def _times_of(volume: Volume, n: int) -> tuple[tuple[float, ...], str | None]:
+    facts = volume.facts
+    if len(facts.times) == n:
+        return facts.times, facts.time_unit
+    step = facts.time_step
+    return tuple(number * (step or 1.0) for number in range(n)), facts.time_unit if step else None
+
+
+def _name_of_all(requests: Sequence[Request]) -> str:
+    first, last = requests[0].name, requests[-1].name
+    return first if len(requests) == 1 else f"{first} to {last}"
+
+
+def _files(path: Any) -> list[Any]:
+    """The files that are meant, in order."""
+    if isinstance(path, str | PathLike):
+        text = fspath(path)
+        is_pattern = isinstance(text, str) and glob.has_magic(text) and "://" not in text
+        if not is_pattern or expanded(path).exists():
+            return [path]
+        # Not of pathlib, which wants the folder apart from the pattern.
+        found = sorted(glob.glob(str(expanded(path)), recursive=True), key=natural_key)  # noqa: PTH207
+        if not found:
+            raise FileError(f"no file matches this pattern; check the name: {path}")
+        return found
+    paths = list(path)
+    if not paths:
+        raise ArgumentError("path is an empty list; give the files of the time points, in order")
+    for one in paths:
+        if not isinstance(one, str | PathLike):
+            raise ArgumentError(f"one of the paths is {described(one)}; give names of files")
+    return paths

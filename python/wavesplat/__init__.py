@@ -35,21 +35,14 @@ if TYPE_CHECKING:
     from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
     from wavesplat._model.crop import Crop
     from wavesplat._model.facts import Channel, Facts
-<<<<<<< HEAD
     from wavesplat._model.sampling import Sampling
-=======
     from wavesplat._model.series import Series
->>>>>>> main
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._native import __version__
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
-<<<<<<< HEAD
-=======
     from wavesplat._readers.time_points import open_series
-    from wavesplat._render.rendering import render
->>>>>>> main
     from wavesplat._render.slicing import slice
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.rendering import render
@@ -74,12 +67,9 @@ __all__ = [
     "Materials",
     "Mesh",
     "Picture",
-<<<<<<< HEAD
     "Sampling",
     "Scene",
-=======
     "Series",
->>>>>>> main
     "Shading",
     "TransferFunction",
     "TransferFunction2D",
@@ -119,12 +109,9 @@ _HOMES = {
     "Materials": "_looks.materials",
     "Mesh": "_mesh.meshing",
     "Picture": "_picture.picture",
-<<<<<<< HEAD
     "Sampling": "_model.sampling",
     "Scene": "_scene.scene",
-=======
     "Series": "_model.series",
->>>>>>> main
     "Shading": "_looks.shading",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
@@ -135,12 +122,8 @@ _HOMES = {
     "largest_body": "_looks.largest_body",
     "mesh": "_mesh.meshing",
     "open": "_readers.opening",
-<<<<<<< HEAD
     "render": "_scene.rendering",
-=======
     "open_series": "_readers.time_points",
-    "render": "_render.rendering",
->>>>>>> main
     "slice": "_render.slicing",
 }
 _MODULES = {"errors", "examples", "reference", "study"}

@@ -77,7 +77,7 @@ class Layer:
                 f"look is {described(look)}; give a wavesplat.Look, a TransferFunction, Materials or the name of a "
                 "preset"
             )
-        object.__setattr__(self, "visible", bool(self.visible))
+        object.__setattr__(self, "visible", _flag(self.visible))
         object.__setattr__(self, "opacity", _share(self.opacity))
         object.__setattr__(self, "name", self.volume.name if self.name is None else str(self.name))
 
@@ -120,6 +120,13 @@ def _share(number: object) -> float:
     if isinstance(number, str) or not (isfinite(share) and 0 <= share <= 1):
         raise ArgumentError(f"opacity of the layer is {described(number)}; give a number 0..1")
     return share
+
+
+def _flag(given: object) -> bool:
+    try:
+        return bool(given)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"visible of the layer is {described(given)}; give True or False") from None
 
 
 def _place(number: object) -> int:

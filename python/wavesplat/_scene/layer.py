@@ -7,13 +7,12 @@ from math import isfinite
 from operator import index
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.argument_types import described
+from wavesplat._model.foreign import as_volume
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -32,7 +31,7 @@ class Layer:
 
     Parameters
     ----------
-    volume : Volume, WaveletVolume, series or array
+    volume : Volume, WaveletVolume, Series, array, or what else `Volume` takes
         What is shown. Of an open series, `time` says which volume.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How its values are shown; a text is the name of a preset. None chooses by the kind of data, and colours of their
@@ -105,11 +104,7 @@ class Layer:
 
 def drawable(given: object) -> Volume | WaveletVolume:
     """What is given as something that can be drawn."""
-    if isinstance(given, Volume | WaveletVolume):
-        return given
-    if isinstance(given, np.ndarray):
-        return Volume(given)
-    raise ArgumentError(f"volume is {described(given)}; give {VOLUME}")
+    return as_volume(given)
 
 
 def _share(number: object) -> float:

@@ -153,7 +153,7 @@ def slice(
     if (window is not None or clim is not None) and transfer_function is not None:
         raise ArgumentError("window or clim and transfer_function both say how values look; give one of them")
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
-    drawn = volume._decoded() if isinstance(volume, WaveletVolume) else volume._core
+    drawn = volume._decoded(volume.left_out) if isinstance(volume, WaveletVolume) else volume._core
     first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
     with drawing(volume):
         values = _native.plane(

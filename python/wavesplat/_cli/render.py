@@ -13,6 +13,7 @@ from wavesplat._cli.crop_options import (
     chosen_clip,
     takes_cut_options,
 )
+from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import is_terminal, json_text, message, print_notes, print_result
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 __all__ = ["render"]
 
 
+@takes_figure_options
 @takes_cut_options
 @takes_light_options
 @takes_reader_options
@@ -141,6 +143,7 @@ def render(
     lighting: LightOptions,
     bits: Bits = 8,
     threads: Threads = None,
+    figure: FigureOptions,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
@@ -160,6 +163,7 @@ def render(
     from wavesplat._scene.scene import Scene
 
     check_bits(bits)
+    check_figure(figure)
     composite = COMPOSITE_SYNONYMS.get(composite, composite)
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
@@ -212,7 +216,8 @@ def render(
     )
     if not quiet:
         print_notes(picture)
-    picture.save(output, bits=bits)
+    picture = annotated(picture, figure, quiet=quiet)
+    picture.save(output, bits=bits, dpi=figure.dpi)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     if report is not None:
         _write_report(report, facts)

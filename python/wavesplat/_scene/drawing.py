@@ -38,6 +38,7 @@ from wavesplat._render.arguments import (
 )
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._scene.shown import ShownLayer, shown_layers
+from wavesplat._scene.telling import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -112,11 +113,15 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
-    if not layers:
-        return _empty(frame)
-    if composite == "over" or len(layers) == 1:
+    picture = _with_layers(frame, layers) if layers else _empty(frame)
+    picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
+    return picture
+
+
+def _with_layers(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
+    if frame.composite == "over" or len(layers) == 1:
         return _in_one(frame, layers)
-    if isinstance(operator, FirstHit):
+    if isinstance(frame.operator, FirstHit):
         raise ArgumentError(
             f"FirstHit shows the surface of one layer, and {len(layers)} are visible; hide the others, "
             'or give looks for composite="over"'
@@ -151,6 +156,7 @@ def _in_one(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
     result, report = _drawn(frame if opacity == 1 else replace(frame, background=None), layers, functions)
     if opacity != 1:
         result["rgba"] = _over_background(np.float32(opacity) * result["rgba"], frame.background)
+    report |= facts_of_layers(frame.scene, layers, functions, frame.composite)
     report["look"] = _told(layers[0])
     report["processing"] = list(layers[0].volume.facts.processing)
     rgba, value = result["rgba"], result["value"]
@@ -169,11 +175,13 @@ def _in_one(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
 
 def _added(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
     """Projections of several layers, their colours added as light."""
-    lights, covers, reports = [], [], []
+    lights, covers, reports, functions = [], [], [], []
     clear = replace(frame, background=None)
     for number, layer in enumerate(layers):
         options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
-        result, report = _drawn(replace(clear, options=options), [layer], [_function(frame, layer, len(layers))])
+        function = _function(frame, layer, len(layers))
+        functions.append(layer.faded(function))
+        result, report = _drawn(replace(clear, options=options), [layer], [function])
         lights.append(layer.opacity * result["rgba"][..., :3])
         covers.append(1 - layer.opacity * result["rgba"][..., 3:])
         reports.append(report | _told(layer))
@@ -184,6 +192,7 @@ def _added(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _told(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd")}
     report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
+    report |= facts_of_layers(frame.scene, layers, functions, frame.composite)
     if notes := notes_on_layers(rgba):
         report["notes"] = notes
     return Picture(rgba, report=report)

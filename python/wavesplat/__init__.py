@@ -12,7 +12,7 @@ public names are defined in included: import `wavesplat.Volume`, from nowhere el
 public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`_render`, `_mesh`, `reference`, `study`, `examples`, `_cli`.
+`examples`, `_render`, `_scene`, `_mesh`, `reference`, `study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -31,8 +31,11 @@ if TYPE_CHECKING:
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
     from wavesplat._mesh.meshing import Mesh, mesh
     from wavesplat._model.camera import Camera
+    from wavesplat._model.clips import ClipPlane, CutOut
+    from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
     from wavesplat._model.crop import Crop
     from wavesplat._model.facts import Channel, Facts
+    from wavesplat._model.sampling import Sampling
     from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
@@ -40,28 +43,39 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
     from wavesplat._readers.time_points import open_series
-    from wavesplat._render.rendering import render
     from wavesplat._render.slicing import slice
+    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.rendering import render
+    from wavesplat._scene.scene import Scene
 
 __all__ = [
     "Camera",
     "Channel",
+    "ClipPlane",
     "Crop",
+    "CutOut",
+    "DepthShadedMaximum",
     "Facts",
+    "FirstHit",
     "Label",
     "Labels",
+    "Layer",
     "Light",
+    "LocalMaximum",
     "Look",
     "Material",
     "Materials",
     "Mesh",
     "Picture",
+    "Sampling",
+    "Scene",
     "Series",
     "Shading",
     "TransferFunction",
     "TransferFunction2D",
     "Volume",
     "WaveletVolume",
+    "XRay",
     "__version__",
     "errors",
     "examples",
@@ -79,28 +93,37 @@ __all__ = [
 _HOMES = {
     "Camera": "_model.camera",
     "Channel": "_model.facts",
+    "ClipPlane": "_model.clips",
     "Crop": "_model.crop",
+    "CutOut": "_model.clips",
+    "DepthShadedMaximum": "_model.composites",
     "Facts": "_model.facts",
+    "FirstHit": "_model.composites",
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
+    "Layer": "_scene.layer",
     "Light": "_looks.shading",
+    "LocalMaximum": "_model.composites",
     "Look": "_looks.look",
     "Material": "_looks.materials",
     "Materials": "_looks.materials",
     "Mesh": "_mesh.meshing",
     "Picture": "_picture.picture",
+    "Sampling": "_model.sampling",
+    "Scene": "_scene.scene",
     "Series": "_model.series",
     "Shading": "_looks.shading",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
     "Volume": "_model.volume",
     "WaveletVolume": "_model.wavelet_volume",
+    "XRay": "_model.composites",
     "__version__": "_native",
     "largest_body": "_looks.largest_body",
     "mesh": "_mesh.meshing",
     "open": "_readers.opening",
     "open_series": "_readers.time_points",
-    "render": "_render.rendering",
+    "render": "_scene.rendering",
     "slice": "_render.slicing",
 }
 _MODULES = {"errors", "examples", "reference", "study"}

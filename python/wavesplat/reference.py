@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 from wavesplat import _native
 from wavesplat._looks.labels import Labels
@@ -12,7 +12,8 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
-from wavesplat._model.crop import Crop
+from wavesplat._model.clips import Clip, Clipping, checked_clip
+from wavesplat._model.cutting import without
 from wavesplat._model.options import Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
@@ -34,15 +35,14 @@ def raycast(
     rays_per_pixel: int = 1,
     kernel: Kernel = "linear",
     shading: Shading | None = arguments.DEFAULT_SHADING,
-    crop: Crop | None = None,
-    clip_planes: Sequence[arguments.ClipPlane] = (),
+    clip: Clip | Iterable[Clip] = (),
     threads: int | None = None,
 ) -> Picture:
     """The converged picture, by casting rays in small steps (emission and absorption, "over").
 
     Parameters
     ----------
-    volume, transfer_function, camera, labels, size, kernel, shading, crop, clip_planes, threads
+    volume, transfer_function, camera, labels, size, kernel, shading, clip, threads
         As for `wavesplat.render`, but only a Volume; of a WaveletVolume, give `to_volume()`.
     step : float, default 0.05
         Distance between samples of a ray, in voxels.
@@ -69,19 +69,22 @@ def raycast(
     if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
         raise ArgumentError("the reference knows no ambient_occlusion and no shadow; give a Shading without them")
     width, height = arguments.checked_size(size)
+    clipping = checked_clip(clip)
     look = arguments.chosen_look(transfer_function, volume, "over")
+    labels_here = arguments.chosen_labels(labels, volume, clipping.boxes)
+    volume = without(volume, clipping.boxes)
     rgba = _native.raycast(
         volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1), clip_planes=clip_planes)._core,
-        labels=arguments.chosen_labels(labels, volume),
+        arguments.chosen_camera(camera, [(volume, look)], clipping, width / max(height, 1))._core,
+        labels=labels_here,
         width=width,
         height=height,
         kernel=kernel,
         shading=None if shading is None else shading._core,
         step=float(step),
         rays_per_pixel=arguments.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
-        **arguments.region(crop, clip_planes),
+        **arguments.region(clipping),
         threads=arguments.chosen_threads(threads),
     )
     return Picture(rgba)
@@ -130,7 +133,7 @@ def splat_literal(
     rgba = _native.splat_literal(
         volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, None, width / max(height, 1))._core,
+        arguments.chosen_camera(camera, [(volume, look)], Clipping(), width / max(height, 1))._core,
         width=width,
         height=height,
         kernel=kernel,

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, fields
 from operator import index
 from typing import Any, Literal, TypeAlias, get_args
 
 from wavesplat import _native
 from wavesplat._looks import colors
+from wavesplat._looks.labels import Labels
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
-from wavesplat._model.crop import Crop
+from wavesplat._model.clips import Clip, checked_clip
+from wavesplat._model.cutting import without
 from wavesplat._model.options import Buffer, Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
+from wavesplat._scene.drawing import Options, draw
+from wavesplat._scene.layer import AnyLook
+from wavesplat._scene.scene import as_scene
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Ablation", "StandardSplatting", "splat", "standard"]
+__all__ = ["Ablation", "StandardSplatting", "render", "splat", "standard"]
 
 GradientScheme: TypeAlias = Literal["footprint", "footprint-forward", "sheet-central", "sheet-forward"]
 Footprint: TypeAlias = Literal["exact", "nearest", "nearest-noise"]
@@ -102,6 +107,61 @@ def _rebuild(settings: dict[str, Any]) -> Ablation:
 
 
 @takes_its_types
+def render(
+    what: Any,
+    look: AnyLook | Sequence[AnyLook] = None,
+    camera: Camera | str | None = None,
+    *,
+    pre_integration: bool = True,
+    early_ray_termination: bool = True,
+    labels: Labels | None = None,
+    shading: Shading | Literal["look"] | None = "look",
+    clip: Clip | Iterable[Clip] = (),
+    background: str | Sequence[float] | None = None,
+    **options: Any,
+) -> Picture:
+    """The picture of `wavesplat.render`, with what makes it fast or sharp left out.
+
+    Parameters
+    ----------
+    what, look, camera, labels, shading, clip, background, options
+        As for `wavesplat.render`.
+    pre_integration : bool
+        Pre-integrate the space between sheets where the transfer function is steep, so that hard surfaces are found and
+        shaded where they are. False: plain sheets, as the method has it.
+    early_ray_termination : bool
+        Stop rays where no more than 1e-4 of their light comes through. False: where no more than 2e-6 does.
+
+    Returns
+    -------
+    Picture
+        As of `wavesplat.render`.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work.
+    LimitError
+        If the picture needs more memory than there may be.
+    CancelledError
+        If `progress` returned False.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.study.render(ws.examples.ripples(8), pre_integration=False, size=(8, 8)).size
+    (8, 8)
+    """
+    scene = as_scene(what, look, labels=labels, shading=shading, clip=clip, background=background)
+    known = {field.name for field in fields(Options)}
+    unknown = sorted(set(options) - known)
+    if unknown:
+        raise TypeError(f"render() got an unexpected keyword argument {unknown[0]!r}")
+    how = Options(pre_integration=pre_integration, early_ray_termination=early_ray_termination, **options)
+    return draw(scene, camera, how)
+
+
+@takes_its_types
 def splat(
     volume: Volume,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
@@ -113,19 +173,18 @@ def splat(
     shading: Shading | None = arguments.HEADLIGHT,
     sheets_per_slice: float = 2.0,
     oversampling: float = 1.0,
-    crop: Crop | None = None,
-    clip_planes: Sequence[arguments.ClipPlane] = (),
+    clip: Clip | Iterable[Clip] = (),
     threads: int | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Picture:
     """The picture of high-resolution splatting by its pseudo-code, in double precision, with a part of it left out.
 
-    Sheets are plain: nothing is pre-integrated between them. Without an ablation it is what `wavesplat.render` draws
-    with ``pre_integration=False`` and the same sheets and texels, a hundred times as slowly.
+    Sheets are plain: nothing is pre-integrated between them. Without an ablation it is what `render` draws with
+    ``pre_integration=False`` and the same sheets and texels, a hundred times as slowly.
 
     Parameters
     ----------
-    volume, transfer_function, camera, size, kernel, shading, crop, clip_planes, threads, progress
+    volume, transfer_function, camera, size, kernel, shading, clip, threads, progress
         As for `wavesplat.render`, but only a Volume; of a WaveletVolume, give `to_volume()`.
     ablation : Ablation, optional
         What is left out or changed; None draws the method as it is.
@@ -162,11 +221,13 @@ def splat(
     if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
         raise ArgumentError("the study knows no ambient_occlusion and no shadow; give a Shading without them")
     width, height = arguments.checked_size(size)
+    clipping = checked_clip(clip)
     look = arguments.chosen_look(transfer_function, volume, "over")
+    volume = without(volume, clipping.boxes)
     rgba = _native.splat_ablated(
         volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1), clip_planes=clip_planes)._core,
+        arguments.chosen_camera(camera, [(volume, look)], clipping, width / max(height, 1))._core,
         ablation=(ablation or Ablation())._core,
         width=width,
         height=height,
@@ -174,7 +235,7 @@ def splat(
         shading=None if shading is None else shading._core,
         sheets_per_slice=float(sheets_per_slice),
         oversampling=float(oversampling),
-        **arguments.region(crop, clip_planes),
+        **arguments.region(clipping),
         threads=arguments.chosen_threads(threads),
         progress=progress,
     )
@@ -225,8 +286,7 @@ def standard(
     kernel: Kernel = "linear",
     shading: Shading | None = arguments.HEADLIGHT,
     oversampling: float = 1.0,
-    crop: Crop | None = None,
-    clip_planes: Sequence[arguments.ClipPlane] = (),
+    clip: Clip | Iterable[Clip] = (),
     background: str | Sequence[float] | None = None,
     threads: int | None = None,
     progress: Callable[[float], object] | None = None,
@@ -235,7 +295,7 @@ def standard(
 
     Parameters
     ----------
-    volume, transfer_function, camera, size, shading, crop, clip_planes, background, threads, progress
+    volume, transfer_function, camera, size, shading, clip, background, threads, progress
         As for `wavesplat.render`. Crop boxes and clip planes keep the samples whose centres are inside.
     standard : StandardSplatting, optional
         Which buffers there are, and whether they correct for the view angle; None is ``StandardSplatting()``.
@@ -279,11 +339,13 @@ def standard(
         )
     chosen = standard or StandardSplatting()
     width, height = arguments.checked_size(size)
+    clipping = checked_clip(clip)
     look = arguments.chosen_look(transfer_function, volume, "over")
+    volume = arguments.cut_open(volume, clipping.boxes)
     result = _native.render_standard(
-        volume._decoded(0) if isinstance(volume, WaveletVolume) else volume._core,
+        volume._decoded() if isinstance(volume, WaveletVolume) else volume._core,
         look.transfer_function._core,
-        arguments.chosen_camera(camera, volume, look, crop, width / max(height, 1), clip_planes=clip_planes)._core,
+        arguments.chosen_camera(camera, [(volume, look)], clipping, width / max(height, 1))._core,
         width=width,
         height=height,
         kernel=kernel,
@@ -291,7 +353,7 @@ def standard(
         oversampling=float(oversampling),
         buffer=chosen.buffer,
         view_angle_correction=chosen.view_angle_correction,
-        **arguments.region(crop, clip_planes),
+        **arguments.region(clipping),
         background=colors.parse(background),
         threads=arguments.chosen_threads(threads),
         progress=progress,

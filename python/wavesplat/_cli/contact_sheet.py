@@ -11,7 +11,7 @@ import numpy as np
 from wavesplat._looks.look import Look
 from wavesplat._picture import annotation
 from wavesplat._picture.picture import Picture
-from wavesplat._render.rendering import render
+from wavesplat._scene.rendering import render
 
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume

@@ -12,12 +12,11 @@ from wavesplat._cli import parsers
 from wavesplat._cli.option_groups import with_options_of
 
 if TYPE_CHECKING:
+    from wavesplat._model.clips import Clip
     from wavesplat._model.crop import Crop
     from wavesplat._model.grid import Grid
 
-__all__ = ["CutOptions", "Planes", "box", "chosen_boxes", "chosen_crop", "chosen_planes", "takes_cut_options"]
-
-Planes = list[tuple[tuple[float, ...], tuple[float, ...]]]
+__all__ = ["CutOptions", "box", "chosen_clip", "chosen_crop", "takes_cut_options"]
 
 CORNERS = "X0,Y0,Z0,X1,Y1,Z1"
 _box = parsers.numbers(6, "0,0,0,50,50,50")
@@ -77,17 +76,16 @@ def chosen_crop(crop: tuple[float, ...] | None, crop_index: tuple[float, ...] | 
     return None if crop_index is None else Crop(crop_index[:3], crop_index[3:], space="index")
 
 
-def chosen_boxes(cuts: CutOptions, volume: Grid) -> list[Crop]:
-    """The boxes to take out of a volume."""
+def chosen_clip(cuts: CutOptions, volume: Grid) -> list[Clip]:
+    """What is kept and taken out of a volume."""
+    from wavesplat._model.clips import ClipPlane, CutOut
     from wavesplat._model.crop import Crop
 
+    kept = chosen_crop(cuts.crop, cuts.crop_index)
     boxes = [
         Crop.corner(volume, given) if isinstance(given, str) else Crop(given[:3], given[3:])
         for given in cuts.cut_out or ()
     ]
-    return boxes + [Crop(given[:3], given[3:], space="index") for given in cuts.cut_out_index or ()]
-
-
-def chosen_planes(cuts: CutOptions) -> Planes:
-    """Points and normals of the planes."""
-    return [(given[:3], given[3:]) for given in cuts.clip or ()]
+    boxes += [Crop(given[:3], given[3:], space="index") for given in cuts.cut_out_index or ()]
+    planes = [ClipPlane(given[:3], given[3:]) for given in cuts.clip or ()]
+    return [*([] if kept is None else [kept]), *planes, *(CutOut(box) for box in boxes)]

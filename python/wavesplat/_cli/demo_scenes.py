@@ -10,8 +10,9 @@ from typing import Any
 from wavesplat import examples
 from wavesplat._files.output import check_output
 from wavesplat._model.camera import Camera
+from wavesplat._model.composites import FirstHit
 from wavesplat._model.volume import Volume
-from wavesplat._render.rendering import render
+from wavesplat._scene.rendering import render
 
 __all__ = ["draw"]
 
@@ -53,7 +54,7 @@ SCENES = (
         "auto",
         30,
         30,
-        options={"composite": "first-hit", "iso_value": 127.5, "kernel": "bspline3"},
+        options={"composite": FirstHit(127.5), "kernel": "bspline3"},
     ),
 )
 

@@ -10,10 +10,7 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import (
     CutOptions,
-    Planes,
-    chosen_boxes,
-    chosen_crop,
-    chosen_planes,
+    chosen_clip,
     takes_cut_options,
 )
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
@@ -47,9 +44,10 @@ if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.look import Look
     from wavesplat._model.camera import Camera
-    from wavesplat._model.crop import Crop
+    from wavesplat._model.composites import Operator
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._scene.scene import Scene
 
 __all__ = ["render"]
 
@@ -154,17 +152,27 @@ def render(
     parsers.refuse_pairs(preset=preset, materials=materials)
     parsers.refuse_pairs(tf=tf, materials=materials)
     parsers.refuse_pairs(cmap=colors.cmap, materials=materials)
-    crop, planes = chosen_crop(cuts.crop, cuts.crop_index), chosen_planes(cuts)
+    parsers.refuse_pairs(crop=cuts.crop, crop_index=cuts.crop_index)
     check_outputs(input, output, "pictures", report)
+    from wavesplat._model.sampling import Sampling
     from wavesplat._picture.picture import check_bits
-    from wavesplat._render.arguments import cut_open
+    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.scene import Scene
 
     check_bits(bits)
     composite = COMPOSITE_SYNONYMS.get(composite, composite)
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
+    numbers = {
+        "iso_value": iso_value,
+        "local_threshold": local_threshold,
+        "depth_shading": depth_shading,
+        "attenuation": attenuation,
+    }
+    if composite is not None:
+        _operator(composite, **numbers)  # or an error, before anything is read
 
-    volume, drop_levels = _levels(processed(input, reader, processing, quiet=quiet), family, threshold, levels, bands)
+    volume = _levels(processed(input, reader, processing, quiet=quiet), family, threshold, levels, bands)
     look = _look(
         volume,
         input,
@@ -176,49 +184,30 @@ def render(
         composite=composite,
         quiet=quiet,
     )
-    seen, boxes = cut_open(volume, chosen_boxes(cuts, volume))
-    camera = _camera(
-        seen,
-        look,
-        view,
-        azimuth,
-        elevation,
-        crop=crop,
-        clip_planes=planes,
-        zoom=zoom,
-        view_angle=perspective,
-        size=size,
-    )
     # Greys that depend on the view are left to the renderer.
     by_view = look.name == "auto" and look.composite in BY_VIEW
+    scene = Scene(
+        Layer(volume, None if by_view else look),
+        labels=_labels(labels, label_table),
+        shading=chosen_shading(lighting, look.shading),
+        clip=chosen_clip(cuts, volume),
+        background=background or look.background or "black",
+    )
+    camera = _camera(scene, look, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
     if not quiet:
         # Of the guesses the one that changes what a pixel means; all are in the report.
         if look.name == "auto" and composite is None and look.composite != "over" and look.reason.endswith("values"):
             message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
         _note_what_stays_hidden(volume)
     picture = _drawn(
-        volume,
-        None if by_view else look,
+        scene,
         camera,
         shown=not quiet and is_terminal(),
-        labels=_labels(labels, label_table),
         size=size,
         kernel=kernel,
-        composite=look.composite,
-        iso_value=iso_value,
-        local_threshold=local_threshold,
-        depth_shading=depth_shading,
-        attenuation=attenuation,
-        shading=chosen_shading(lighting, look.shading),
-        quality=quality,
-        sheets_per_slice=sheets_per_slice,
-        oversampling=oversampling,
+        composite=_operator(look.composite, **numbers),
+        quality=Sampling(sheets_per_slice, oversampling, quality),
         psnr=psnr,
-        drop_levels=drop_levels,
-        crop=crop,
-        clip_planes=planes,
-        cut_out=boxes,
-        background=background or look.background or "black",
         threads=threads,
     )
     if not quiet:
@@ -269,14 +258,59 @@ def _labels(path: str | None, table: Path | None) -> Labels | None:
     return Labels.open(path, table=table)
 
 
+#: The option that each operator takes a number from.
+NUMBERS = {
+    "iso_value": "first-hit",
+    "local_threshold": "local-maximum",
+    "depth_shading": "depth-shaded-maximum",
+    "attenuation": "x-ray",
+}
+
+
+def _operator(
+    composite: Composite,
+    *,
+    iso_value: float | None,
+    local_threshold: float | None,
+    depth_shading: float | None,
+    attenuation: tuple[float, float] | None,
+) -> Operator:
+    """The operator with its number; an `ArgumentError` where a number is another one's."""
+    from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
+
+    given = {
+        "iso_value": iso_value,
+        "local_threshold": local_threshold,
+        "depth_shading": depth_shading,
+        "attenuation": attenuation,
+    }
+    for name, owner in NUMBERS.items():
+        if given[name] is not None and composite != owner:
+            option = f"--{name.replace('_', '-')}"
+            raise ArgumentError(
+                f"{option} is for --composite {owner}, not for {composite}; give that, or leave out {option}"
+            )
+    if composite == "first-hit":
+        if iso_value is None:
+            raise ArgumentError("--composite first-hit needs the value of the surface; give it as --iso-value")
+        return FirstHit(iso_value)
+    if composite == "local-maximum":
+        return LocalMaximum(local_threshold)
+    if composite == "depth-shaded-maximum":
+        return DepthShadedMaximum() if depth_shading is None else DepthShadedMaximum(depth_shading)
+    if composite == "x-ray":
+        return XRay(*(attenuation or ()))
+    return composite
+
+
 def _levels(
     volume: Volume | WaveletVolume,
     family: str,
     threshold: float | None,
     levels: int | None,
     bands: tuple[float, ...] | None,
-) -> tuple[Volume | WaveletVolume, int]:
-    """What is drawn, as wavelets if any of these options asks for them, and how many levels are left out."""
+) -> Volume | WaveletVolume:
+    """What is drawn, as wavelets if any of these options asks for them, without what is left out."""
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     if isinstance(volume, WaveletVolume):
@@ -285,49 +319,48 @@ def _levels(
                 "--threshold is for samples; the coefficients of this file were dropped when it was made"
             )
     elif threshold is None and levels is None and bands is None:
-        return volume, 0
+        return volume
     else:
         volume = WaveletVolume.from_volume(volume, family, threshold=threshold)
     if levels is not None and not 0 <= levels <= volume.n_levels:
         raise ArgumentError(
             f"--levels is {levels}; {volume.name!r} has {volume.n_levels}, so give 0 to {volume.n_levels}"
         )
-    return volume.bands(bands), 0 if levels is None else volume.n_levels - levels
+    weighted = volume if bands is None else volume.bands(bands)
+    return weighted if levels is None else weighted.level(volume.n_levels - levels)
 
 
 def _camera(
-    volume: Volume | WaveletVolume,
+    scene: Scene,
     look: Look,
     view: str | None,
     azimuth: float | None,
     elevation: float | None,
     *,
-    crop: Crop | None,
-    clip_planes: Planes,
     zoom: float,
     view_angle: float | None,
     size: tuple[int, int],
 ) -> Camera:
     """From a view, turned by the angles; without any, from the side that suits the data."""
     from wavesplat._model.camera import check_place, checked_lens
-    from wavesplat._render.arguments import checked_planes
     from wavesplat._render.framing import framed, natural_view
+    from wavesplat._scene.shown import seen_parts
 
-    check_place(volume)
+    parts = seen_parts(scene, look)
+    for volume, _ in parts:
+        check_place(volume)
     turned = (azimuth or 0.0, elevation or 0.0)
     if view is None and look.view is None:
-        from_view = natural_view(volume) if azimuth is None and elevation is None else VIEWS["anterior"]
+        from_view = natural_view(parts[0][0]) if azimuth is None and elevation is None else VIEWS["anterior"]
     else:
         from_view = VIEWS[view or look.view or "anterior"]
     aspect = size[0] / size[1] if min(size) > 0 else 1.0  # the renderer refuses an empty picture
     checked_lens(zoom, view_angle)
     return framed(
-        volume,
-        look,
+        parts,
         from_view[0] + turned[0],
         from_view[1] + turned[1],
-        crop=crop,
-        clip_planes=checked_planes(clip_planes),
+        clipping=scene._clipping,
         zoom=zoom,
         view_angle=view_angle,
         aspect=aspect,
@@ -339,19 +372,11 @@ def _note_what_stays_hidden(volume: Volume | WaveletVolume) -> None:
         message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
 
 
-def _drawn(
-    volume: Volume | WaveletVolume,
-    look: Look | None,
-    camera: Camera,
-    *,
-    shown: bool,
-    **options: Any,
-) -> Any:
+def _drawn(scene: Scene, camera: Camera, *, shown: bool, **options: Any) -> Any:
     """The picture; a bar shows how far it is, if `shown`, and Ctrl-C stops it."""
     from wavesplat._cli import progress
-    from wavesplat._render.rendering import render as draw
 
-    return progress.run(lambda report: draw(volume, look, camera, progress=report, **options), "drawing", shown=shown)
+    return progress.run(lambda report: scene.render(camera, progress=report, **options), "drawing", shown=shown)
 
 
 def _write_report(path: Path, facts: dict[str, Any]) -> None:

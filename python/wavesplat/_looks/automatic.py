@@ -21,6 +21,7 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import units
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.units import METRES
@@ -31,7 +32,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.options import Composite
 
-__all__ = ["automatic"]
+__all__ = ["automatic", "tinted"]
 
 Rgb = tuple[float, float, float]
 
@@ -64,8 +65,8 @@ MASK = (0.98, 0.80, 0.56)
 FIELD_MAP = "inferno"
 
 
-def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Look:
-    """See `Look.auto`."""
+def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
+    """See `Look.auto`; `color` is that of fluorescence, instead of the channel's own."""
     low, high = volume.value_range
     # What a view shows of even matter are lengths, so greys can be found for it.
     if not low < high and composite not in BY_VIEW:
@@ -89,7 +90,8 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Lo
     if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
         return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
-    function, shading = LOOKS[known.kind](volume, known)
+    made_by = LOOKS[known.kind]
+    function, shading = made_by(volume, known, color) if made_by is _fluorescence else made_by(volume, known)
     return Look(
         transfer_function=function,
         shading=shading,
@@ -97,6 +99,16 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None) -> Lo
         name="auto",
         reason=known.reason,
     )
+
+
+def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> TransferFunction | TransferFunction2D:
+    """A transfer function whose white is a colour."""
+    if isinstance(function, TransferFunction2D):
+        rgba = function.rgba * np.array([*color, 1.0])
+        return TransferFunction2D(function.values, function.magnitudes, rgba, function.opacity_unit)
+    red, green, blue = color
+    nodes = [(value, r * red, g * green, b * blue) for value, r, g, b in function.color]
+    return TransferFunction(function.opacity, nodes, function.opacity_unit, function.gradient_opacity)
 
 
 def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
@@ -156,14 +168,14 @@ def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
 
 
-def _fluorescence(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+def _fluorescence(volume: Volume | WaveletVolume, known: Evidence, wanted: Rgb | None = None) -> Made:
     """Light of its own, in the colour of the channel: nothing is shaded."""
     background, high = np.percentile(known.values, (50.0, 99.6))
     spread = 1.4826 * float(np.median(np.abs(known.values - background)))
     low = min(float(background) + spread, float(background) + 0.25 * (float(high) - float(background)))
     high = max(float(high), low + 1e-6 * max(abs(low), 1.0))
     channel = volume.facts.channel
-    color = channel.color if channel is not None and channel.color is not None else GREEN
+    color = wanted or (channel.color if channel is not None and channel.color is not None else GREEN)
     # A colour that is dark itself, such as a pure blue, becomes lighter with the value.
     white = tuple(share + 0.65 * (1.0 - share) for share in color)
     middle = low + 0.35 * (high - low)
@@ -224,7 +236,7 @@ def _solid(low: float, high: float) -> TransferFunction:
     return TransferFunction([(middle, 0.0), (middle, 1.0)], [(middle, *MASK)])
 
 
-LOOKS: dict[Kind, Callable[[Any, Evidence], Made]] = {
+LOOKS: dict[Kind, Callable[..., Made]] = {
     "CT": _ct,
     "MR": _tissue,
     "PET": _tissue,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "looks_like_hounsfield"]
+__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield"]
 
 Kind: TypeAlias = Literal[
     "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
@@ -82,6 +82,11 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
         values, gradients = np.array(volume.value_range), np.zeros(2)
     kind, reason = _kind(volume, values, alike)
     return Evidence(kind, reason, values, gradients)
+
+
+def kind_of(volume: Volume | WaveletVolume) -> Kind:
+    """The kind alone."""
+    return evidence(volume).kind
 
 
 def hounsfield_shares(values: NDArray[Any]) -> tuple[float, float]:

@@ -136,7 +136,6 @@ def _is_a(*names: str) -> Callable[[object], bool]:
 TEXT = (_is_text, "a name")
 
 KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
-    **dict.fromkeys(("Sequence[ClipPlane]", "Sequence[arguments.ClipPlane]"), (_is_many, "(point, normal) pairs")),
     "Iterable[Light]": (_is_many, "a sequence of wavesplat.Light"),
     "None": (lambda value: value is None, ""),
     "float": (_is_number, "a number"),
@@ -159,5 +158,4 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "TransferFunction2D": (_is_a("TransferFunction2D"), "a TransferFunction2D"),
     "Materials": (_is_a("Materials"), "Materials"),
     "Crop": (_is_a("Crop"), "a wavesplat.Crop(lower, upper, space=...)"),
-    "Sequence[Crop]": (_is_many, "several of them"),
 }

@@ -32,7 +32,7 @@ SIDES = {
 @public
 @dataclass(frozen=True, init=False)
 class Crop:
-    """The part of the volume between two corners: what is kept as `crop`, what is taken out as `cut_out`.
+    """The part of the volume between two corners: what a picture keeps, or, as `CutOut`, what is taken out of it.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class Crop:
         >>> import wavesplat as ws
         >>> pelvis = ws.examples.ct_pelvis()
         >>> corner = ws.Crop.corner(pelvis, "left anterior superior")
-        >>> picture = ws.render(pelvis, "ct-muscle", cut_out=corner, size=(32, 32))
+        >>> picture = ws.render(pelvis, "ct-muscle", clip=ws.CutOut(corner), size=(32, 32))
         """
         signs = _signs(str(name), volume)
         lower, upper = volume.bounds

@@ -8,7 +8,7 @@ any other one stairs as high as a sample.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -19,7 +19,7 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Boxes", "checked_boxes", "taken_out", "without"]
+__all__ = ["Boxes", "in_samples_of", "taken_out", "without"]
 
 Boxes: TypeAlias = tuple[Crop, ...]
 
@@ -27,17 +27,23 @@ Boxes: TypeAlias = tuple[Crop, ...]
 ON_FACE = 1e-5
 
 
-def checked_boxes(cut_out: Crop | Iterable[Crop]) -> Boxes:
-    """The boxes, of which one needs no list around it; an `ArgumentError` where something else is among them."""
-    boxes = (cut_out,) if isinstance(cut_out, Crop) else tuple(cut_out)
-    for number, box in enumerate(boxes):
-        if not isinstance(box, Crop):
-            raise ArgumentError(
-                f"box {number} of cut_out is a {type(box).__name__}; give a wavesplat.Crop(lower, upper, space=...)"
-            )
-        if not np.isfinite([box.lower, box.upper]).all():
-            raise ArgumentError(f"box {number} of cut_out has corners {box.lower} and {box.upper}; give finite numbers")
-    return boxes
+def in_samples_of(grid: Grid, boxes: Boxes, first: Grid) -> Boxes:
+    """Boxes for another grid than the one in whose samples some of them are given."""
+    if grid is first or all(box.space == "world" for box in boxes):
+        return boxes
+    index_from_first = np.linalg.inv(grid.world_from_index) @ first.world_from_index
+    turn, offset = index_from_first[:3, :3], index_from_first[:3, 3]
+    if np.count_nonzero(np.abs(turn) > ON_FACE * np.abs(turn).max()) != 3:
+        raise ArgumentError(
+            f"CutOut is given in samples of {first.name!r}, on whose axes those of {grid.name!r} do not lie; "
+            "give the box in the world"
+        )
+    return tuple(
+        box
+        if box.space == "world"
+        else Crop(turn @ np.array(box.lower) + offset, turn @ np.array(box.upper) + offset, space="index")
+        for box in boxes
+    )
 
 
 def without(volume: Volume, boxes: Boxes) -> Volume:
@@ -59,7 +65,7 @@ def without(volume: Volume, boxes: Boxes) -> Volume:
     samples = volume.samples.astype(np.result_type(volume.dtype, np.float32))
     samples[out] = np.nan
     if not np.isfinite(samples).any():
-        raise ArgumentError(f"cut_out leaves nothing of volume {volume.name!r}; its bounds are {_bounds(volume)}")
+        raise ArgumentError(f"CutOut leaves nothing of volume {volume.name!r}; its bounds are {_bounds(volume)}")
     cut = Volume(samples, world_from_index=volume.world_from_index, name=volume.name, facts=volume.facts)
     volume._cut = boxes, cut
     return cut

@@ -57,12 +57,13 @@ def check_threads(work: str) -> None:
 
 
 @contextmanager
-def drawing(volume: object) -> Iterator[None]:
-    """While a volume is drawn."""
-    _PROCESS.drawn.append(volume)
+def drawing(*volumes: object) -> Iterator[None]:
+    """While volumes are drawn."""
+    _PROCESS.drawn.extend(volumes)
     try:
         yield
     finally:
-        # Not in a child that was forked meanwhile by this very thread.
-        if volume in _PROCESS.drawn:
-            _PROCESS.drawn.remove(volume)
+        for volume in volumes:
+            # Not in a child that was forked meanwhile by this very thread.
+            if volume in _PROCESS.drawn:
+                _PROCESS.drawn.remove(volume)

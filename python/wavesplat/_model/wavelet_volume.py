@@ -56,8 +56,8 @@ FORMAT, FORMAT_VERSION = "wavesplat wavelets", 1
 class WaveletVolume(Grid):
     """A volume as its wavelet coefficients of large amplitude; made by `WaveletVolume.from_volume`, or loaded.
 
-    `render` draws it like a volume, all of it, only its coarse levels, or only details of chosen sizes; it decodes what
-    it looks at, and keeps at most `cache_bytes` of that.
+    `render` draws it like a volume, all of it, only its coarse levels (`level`), or only details of chosen sizes
+    (`bands`); it decodes what it looks at, and keeps at most `cache_bytes` of that.
     Level 0 holds the finest details, each further one details twice as large.
 
     Examples
@@ -68,7 +68,7 @@ class WaveletVolume(Grid):
     20.0
     """
 
-    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_weights")
+    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_left_out", "_weights")
 
     def __init__(
         self,
@@ -83,6 +83,7 @@ class WaveletVolume(Grid):
         self._family = family
         #: A factor for each level's details, and for the coarsest samples.
         self._weights = (1.0,) * (core.n_levels + 1)
+        self._left_out = 0
         self._cache_bytes = CACHE_BYTES
         #: What was drawn last, by levels left out and weights.
         self._decoded_levels: dict[tuple[int, tuple[float, ...]], _native.DecodedVolume] = {}
@@ -213,37 +214,64 @@ class WaveletVolume(Grid):
         """Smallest and largest sample."""
         return self._decoded().value_range
 
-    @takes_its_types
-    def to_volume(self, *, drop_levels: int = 0, band_weights: Sequence[float] | None = None) -> Volume:
+    @property
+    def left_out(self) -> int:
+        """How many levels of details are left out, the finest first."""
+        return self._left_out
+
+    def to_volume(self) -> Volume:
         """The volume that the coefficients stand for, float32, on the grid it was made from.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
+        >>> wavelets.level(2).to_volume().shape  # smooth, on all samples
+        (16, 16, 16)
+        """
+        check_threads("decode coefficients")
+        check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
+        weights = (0.0,) * self._left_out + self._weights[self._left_out :]
+        samples = self._core.samples(weights)
+        return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
+
+    @takes_its_types
+    def level(self, left_out: int) -> WaveletVolume:
+        """The same coefficients without the details of some levels, the finest first.
+
+        What is left is drawn at its own resolution, with fewer sheets and texels (B-spline families: at the full one),
+        and classified by the samples that it stands for, so that the picture keeps its brightness.
 
         Parameters
         ----------
-        drop_levels : int
-            Leave out the details of this many levels, the finest first.
-        band_weights : sequence of float, optional
-            A factor for each level's details, the finest first, and as number `n_levels` for the coarsest
-            samples; those not given are 1.
+        left_out : int
+            How many levels to leave out, of all that there are.
 
         Raises
         ------
         ArgumentError
-            If there are not as many levels, or a weight is not finite.
-        """
-        self._check_levels(drop_levels)
-        check_threads("decode coefficients")
-        check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
-        weights = (0.0,) * drop_levels + self.bands(band_weights)._weights[drop_levels:]
-        samples = self._core.samples(weights)
-        return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
+            If there are not as many.
 
-    def bands(self, weights: Sequence[float] | None) -> WaveletVolume:
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
+        >>> ws.render(wavelets.level(1), size=(16, 16)).size
+        (16, 16)
+        """
+        self._check_levels(left_out)
+        chosen = self._copy()
+        chosen._left_out = left_out
+        return chosen
+
+    def bands(self, weights: Sequence[float]) -> WaveletVolume:
         """The same coefficients with a factor for each level's details, the finest first, and for the coarsest samples.
 
         Parameters
         ----------
-        weights : sequence of float, or None
-            Those not given are 1. Weights that end in 0 for the coarsest samples leave signed details.
+        weights : sequence of float
+            Those not given are 1. Without the coarsest samples (weight 0) values are signed details, which get a
+            diverging transfer function where none is given.
 
         Raises
         ------
@@ -257,24 +285,29 @@ class WaveletVolume(Grid):
         >>> wavelets.bands([0, 1, 0]).is_detail  # only details of the second size
         True
         """
-        if weights is None:
-            return self
         try:
             given = [float(weight) for weight in weights]
         except (TypeError, ValueError):
-            raise ArgumentError(f"band_weights is {weights!r}; give numbers, the finest level first") from None
+            raise ArgumentError(f"the weights of bands are {weights!r}; give numbers, the finest level first") from None
         n = self.n_levels
         if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):
             raise ArgumentError(
-                f"band_weights is {given}; give at most {n + 1} finite numbers: one for each of the {n} levels of "
-                f"{self._name!r}, the finest first, and one for the coarsest samples"
+                f"the weights of bands are {given}; give at most {n + 1} finite numbers: one for each of the {n} "
+                f"levels of {self._name!r}, the finest first, and one for the coarsest samples"
             )
         given += [1.0] * (n + 1 - len(given))
-        weighted = WaveletVolume(self._core, self._name, self._world_from_index, self._family, self._facts)
+        weighted = self._copy()
         weighted._weights = tuple(a * b for a, b in zip(self._weights, given, strict=True))
-        weighted._cache_bytes = self._cache_bytes
-        weighted._decoded_levels = self._decoded_levels
         return weighted
+
+    def _copy(self) -> WaveletVolume:
+        """The same, with what was decoded in common."""
+        copy = WaveletVolume(self._core, self._name, self._world_from_index, self._family, self._facts)
+        copy._left_out = self._left_out
+        copy._weights = self._weights
+        copy._cache_bytes = self._cache_bytes
+        copy._decoded_levels = self._decoded_levels
+        return copy
 
     @takes_its_types
     def save(self, path: str | PathLike[str]) -> None:
@@ -295,6 +328,7 @@ class WaveletVolume(Grid):
             "shape": np.array(self._shape),
             "levels_and_threshold": np.array([self.n_levels, self.threshold]),
             "weights": np.array(self._weights),
+            "left_out": np.array([self._left_out]),
             "world_from_index": self._world_from_index,
             # A text, which releases that do not know it leave alone.
             "facts": np.array(json.dumps(self._facts.as_json())),
@@ -351,7 +385,7 @@ class WaveletVolume(Grid):
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
         payload.check_memory(n_blocks, path)
-        # Files of before have neither.
+        # Files of before have neither, nor levels that are left out.
         lo_hi = arrays.get("value_range")
         facts = Facts.from_json(json.loads(str(arrays["facts"]))) if "facts" in arrays else Facts()
         core = _native.WaveletVolume.from_parts(
@@ -367,7 +401,8 @@ class WaveletVolume(Grid):
         try:
             # A volume of any samples, for the sake of its checks.
             place = Volume(np.zeros((2, 2, 2), np.uint8), world_from_index=arrays["world_from_index"], name=name)
-            return cls(core, name, place.world_from_index, family, facts).bands(arrays["weights"].tolist())
+            made = cls(core, name, place.world_from_index, family, facts).bands(arrays["weights"].tolist())
+            return made.level(int(arrays["left_out"][0])) if "left_out" in arrays else made
         except ArgumentError as error:
             raise ValueError(str(error)) from None
 
@@ -377,21 +412,20 @@ class WaveletVolume(Grid):
         check_threads("decode coefficients")
         return decoded.every(step)
 
-    def _check_levels(self, drop_levels: int) -> None:
-        if not 0 <= _whole(drop_levels, "drop_levels") <= self.n_levels:
+    def _check_levels(self, left_out: int) -> None:
+        if not 0 <= _whole(left_out, "left_out") <= self.n_levels:
             raise ArgumentError(
-                f"drop_levels is {drop_levels}; {self._name!r} has {self.n_levels} levels, so give 0 to {self.n_levels}"
+                f"left_out is {left_out}; {self._name!r} has {self.n_levels} levels, so give 0 to {self.n_levels}"
             )
 
-    def _decoded(self, drop_levels: int = 0) -> _native.DecodedVolume:
+    def _decoded(self, left_out: int = 0) -> _native.DecodedVolume:
         """A level, to be drawn; those drawn last are kept."""
-        self._check_levels(drop_levels)
-        key = drop_levels, self._weights
+        key = left_out, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:
             check_threads("decode coefficients")
             share = self._cache_bytes // LARGEST_SHARE
-            decoded = self._core.decoded(drop_levels, self._weights, self._world_from_index, self._name, share)
+            decoded = self._core.decoded(left_out, self._weights, self._world_from_index, self._name, share)
         self._decoded_levels[key] = decoded
         # The latest first. Other threads may draw from the same coefficients, and drop the same ones.
         latest = list(self._decoded_levels.items())[::-1]
@@ -404,18 +438,20 @@ class WaveletVolume(Grid):
     def __reduce__(self) -> tuple[Any, ...]:
         how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
         place = self._name, self._world_from_index, self._facts
-        return self._rebuild, (how, place, self._weights, self._cache_bytes)
+        return self._rebuild, (how, place, (self._weights, self._left_out), self._cache_bytes)
 
     @classmethod
     def _rebuild(
         cls,
         how: tuple[Any, ...],
         place: tuple[str, NDArray[np.float64], Facts],
-        weights: Sequence[float],
+        shown: tuple[Sequence[float], int],
         cache_bytes: int,
     ) -> WaveletVolume:
         name, world_from_index, facts = place
-        rebuilt = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1], facts).bands(weights)
+        weights, left_out = shown
+        made = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1], facts)
+        rebuilt = made.bands(weights).level(left_out)
         rebuilt.cache_bytes = cache_bytes
         return rebuilt
 

@@ -83,7 +83,7 @@ class Picture:
         >>> import wavesplat as ws
         >>> wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
         >>> whole = ws.render(wavelets, size=(32, 32))
-        >>> finest = ws.render(wavelets, size=(32, 32), band_weights=[1, 0, 0, 0, 0])
+        >>> finest = ws.render(wavelets.bands([1, 0, 0, 0, 0]), size=(32, 32))
         >>> finest.over(whole).size
         (32, 32)
         """

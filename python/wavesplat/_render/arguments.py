@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
 from operator import index
-from typing import Any, TypeAlias
+from typing import Any
 
 from wavesplat import _native
 from wavesplat._files.memory import check_room
@@ -19,12 +19,11 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera, check_place, check_view
-from wavesplat._model.crop import Crop
-from wavesplat._model.cutting import Boxes, checked_boxes, without
+from wavesplat._model.clips import Clipping
+from wavesplat._model.cutting import Boxes, without
 from wavesplat._model.forked import threads_here
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS, Composite
-from wavesplat._model.vectors import Vector, vector
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render import framing
@@ -33,10 +32,8 @@ from wavesplat.errors import ArgumentError
 __all__ = [
     "DEFAULT_SHADING",
     "HEADLIGHT",
-    "ClipPlane",
     "check_picture_memory",
     "checked_count",
-    "checked_planes",
     "checked_size",
     "chosen_camera",
     "chosen_labels",
@@ -46,9 +43,6 @@ __all__ = [
     "cut_open",
     "region",
 ]
-
-#: A point and a normal; the side that the normal points to is kept.
-ClipPlane: TypeAlias = tuple[Iterable[float], Iterable[float]]
 
 DEFAULT_SHADING = Shading()
 #: Of studies, which compare with the light of other renderers.
@@ -107,50 +101,44 @@ def chosen_labels(given: Labels | None, volume: Grid, boxes: Boxes = ()) -> _nat
 
 def chosen_camera(
     given: Camera | str | None,
-    volume: Volume | WaveletVolume,
-    look: Look,
-    crop: Crop | None,
+    parts: Sequence[framing.Part],
+    clipping: Clipping,
     aspect: float,
-    *,
-    clip_planes: Sequence[ClipPlane] = (),
 ) -> Camera:
-    """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits."""
+    """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits.
+
+    parts : volumes and their looks, of which the first chooses the view.
+    """
     if isinstance(given, Camera):
-        check_view(given, volume)
+        for volume, _ in parts:
+            check_view(given, volume)
         return given
     if not (given is None or isinstance(given, str)):
         raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
-    check_place(volume)
-    _check_crop(crop)
+    for volume, _ in parts:
+        check_place(volume)
+    first, look = parts[0]
     view = look.view if given is None else given
     if view is not None and view not in VIEWS:
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
-    azimuth, elevation = framing.natural_view(volume) if view is None else VIEWS[view]
+    azimuth, elevation = framing.natural_view(first) if view is None else VIEWS[view]
     # A picture without pixels has no aspect; the compiled module refuses it.
-    camera = framing.framed(
-        volume,
-        look,
-        azimuth,
-        elevation,
-        crop=crop,
-        clip_planes=checked_planes(clip_planes),
-        aspect=aspect if aspect > 0 else 1.0,
-    )
-    check_view(camera, volume)
+    camera = framing.framed(parts, azimuth, elevation, clipping=clipping, aspect=aspect if aspect > 0 else 1.0)
+    for volume, _ in parts:
+        check_view(camera, volume)
     return camera
 
 
-def cut_open(volume: Volume | WaveletVolume, cut_out: Crop | Iterable[Crop]) -> tuple[Volume | WaveletVolume, Boxes]:
-    """The volume without what is in the boxes, and the boxes."""
-    boxes = checked_boxes(cut_out)
+def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVolume:
+    """The volume without what is in the boxes."""
     if isinstance(volume, WaveletVolume):
         if boxes:
             raise ArgumentError(
-                f"cut_out takes samples out, and volume {volume.name!r} has wavelet coefficients; "
+                f"CutOut takes samples out, and volume {volume.name!r} has wavelet coefficients; "
                 "draw its to_volume(), and on the command line leave out --threshold, --levels and --bands"
             )
-        return volume, boxes
-    return without(volume, boxes), boxes
+        return volume
+    return without(volume, boxes)
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:
@@ -197,31 +185,11 @@ def chosen_threads(number: int | None) -> int | None:
     return threads_here(checked_count(number, "threads"))
 
 
-def region(crop: Crop | None, clip_planes: Sequence[ClipPlane]) -> dict[str, Any]:
+def region(clipping: Clipping) -> dict[str, Any]:
     """Crop and clip planes as the compiled module takes them."""
-    _check_crop(crop)
+    crop = clipping.crop
     return {
         "crop_index": crop.corners_in("index") if crop else None,
         "crop_world": crop.corners_in("world") if crop else None,
-        "clip_planes": checked_planes(clip_planes),
+        "clip_planes": [(plane.point, plane.normal) for plane in clipping.planes],
     }
-
-
-def _check_crop(crop: Crop | None) -> None:
-    if crop is not None and not isinstance(crop, Crop):
-        raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
-
-
-def checked_planes(clip_planes: Sequence[ClipPlane]) -> list[tuple[Vector, Vector]]:
-    """Points and normals."""
-    return [_plane(plane, number) for number, plane in enumerate(clip_planes)]
-
-
-def _plane(plane: ClipPlane, number: int) -> tuple[Vector, Vector]:
-    try:
-        point, normal = plane
-    except (TypeError, ValueError):
-        raise ArgumentError(
-            f"clip plane {number} is {described(plane)}; give (point, normal), three numbers each"
-        ) from None
-    return vector(point, f"point of clip plane {number}"), vector(normal, f"normal of clip plane {number}")

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
+from wavesplat._model.clips import Clipping
+from wavesplat._model.facts import Facts
+from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS
-from wavesplat._model.vectors import Vector
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -23,7 +25,12 @@ if TYPE_CHECKING:
     from wavesplat._model.crop import Crop
     from wavesplat._model.volume import Volume
 
-__all__ = ["framed", "natural_view"]
+__all__ = ["Part", "framed", "natural_view"]
+
+#: A volume and its look.
+Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
+
+EVERYTHING = Clipping()
 
 #: How much of the picture's height, or width, the object fills.
 FILLED = 0.92
@@ -49,37 +56,61 @@ def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
 
 
 def framed(
-    volume: Volume | WaveletVolume,
-    look: Look,
+    parts: Sequence[Part],
     azimuth: float,
     elevation: float,
     *,
-    crop: Crop | None = None,
-    clip_planes: Sequence[tuple[Vector, Vector]] = (),
+    clipping: Clipping = EVERYTHING,
     zoom: float = 1.0,
     view_angle: float | None = None,
     aspect: float = 1.0,
 ) -> Camera:
-    """Camera from a side, with all that a look shows of a volume just in view; `clip_planes`: points and normals."""
-    points = _seen(volume, look, crop, clip_planes)
+    """Camera from a side, with all that looks show of volumes just in view.
+
+    parts : volumes and looks; a box in samples is in those of the first.
+    """
+    first = parts[0][0]
+    within = [clipping if volume is first else clipping.in_world(first) for volume, _ in parts]
+    seen = [_seen(*part, region) for part, region in zip(parts, within, strict=True)]
+    if len(parts) == 1:
+        around: Grid = first
+        points = seen[0]
+    else:
+        around = _around([volume for volume, _ in parts])
+        whole = [_corners(volume, _inside(volume, None)) for volume, _ in parts]
+        points = np.concatenate([a if b is None else b for a, b in zip(whole, seen, strict=True)])
     return Camera.orbit(
-        volume, azimuth, elevation, zoom=FILLED * zoom, view_angle=view_angle, aspect=aspect, points=points, fit="view"
+        around,
+        azimuth,
+        elevation,
+        zoom=FILLED * zoom,
+        view_angle=view_angle,
+        aspect=aspect,
+        points=points,
+        fit="view",
     )
 
 
-def _seen(
-    volume: Volume | WaveletVolume, look: Look, crop: Crop | None, clip_planes: Sequence[tuple[Vector, Vector]]
-) -> NDArray[np.float64] | None:
+def _around(volumes: Sequence[Volume | WaveletVolume]) -> Grid:
+    """A grid of two samples along each axis, in the corners of the box around all volumes."""
+    bounds = np.array([volume.bounds for volume in volumes])
+    lower, upper = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = np.diag(upper - lower), lower
+    return Grid("scene", (2, 2, 2), matrix, Facts())
+
+
+def _seen(volume: Volume | WaveletVolume, look: Look, clipping: Clipping) -> NDArray[np.float64] | None:
     """World positions of samples that are seen; None where all of the volume may be."""
-    function = look.transfer_function
+    function, crop = look.transfer_function, clipping.crop
     box = _inside(volume, crop)
     if np.array_equal(*box):
         return None  # The box lies outside of the volume, which the renderer says.
-    is_whole_box = not clip_planes and not volume.n_nonfinite
+    is_whole_box = not clipping.planes and not volume.n_nonfinite
     if is_whole_box and (look.labels is not None or not isinstance(function, TransferFunction)):
         return None if crop is None else _corners(volume, box)
     step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
-    index, values = _left(volume, box, step, clip_planes)
+    index, values = _left(volume, box, step, clipping)
     seen = np.ones(len(values), dtype=bool)
     if look.labels is None and isinstance(function, TransferFunction):
         alpha = _visibility(function, values, look.composite) if len(values) else values
@@ -102,7 +133,7 @@ def _left(
     volume: Volume | WaveletVolume,
     box: tuple[NDArray[np.float64], NDArray[np.float64]],
     step: int,
-    clip_planes: Sequence[tuple[Vector, Vector]],
+    clipping: Clipping,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Of every n-th sample that is finite, in the box and on the kept side of the planes: index (x, y, z) and value."""
     first = [-(-int(bound) // step) for bound in reversed(box[0])]
@@ -112,8 +143,8 @@ def _left(
     z, y, x = np.unravel_index(np.flatnonzero(np.isfinite(values)), samples.shape)
     index = np.stack([(x + first[2]) * step, (y + first[1]) * step, (z + first[0]) * step], axis=1).astype(np.float64)
     values = values[np.isfinite(values)]
-    for point, normal in clip_planes:
-        is_kept = (_in_world(volume, index) - np.array(point)) @ np.array(normal) >= 0
+    for plane in clipping.planes:
+        is_kept = (_in_world(volume, index) - np.array(plane.point)) @ np.array(plane.normal) >= 0
         index, values = index[is_kept], values[is_kept]
     return index, values
 

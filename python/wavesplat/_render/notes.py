@@ -13,7 +13,7 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["notes_on_picture", "notes_on_slice"]
+__all__ = ["notes_on_layers", "notes_on_picture", "notes_on_slice"]
 
 Floats = NDArray[np.float32]
 
@@ -49,6 +49,11 @@ def notes_on_picture(
         where = f"over the volume's values, {low:g} to {high:g}"
         return [f"the transfer function is transparent {where}, so the picture is empty; try --preset auto"]
     return [NOTHING_SHOWS]
+
+
+def notes_on_layers(rgba: Floats) -> list[str]:
+    """The same of a picture of several volumes."""
+    return [NOTHING_SHOWS] if _has_one_color(rgba) else []
 
 
 def notes_on_slice(rgba: Floats, value: Floats, window: tuple[float, float] | None) -> list[str]:

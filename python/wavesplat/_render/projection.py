@@ -6,7 +6,7 @@ that the greys are chosen as a radiograph is exposed: by a small picture of the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import TypedDict
 
 import numpy as np
@@ -14,22 +14,13 @@ import numpy as np
 from wavesplat._looks import colors, histogram
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
+from wavesplat._model.composites import DepthShadedMaximum, LocalMaximum, Operator, XRay
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
-from wavesplat.errors import ArgumentError
 
-__all__ = ["Numbers", "absorption", "check_owners", "exposed_by", "numbers", "on"]
-
-#: The one operator that each of these options of `render` belongs to.
-OWNERS = {
-    "iso_value": "first-hit",
-    "local_threshold": "local-maximum",
-    "depth_shading": "depth-shaded-maximum",
-    "attenuation": "x-ray",
-}
+__all__ = ["Numbers", "absorption", "exposed_by", "numbers", "on"]
 
 #: For a picture whose values are all that is wanted of it, and its longer side.
 ANY_CURVES = TransferFunction([(0.0, 1.0)], [(0.0, 1.0, 1.0, 1.0)])
@@ -38,9 +29,6 @@ OVERVIEW_PX = 128
 #: Where a local maximum begins to count, as a share of the way from the first to the last colour.
 LOCAL_THRESHOLD = 0.25
 
-#: How much the farthest point is dimmed.
-DEPTH_SHADING = 0.6
-
 
 class Numbers(TypedDict, total=False):
     """Arguments of the compiled renderer, and of no operator but their own."""
@@ -48,15 +36,6 @@ class Numbers(TypedDict, total=False):
     local_threshold: float
     depth_shading: tuple[float, float]
     attenuation: tuple[float, float]
-
-
-def check_owners(composite: str, **options: object) -> None:
-    """Refuse options of other operators than the one that is drawn; `options` are those of `OWNERS`."""
-    for name, value in options.items():
-        if value is not None and composite != OWNERS[name]:
-            raise ArgumentError(
-                f'{name} is for composite="{OWNERS[name]}", not for "{composite}"; give that, or leave out {name}'
-            )
 
 
 def overview_size(width: int, height: int) -> tuple[int, int]:
@@ -94,39 +73,28 @@ def on(
     return TransferFunction([(color[0][0], 1.0)], color)
 
 
-def absorption(
-    composite: str, attenuation: Iterable[float] | None, volume: Volume | WaveletVolume
-) -> tuple[float, float] | None:
-    """What an x-ray is drawn with, (clear, attenuation); None for other operators."""
-    if composite != "x-ray":
-        return None
-    if attenuation is None:
-        return histogram.attenuation(volume)
-    try:
-        clear, per_unit = (float(number) for number in attenuation)
-    except (TypeError, ValueError):
-        raise ArgumentError(
-            f"attenuation is {described(attenuation)}; give (clear, attenuation): a sample value that absorbs nothing, "
-            "and absorption per world unit and sample unit above it"
-        ) from None
-    return clear, per_unit
+def absorption(operator: XRay, volume: Volume | WaveletVolume) -> tuple[float, float]:
+    """What an x-ray is drawn with, (clear, attenuation)."""
+    if operator.clear is not None and operator.attenuation is not None:
+        return operator.clear, operator.attenuation
+    clear, attenuation = histogram.attenuation(volume)
+    return (
+        clear if operator.clear is None else operator.clear,
+        attenuation if operator.attenuation is None else operator.attenuation,
+    )
 
 
 def numbers(
-    composite: str,
-    curves: TransferFunction | TransferFunction2D,
-    local_threshold: float | None,
-    depth_shading: float | None,
-    absorbs: tuple[float, float] | None,
+    operator: Operator, curves: TransferFunction | TransferFunction2D, absorbs: tuple[float, float] | None
 ) -> Numbers:
     """The numbers of one operator; where nothing is given they follow the colours, so that they fit what is shown."""
     if isinstance(curves, TransferFunction2D):
         first, last = curves.values[0], curves.values[-1]
     else:
         first, last = curves.color[0][0], curves.color[-1][0]
-    if composite == "local-maximum":
+    if isinstance(operator, LocalMaximum):
         between = first + LOCAL_THRESHOLD * (last - first)
-        return {"local_threshold": between if local_threshold is None else float(local_threshold)}
-    if composite == "depth-shaded-maximum":
-        return {"depth_shading": (DEPTH_SHADING if depth_shading is None else float(depth_shading), first)}
+        return {"local_threshold": between if operator.threshold is None else operator.threshold}
+    if isinstance(operator, DepthShadedMaximum):
+        return {"depth_shading": (operator.strength, first)}
     return {} if absorbs is None else {"attenuation": absorbs}

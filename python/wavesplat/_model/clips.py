@@ -1,0 +1,171 @@
+"""What is drawn of a scene: a box that is kept, planes that keep one side, boxes that are taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from math import hypot, isfinite
+from typing import TypeAlias
+
+import numpy as np
+
+from wavesplat._model.argument_types import described
+from wavesplat._model.crop import Crop
+from wavesplat._model.grid import Grid
+from wavesplat._model.vectors import Vector, vector
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Clip", "ClipPlane", "Clipping", "CutOut", "checked_clip", "clip_tuple"]
+
+
+@public
+@dataclass(frozen=True, init=False)
+class ClipPlane:
+    """Keeps the side of a plane that its normal points to.
+
+    Parameters
+    ----------
+    point, normal : three numbers (x, y, z)
+        A point on the plane and its normal, of any length; world units.
+
+    Raises
+    ------
+    ArgumentError
+        If one of them is not three finite numbers, or the normal is zero.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> volume = ws.examples.ripples(8)
+    >>> upper_half = ws.ClipPlane((0, 0, 3.5), (0, 0, 1))
+    >>> ws.render(volume, clip=upper_half, size=(8, 8)).size
+    (8, 8)
+    """
+
+    point: Vector
+    normal: Vector
+
+    def __init__(self, point: Iterable[float], normal: Iterable[float]) -> None:
+        object.__setattr__(self, "point", vector(point, "point of the clip plane"))
+        object.__setattr__(self, "normal", vector(normal, "normal of the clip plane"))
+        length = hypot(*self.normal)
+        if not (all(map(isfinite, self.point)) and isfinite(length) and length > 0):
+            raise ArgumentError(
+                f"clip plane: the point is {self.point}, the normal {self.normal}; give finite numbers, "
+                "and a normal that is not zero"
+            )
+
+
+@public
+@dataclass(frozen=True)
+class CutOut:
+    """Takes a box out, so that one looks into the volume; colours are those of the whole.
+
+    Parameters
+    ----------
+    crop : Crop
+        The box, such as `Crop.corner(volume, "left anterior superior")`. Samples whose centres are inside of it are
+        drawn as empty, so on axes that are oblique to the box its faces are stairs of samples. Labels are taken out
+        with them.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no box.
+
+    Notes
+    -----
+    The first picture with other boxes makes a copy of the samples, 4 bytes each (8 where they are 32-bit integers or
+    float64), and what the renderer prepares of it takes 5 more; volume and labels keep both until other boxes are
+    given. A WaveletVolume has no samples to take out: draw its `to_volume()`.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> pelvis = ws.examples.ct_pelvis()
+    >>> corner = ws.Crop.corner(pelvis, "left anterior superior")
+    >>> picture = ws.render(pelvis, "ct-muscle", clip=ws.CutOut(corner), size=(32, 32))
+    """
+
+    crop: Crop
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.crop, Crop):
+            raise ArgumentError(
+                f"CutOut takes out a {type(self.crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)"
+            )
+        if not np.isfinite([self.crop.lower, self.crop.upper]).all():
+            raise ArgumentError(f"CutOut has corners {self.crop.lower} and {self.crop.upper}; give finite numbers")
+
+
+#: What `clip` is made of.
+Clip: TypeAlias = Crop | ClipPlane | CutOut
+
+
+@dataclass(frozen=True)
+class Clipping:
+    """All clips of a scene: one box that is kept, in one space, planes, and boxes to take out."""
+
+    crop: Crop | None = None
+    planes: tuple[ClipPlane, ...] = ()
+    boxes: tuple[Crop, ...] = ()
+
+    def in_world(self, grid: Grid) -> Clipping:
+        """The same for other grids than the one whose samples a box may be given in: with planes instead of it."""
+        if self.crop is None or self.crop.space == "world":
+            return self
+        lower, upper = np.sort([self.crop.lower, self.crop.upper], axis=0)
+        matrix, origin = grid.world_from_index[:3, :3], grid.world_from_index[:3, 3]
+        # Of a plane of constant index: rows of the inverse are normals to it.
+        normals = np.linalg.inv(matrix)
+        ends = [matrix @ corner + origin for corner in (lower, upper)]
+        planes = [ClipPlane(ends[k], (1 - 2 * k) * normal) for normal in normals for k in (0, 1)]
+        return replace(self, crop=None, planes=(*self.planes, *planes))
+
+
+def clip_tuple(given: object) -> tuple[Clip, ...]:
+    """Clips as given, of which one needs no list around it; an `ArgumentError` where something else is among them."""
+    if isinstance(given, Crop | ClipPlane | CutOut):
+        return (given,)
+    if given is None or isinstance(given, str | bytes) or not isinstance(given, Iterable):
+        raise ArgumentError(f"clip is {described(given)}; {MEND}")
+    clips = tuple(given)
+    for number, clip in enumerate(clips):
+        if not isinstance(clip, Crop | ClipPlane | CutOut):
+            raise ArgumentError(f"clip {number} is {described(clip)}; {MEND}")
+    return clips
+
+
+MEND = (
+    "give wavesplat.Crop(lower, upper) to keep a box, ClipPlane(point, normal) to keep a side of a plane, "
+    "CutOut(Crop(...)) to take a box out, or several of them in a list"
+)
+
+
+def checked_clip(given: object) -> Clipping:
+    """All clips together."""
+    clips = clip_tuple(given)
+    crops = [clip for clip in clips if isinstance(clip, Crop)]
+    planes = [clip for clip in clips if isinstance(clip, ClipPlane)]
+    kept = [_common(boxes) for space in ("index", "world") if (boxes := [c for c in crops if c.space == space])]
+    if len(kept) == 2:
+        planes += _planes_of(kept[1])
+    boxes = tuple(clip.crop for clip in clips if isinstance(clip, CutOut))
+    return Clipping(kept[0] if kept else None, tuple(planes), boxes)
+
+
+def _common(boxes: list[Crop]) -> Crop:
+    """What boxes of one space have in common."""
+    if len(boxes) == 1:
+        return boxes[0]
+    corners = np.sort([[box.lower, box.upper] for box in boxes], axis=1)
+    lower, upper = corners[:, 0].max(axis=0), corners[:, 1].min(axis=0)
+    if not (lower <= upper).all():
+        raise ArgumentError(f"the {len(boxes)} boxes of clip have nothing in common; take boxes out with CutOut")
+    return Crop(lower.tolist(), upper.tolist(), boxes[0].space)
+
+
+def _planes_of(box: Crop) -> list[ClipPlane]:
+    lower, upper = np.sort([box.lower, box.upper], axis=0)
+    return [ClipPlane(end, sign * axis) for axis in np.eye(3) for end, sign in ((lower, 1), (upper, -1))]

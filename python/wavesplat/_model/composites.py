@@ -1,0 +1,212 @@
+"""Operators along a ray: names for the plain ones, objects for those that have numbers.
+
+| operator | the picture shows |
+| --- | --- |
+| "over" | emission and absorption, front to back |
+| "maximum", "minimum", "mean", "sum" | one number of the values along the ray, then coloured |
+| `FirstHit` | the isosurface |
+| `LocalMaximum` | the first maximum that counts |
+| `DepthShadedMaximum` | the maximum, dimmed by depth |
+| `XRay` | the share of light that comes through |
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any, ClassVar, TypeAlias, get_args
+
+from wavesplat._model.argument_types import described
+from wavesplat._model.options import COMPOSITE_SYNONYMS, Composite
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+__all__ = ["DepthShadedMaximum", "FirstHit", "LocalMaximum", "Operator", "XRay", "checked_operator", "name_of"]
+
+
+@public
+@dataclass(frozen=True)
+class FirstHit:
+    """The first surface along a ray where the values cross one value: an isosurface.
+
+    Parameters
+    ----------
+    iso_value : float
+        The surface's value, in sample units.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no finite number.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.render(ws.examples.ripples(8), composite=ws.FirstHit(127.5), size=(8, 8)).size
+    (8, 8)
+    """
+
+    iso_value: float
+
+    name: ClassVar[Composite] = "first-hit"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "iso_value", _finite(self.iso_value, "iso_value of FirstHit"))
+
+
+@public
+@dataclass(frozen=True)
+class LocalMaximum:
+    """The first maximum along a ray that reaches a threshold; the largest value where none does.
+
+    Parameters
+    ----------
+    threshold : float, optional
+        Sample value that a maximum must reach. None is a quarter of the way from the first to the last colour of the
+        transfer function.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no finite number.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.render(ws.examples.ripples(8), composite=ws.LocalMaximum(100), size=(8, 8)).size
+    (8, 8)
+    """
+
+    threshold: float | None = None
+
+    name: ClassVar[Composite] = "local-maximum"
+
+    def __post_init__(self) -> None:
+        if self.threshold is not None:
+            object.__setattr__(self, "threshold", _finite(self.threshold, "threshold of LocalMaximum"))
+
+
+@public
+@dataclass(frozen=True)
+class DepthShadedMaximum:
+    """The largest value along a ray, dimmed by how far away it is, so that the picture has depth.
+
+    Parameters
+    ----------
+    strength : float, default 0.6
+        How much the farthest point of what is drawn is dimmed, 0..1, towards the value of the first colour; the
+        nearest is not dimmed.
+
+    Raises
+    ------
+    ArgumentError
+        If it is not between 0 and 1.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.render(ws.examples.ripples(8), composite=ws.DepthShadedMaximum(0.8), size=(8, 8)).size
+    (8, 8)
+    """
+
+    strength: float = 0.6
+
+    name: ClassVar[Composite] = "depth-shaded-maximum"
+
+    def __post_init__(self) -> None:
+        strength = _finite(self.strength, "strength of DepthShadedMaximum")
+        if not 0 <= strength <= 1:
+            raise ArgumentError(
+                f"strength of DepthShadedMaximum is {strength:g}; give a number between 0 and 1: 0 to dim nothing, "
+                "1 to dim the farthest point to black"
+            )
+        object.__setattr__(self, "strength", strength)
+
+
+@public
+@dataclass(frozen=True)
+class XRay:
+    """The share of light that comes through, 0..1, as in a radiograph.
+
+    Parameters
+    ----------
+    clear : float, optional
+        The largest sample value that absorbs nothing.
+    attenuation : float, optional
+        Absorption per world unit and sample unit above that. None are -1000 and 2.059e-5 for values that look like
+        Hounsfield units, which is water at 60 keV in millimetres; else they follow the range of values.
+
+    Raises
+    ------
+    ArgumentError
+        If a number is not finite, or the attenuation not positive.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> pelvis = ws.examples.ct_pelvis()
+    >>> ws.render(pelvis, composite=ws.XRay(clear=-1000, attenuation=3e-5), size=(8, 8)).size
+    (8, 8)
+    """
+
+    clear: float | None = None
+    attenuation: float | None = None
+
+    name: ClassVar[Composite] = "x-ray"
+
+    def __post_init__(self) -> None:
+        if self.clear is not None:
+            object.__setattr__(self, "clear", _finite(self.clear, "clear of XRay"))
+        if self.attenuation is not None:
+            attenuation = _finite(self.attenuation, "attenuation of XRay")
+            if not attenuation > 0:
+                raise ArgumentError(
+                    f"attenuation of XRay is {attenuation:g}; give a positive number: absorption per world unit and "
+                    "sample unit above `clear`, 2e-5 for Hounsfield units and millimetres"
+                )
+            object.__setattr__(self, "attenuation", attenuation)
+
+
+#: What `composite` may be.
+Operator: TypeAlias = Composite | FirstHit | LocalMaximum | DepthShadedMaximum | XRay
+
+#: What plain names of operators with numbers mean; "first-hit" cannot be without its number.
+WITH_DEFAULTS: dict[str, Any] = {kind.name: kind for kind in (LocalMaximum, DepthShadedMaximum, XRay)}
+
+
+def checked_operator(given: object) -> Operator | None:
+    """The operator that is given, a plain name, synonyms included, or an object; an `ArgumentError` for others."""
+    if given is None or isinstance(given, FirstHit | LocalMaximum | DepthShadedMaximum | XRay):
+        return given
+    known = get_args(Composite)
+    if isinstance(given, type) and getattr(given, "__module__", "") == "wavesplat" and hasattr(given, "name"):
+        raise ArgumentError(f"composite is the class {given.__name__}; give an object, as {given.__name__}(...)")
+    if not isinstance(given, str):
+        raise ArgumentError(
+            f"composite is {described(given)}; give a name or FirstHit, LocalMaximum, "
+            "DepthShadedMaximum or XRay of wavesplat"
+        )
+    name: Any = COMPOSITE_SYNONYMS.get(given, given)
+    if name not in known:
+        raise ArgumentError(f"unknown composite operator {described(given)}; use one of: {', '.join(known)}")
+    if name == FirstHit.name:
+        raise ArgumentError(
+            'composite="first-hit" needs the value of the surface; give composite=wavesplat.FirstHit(iso_value)'
+        )
+    operator: Operator = WITH_DEFAULTS[name]() if name in WITH_DEFAULTS else name
+    return operator
+
+
+def name_of(operator: Operator) -> Composite:
+    """The plain name of an operator."""
+    return operator if isinstance(operator, str) else operator.name
+
+
+def _finite(number: object, what: str) -> float:
+    try:
+        value = float(number)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} is {described(number)}; give a number") from None
+    if not isfinite(value) or isinstance(number, str):
+        raise ArgumentError(f"{what} is {described(number)}; give a finite number")
+    return value

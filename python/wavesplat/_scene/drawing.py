@@ -1,0 +1,331 @@
+"""From a scene, a camera and options to the call of the compiled module, and from what it gives to a picture.
+
+"over" and isosurfaces are drawn in one go. Projections of several layers are drawn one after the other, from the same
+camera, and their colours are added as light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+from wavesplat._looks import colors
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.camera import Camera
+from wavesplat._model.clips import Clipping
+from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
+from wavesplat._model.forked import drawing
+from wavesplat._model.options import BY_VIEW, Kernel, Quality
+from wavesplat._model.sampling import Sampling, checked_quality
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._picture.picture import Picture
+from wavesplat._render import projection
+from wavesplat._render.arguments import (
+    check_picture_memory,
+    checked_size,
+    chosen_camera,
+    chosen_labels,
+    chosen_threads,
+    region,
+)
+from wavesplat._render.notes import notes_on_layers, notes_on_picture
+from wavesplat._scene.shown import ShownLayer, shown_layers
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["Options", "draw"]
+
+Curves = TransferFunction | TransferFunction2D
+
+#: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
+PIXEL_BYTES, TEXEL_BYTES = 20, 20
+#: Where it does not matter how much more there would be.
+MOST_OVERSAMPLING = 1e6
+#: What an overview is drawn with.
+COARSE = Sampling(sheets_per_slice=1, quality="draft")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How a scene is drawn, as `wavesplat.render` and `wavesplat.study` take it."""
+
+    size: tuple[int, int] = (512, 512)
+    quality: Quality | Sampling = "normal"
+    psnr: float | None = None
+    kernel: Kernel = "linear"
+    composite: Operator | None = None
+    depth: bool = False
+    threads: int | None = None
+    progress: Callable[[float], object] | None = None
+    pre_integration: bool = True
+    early_ray_termination: bool = True
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """All that is the same for the layers of a picture."""
+
+    scene: Scene
+    camera: Camera
+    size: tuple[int, int]
+    sampling: Sampling
+    operator: Operator
+    clipping: Clipping
+    labels: Labels | None
+    background: colors.Rgba | None
+    options: Options
+
+    @property
+    def composite(self) -> str:
+        return name_of(self.operator)
+
+
+def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture:
+    """See `wavesplat.render`."""
+    size = checked_size(options.size)
+    sampling = checked_quality(options.quality)
+    if options.psnr is not None and (sampling.sheets_per_slice is not None or sampling.oversampling is not None):
+        raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either psnr or the Sampling")
+    asked = checked_operator(options.composite)
+    layers, composite = shown_layers(scene, None if asked is None else name_of(asked))
+    operator = asked or checked_operator(composite) or "over"
+    first = scene.layers[0].drawn
+    clipping = scene._clipping
+    if not layers or len(layers) > 1 or layers[0].volume is not first:
+        clipping = clipping.in_world(first)
+    labels = scene.labels
+    if labels is None and layers and layers[0].volume is first:
+        labels = layers[0].look.labels
+    if labels is not None and (composite != "over" or any(map(_is_coarse, layers))):
+        raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
+    parts = [(layer.seen, layer.look) for layer in layers]
+    eye = chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
+    look = layers[0].look if layers else None
+    behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
+    frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
+    if not layers:
+        return _empty(frame)
+    if composite == "over" or len(layers) == 1:
+        return _in_one(frame, layers)
+    if isinstance(operator, FirstHit):
+        raise ArgumentError(
+            f"FirstHit shows the surface of one layer, and {len(layers)} are visible; hide the others, "
+            'or give looks for composite="over"'
+        )
+    return _added(frame, layers)
+
+
+def _is_coarse(layer: ShownLayer) -> bool:
+    return isinstance(layer.seen, WaveletVolume) and layer.seen.left_out != 0
+
+
+def _hidden_parts(scene: Scene) -> list[Any]:
+    shown, _ = shown_layers(scene.with_(layers=[replace(scene.layers[0], visible=True, opacity=1)]), None)
+    return [(layer.seen, layer.look) for layer in shown]
+
+
+def _empty(frame: _Frame) -> Picture:
+    """Nothing but the background."""
+    width, height = frame.size
+    if min(frame.size) < 1:
+        raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
+    check_picture_memory(frame.size, PIXEL_BYTES)
+    rgba = _over_background(np.zeros((height, width, 4), np.float32), frame.background)
+    report = {"n_texels": 0, "layers": [], "notes": ["no layer of the scene is visible"]}
+    return Picture(rgba, report=report)
+
+
+def _in_one(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
+    """All layers in one call."""
+    functions = [_function(frame, layer, len(layers)) for layer in layers]
+    opacity = 1.0 if frame.composite == "over" else layers[0].opacity
+    result, report = _drawn(frame if opacity == 1 else replace(frame, background=None), layers, functions)
+    if opacity != 1:
+        result["rgba"] = _over_background(np.float32(opacity) * result["rgba"], frame.background)
+    report["look"] = _told(layers[0])
+    report["processing"] = list(layers[0].volume.facts.processing)
+    rgba, value = result["rgba"], result["value"]
+    if len(layers) == 1:
+        iso_value = frame.operator.iso_value if isinstance(frame.operator, FirstHit) else None
+        notes = notes_on_picture(
+            layers[0].volume, functions[0], composite=frame.composite, iso_value=iso_value, rgba=rgba, value=value
+        )
+    else:
+        report["layers"] = [_told(layer) for layer in layers]
+        notes = notes_on_layers(rgba)
+    if notes:
+        report["notes"] = notes
+    return Picture(rgba, result["depth"], value, report)
+
+
+def _added(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
+    """Projections of several layers, their colours added as light."""
+    lights, covers, reports = [], [], []
+    clear = replace(frame, background=None)
+    for number, layer in enumerate(layers):
+        options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
+        result, report = _drawn(replace(clear, options=options), [layer], [_function(frame, layer, len(layers))])
+        lights.append(layer.opacity * result["rgba"][..., :3])
+        covers.append(1 - layer.opacity * result["rgba"][..., 3:])
+        reports.append(report | _told(layer))
+    # In the order of size, so that the order of layers does not tell.
+    light = np.sort(lights, axis=0).sum(axis=0).clip(0, 1)
+    alpha = 1 - np.sort(covers, axis=0).prod(axis=0)
+    rgba = _over_background(np.concatenate([light, alpha], axis=2).astype(np.float32), frame.background)
+    report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _told(layers[0])}
+    report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd")}
+    report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
+    if notes := notes_on_layers(rgba):
+        report["notes"] = notes
+    return Picture(rgba, report=report)
+
+
+def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:
+    return None if progress is None else lambda done: progress((number + done) / n)
+
+
+def _over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) -> NDArray[np.float32]:
+    if background is None:
+        return rgba
+    red, green, blue, alpha = background
+    below = np.array([red * alpha, green * alpha, blue * alpha, alpha], np.float32)
+    # Added light can be more than what covers.
+    return np.minimum(rgba + (1 - rgba[..., 3:]) * below, 1).astype(np.float32)
+
+
+def _told(layer: ShownLayer) -> dict[str, Any]:
+    return {"name": layer.look.name, "reason": layer.look.reason}
+
+
+def _function(frame: _Frame, layer: ShownLayer, n_layers: int) -> Curves:
+    """The transfer function that a layer is drawn with."""
+    composite, function = frame.composite, layer.look.transfer_function
+    if layer.is_automatic and composite in BY_VIEW and n_layers == 1:
+
+        def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
+            options = Options(kernel="linear", threads=frame.options.threads)
+            small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options)
+            result, _ = _drawn(small, [layer], [curves])
+            return Picture(result["rgba"], value=result["value"])
+
+        function = projection.exposed_by(overview, layer.volume, composite, frame.camera, frame.size) or function
+    if layer.look.name == "auto" and layer.look.background is None and n_layers == 1:
+        function = projection.on(frame.background, composite, function)
+    return layer.faded(function) if composite == "over" else function
+
+
+def _light(scene: Scene, layer: ShownLayer) -> Any:
+    shading = scene.shading if scene.shading is None or isinstance(scene.shading, Shading) else layer.look.shading
+    return None if shading is None else shading._core
+
+
+def _drawn(
+    frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]
+) -> tuple[_native.RenderResult, dict[str, Any]]:
+    """What the compiled module gives for layers, and the report of it."""
+    options, (width, height), operator = frame.options, frame.size, frame.operator
+    drawn = [
+        (layer.core, function._core, _light(frame.scene, layer))
+        for layer, function in zip(layers, functions, strict=True)
+    ]
+    absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
+    numbers = projection.numbers(operator, functions[0], absorbs)
+    memory = _Memory(frame, layers, functions)
+    with drawing(*(layer.volume for layer in layers)):
+        sheets_per_slice, oversampling = _sampling(frame, drawn)
+        texels = 1 if options.psnr is not None else min(abs(oversampling), MOST_OVERSAMPLING) ** 2
+        check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
+        labels = chosen_labels(frame.labels, layers[0].volume, layers[0].boxes)
+        result = _call(
+            drawn,
+            frame.camera._core,
+            labels=labels,
+            width=width,
+            height=height,
+            kernel=options.kernel,
+            composite=frame.composite,
+            iso_value=operator.iso_value if isinstance(operator, FirstHit) else None,
+            local_threshold=numbers.get("local_threshold"),
+            depth_shading=numbers.get("depth_shading"),
+            attenuation=numbers.get("attenuation"),
+            sheets_per_slice=sheets_per_slice,
+            oversampling=oversampling,
+            psnr=None if options.psnr is None else float(options.psnr),
+            like=memory.recalled(),
+            **region(frame.clipping),
+            background=frame.background,
+            threads=chosen_threads(options.threads),
+            depth=bool(options.depth),
+            pre_integration=bool(options.pre_integration),
+            early_ray_termination=bool(options.early_ray_termination),
+            progress=options.progress,
+        )
+    memory.remember(result["report"])
+    return result, result["report"] | numbers
+
+
+def _call(layers: Sequence[tuple[Any, Any, Any]], camera: Any, **options: Any) -> _native.RenderResult:
+    """The one call of the compiled module."""
+    if len(layers) > 1:
+        raise NotImplementedError("several layers in one picture")
+    volume, function, shading = layers[0]
+    return _native.render(volume, function, camera, shading=shading, **options)
+
+
+def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[float, float]:
+    """Sheets per slice and texels per pixel: as given, else what the quality says for the layer that needs most."""
+    wanted, height = frame.sampling, frame.size[1]
+    told = [
+        _native.quality_settings(wanted.quality, volume, function, light, frame.camera._core, height)
+        for volume, function, light in drawn
+    ]
+    sheets, texels = (max(numbers) for numbers in zip(*told, strict=True))
+    return (
+        sheets if wanted.sheets_per_slice is None else wanted.sheets_per_slice,
+        texels if wanted.oversampling is None else wanted.oversampling,
+    )
+
+
+class _Memory:
+    """What pictures with a wanted PSNR told of their errors, for the next ones that show the same."""
+
+    def __init__(self, frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> None:
+        self._is_wanted = frame.options.psnr is not None
+        self._kept = frame.scene._kept.measured
+        shading = frame.scene.shading
+        self._key: Any = (
+            frame.operator,
+            frame.options.kernel,
+            tuple((id(layer.volume), layer.layer.opacity) for layer in layers),
+            id(frame.labels),
+        )
+        self._shown: Any = (
+            [layer.identity for layer in layers],
+            functions,
+            [layer.look.shading if shading == "look" else shading for layer in layers],
+            frame.labels,
+        )
+
+    def recalled(self) -> dict[str, Any] | None:
+        """What the last one told; None where there was none, or it showed something else."""
+        if not self._is_wanted or self._key not in self._kept:
+            return None
+        shown, told = self._kept[self._key]
+        same = all(a is b for a, b in zip(shown[0], self._shown[0], strict=True)) and shown[1:] == self._shown[1:]
+        measured: dict[str, Any] | None = told if same else None
+        return measured
+
+    def remember(self, report: dict[str, Any]) -> None:
+        """Keep what a picture told."""
+        if self._is_wanted and report.get("measured") is not None:
+            self._kept[self._key] = self._shown, report["measured"]

@@ -1,0 +1,244 @@
+"""A scene: what is shown, and what is kept of it between pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import colors
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.shading import Shading
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.camera import Camera
+from wavesplat._model.clips import Clip, Clipping, checked_clip, clip_tuple
+from wavesplat._model.composites import Operator
+from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.sampling import Sampling
+from wavesplat._picture.picture import Picture
+from wavesplat._public import public
+from wavesplat._scene.layer import AnyLook, Layer
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Kept", "Scene", "as_scene"]
+
+#: Layers of a scene, at most.
+MOST_LAYERS = 8
+
+
+@dataclass(eq=False)
+class Kept:
+    """What a scene keeps between its pictures."""
+
+    #: Looks of layers that were chosen, with what they were chosen for.
+    looks: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
+    #: What the last pictures with a wanted PSNR told, with what they showed.
+    measured: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
+
+
+@public
+@dataclass(frozen=True, init=False, eq=False)
+class Scene:
+    """Volumes, how they are shown, and where they are cut: all that a picture has but the camera.
+
+    It is frozen in what it shows; `with_` makes changed copies. What is prepared for its pictures is kept.
+
+    Parameters
+    ----------
+    what : Volume, WaveletVolume, array, Layer, or up to eight of them in a list
+        What is shown. At a point of space the extinctions of layers add and their colours mix by extinction;
+        projections are made of each layer, and their colours added as light.
+    look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
+        How values are shown, as for `Layer`; for several volumes one for each, in a list. Layers bring their own.
+    labels : Labels, optional
+        A segmentation of the first layer's volume, with a look for every label; for "over".
+    shading : Shading, None or "look"
+        Phong shading of "over" and `FirstHit`; None draws the colours as given, "look" is that of each look.
+    clip : Crop, ClipPlane, CutOut or several of them
+        `Crop` keeps a box, `ClipPlane` keeps a side of a plane, `CutOut` takes a box out. A box in samples is in those
+        of the first layer.
+    background : colour, optional
+        (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is that of the first look or, where it has none, transparent.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> pelvis = ws.examples.ct_pelvis()
+    >>> scene = ws.Scene(pelvis, "ct-bone", background="black")
+    >>> front, left = (scene.render(view, size=(32, 32)) for view in ("front", "left"))
+    >>> scene.with_(clip=ws.ClipPlane((0, 0, 0), (0, 1, 0))).clip[0].normal
+    (0.0, 1.0, 0.0)
+    """
+
+    layers: tuple[Layer, ...]
+    labels: Labels | None
+    shading: Shading | Literal["look"] | None
+    clip: tuple[Clip, ...]
+    background: str | tuple[float, ...] | None
+    _clipping: Clipping = field(repr=False)
+    _kept: Kept = field(repr=False)
+
+    def __init__(
+        self,
+        what: Any,
+        look: AnyLook | Sequence[AnyLook] = None,
+        *,
+        labels: Labels | None = None,
+        shading: Shading | Literal["look"] | None = "look",
+        clip: Clip | Iterable[Clip] = (),
+        background: str | Sequence[float] | None = None,
+    ) -> None:
+        if not (labels is None or isinstance(labels, Labels)):
+            raise ArgumentError(f"labels is a {type(labels).__name__}; give a wavesplat.Labels(segmentation, ...)")
+        if not (shading is None or isinstance(shading, Shading) or (isinstance(shading, str) and shading == "look")):
+            raise ArgumentError(f'shading is {described(shading)}; give a wavesplat.Shading or None or "look"')
+        clips = clip_tuple(clip)
+        colors.parse(background)  # or an error
+        values: dict[str, Any] = {
+            "layers": _layers(what, look),
+            "labels": labels,
+            "shading": shading,
+            "clip": clips,
+            "background": background if background is None or isinstance(background, str) else tuple(background),
+            "_clipping": checked_clip(clips),
+            "_kept": Kept(),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def with_(self, **changes: Any) -> Scene:
+        """The scene with other `layers`, `labels`, `shading`, `clip` or `background`; it shares what is kept.
+
+        Raises
+        ------
+        ArgumentError
+            If there is nothing of that name to change, or it cannot work.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> scene = ws.Scene(ws.examples.ripples(8))
+        >>> scene.with_(background="white").background
+        'white'
+        """
+        names = ("layers", "labels", "shading", "clip", "background")
+        for name in changes:
+            if name not in names:
+                raise ArgumentError(f"a scene has no {name!r} to change; it has {', '.join(names)}")
+        given = {name: changes.get(name, getattr(self, name)) for name in names}
+        changed = Scene(given.pop("layers"), **given)
+        object.__setattr__(changed, "_kept", self._kept)
+        return changed
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Corners (lower, upper) of the world box around all layers, shape (2, 3), as (x, y, z)."""
+        corners = np.array([layer.drawn.bounds for layer in self.layers])
+        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
+
+    @takes_its_types
+    def render(
+        self,
+        camera: Camera | str | None = None,
+        *,
+        size: tuple[int, int] = (512, 512),
+        quality: Quality | Sampling = "normal",
+        psnr: float | None = None,
+        kernel: Kernel = "linear",
+        composite: Operator | None = None,
+        depth: bool = False,
+        threads: int | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Picture:
+        """A picture of the scene; `wavesplat.render` says what the options mean.
+
+        Raises
+        ------
+        ArgumentError
+            If an argument cannot work; the message says which, and how to mend it.
+        LimitError
+            If the picture needs more memory than there may be.
+        CancelledError
+            If `progress` returned False.
+
+        Notes
+        -----
+        With `psnr` the first picture of a scene is measured, some tiles of it drawn with several samplings. What that
+        told is believed for the next ones, be they from other sides or with another `psnr`, and they are drawn without
+        measuring anything: for the frames of a turn, say. That promises less, which `expected_psnr_spread_db` in the
+        report tells. Where a picture showed nothing, or pixels are more than 1.5 times as far apart or as close as they
+        were, in samples, the next one is measured all the same. A new `Scene` measures.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> scene = ws.Scene(ws.examples.ripples(16))
+        >>> frames = [scene.render(ws.Camera.orbit(scene.layers[0].volume, a), size=(24, 24), psnr=40) for a in (0, 9)]
+        >>> frames[0].report["expected_psnr_spread_db"] < frames[1].report["expected_psnr_spread_db"]
+        True
+        """
+        from wavesplat._scene.drawing import Options, draw
+
+        options = Options(
+            size=size,
+            quality=quality,
+            psnr=psnr,
+            kernel=kernel,
+            composite=composite,
+            depth=depth,
+            threads=threads,
+            progress=progress,
+        )
+        return draw(self, camera, options)
+
+    def __repr__(self) -> str:
+        names = ", ".join(repr(layer.name) for layer in self.layers)
+        return f"<Scene: {names}>"
+
+
+def as_scene(what: Any, look: Any, *, labels: Any, shading: Any, clip: Any, background: Any) -> Scene:
+    """A scene of volumes or layers; or the scene itself, changed by what is given."""
+    if not isinstance(what, Scene):
+        return Scene(what, look, labels=labels, shading=shading, clip=clip, background=background)
+    if look is not None:
+        raise ArgumentError(
+            "a scene brings its looks; leave out look, or change its layers with scene.with_(layers=...)"
+        )
+    changes = {"labels": labels, "background": background, "clip": clip_tuple(clip) or None}
+    changes = {name: value for name, value in changes.items() if value is not None}
+    if not (isinstance(shading, str) and shading == "look"):
+        changes["shading"] = shading
+    return what.with_(**changes) if changes else what
+
+
+def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
+    if isinstance(what, Scene):
+        raise ArgumentError("this is a scene already; change it with scene.with_(...), or take its layers")
+    several = isinstance(what, list | tuple)
+    things = list(what) if several else [what]
+    if not 1 <= len(things) <= MOST_LAYERS:
+        raise ArgumentError(f"a scene has 1 to {MOST_LAYERS} layers, not {len(things)}")
+    looks = list(look) if isinstance(look, list | tuple) else [look] * len(things)
+    if len(looks) != len(things):
+        raise ArgumentError(
+            f"there are {len(looks)} looks for {len(things)} volumes; give one for each, or one for all"
+        )
+    return tuple(_layer(thing, one) for thing, one in zip(things, looks, strict=True))
+
+
+def _layer(thing: Any, look: Any) -> Layer:
+    if not isinstance(thing, Layer):
+        return Layer(thing, look)
+    if look is None:
+        return thing
+    if thing.look is not None:
+        raise ArgumentError(f"layer {thing.name!r} has a look, and another one is given; leave out one of them")
+    return replace(thing, look=look)

@@ -1,0 +1,194 @@
+"""What is seen of a scene's layers: their looks, in the operator that all share, and their volumes, cut open.
+
+Layers without a look get one by the kind of their data. Where there are several, channels of fluorescence have colours
+that can be told apart: those of the file, or, where it has none or two are the same, the ones below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from wavesplat import _native
+from wavesplat._looks.automatic import automatic, tinted
+from wavesplat._looks.kinds import kind_of
+from wavesplat._looks.look import Look
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.cutting import Boxes, in_samples_of
+from wavesplat._model.options import Composite
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._render.arguments import chosen_look, cut_open
+from wavesplat._render.framing import Part
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["ShownLayer", "operator_name", "seen_parts", "shown_layers"]
+
+Rgb = tuple[float, float, float]
+
+#: Green, magenta, cyan, yellow, red, blue, white, orange.
+CHANNEL_COLORS: tuple[Rgb, ...] = (
+    (0.35, 1.0, 0.45),
+    (1.0, 0.35, 0.95),
+    (0.3, 0.9, 1.0),
+    (1.0, 0.9, 0.3),
+    (1.0, 0.35, 0.3),
+    (0.35, 0.5, 1.0),
+    (1.0, 1.0, 1.0),
+    (1.0, 0.6, 0.25),
+)
+#: Colours that differ by less in every channel count as the same.
+SAME_COLOR = 0.1
+
+
+@dataclass(frozen=True)
+class ShownLayer:
+    """A layer as it is drawn."""
+
+    layer: Layer
+    #: What it is of, and what is left of that where the scene is cut open.
+    volume: Volume | WaveletVolume
+    seen: Volume | WaveletVolume
+    look: Look
+    is_automatic: bool
+    #: What is taken out of it.
+    boxes: Boxes
+
+    @property
+    def core(self) -> _native.Volume | _native.DecodedVolume:
+        """What the compiled module draws."""
+        return self.seen._decoded(self.seen.left_out) if isinstance(self.seen, WaveletVolume) else self.seen._core
+
+    @property
+    def opacity(self) -> float:
+        """What its opacities are multiplied by."""
+        return self.layer.opacity if self.layer.visible else 0.0
+
+    @property
+    def identity(self) -> object:
+        """What is another one when its samples are."""
+        return identity_of(self.volume)
+
+    def faded(self, function: TransferFunction | TransferFunction2D) -> TransferFunction | TransferFunction2D:
+        """A transfer function with opacities multiplied by that of the layer."""
+        if self.opacity == 1:
+            return function
+        if isinstance(function, TransferFunction2D):
+            rgba = function.rgba.copy()
+            rgba[..., 3] *= self.opacity
+            return TransferFunction2D(function.values, function.magnitudes, rgba, function.opacity_unit)
+        nodes = [(value, self.opacity * alpha) for value, alpha in function.opacity]
+        return TransferFunction(nodes, function.color, function.opacity_unit, function.gradient_opacity)
+
+
+def identity_of(volume: Volume | WaveletVolume) -> object:
+    """What is another one when the samples are: `Volume.changed` makes the core anew."""
+    return volume._core if isinstance(volume, Volume) else volume
+
+
+def operator_name(looks: Sequence[Look]) -> Composite:
+    """The operator that looks have in common: "over" if one of them has it."""
+    names = list(dict.fromkeys(look.composite for look in looks))
+    if "over" in names or not names:
+        return "over"
+    if len(names) > 1:
+        raise ArgumentError(
+            f"the looks of the layers are for {' and '.join(map(repr, names))}; say which with composite="
+        )
+    return names[0]
+
+
+def shown_layers(scene: Scene, composite: Composite | None) -> tuple[list[ShownLayer], Composite]:
+    """Layers that are seen, and the name of the operator that all are drawn with.
+
+    The first layer is among them, with an opacity of 0, where it is not seen and the scene has labels, which lie on it.
+    """
+    first = scene.layers[0].drawn
+    layers = [
+        layer
+        for number, layer in enumerate(scene.layers)
+        if layer.is_shown or (number == 0 and scene.labels is not None)
+    ]
+    volumes = [layer.drawn for layer in layers]
+    looks = [_kept_look(scene, layer, volume, composite) for layer, volume in zip(layers, volumes, strict=True)]
+    name = composite or operator_name(looks)
+    several = len(layers) > 1
+    if several:
+        for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
+            if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
+                looks[k] = _kept_look(scene, layer, volume, name)
+        looks = _told_apart(scene, layers, volumes, looks, name)
+    shown = []
+    for layer, volume, look in zip(layers, volumes, looks, strict=True):
+        boxes = in_samples_of(volume, scene._clipping.boxes, first)
+        seen = cut_open(volume, boxes)
+        shown.append(ShownLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
+    return shown, name
+
+
+def seen_parts(scene: Scene, look: Look) -> list[Part]:
+    """What is seen of the volumes, and their looks; that of the first layer is given, whatever its own."""
+    shown, _ = shown_layers(scene, look.composite)
+    return [(layer.seen, look if number == 0 else layer.look) for number, layer in enumerate(shown)]
+
+
+def _is_automatic(layer: Layer) -> bool:
+    return layer.look is None or (isinstance(layer.look, str) and layer.look.lower() == "auto")
+
+
+def _kept_look(scene: Scene, layer: Layer, volume: Volume | WaveletVolume, composite: Composite | None) -> Look:
+    """The layer's look; what is found out of a volume's values is found out once."""
+    if not (layer.look is None or isinstance(layer.look, str)):
+        return chosen_look(layer.look, volume, composite)
+    key = id(volume), layer.look, composite
+    found = scene._kept.looks.get(key)
+    identity = identity_of(volume)
+    if found is None or found[0] is not identity:
+        found = scene._kept.looks[key] = identity, chosen_look(layer.look, volume, composite)
+    look: Look = found[1]
+    return look
+
+
+def _told_apart(
+    scene: Scene,
+    layers: Sequence[Layer],
+    volumes: Sequence[Volume | WaveletVolume],
+    looks: Sequence[Look],
+    composite: Composite,
+) -> list[Look]:
+    """Colours of their own for channels of fluorescence and, in projections, for all that have no look."""
+    made, taken = list(looks), list[Rgb]()
+    for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
+        if not _is_automatic(layer):
+            continue
+        if composite in ("over", "first-hit") and kind_of(volume) != "fluorescence":
+            continue
+        color = _free_color(volume, taken)
+        taken.append(color)
+        key: Any = id(volume), "color", composite, color
+        found = scene._kept.looks.get(key)
+        identity = identity_of(volume)
+        if found is None or found[0] is not identity:
+            if composite in ("over", "first-hit"):
+                look = automatic(volume, composite, color)
+            else:
+                function = made[k].transfer_function
+                look = replace(made[k], transfer_function=tinted(function, color))
+            found = scene._kept.looks[key] = identity, look
+        made[k] = found[1]
+    return made
+
+
+def _free_color(volume: Volume | WaveletVolume, taken: Sequence[Rgb]) -> Rgb:
+    channel = volume.facts.channel
+    own = channel.color if channel is not None else None
+    for color in (*([own] if own is not None else []), *CHANNEL_COLORS):
+        if all(max(abs(a - b) for a, b in zip(color, other, strict=True)) >= SAME_COLOR for other in taken):
+            return color
+    return CHANNEL_COLORS[len(taken) % len(CHANNEL_COLORS)]

@@ -66,7 +66,7 @@ def channel_look(
         low, high = window_of_values(finite_samples(volume))
         reason = f"a channel in {said}, from {low:g} to {high:g}, by the values"
     function = ramp(rgb, low, high, sum(volume.shape) / 3.0)
-    return Look(transfer_function=function, shading=None, name="channel", reason=reason)
+    return Look(transfer_function=function, shading=None, background="black", name="channel", reason=reason)
 
 
 def tells_nothing(window: tuple[float, float], volume: Volume | WaveletVolume) -> bool:

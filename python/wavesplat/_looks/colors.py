@@ -32,7 +32,7 @@ NAMES: dict[str, Rgba] = {
 def parse(color: str | Iterable[Any] | None) -> Rgba | None:
     """Red, green, blue and opacity, 0..1, not associated; None for None and for "transparent".
 
-    Takes three or four numbers 0..1, a name (black, white, red, green, ..., transparent), "#rrggbb", "#rrggbbaa", or "r,g,b[,a]".
+    Takes three or four numbers 0..1, a name (black, red, green, ..., transparent), "#rrggbb", "#rrggbbaa", "r,g,b[,a]".
     """
     if color is None:
         return None

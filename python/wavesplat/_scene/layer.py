@@ -11,9 +11,11 @@ import numpy as np
 
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
+from wavesplat._looks.over_time import brightest
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
@@ -69,7 +71,7 @@ class Layer:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", _place(self.time))
-        object.__setattr__(self, "volume", self.volume if _is_series(self.volume) else drawable(self.volume))
+        object.__setattr__(self, "volume", self.volume if isinstance(self.volume, Series) else drawable(self.volume))
         look = self.look
         if not (look is None or isinstance(look, Look | TransferFunction | TransferFunction2D | Materials | str)):
             raise ArgumentError(
@@ -83,13 +85,13 @@ class Layer:
     @property
     def drawn(self) -> Volume | WaveletVolume:
         """The volume itself, of a series the one of its time."""
-        if not _is_series(self.volume):
-            volume: Volume | WaveletVolume = self.volume
-            return volume
-        n = len(self.volume)
-        if not -n <= self.time < n:
-            raise ArgumentError(f"layer {self.name!r}: time is {self.time}; the series has 0 to {n - 1}")
-        return drawable(self.volume[self.time])
+        volume: Volume | WaveletVolume = self.volume
+        return self.volume[self.time] if isinstance(self.volume, Series) else volume
+
+    @property
+    def looked_at(self) -> Volume | WaveletVolume:
+        """The volume that a look is chosen for: of a series one for all times, so that nothing flickers."""
+        return brightest(self.volume) if isinstance(self.volume, Series) else self.drawn
 
     @property
     def is_shown(self) -> bool:
@@ -104,10 +106,6 @@ def drawable(given: object) -> Volume | WaveletVolume:
     if isinstance(given, np.ndarray):
         return Volume(given)
     raise ArgumentError(f"volume is {described(given)}; give {VOLUME}")
-
-
-def _is_series(volume: object) -> bool:
-    return type(volume).__name__ == "Series" and hasattr(volume, "times")
 
 
 def _share(number: object) -> float:

@@ -116,14 +116,16 @@ def shown_layers(scene: Scene, composite: Composite | None) -> tuple[list[ShownL
         if layer.is_shown or (number == 0 and scene.labels is not None)
     ]
     volumes = [layer.drawn for layer in layers]
-    looks = [_kept_look(scene, layer, volume, composite) for layer, volume in zip(layers, volumes, strict=True)]
+    # Of a series a look is chosen for all times.
+    looked_at = [layer.looked_at for layer in layers]
+    looks = [_kept_look(scene, layer, volume, composite) for layer, volume in zip(layers, looked_at, strict=True)]
     name = composite or operator_name(looks)
     several = len(layers) > 1
     if several:
-        for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
-            if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
+        for k, (layer, volume) in enumerate(zip(layers, looked_at, strict=True)):
+            if looks[k].composite != name or (looks[k].labels is not None and volumes[k] is not first):
                 looks[k] = _kept_look(scene, layer, volume, name)
-        looks = _told_apart(scene, layers, volumes, looks, name)
+        looks = _told_apart(scene, layers, looked_at, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         boxes = in_samples_of(volume, scene._clipping.boxes, first)

@@ -40,6 +40,8 @@ class _Wanted:
     number: int
     color: Rgb | None = None
     window: Any = None
+    #: Whether it is shown also where the file does not want it.
+    is_asked_for: bool = False
 
 
 @public
@@ -195,7 +197,7 @@ def _wanted(given: Any, source: _Source) -> _Wanted:
         )
     which, color, window = (*parts, None, None)[:3]
     parsed = parse(color)
-    return _Wanted(_number(which, source), None if parsed is None else parsed[:3], window)
+    return _Wanted(_number(which, source), None if parsed is None else parsed[:3], window, True)
 
 
 def _number(which: Any, source: _Source) -> int:
@@ -239,8 +241,7 @@ def _layer(source: _Source, wanted: _Wanted, look: Look | None) -> Layer:
     return Layer(
         times if has_many else times[0],
         look,
-        # Whoever asks for a channel wants to see it.
-        visible=source.facts(wanted.number).is_active or wanted.color is not None,
+        visible=wanted.is_asked_for or source.facts(wanted.number).is_active,
         time=source.time if has_many else 0,
         name=name,
     )

@@ -68,14 +68,15 @@ def measure(draw: Callable[[float], Any]) -> dict[str, float]:
 
 def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
     """Our renderer."""
+    kept = None
     if "like_turned_deg" in settings:
-        settings = dict(settings)
-        before = scenes.render(case, settings.pop("like_turned_deg"), **settings)
-        settings["like"] = before
-    result = measure(lambda turn: scenes.render(case, turn, **settings))
+        # Of one scene, which knows what its first picture told.
+        settings, kept = dict(settings), scenes.scene(case)
+        scenes.render(case, settings.pop("like_turned_deg"), kept=kept, **settings)
+    result = measure(lambda turn: scenes.render(case, turn, kept=kept, **settings))
     result["samples_mib"] = scenes.load(case.volume, case.grid).samples.nbytes / 2**20
     if case.compared and case.composite == "over":
-        picture = scenes.render(case, **settings)
+        picture = scenes.render(case, kept=kept, **settings)
         result["psnr_db"], result["levels"] = scenes.errors(scenes.over_black(picture.rgba), scenes.converged(case))
         if "psnr" in settings:
             result |= {name: picture.report[name] for name in PROMISES if name in picture.report}

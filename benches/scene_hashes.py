@@ -121,7 +121,7 @@ def inside(volume: ws.Volume) -> ws.Camera:
 def draw(volume: ws.Volume | ws.WaveletVolume, tf: Any, camera: ws.Camera | str, **options: Any) -> Scene:
     """A scene that is drawn when it is called."""
     options.setdefault("size", SIZE)
-    return lambda: ws.render(volume, tf, camera, **options)
+    return lambda: ws.study.render(volume, tf, camera, **options)
 
 
 def labels() -> ws.Labels:
@@ -159,13 +159,13 @@ def of_operators() -> Iterator[tuple[str, Scene]]:
     yield "over soft depth", draw(volume, tf, camera, depth=True)
     yield "over unshaded", draw(volume, tf, camera, shading=None)
     yield "over plain sheets", draw(volume, hard(250), camera, pre_integration=False, early_ray_termination=False)
-    yield "first hit", draw(volume, tf, camera, composite="first-hit", iso_value=220, depth=True)
-    yield "first hit unshaded", draw(volume, tf, camera, composite="first-hit", iso_value=220, shading=None)
+    yield "first hit", draw(volume, tf, camera, composite=ws.FirstHit(220), depth=True)
+    yield "first hit unshaded", draw(volume, tf, camera, composite=ws.FirstHit(220), shading=None)
     for composite in ("maximum", "minimum", "mean", "sum", "x-ray", "depth-shaded-maximum", "local-maximum"):
         yield composite, draw(volume, tf, camera, composite=composite)
     yield "mean perspective", draw(volume, tf, oblique(ct(), 35), composite="mean")
     yield "maximum perspective", draw(volume, tf, oblique(ct(), 35), composite="maximum")
-    yield "local maximum of threshold", draw(volume, tf, camera, composite="local-maximum", local_threshold=300)
+    yield "local maximum of threshold", draw(volume, tf, camera, composite=ws.LocalMaximum(300))
 
 
 def of_kernels_and_types() -> Iterator[tuple[str, Scene]]:
@@ -182,7 +182,7 @@ def of_kernels_and_types() -> Iterator[tuple[str, Scene]]:
         yield f"holes {kernel}", draw(with_holes(), ramp(), oblique(with_holes()), kernel=kernel)
         yield f"holes {kernel} hard", draw(with_holes(), hard(120), oblique(with_holes(), 30), kernel=kernel)
     yield "holes maximum", draw(with_holes(), ramp(), oblique(with_holes()), composite="maximum")
-    yield "holes first hit", draw(with_holes(), ramp(), oblique(with_holes()), composite="first-hit", iso_value=100)
+    yield "holes first hit", draw(with_holes(), ramp(), oblique(with_holes()), composite=ws.FirstHit(100))
 
 
 def of_views() -> Iterator[tuple[str, Scene]]:
@@ -232,13 +232,13 @@ def of_cuts() -> Iterator[tuple[str, Scene]]:
     lo, hi = ct().bounds
     middle = (lo + hi) / 2
     crop = ws.Crop(tuple(lo + 0.2 * (hi - lo)), tuple(lo + 0.7 * (hi - lo)))
-    planes = [(tuple(middle), (1.0, 0.4, -0.3)), (tuple(middle), (0.0, 1.0, 0.2))]
-    yield "crop", draw(ct(), soft_ct(), camera, crop=crop)
-    yield "crop hard perspective", draw(ct(), hard(250), oblique(ct(), 35), crop=crop)
-    yield "clip", draw(ct(), soft_ct(), camera, clip_planes=planes)
-    yield "clip hard", draw(ct(), hard(250), camera, clip_planes=planes)
-    yield "clip maximum", draw(ct(), soft_ct(), camera, clip_planes=planes, composite="maximum")
-    yield "clip mean crop", draw(ct(), soft_ct(), camera, clip_planes=planes, crop=crop, composite="mean")
+    planes = [ws.ClipPlane(middle, (1.0, 0.4, -0.3)), ws.ClipPlane(middle, (0.0, 1.0, 0.2))]
+    yield "crop", draw(ct(), soft_ct(), camera, clip=crop)
+    yield "crop hard perspective", draw(ct(), hard(250), oblique(ct(), 35), clip=crop)
+    yield "clip", draw(ct(), soft_ct(), camera, clip=planes)
+    yield "clip hard", draw(ct(), hard(250), camera, clip=planes)
+    yield "clip maximum", draw(ct(), soft_ct(), camera, clip=planes, composite="maximum")
+    yield "clip mean crop", draw(ct(), soft_ct(), camera, clip=[crop, *planes], composite="mean")
 
 
 def of_settings() -> Iterator[tuple[str, Scene]]:
@@ -247,11 +247,11 @@ def of_settings() -> Iterator[tuple[str, Scene]]:
     for quality in ("draft", "high"):
         yield f"quality {quality} soft", draw(ct(), soft_ct(), camera, quality=quality)
         yield f"quality {quality} hard", draw(ct(), hard(250), camera, quality=quality)
-    yield "few sheets", draw(ct(), soft_ct(), camera, sheets_per_slice=0.3)
-    yield "many sheets", draw(ct(), hard(250), camera, sheets_per_slice=5.3)
-    yield "texels as pixels", draw(ct(), hard(250), camera, oversampling=1.0)
-    yield "texels 0.55", draw(ct(), soft_ct(), camera, oversampling=0.55)
-    yield "texels 2.5", draw(ct(), hard(250), camera, oversampling=2.5)
+    yield "few sheets", draw(ct(), soft_ct(), camera, quality=ws.Sampling(0.3))
+    yield "many sheets", draw(ct(), hard(250), camera, quality=ws.Sampling(5.3))
+    yield "texels as pixels", draw(ct(), hard(250), camera, quality=ws.Sampling(oversampling=1.0))
+    yield "texels 0.55", draw(ct(), soft_ct(), camera, quality=ws.Sampling(oversampling=0.55))
+    yield "texels 2.5", draw(ct(), hard(250), camera, quality=ws.Sampling(oversampling=2.5))
     yield "one thread", draw(ct(), soft_ct(), camera, threads=1)
     yield "background", draw(ct(), soft_ct(), camera, background="#203040")
     yield "wide", draw(ct(), soft_ct(), camera, size=(333, 77))
@@ -275,12 +275,12 @@ def of_levels() -> Iterator[tuple[str, Scene]]:
         "wavelets in blocks cubic",
         draw(coefficients("cdf97", 1 << 21), soft_mri(), oblique(whole), kernel="bspline3"),
     )
-    yield "one level fewer soft", draw(whole, soft_mri(), oblique(whole), drop_levels=1)
-    yield "one level fewer hard", draw(whole, hard(60), oblique(whole), drop_levels=1)
-    yield "two levels fewer soft", draw(whole, soft_mri(), oblique(whole), drop_levels=2)
-    yield "two levels fewer hard", draw(whole, hard(60), oblique(whole), drop_levels=2)
+    yield "one level fewer soft", draw(whole.level(1), soft_mri(), oblique(whole))
+    yield "one level fewer hard", draw(whole.level(1), hard(60), oblique(whole))
+    yield "two levels fewer soft", draw(whole.level(2), soft_mri(), oblique(whole))
+    yield "two levels fewer hard", draw(whole.level(2), hard(60), oblique(whole))
     weights = [1.0, 1.0] + [0.0] * (whole.n_levels - 1)
-    yield "bands", draw(whole, None, oblique(whole), band_weights=weights)
+    yield "bands", draw(whole.bands(weights), None, oblique(whole))
 
 
 def digest(picture: ws.Picture) -> str:

@@ -27,6 +27,7 @@ CACHE = ROOT / ".cache" / "bench"
 #: Half the height of the picture, as a share of the volume's largest side.
 FILL = 0.62
 VIEW_ANGLE_DEG = 30.0
+HEADLIGHT = ws.Shading.headlight()
 
 #: Of the converged picture.
 STEP_VOXELS = 0.05
@@ -158,17 +159,31 @@ def camera(case: Case, turn_deg: float = 0.0) -> ws.Camera:
     return ws.Camera(eye, extent / 2, (0, 0, 1), parallel_scale=half_height)
 
 
-def render(case: Case, turn_deg: float = 0.0, **settings: Any) -> ws.Picture:
-    """The picture by the fast renderer."""
-    return ws.render(
-        load(case.volume, case.grid),
-        transfer_function(case),
+def scene(case: Case, *, shading: ws.Shading | None = HEADLIGHT) -> ws.Scene:
+    """What is drawn."""
+    return ws.Scene(load(case.volume, case.grid), transfer_function(case), shading=shading)
+
+
+def render(
+    case: Case,
+    turn_deg: float = 0.0,
+    *,
+    kept: ws.Scene | None = None,
+    sheets_per_slice: float | None = None,
+    quality: str = "normal",
+    **settings: Any,
+) -> ws.Picture:
+    """The picture by the fast renderer, of a scene that is kept or of a new one."""
+    if "shading" in settings:
+        kept = scene(case, shading=settings.pop("shading"))
+    return (kept or scene(case)).render(
         camera(case, turn_deg),
         size=(case.size, case.size),
         kernel=case.kernel,
         composite=case.composite,
         threads=case.threads,
-        **{"shading": ws.Shading.headlight(), **settings},
+        quality=ws.Sampling(sheets_per_slice, quality=quality),
+        **settings,
     )
 
 

@@ -80,7 +80,7 @@ def two_dimensional() -> ws.Picture:
     surfaces = ws.TransferFunction2D.boundaries([skin, bone])
     middle = np.mean(ct.bounds, axis=0)
     view = ws.Camera.orbit(ct, 150, 10, fit="view")
-    return ws.render(ct, surfaces, view, clip_planes=[(middle, (-1, -0.5, 0))], size=SIZE, background="black")
+    return ws.render(ct, surfaces, view, clip=ws.ClipPlane(middle, (-1, -0.5, 0)), size=SIZE, background="black")
 
 
 def coarse_wavelet_level() -> ws.Picture:
@@ -89,7 +89,7 @@ def coarse_wavelet_level() -> ws.Picture:
     wavelets = ws.WaveletVolume.from_volume(mri, "cdf53", threshold=4)
     soft = ws.TransferFunction([(20, 0), (45, 0.05), (110, 0.4)], HEAD)
     return ws.render(
-        wavelets, soft, ws.Camera.orbit(mri, 50, 15, zoom=1.2, fit="view"), size=SIZE, drop_levels=2, background="black"
+        wavelets.level(2), soft, ws.Camera.orbit(mri, 50, 15, zoom=1.2, fit="view"), size=SIZE, background="black"
     )
 
 

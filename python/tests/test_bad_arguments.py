@@ -15,14 +15,22 @@ VOLUME = ws.examples.ripples(6)
 FUNCTION = ws.TransferFunction.auto(VOLUME)
 PICTURE = ws.render(VOLUME, size=(4, 4))
 SMALL = {"volume": VOLUME, "size": (4, 4)}
+SCENE = {"what": VOLUME, "size": (4, 4)}
 
 #: Public functions, and what they are called with where one argument is bad.
 CALLS = {
-    "render": (ws.render, SMALL),
-    "render first-hit": (ws.render, SMALL | {"composite": "first-hit", "iso_value": 100}),
-    "render local-maximum": (ws.render, SMALL | {"composite": "local-maximum", "local_threshold": 3}),
-    "render depth-shaded": (ws.render, SMALL | {"composite": "depth-shaded-maximum", "depth_shading": 0.5}),
-    "render x-ray": (ws.render, SMALL | {"composite": "x-ray"}),
+    "render": (ws.render, SCENE),
+    "render x-ray": (ws.render, SCENE | {"composite": "x-ray"}),
+    "Scene": (ws.Scene, {"what": VOLUME}),
+    "Scene.render": (ws.Scene(VOLUME).render, {"size": (4, 4)}),
+    "Layer": (ws.Layer, {"volume": VOLUME}),
+    "FirstHit": (ws.FirstHit, {"iso_value": 100}),
+    "LocalMaximum": (ws.LocalMaximum, {}),
+    "DepthShadedMaximum": (ws.DepthShadedMaximum, {}),
+    "XRay": (ws.XRay, {}),
+    "Sampling": (ws.Sampling, {}),
+    "ClipPlane": (ws.ClipPlane, {"point": (0, 0, 0), "normal": (0, 0, 1)}),
+    "CutOut": (ws.CutOut, {"crop": ws.Crop((0, 0, 0), (3, 3, 3))}),
     "slice": (ws.slice, SMALL),
     "mesh": (ws.mesh, {"volume": VOLUME, "iso_value": 127.5}),
     "Camera": (ws.Camera, {"position": (0, 5, 0), "focal_point": (0, 0, 0), "view_up": (0, 0, 1), "parallel_scale": 3}),
@@ -89,7 +97,15 @@ def test_one_bad_argument_is_one_sentence(name):
 
 @pytest.mark.parametrize("volume", [None, [[1]], np.zeros((3, 3, 3)), "a.nii", b"a", 3])
 def test_what_is_no_volume(volume):
-    for function in (ws.render, ws.slice, ws.Camera.orbit, ws.TransferFunction.auto, ws.study.standard):
+    for function in (
+        ws.render,
+        ws.Scene,
+        ws.Layer,
+        ws.slice,
+        ws.Camera.orbit,
+        ws.TransferFunction.auto,
+        ws.study.standard,
+    ):
         with pytest.raises(
             ArgumentError, match=r"volume is .*; give a wavesplat.Volume, as from wavesplat.open\(path\)"
         ):
@@ -100,13 +116,11 @@ def test_what_is_no_volume(volume):
     ("argument", "value", "message"),
     [
         ("kernel", None, "kernel is None; give a name"),
-        ("composite", 3, "composite is 3; give a name"),
-        ("quality", ["high"], "quality is a list; give a name"),
+        ("composite", 3, "composite is 3; give a name or FirstHit"),
+        ("quality", ["high"], "quality is a list; give draft, normal, high, or wavesplat.Sampling"),
         ("shading", "phong", "shading is 'phong'; give a wavesplat.Shading or None"),
-        ("oversampling", "2", "oversampling is '2'; give a number"),
-        ("clip_planes", None, r"clip_planes is None; give \(point, normal\) pairs"),
+        ("clip", None, r"clip is None; give wavesplat.Crop\(lower, upper\) to keep a box, ClipPlane"),
         ("progress", True, "progress is True; give a function"),
-        ("drop_levels", 1.5, "drop_levels is 1.5; give a whole number"),
         ("threads", 10**20, "threads is 100000000000000000000; give a whole number"),
         ("threads", 10**6, "threads is 1000000; give a whole number from 1 to 4096"),
         ("size", (10**30, 5), "give at most 16384 pixels a side"),
@@ -134,7 +148,7 @@ def test_samples_near_the_limits_of_their_type(dtype, composite):
     for samples in (np.linspace(-1, 1, 27) * limit, np.linspace(0.5, 1, 27) * limit, np.linspace(0, 1, 27) * 1e-300):
         volume = ws.Volume(samples.astype(dtype).reshape(3, 3, 3))
         with np.errstate(all="ignore"):
-            told = said(ws.render, {"volume": volume, "size": (4, 4), "composite": composite})
+            told = said(ws.render, {"what": volume, "size": (4, 4), "composite": composite})
         assert told is None or not told.startswith("not ours: ")
 
 

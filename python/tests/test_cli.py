@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._model.clips import checked_clip
 from wavesplat._render.framing import framed
 
 COMMANDS = ("render", "slice", "info", "presets", "wavelet", "mesh", "demo")
@@ -69,12 +70,12 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
     expected = ws.render(
         volume,
         look,
-        framed(volume, look, 30, 20, crop=crop, zoom=1.5, view_angle=40, aspect=40 / 30),
+        framed([(volume, look)], 30, 20, clipping=checked_clip(crop), zoom=1.5, view_angle=40, aspect=40 / 30),
         size=(40, 30),
         kernel="bspline3",
         quality="draft",
         background="#102030",
-        crop=crop,
+        clip=crop,
         shading=None,
     )
     np.testing.assert_array_equal(tifffile.imread(out), expected.rgba)
@@ -119,8 +120,11 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
         (["IN", "-o", "OUT", "--size", "1000000x5"], "width is 1000000"),
         (["IN", "-o", "OUT", "--kernel", "cubic"], "'cubic' is not one of: linear"),
         (["IN", "-o", "OUT", "--composite", "add"], "'add' is not one of: over"),
-        (["IN", "-o", "OUT", "--composite", "first-hit"], "iso_value"),
-        (["IN", "-o", "OUT", "--local-threshold", "3"], "local_threshold is for composite"),
+        (["IN", "-o", "OUT", "--composite", "first-hit"], "--iso-value"),
+        (
+            ["IN", "-o", "OUT", "--local-threshold", "3"],
+            "--local-threshold is for --composite local-maximum, not for over",
+        ),
         (["IN", "-o", "OUT", "--composite", "x-ray", "--attenuation", "3"], "'3' is not 2 numbers"),
         (["IN", "-o", "OUT", "--quality", "best"], "'best' is not one of: draft"),
         (["IN", "-o", "OUT", "--view", "sideways"], "'sideways' is not one of: anterior"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._model.clips import checked_clip
 from wavesplat._model.cutting import taken_out
 from wavesplat._render.framing import framed
 from wavesplat.errors import ArgumentError
@@ -82,8 +83,8 @@ def test_taking_out_is_the_complement_of_keeping(composite, dtype):
         "size": (40, 40),
     }
     whole = ws.render(volume, **view)
-    kept = ws.render(volume, crop=index_box((8, 0, 0), (15, 13, 11)), **view)
-    cut = ws.render(volume, cut_out=index_box((-1, -1, -1), (8, 20, 20)), **view)
+    kept = ws.render(volume, clip=index_box((8, 0, 0), (15, 13, 11)), **view)
+    cut = ws.render(volume, clip=ws.CutOut(index_box((-1, -1, -1), (8, 20, 20))), **view)
     # Taken out by samples and cut at a plane: edges differ by a part of a pixel, here and there by a sheet.
     if composite == "over":
         assert np.abs(cut.rgba - kept.rgba).mean() < 0.05 * np.abs(whole.rgba - kept.rgba).mean()
@@ -99,17 +100,17 @@ def test_colours_are_those_of_the_whole():
     samples = np.zeros((12, 14, 16), np.float32)
     samples[..., 4:8], samples[..., 10:] = 1000, 10
     volume = ws.Volume(samples)
-    box = index_box((-1, -1, -1), (9, 20, 20))
+    box = ws.CutOut(index_box((-1, -1, -1), (9, 20, 20)))
     camera = ws.Camera.orbit(volume, 0, 0, fit="view")
-    got = ws.render(volume, None, camera, composite="maximum", cut_out=box, size=(20, 20))
-    want = ws.render(volume, ws.Look.auto(volume, "maximum"), camera, cut_out=box, size=(20, 20))
+    got = ws.render(volume, None, camera, composite="maximum", clip=box, size=(20, 20))
+    want = ws.render(volume, ws.Look.auto(volume, "maximum"), camera, clip=box, size=(20, 20))
     np.testing.assert_array_equal(got.rgba, want.rgba)
 
 
 def test_frames_of_a_turn_share_one_copy():
     volume = ws.Volume(np.arange(2 * 3 * 4, dtype=np.int16).reshape(2, 3, 4))
     box = index_box((-1, -1, -1), (2, 5, 5))
-    draw = {"size": (8, 8), "cut_out": [box]}
+    draw = {"size": (8, 8), "clip": [ws.CutOut(box)]}
     ws.render(volume, "grey", **draw)
     first = volume._cut[1]
     assert first.samples.dtype == np.float32
@@ -117,7 +118,7 @@ def test_frames_of_a_turn_share_one_copy():
     assert volume._cut[1] is first
     ws.render(volume, "grey", size=(8, 8))
     assert volume._cut[1] is first
-    ws.render(volume, "grey", size=(8, 8), cut_out=index_box((-1, -1, -1), (1, 5, 5)))
+    ws.render(volume, "grey", size=(8, 8), clip=ws.CutOut(index_box((-1, -1, -1), (1, 5, 5))))
     assert volume._cut[1] is not first
     assert pickle.loads(pickle.dumps(volume))._cut is None  # noqa: S301 - our own bytes
 
@@ -128,7 +129,7 @@ def test_a_changed_array_is_cut_anew():
     draw = {
         "camera": ws.Camera.orbit(volume, 0, 0, fit="view"),
         "size": (10, 10),
-        "cut_out": index_box((-1, -1, -1), (8, 20, 20)),
+        "clip": ws.CutOut(index_box((-1, -1, -1), (8, 20, 20))),
     }
     assert ws.render(volume, SOLID, **draw).rgba.max() > 0
     samples[:] = 0
@@ -143,7 +144,9 @@ def cut_labels(segmentation, looks, box, *, scan_value=0):
     scan = block(shape=segmentation.shape, value=scan_value)
     camera = ws.Camera.orbit(scan, 30, 30, fit="view")
     labels = ws.Labels(segmentation, looks)
-    return labels, ws.render(scan, CLEAR, camera, labels=labels, cut_out=box, size=(60, 60), background="black").rgba
+    return labels, ws.render(
+        scan, CLEAR, camera, labels=labels, clip=ws.CutOut(box), size=(60, 60), background="black"
+    ).rgba
 
 
 @pytest.mark.parametrize("other", [0, 7])  # a segmentation without "none" as well
@@ -235,23 +238,24 @@ def test_corners_of_a_patient_need_one():
 def test_views_fit_what_is_left():
     volume = block(shape=(20, 20, 40))
     look = ws.Look(transfer_function=SOLID)
-    whole = framed(volume, look, 0, 0).parallel_scale
+    whole = framed([(volume, look)], 0, 0).parallel_scale
     middle = (19.5, 9.5, 9.5)
-    clipped = framed(volume, look, 0, 0, clip_planes=[((29, 0, 0), (1, 0, 0)), (middle, (0, 0, 1))])
+    clipping = checked_clip([ws.ClipPlane((29, 0, 0), (1, 0, 0)), ws.ClipPlane(middle, (0, 0, 1))])
+    clipped = framed([(volume, look)], 0, 0, clipping=clipping)
     assert clipped.parallel_scale < 0.6 * whole
     assert clipped.focal_point[0] == pytest.approx(34, abs=1)
     assert clipped.focal_point[2] == pytest.approx(14.5, abs=1)
     # The same by boxes, also where a transparent scan has labels, or values are not what is seen.
-    boxes = [ws.Crop.corner(volume, "-x", at=(29, 0, 0)), ws.Crop.corner(volume, "-z")]
+    boxes = [ws.CutOut(ws.Crop.corner(volume, name, at=at)) for name, at in (("-x", (29, 0, 0)), ("-z", None))]
     labels = ws.Labels(np.ones(volume.shape, np.uint8))
     for options in ({"look": SOLID}, {"look": CLEAR, "labels": labels}):
-        picture = ws.render(volume, camera="anterior", cut_out=boxes, size=(40, 40), **options)
+        picture = ws.render(volume, camera="anterior", clip=boxes, size=(40, 40), **options)
         assert (picture.rgba[..., 3] > 0).mean() > 0.6
     assert (ws.render(volume, SOLID, "anterior", size=(40, 40)).rgba[..., 3] > 0).mean() < 0.6
 
 
 def test_planes_that_leave_nothing_still_have_a_view():
-    picture = ws.render(block(), SOLID, "anterior", clip_planes=[((99, 0, 0), (1, 0, 0))], size=(8, 8))
+    picture = ws.render(block(), SOLID, "anterior", clip=ws.ClipPlane((99, 0, 0), (1, 0, 0)), size=(8, 8))
     assert picture.rgba.max() == 0
 
 
@@ -259,26 +263,47 @@ def test_planes_that_leave_nothing_still_have_a_view():
 
 
 @pytest.mark.parametrize(
-    ("cut_out", "message"),
+    ("clip", "message"),
     [
-        ([3], "box 0 of cut_out is a int"),
-        ([ws.Crop((0, 0, 0), (1, 1, 1)), "left"], "box 1 of cut_out is a str"),
-        ([ws.Crop((0, 0, 0), (1, 1, np.inf))], "give finite numbers"),
+        ([3], r"clip 0 is 3; give wavesplat.Crop\(lower, upper\) to keep a box"),
+        ([ws.Crop((0, 0, 0), (1, 1, 1)), "left"], "clip 1 is 'left'; give"),
+        ("left", "clip is 'left'; give"),
+        ([ws.Crop((0, 0, 0), (1, 1, 1)), ws.Crop((2, 2, 2), (3, 3, 3))], "the 2 boxes of clip have nothing in common"),
         (
-            [ws.Crop((-1, -1, -1), (99, 99, 99))],
+            ws.CutOut(ws.Crop((-1, -1, -1), (99, 99, 99))),
             r"leaves nothing of volume 'volume'; its bounds are \(0, 0, 0\) to \(15",
         ),
     ],
 )
-def test_boxes_that_cannot_be_are_refused(cut_out, message):
+def test_clips_that_cannot_be_are_refused(clip, message):
     with pytest.raises(ArgumentError, match=message):
-        ws.render(block(), SOLID, cut_out=cut_out, size=(8, 8))
+        ws.render(block(), SOLID, clip=clip, size=(8, 8))
+
+
+def test_what_is_cut_out_is_a_finite_box():
+    with pytest.raises(ArgumentError, match="CutOut takes out a str; give a wavesplat.Crop"):
+        ws.CutOut("left")
+    with pytest.raises(ArgumentError, match="give finite numbers"):
+        ws.CutOut(ws.Crop((0, 0, 0), (1, 1, np.inf)))
+    with pytest.raises(ArgumentError, match="clip plane: .*a normal that is not zero"):
+        ws.ClipPlane((0, 0, 0), (0, 0, 0))
+
+
+def test_several_boxes_keep_what_they_have_in_common():
+    volume = block(spacing=(1, 2, 1))
+    draw = {"camera": ws.Camera.orbit(volume, 30, 20), "size": (40, 30)}
+    want = ws.render(volume, SOLID, clip=index_box((3, 2, 1), (9, 8, 7)), **draw).rgba
+    boxes = [index_box((3, -5, -5), (40, 8, 40)), index_box((-5, 2, 7), (9, 40, 1))]
+    np.testing.assert_array_equal(ws.render(volume, SOLID, clip=boxes, **draw).rgba, want)
+    mixed = [boxes[0], ws.Crop((-5, 4, 1), (9, 40, 7))]
+    np.testing.assert_allclose(ws.render(volume, SOLID, clip=mixed, **draw).rgba, want, atol=2e-2)
+    assert want.max() > 0.5
 
 
 def test_wavelets_say_what_to_do():
     wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
     with pytest.raises(ArgumentError, match="has wavelet coefficients; draw its to_volume()"):
-        ws.render(wavelets, cut_out=ws.Crop((0, 0, 0), (1, 1, 1)), size=(8, 8))
+        ws.render(wavelets, clip=ws.CutOut(ws.Crop((0, 0, 0), (1, 1, 1))), size=(8, 8))
 
 
 # The command line
@@ -302,8 +327,9 @@ def test_the_command_line_cuts_as_the_api_does(wavesplat, tmp_path):
         ws.Crop((-2, -2, -2), (5, 5, 5)),
         index_box((9, 9, 9), (11.5, 12, 13)),
     ]
-    planes = [((0, 0, 2), (0, 0, 1)), ((0, 0, 14), (0, 0, -1))]
-    want = ws.render(volume, "grey", "left", size=(40, 30), cut_out=boxes, clip_planes=planes, background="black")
+    planes = [ws.ClipPlane((0, 0, 2), (0, 0, 1)), ws.ClipPlane((0, 0, 14), (0, 0, -1))]
+    clip = [*planes, *map(ws.CutOut, boxes)]
+    want = ws.render(volume, "grey", "left", size=(40, 30), clip=clip, background="black")
     np.testing.assert_array_equal(tifffile.imread(out), want.rgba)
 
 

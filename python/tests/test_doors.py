@@ -10,6 +10,7 @@ from importlib.resources import files
 import pytest
 
 import wavesplat as ws
+from wavesplat._model.clips import checked_clip
 from wavesplat._render.framing import framed
 
 SIZE = (64, 48)
@@ -19,8 +20,10 @@ SCANS = {name: DATA / name / f"{name}.nii.gz" for name in ("ct_pelvis", "mri_hea
 
 def _drawn(volume, look, azimuth, elevation=0, *, crop=None, lens=None, **options):
     """As the command line sees a volume from a side: what a look shows of it is in view."""
-    camera = framed(volume, look, azimuth, elevation, crop=crop, aspect=64 / 48, **(lens or {}))
-    return ws.render(volume, look, camera, crop=crop, size=SIZE, **options)
+    clip = () if crop is None else crop
+    parts = [(volume, look)]
+    camera = framed(parts, azimuth, elevation, clipping=checked_clip(clip), aspect=64 / 48, **(lens or {}))
+    return ws.render(volume, look, camera, clip=clip, size=SIZE, **options)
 
 
 def _over(ct):
@@ -38,13 +41,13 @@ def _maximum(mri):
 
 
 def _surface(mri):
-    return _drawn(mri, ws.Look.auto(mri, "first-hit"), 50, 15, iso_value=22, quality="high")
+    return _drawn(mri, ws.Look.auto(mri, "first-hit"), 50, 15, composite=ws.FirstHit(22), quality="high")
 
 
 def _wavelets(mri):
     wavelets = ws.WaveletVolume.from_volume(mri, threshold=12)
     look = ws.Look.preset("mr-head", wavelets)
-    return _drawn(wavelets, look, 50, drop_levels=1, shading=None, background="black")
+    return _drawn(wavelets.level(1), look, 50, shading=None, background="black")
 
 
 #: Scan, the Python, bits per channel, and the same as options.

@@ -126,9 +126,9 @@ def _cuts():
     lower, upper = middle - (4.1, 6.2, 5.7), np.add(middle, (6.1, 3.9, 4.3))
     planes = ((middle, (0.3, 2.0, -0.4)),)
     return {
-        "index crop": ({"crop_index": box}, {"crop": ws.Crop(*box, space="index")}),
-        "world crop": ({"crop_world": (lower, upper)}, {"crop": ws.Crop(lower, upper)}),
-        "clip plane": ({"clip_planes": planes}, {"clip_planes": planes}),
+        "index crop": ({"crop_index": box}, {"clip": ws.Crop(*box, space="index")}),
+        "world crop": ({"crop_world": (lower, upper)}, {"clip": ws.Crop(lower, upper)}),
+        "clip plane": ({"clip_planes": planes}, {"clip": [ws.ClipPlane(*plane) for plane in planes]}),
     }
 
 

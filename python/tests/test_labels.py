@@ -36,7 +36,7 @@ def test_pictures_agree_with_direct_evaluation(scan):
     light = {"shading": ws.Shading()}
     sampling = {"step": 0.1, "rays_per_pixel": 9, **light}
     want = ws.reference.raycast(scan, "ct-soft-tissue", camera, labels=labels, size=(32, 32), **sampling)
-    settings = {"size": (32, 32), "sheets_per_slice": 12, "oversampling": 3, **light}
+    settings = {"size": (32, 32), "quality": ws.Sampling(12, 3), **light}
     got = ws.render(scan, "ct-soft-tissue", camera, labels=labels, **settings)
     plain = ws.render(scan, "ct-soft-tissue", camera, **settings)
     assert np.abs(got.rgba - want.rgba).mean() < 1e-3
@@ -52,7 +52,7 @@ def test_hiding_a_label_is_removing_its_samples(scan):
     whole = ws.render(scan, "ct-soft-tissue", **view).rgba
     half = scan.shape[1] // 2
     lower, upper = (0, half, 0), (scan.shape[2] - 1, scan.shape[1] - 1, scan.shape[0] - 1)
-    cut = ws.render(scan, "ct-soft-tissue", crop=ws.Crop(lower, upper, space="index"), **view).rgba
+    cut = ws.render(scan, "ct-soft-tissue", clip=ws.Crop(lower, upper, space="index"), **view).rgba
     # The last half sample fades out.
     assert np.abs(hidden - cut).mean() < 0.1 * np.abs(whole - cut).mean()
 

@@ -157,7 +157,7 @@ def test_labels_have_colours_and_a_cut_face_is_lit():
     whole = first_picture(shown)
     hues = {tuple(np.round(pixel[:3] / max(pixel[:3].max(), 1e-3), 1)) for pixel in whole.rgba[::6, ::6].reshape(-1, 4)}
     assert len(hues) > 4
-    face = first_picture(shown, camera="xy", clip_planes=[((48, 48, 48), (0, 0, -1))])
+    face = first_picture(shown, camera="xy", clip=ws.ClipPlane((48, 48, 48), (0, 0, -1)))
     outside = first_picture(shown, camera="xy")
     at = (slice(40, 44), slice(40, 44))
     assert face.rgba[at][..., :3].mean() > 0.5 * outside.rgba[at][..., :3].mean()
@@ -203,7 +203,7 @@ def test_the_object_fills_nine_tenths_of_the_picture(name):
 def test_a_crop_is_framed():
     shown = volume("scan")
     small = ws.Crop((8, 8, 8), (20, 20, 20), space="index")
-    rgba = ws.render(shown, camera="xy", size=(60, 60), crop=small, composite="mean").rgba
+    rgba = ws.render(shown, camera="xy", size=(60, 60), clip=small, composite="mean").rgba
     assert (rgba[..., 3] > 0).mean() > 0.7
 
 

@@ -111,7 +111,7 @@ def test_materials_draw_the_picture_of_their_transfer_function(draw):
 
 def test_wavelets_are_drawn_with_materials():
     wavelets = ws.WaveletVolume.from_volume(ws.examples.ct_pelvis(), threshold=10)
-    pictures = [ws.render(wavelets, c, size=(24, 24), drop_levels=1).rgba for c in (CT, CT.transfer_function())]
+    pictures = [ws.render(wavelets.level(1), c, size=(24, 24)).rgba for c in (CT, CT.transfer_function())]
     np.testing.assert_array_equal(*pictures)
 
 

@@ -37,7 +37,7 @@ def test_pictures_agree_with_direct_evaluation():
     scan = ws.examples.ct_pelvis()
     tf = ws.Materials.preset("ct").surfaces(0.9, thickness=6)
     view = {"camera": ws.Camera.orbit(scan, 30, 20, zoom=14, fit="view"), "size": (28, 28)}
-    got = ws.render(scan, tf, sheets_per_slice=16, oversampling=4, **view).rgba
+    got = ws.render(scan, tf, quality=ws.Sampling(16, 4), **view).rgba
     want = ws.reference.raycast(scan, tf, step=0.05, rays_per_pixel=4, **view).rgba
     assert np.abs(got - want).mean() < 1e-3
     plain = ws.render(scan, ws.Materials.preset("ct"), **view).rgba

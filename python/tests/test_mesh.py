@@ -82,7 +82,7 @@ def test_the_first_hit_of_the_renderer_lies_on_the_mesh(steps):
     position, center = np.array([60.0, 50.0, 80.0]), np.array([10.0, -20.0, 30.0])
     camera = ws.Camera(position, center, (0, 0, 1), parallel_scale=18)
     n, every = 216, 9  # fine, since the warp takes depths from between rays; few, since the rays below are slow
-    picture = ws.render(volume, "grey", camera, size=(n, n), composite="first-hit", iso_value=0, depth=True)
+    picture = ws.render(volume, "grey", camera, size=(n, n), composite=ws.FirstHit(0), depth=True)
     forward = (center - position) / np.linalg.norm(center - position)
     right = np.cross(forward, (0, 0, 1))
     right /= np.linalg.norm(right)

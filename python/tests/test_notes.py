@@ -25,11 +25,11 @@ def notes(picture):
 @pytest.mark.parametrize(
     ("options", "note"),
     [
-        ({"composite": "first-hit", "iso_value": 900}, "no surface at iso value 900: the volume's values are"),
+        ({"composite": ws.FirstHit(900)}, "no surface at iso value 900: the volume's values are"),
         ({"look": BEYOND}, "transparent over the volume's values"),
         ({"look": BEYOND, "composite": "maximum"}, "the colours do not change over what the rays show"),
-        ({"composite": "x-ray", "attenuation": (1000, 1.0)} | NEAR, "lets 100 % of the light through everywhere"),
-        ({"composite": "x-ray", "attenuation": (-1e6, 1.0)} | NEAR, "lets 0 % of the light through everywhere"),
+        ({"composite": ws.XRay(1000, 1.0)} | NEAR, "lets 100 % of the light through everywhere"),
+        ({"composite": ws.XRay(-1e6, 1.0)} | NEAR, "lets 0 % of the light through everywhere"),
         ({"camera": ws.Camera.orbit(VOLUME, zoom=1e-5, fit="view")}, "shows it smaller than a pixel"),
         ({"camera": ws.Camera((500, 900, 0), (500, 0, 0), (0, 0, 1), view_angle=1)}, "the view misses the volume"),
     ],
@@ -66,7 +66,7 @@ def test_a_center_that_is_no_place():
 def test_pictures_that_show_something_say_nothing():
     for composite in ("over", "maximum", "mean", "sum", "minimum", "x-ray"):
         assert "notes" not in ws.render(VOLUME, composite=composite, **SIZE).report
-    assert "notes" not in ws.render(VOLUME, composite="first-hit", iso_value=127, **SIZE).report
+    assert "notes" not in ws.render(VOLUME, composite=ws.FirstHit(127), **SIZE).report
     assert "notes" not in ws.slice(VOLUME).report
     assert "notes" not in ws.render(VOLUME, BEYOND, size=(4, 4)).report  # too small to tell
 

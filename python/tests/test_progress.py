@@ -79,7 +79,7 @@ def test_ctrl_c_stops_a_frame(threads):
     begin = time.monotonic()
     interrupt.start()
     with pytest.raises(KeyboardInterrupt):
-        ws.render(scan, size=(2000, 2000), sheets_per_slice=64, oversampling=8, threads=threads)
+        ws.render(scan, size=(2000, 2000), quality=ws.Sampling(64, 8), threads=threads)
     # The whole frame takes minutes.
     assert time.monotonic() - begin < 30
     assert ws.render(scan, size=(8, 8), threads=threads).rgba.any()

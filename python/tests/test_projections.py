@@ -71,9 +71,7 @@ def rays(volume, eye, up):
 def project(volume, composite, eye, up, **options):
     """Projected values, and the samples of their rays, of the pixels that lie on samples."""
     along, on_sample, camera, size = rays(volume, eye, up)
-    picture = ws.render(
-        volume, GREY, camera, size=size, composite=composite, sheets_per_slice=1, oversampling=1, **options
-    )
+    picture = ws.render(volume, GREY, camera, size=size, composite=composite, quality=ws.Sampling(1, 1), **options)
     return picture.value[on_sample], along[on_sample]
 
 
@@ -151,7 +149,7 @@ def first_local_maximum(profile, threshold):
 )
 def test_local_maxima_are_the_first_along_the_ray_exactly(dtype, threshold, eye, up):
     for volume in volumes(dtype):
-        got, along = project(volume, "local-maximum", eye, up, local_threshold=threshold)
+        got, along = project(volume, ws.LocalMaximum(threshold), eye, up)
         want = np.array([first_local_maximum(profile, threshold) for profile in along])
         assert np.array_equal(got, want)
         assert (want != along.max(axis=-1)).any()
@@ -167,18 +165,18 @@ def test_a_local_maximum_shows_what_is_near_and_dim_before_what_is_far_and_brigh
     volume = ws.Volume(samples)
     options = {"size": (47, 47), "look": ws.TransferFunction.auto(volume, "maximum")}
 
-    def middle(composite, side, **more):
+    def middle(composite, side):
         eye = ws.Camera((side * 500 + 23.5, 11.5, 11.5), (23.5, 11.5, 11.5), (0, 0, 1), parallel_scale=12)
-        return ws.render(volume, camera=eye, composite=composite, **options, **more).value[23, 23]
+        return ws.render(volume, camera=eye, composite=composite, **options).value[23, 23]
 
     assert [middle("maximum", side) for side in (-1, 1)] == [250, 250]
-    assert [middle("local-maximum", side, local_threshold=60) for side in (-1, 1)] == [120, 250]
+    assert [middle(ws.LocalMaximum(60), side) for side in (-1, 1)] == [120, 250]
     # Above the near ball, the far one is the first.
-    assert [middle("local-maximum", side, local_threshold=130) for side in (-1, 1)] == [250, 250]
+    assert [middle(ws.LocalMaximum(130), side) for side in (-1, 1)] == [250, 250]
     # Above both, the largest.
-    assert [middle("local-maximum", side, local_threshold=251) for side in (-1, 1)] == [250, 250]
+    assert [middle(ws.LocalMaximum(251), side) for side in (-1, 1)] == [250, 250]
     # Of two that are equally bright, depth shading shows which is near.
-    shaded = [middle("depth-shaded-maximum", side, depth_shading=0.5) for side in (-1, 1)]
+    shaded = [middle(ws.DepthShadedMaximum(0.5), side) for side in (-1, 1)]
     assert shaded[0] < shaded[1] < 250
 
 
@@ -194,10 +192,8 @@ def test_depth_shading_is_a_factor_that_falls_along_the_view(strength, eye, up):
         curves,
         camera,
         size=size,
-        composite="depth-shaded-maximum",
-        depth_shading=strength,
-        sheets_per_slice=1,
-        oversampling=1,
+        composite=ws.DepthShadedMaximum(strength),
+        quality=ws.Sampling(1, 1),
     )
     values = along[on_sample].astype(float)
     factor = 1 - strength * np.linspace(0, 1, values.shape[-1])
@@ -210,10 +206,10 @@ def test_depth_shading_is_by_what_is_drawn():
     """The nearest point of a crop box is not dimmed, and its farthest one by the whole strength."""
     volume = ws.Volume(np.full((20, 20, 20), 100, np.uint8))
     camera = ws.Camera((9.5, 200, 9.5), (9.5, 0, 9.5), (0, 0, 1), parallel_scale=10)
-    draw = {"size": (11, 11), "composite": "depth-shaded-maximum", "depth_shading": 0.5}
+    draw = {"size": (11, 11), "composite": ws.DepthShadedMaximum(0.5)}
     for upper in (19, 8):
         crop = ws.Crop((0, 0, 0), (19, upper, 19), space="index")
-        value = ws.render(volume, GREY, camera, crop=crop, **draw).value
+        value = ws.render(volume, GREY, camera, clip=crop, **draw).value
         assert value[5, 5] == pytest.approx(100, abs=1e-3)
     # In front of a box whose near half is empty, what is left is half as far as it can be.
     samples = np.zeros((21, 21, 21), np.uint8)
@@ -227,11 +223,11 @@ def test_an_x_ray_is_the_light_that_comes_through(eye, up):
     volume = volumes(np.uint8)[0]
     step = np.abs(np.array(eye) @ np.linalg.inv(volume.world_from_index[:3, :3]).T).max()
     # Nothing is below the clear value: a sum.
-    got, along = project(volume, "x-ray", eye, up, attenuation=(-20.0, 1e-3))
+    got, along = project(volume, ws.XRay(-20.0, 1e-3), eye, up)
     want = np.exp(-1e-3 * trapezoid(along + 20.0) / step)
     np.testing.assert_allclose(got, want, rtol=1e-5)
     # What is below it absorbs nothing, also between two samples.
-    got, along = project(volume, "x-ray", eye, up, attenuation=(150.0, 4e-3))
+    got, along = project(volume, ws.XRay(150.0, 4e-3), eye, up)
     fine = np.linspace(0, along.shape[-1] - 1, 2000 * (along.shape[-1] - 1) + 1)
     above = [np.maximum(np.interp(fine, np.arange(len(ray)), ray) - 150, 0) for ray in along.astype(float)]
     want = np.exp(-4e-3 * trapezoid(np.array(above)) / 2000 / step)
@@ -297,39 +293,35 @@ def test_python_and_the_renderer_know_the_same_operators():
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("operator", "numbers", "message"),
     [
-        ({"composite": "local-maximum", "local_threshold": float("nan")}, "local_threshold.*finite"),
-        ({"composite": "depth-shaded-maximum", "depth_shading": 1.5}, "depth_shading.*between 0 and 1"),
-        ({"composite": "x-ray", "attenuation": 0.02}, "attenuation is 0.02; give .clear, attenuation."),
-        ({"composite": "x-ray", "attenuation": (0, 1, 2)}, "give .clear, attenuation."),
-        ({"composite": "x-ray", "attenuation": (0, -1)}, "attenuation.*positive number"),
-        ({"composite": "x-ray", "attenuation": (float("inf"), 1)}, "clear.*finite"),
+        (ws.FirstHit, (float("nan"),), "iso_value of FirstHit is nan; give a finite number"),
+        (ws.FirstHit, ("high",), "iso_value of FirstHit is 'high'; give a number"),
+        (ws.LocalMaximum, (float("nan"),), "threshold.*finite"),
+        (ws.DepthShadedMaximum, (1.5,), "strength.*between 0 and 1"),
+        (ws.XRay, ("a",), "clear of XRay is 'a'; give a number"),
+        (ws.XRay, (0, -1), "attenuation.*positive number"),
+        (ws.XRay, (float("inf"), 1), "clear.*finite"),
     ],
 )
-def test_numbers_that_cannot_work_are_refused(options, message):
+def test_numbers_that_cannot_work_are_refused(operator, numbers, message):
     with pytest.raises(ArgumentError, match=message):
-        ws.render(ws.examples.ripples(8), GREY, size=(8, 8), **options)
+        operator(*numbers)
 
 
-@pytest.mark.parametrize(
-    ("option", "owner"),
-    [
-        ({"iso_value": 3.0}, "first-hit"),
-        ({"local_threshold": 3.0}, "local-maximum"),
-        ({"depth_shading": 0.0}, "depth-shaded-maximum"),
-        ({"attenuation": (0, 1)}, "x-ray"),
-    ],
-)
-def test_options_of_other_operators_are_refused(option, owner):
+def test_an_operator_is_a_name_or_an_object():
+    draw = {"size": (8, 8), "look": GREY}
     volume = ws.examples.ripples(8)
-    (name,) = option
-    for composite in get_args(Composite):
-        if composite == owner:
-            ws.render(volume, GREY, size=(8, 8), composite=composite, **option)
-            continue
-        with pytest.raises(ArgumentError, match=f'{name} is for composite="{owner}", not for "{composite}"'):
-            ws.render(volume, GREY, size=(8, 8), composite=composite, **option)
+    for name, operator in (("x-ray", ws.XRay()), ("mip", "maximum"), ("local-maximum", ws.LocalMaximum())):
+        np.testing.assert_array_equal(
+            ws.render(volume, composite=name, **draw).rgba, ws.render(volume, composite=operator, **draw).rgba
+        )
+    for wrong, message in (
+        ("first-hit", "give composite=wavesplat.FirstHit.iso_value."),
+        (ws.XRay, "is the class XRay"),
+    ):
+        with pytest.raises(ArgumentError, match=message):
+            ws.render(volume, composite=wrong, **draw)
 
 
 @pytest.mark.parametrize("composite", PROJECTIONS)
@@ -337,13 +329,13 @@ def test_coefficients_project_as_their_samples_do(composite):
     """And with a level left out nearly so."""
     volume = ws.examples.ripples(33)
     wavelets = ws.WaveletVolume.from_volume(volume, "cdf53")
-    numbers = {"x-ray": {"attenuation": (0.0, 1e-3)}, "local-maximum": {"local_threshold": 150.0}}
-    draw = {"size": (24, 24), "composite": composite, **numbers.get(composite, {})}
+    numbers = {"x-ray": ws.XRay(0.0, 1e-3), "local-maximum": ws.LocalMaximum(150.0)}
+    draw = {"size": (24, 24), "composite": numbers.get(composite, composite)}
     camera = ws.Camera.orbit(volume, 30, 20, fit="view")
     want = ws.render(volume, GREY, camera, **draw).value
     got = ws.render(wavelets, GREY, camera, **draw).value
     np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-2)
-    picture = ws.render(wavelets, camera=camera, drop_levels=1, **draw)
+    picture = ws.render(wavelets.level(1), camera=camera, **draw)
     assert np.isfinite(picture.value).any()
     assert picture.rgba.max() > 0.3
 

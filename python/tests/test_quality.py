@@ -120,7 +120,7 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
     eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle, fit="view")
     shown = {"size": (112, 96), "shading": HEADLIGHT}
     # With sixteen rays a pixel the caster has an error of its own, 40 dB where pixels are four samples wide.
-    want = ws.render(volume, function, eye, **shown, sheets_per_slice=24, oversampling=8).rgba
+    want = ws.render(volume, function, eye, **shown, quality=ws.Sampling(24, 8)).rgba
     for wanted_db in (30, 40, 50):
         picture = ws.render(volume, function, eye, psnr=wanted_db, **shown)
         told_db, spread_db = (picture.report[f"expected_psnr_{name}"] for name in ("db", "spread_db"))
@@ -133,34 +133,43 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
 def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
     volume, soft, _, _ = scene
     shown = {"size": (96, 80), "shading": HEADLIGHT}
-    first = ws.render(volume, soft, ws.Camera.orbit(volume, 30, 20, fit="view"), **shown, psnr=38)
+    scene = ws.Scene(volume, soft, shading=shown.pop("shading"))
+    first = scene.render(ws.Camera.orbit(volume, 30, 20, fit="view"), **shown, psnr=38)
     assert json.loads(json.dumps(first.report["measured"])) == first.report["measured"]
     for wanted_db in (38, 44):
         view = ws.Camera.orbit(volume, 40, 10, fit="view")
-        frame = ws.render(volume, soft, view, **shown, psnr=wanted_db, like=first)
+        frame = scene.render(view, **shown, psnr=wanted_db)
         assert frame.report["expected_psnr_db"] >= wanted_db
         assert frame.report["expected_psnr_spread_db"] > first.report["expected_psnr_spread_db"]
-        fixed = {name: frame.report[name] for name in ("sheets_per_slice", "oversampling")}
-        np.testing.assert_array_equal(frame.rgba, ws.render(volume, soft, view, **shown, **fixed).rgba)
-        want = ws.render(volume, soft, view, **shown, sheets_per_slice=24, oversampling=8).rgba
+        fixed = ws.Sampling(frame.report["sheets_per_slice"], frame.report["oversampling"])
+        np.testing.assert_array_equal(frame.rgba, scene.render(view, **shown, quality=fixed).rgba)
+        want = scene.render(view, **shown, quality=ws.Sampling(24, 8)).rgba
         assert psnr_db(frame.rgba, want) > wanted_db - frame.report["expected_psnr_spread_db"]
         # What was measured goes from frame to frame.
-        again = ws.render(volume, soft, view, **shown, psnr=wanted_db, like=frame)
+        again = scene.render(view, **shown, psnr=wanted_db)
         np.testing.assert_array_equal(again.rgba, frame.rgba)
 
 
-def test_like_wants_a_picture_that_was_measured():
-    volume = ws.examples.ripples(8)
-    measured = ws.render(volume, size=(16, 16), psnr=40)
-    fixed = ws.render(volume, size=(16, 16))
-    for options, message in (
-        ({"like": measured}, "pass psnr too"),
-        ({"psnr": 40, "like": fixed}, "no picture that was drawn with psnr"),
-        ({"psnr": 40, "like": measured.report}, "give a wavesplat.Picture"),
-        ({"psnr": 40, "like": measured, "composite": "maximum"}, 'tells nothing of "maximum"'),
+def test_what_shows_something_else_is_measured_anew():
+    """Another operator, kernel, look or light, and a scene of its own."""
+    scene = ws.Scene(ws.examples.ripples(16), "grey")
+    draw = {"size": (24, 24), "psnr": 40}
+
+    def spread(of, **options):
+        return of.render(**draw, **options).report["expected_psnr_spread_db"]
+
+    first, second = spread(scene), spread(scene)
+    assert first < second
+    assert spread(scene.with_(background="white", clip=ws.Crop((0, 0, 0), (15, 15, 14)))) > first
+    for other in ({"composite": "maximum"}, {"kernel": "bspline3"}):
+        assert spread(scene, **other) == spread(ws.Scene(scene.layers), **other)
+    for changes in (
+        {"shading": None},
+        {"layers": ws.Layer(scene.layers[0].volume, ws.TransferFunction.diverging(200))},
     ):
-        with pytest.raises(ws.errors.ArgumentError, match=message):
-            ws.render(volume, size=(16, 16), **options)
+        fresh = ws.Scene(changes.get("layers", scene.layers), shading=changes.get("shading", "look"))
+        assert spread(scene.with_(**changes)) == spread(fresh)
+    assert spread(ws.Scene(ws.examples.ripples(16), "grey")) == first
 
 
 def test_a_psnr_costs_nothing_where_nothing_is_seen_and_what_is_out_of_reach_is_said():
@@ -180,4 +189,4 @@ def test_a_psnr_that_makes_no_sense_is_refused(psnr):
     with pytest.raises(ws.errors.ArgumentError, match="between 20 and 80 dB"):
         ws.render(ws.examples.ripples(8), psnr=psnr)
     with pytest.raises(ws.errors.ArgumentError, match="leave out either"):
-        ws.render(ws.examples.ripples(8), psnr=40, oversampling=2)
+        ws.render(ws.examples.ripples(8), psnr=40, quality=ws.Sampling(oversampling=2))

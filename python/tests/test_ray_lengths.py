@@ -57,7 +57,7 @@ def _cuts(middle):
         "whole": ({}, {}),
         "index crop": ({"crop_index": between}, {"crop": ws.Crop(*between, space="index")}),
         "world crop": ({"crop_world": (lower, upper)}, {"crop": ws.Crop(lower, upper)}),
-        "clip planes": ({"clip_planes": planes}, {"clip_planes": planes}),
+        "clip planes": ({"clip_planes": planes}, {"clip": [ws.ClipPlane(*plane) for plane in planes]}),
     }
 
 
@@ -78,7 +78,7 @@ def _check_fog(affine, eye_name, cut_name, *, wrong=1.0):
     middle = _middle(affine)
     eye, (cut, options) = _eyes(middle)[eye_name], _cuts(middle)[cut_name]
     scene = replace(Scene(np.full(SHAPE, 100, np.uint8), affine), **cut)
-    draw = {"size": SIZE, "shading": None, "sheets_per_slice": 1, "oversampling": READS, **options}
+    draw = {"size": SIZE, "shading": None, "quality": ws.Sampling(1, READS), **options}
     volume = ws.Volume(scene.samples, world_from_index=affine)
     fog = ws.TransferFunction([(0, OPACITY)], [(0, 1, 1, 1)], OPACITY_UNIT)
     got = ws.render(volume, fog, _camera(eye), **draw).rgba[..., 3]

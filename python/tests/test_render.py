@@ -52,12 +52,12 @@ def test_backgrounds(background):
 
 def test_crop_and_clip_planes_agree():
     crop = ws.Crop((0, 0, 7.5), (15, 15, 15), space="index")
-    cropped = ws.render(VOLUME, WHITE, crop=crop, **SMALL)
-    in_world = ws.render(VOLUME, WHITE, crop=ws.Crop((-1, -1, 7.5), (20, 20, 20)), **SMALL)
-    clipped = ws.render(VOLUME, WHITE, clip_planes=[((0, 0, 7.5), (0, 0, 1))], **SMALL)
+    cropped = ws.render(VOLUME, WHITE, clip=crop, **SMALL)
+    in_world = ws.render(VOLUME, WHITE, clip=ws.Crop((-1, -1, 7.5), (20, 20, 20)), **SMALL)
+    clipped = ws.render(VOLUME, WHITE, clip=ws.ClipPlane((0, 0, 7.5), (0, 0, 1)), **SMALL)
     np.testing.assert_allclose(in_world.rgba, cropped.rgba, atol=1e-5)
     np.testing.assert_allclose(clipped.rgba, cropped.rgba, atol=1e-5)  # views fit what either of them leaves
-    whole_view = ws.render(VOLUME, WHITE, ws.Camera.view(VOLUME, "anterior"), crop=crop, **SMALL)
+    whole_view = ws.render(VOLUME, WHITE, ws.Camera.view(VOLUME, "anterior"), clip=crop, **SMALL)
     assert whole_view.rgba[:7, :, 3].max() > 0
     assert whole_view.rgba[9:, :, 3].max() == 0
 
@@ -103,14 +103,13 @@ def test_progress_reports_and_cancels():
         ({"threads": -1}, "threads is -1"),
         ({"threads": 0}, "threads is 0"),
         ({"threads": 1.5}, "threads is 1.5"),
-        ({"crop": (0, 1)}, "wavesplat.Crop"),
-        ({"crop": ws.Crop((50, 0, 0), (60, 9, 9))}, "crop"),
-        ({"clip_planes": [(0, 0, 1)]}, "clip plane 0.*point, normal"),
-        ({"clip_planes": [((0, 0, 0), (0, 0, 0))]}, "clip plane 0"),
+        ({"clip": (0, 1)}, "clip 0 is 0; give wavesplat.Crop"),
+        ({"clip": ws.Crop((50, 0, 0), (60, 9, 9))}, "crop"),
+        ({"clip": [((0, 0, 0), (0, 0, 1))]}, "clip 0 is .*ClipPlane"),
         ({"background": (2, 0, 0)}, "color is"),
         ({"background": "blue-ish"}, "color is"),
-        ({"sheets_per_slice": 0}, "sheets_per_slice"),
-        ({"look": 3}, "look is 3; give a wavesplat.Look or a TransferFunction"),
+        ({"quality": ws.Sampling(sheets_per_slice=0)}, "sheets_per_slice"),
+        ({"look": 3}, "look is 3; give a wavesplat.Look, a TransferFunction"),
         ({"camera": 3}, "camera is a int"),
         ({"camera": "sideways"}, "unknown view"),
     ],

@@ -89,8 +89,8 @@ def test_a_wavelet_volume_is_drawn_by_its_samples(standard):
 @pytest.mark.parametrize("standard", BUFFERS)
 def test_crop_clip_planes_background_and_holes(standard):
     how = {"camera": ws.Camera.view(VOLUME, "anterior", aspect=24 / 16), "standard": standard}  # of the whole volume
-    cropped = draw(transfer_function=WHITE, crop=ws.Crop((0, 0, 8), (15, 15, 15), space="index"), **how)
-    clipped = draw(transfer_function=WHITE, clip_planes=[((0, 0, 7.5), (0, 0, 1))], **how)
+    cropped = draw(transfer_function=WHITE, clip=ws.Crop((0, 0, 8), (15, 15, 15), space="index"), **how)
+    clipped = draw(transfer_function=WHITE, clip=ws.ClipPlane((0, 0, 7.5), (0, 0, 1)), **how)
     np.testing.assert_allclose(clipped.rgba, cropped.rgba, atol=1e-5)
     assert cropped.rgba[:6, :, 3].max() > 0.9
     assert cropped.rgba[10:, :, 3].max() == 0
@@ -134,7 +134,7 @@ def test_it_has_as_many_texels_as_asked_for(oversampling):
         ({"kernel": "cubic"}, "unknown kernel"),
         ({"size": (0, 16)}, "width"),
         ({"oversampling": 0}, "oversampling"),
-        ({"crop": ws.Crop((90, 90, 90), (99, 99, 99))}, "holds nothing"),
+        ({"clip": ws.Crop((90, 90, 90), (99, 99, 99))}, "holds nothing"),
         ({"threads": 0}, "threads"),
     ],
 )

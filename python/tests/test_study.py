@@ -265,11 +265,11 @@ def test_holes_stay_holes_with_any_weights():
 def test_without_an_ablation_it_is_the_renderer_with_plain_sheets(ripples, view_angle):
     volume = ripples[0]
     camera = ws.Camera.orbit(volume, 35, 30, view_angle=view_angle, fit="view")
-    plain = {"pre_integration": False, "early_ray_termination": False, "sheets_per_slice": 2, "oversampling": 1}
-    cut = {"crop": ws.Crop((3, 3, 3), (20.5, 19, 18), space="index"), "clip_planes": [((11, 11, 11), (1, 2, 1))]}
+    plain = {"pre_integration": False, "early_ray_termination": False, "quality": ws.Sampling(2, 1)}
+    cut = {"clip": [ws.Crop((3, 3, 3), (20.5, 19, 18), space="index"), ws.ClipPlane((11, 11, 11), (1, 2, 1))]}
     for options in ({}, {"kernel": "bspline3"}, {"shading": None}, {"kernel": "catmull-rom"}, cut):
         how = {"size": SIZE, "shading": ws.Shading.headlight()} | options
-        fast = ws.render(volume, SOFT, camera, **plain, **how).rgba
+        fast = ws.study.render(volume, SOFT, camera, **plain, **how).rgba
         literal = splat(volume, SOFT, camera, **how).rgba
         assert fast[..., 3].max() > 0.5
         # Single precision, and tables of the transfer function: as the twins in Rust.

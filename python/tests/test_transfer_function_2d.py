@@ -33,7 +33,7 @@ def test_pictures_agree_with_direct_evaluation():
     )
     camera = ws.Camera.orbit(volume, 30, 20, zoom=5, fit="view")
     want = ws.reference.raycast(volume, tf, camera, size=(32, 32), step=0.1, rays_per_pixel=9)
-    got = ws.render(volume, tf, camera, size=(32, 32), sheets_per_slice=12, oversampling=3)
+    got = ws.render(volume, tf, camera, size=(32, 32), quality=ws.Sampling(12, 3))
     assert want.rgba[..., 3].max() > 0.5
     assert np.abs(got.rgba - want.rgba).mean() < 1e-3
 

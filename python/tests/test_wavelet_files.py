@@ -38,11 +38,11 @@ def test_what_is_saved_comes_back(tmp_path, family, oblique):
     transfer_function = ws.TransferFunction(
         [(-1000, 0.0), (3000, 0.5)], [(-1000, 0.2, 0.4, 1.0), (3000, 1.0, 0.5, 0.1)]
     )
-    for drop_levels in (0, 1):
-        draw = {"look": transfer_function, "size": (24, 20), "drop_levels": drop_levels}
-        picture = ws.render(wavelets, **draw).rgba
+    for left_out in (0, 1):
+        draw = {"look": transfer_function, "size": (24, 20)}
+        picture = ws.render(wavelets.level(left_out), **draw).rgba
         assert picture[..., 3].max() > 0.5
-        assert ws.render(again, **draw).rgba.tobytes() == picture.tobytes()
+        assert ws.render(again.level(left_out), **draw).rgba.tobytes() == picture.tobytes()
     again.save(tmp_path / "again.wavelets")
     assert ws.WaveletVolume.load(tmp_path / "again.wavelets").to_volume().samples.tobytes() == (
         wavelets.to_volume().samples.tobytes()
@@ -164,9 +164,9 @@ NAN_AFFINE[0, 0] = np.nan
         ("shape", np.array([5.0, np.nan, 7.0]), "damaged"),
         ("levels_and_threshold", np.array([99.0, 1.0]), "99 levels are more than"),
         ("levels_and_threshold", np.array([np.nan, 1.0]), "damaged"),
-        ("weights", np.ones(50), "band_weights"),
-        ("weights", np.array([np.inf]), "band_weights"),
-        ("weights", np.array(["a"]), "band_weights"),
+        ("weights", np.ones(50), "weights of bands"),
+        ("weights", np.array([np.inf]), "weights of bands"),
+        ("weights", np.array(["a"]), "weights of bands"),
         ("world_from_index", np.eye(3), r"shape \(3, 3\)"),
         ("world_from_index", np.zeros((4, 4)), "last row"),
         ("world_from_index", np.diag([1.0, 0.0, 1.0, 1.0]), "spacing of 0"),
@@ -258,8 +258,8 @@ def test_parts_at_random_are_drawn_or_refused(damage):
         damage(parts, rng)
         try:
             drawn = ws.WaveletVolume(_native.WaveletVolume.from_parts(**parts), "parts", np.eye(4), family)
-            for drop_levels in (0, drawn.n_levels):
-                assert np.isfinite(ws.render(drawn, curve, size=(8, 8), drop_levels=drop_levels).rgba).all()
+            for left_out in (0, drawn.n_levels):
+                assert np.isfinite(ws.render(drawn.level(left_out), curve, size=(8, 8)).rgba).all()
         except ValueError:
             # Of parts that do not fit; an ArgumentError of samples that overflow, or fill no space.
             n_refused += 1

@@ -48,7 +48,7 @@ def difference(a: np.ndarray, b: np.ndarray) -> float:
 def check_same(wavelets: ws.WaveletVolume, samples: ws.Volume, limit: float = 0.0, **draw) -> None:
     """Both show something, and the same."""
     draw = {"look": SOFT, "size": (40, 36), **draw}
-    want, got = ws.render(samples, **draw), ws.render(wavelets, **draw)
+    want, got = ws.study.render(samples, **draw), ws.study.render(wavelets, **draw)
     assert want.rgba[..., 3].max() > 0.2
     assert difference(got.rgba, want.rgba) <= limit
     for name in ("depth", "value"):
@@ -80,19 +80,19 @@ def test_the_picture_is_that_of_the_samples(textured, family, threshold):
         {"pre_integration": False, "early_ray_termination": False},
         {"quality": "high"},
         {"quality": "draft"},
-        {"sheets_per_slice": 0.05},
+        {"quality": ws.Sampling(0.05)},
         {"shading": None},
         {"shading": ws.Shading(gradient_offset=4.0)},
         {"threads": 1},
         {"psnr": 30},
-        {"crop": ws.Crop((10.2, 3.5, 4.1), (40.0, 60.5, 30.9), space="index")},
-        {"crop": ws.Crop((-2.0, 10.0, 110.0), (30.0, 50.0, 140.5))},
-        {"clip_planes": [((10, 20, 110), (1, 0.5, -0.3))]},
+        {"clip": ws.Crop((10.2, 3.5, 4.1), (40.0, 60.5, 30.9), space="index")},
+        {"clip": ws.Crop((-2.0, 10.0, 110.0), (30.0, 50.0, 140.5))},
+        {"clip": ws.ClipPlane((10, 20, 110), (1, 0.5, -0.3))},
         {"composite": "maximum"},
         {"composite": "minimum"},
         {"composite": "mean"},
         {"composite": "sum"},
-        {"composite": "first-hit", "iso_value": 20.0, "depth": True},
+        {"composite": ws.FirstHit(20.0), "depth": True},
         {"background": "white"},
     ],
     ids="-".join,
@@ -118,10 +118,10 @@ def test_thin_volumes_are_drawn(shape, family):
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(samples), family)
     camera = ws.Camera.orbit(wavelets, 30, 40, fit="view")
     check_same(wavelets, wavelets.to_volume(), camera=camera, shading=None)
-    for drop_levels in range(wavelets.n_levels + 1):
+    for left_out in range(wavelets.n_levels + 1):
         # The texels of a coarse level would be larger than the volume. What is left of noise has hardly any slopes.
-        draw = {"size": (20, 20), "drop_levels": drop_levels, "oversampling": 1, "shading": None}
-        picture = ws.render(wavelets, SOFT, camera, **draw).rgba
+        draw = {"size": (20, 20), "quality": ws.Sampling(oversampling=1), "shading": None}
+        picture = ws.render(wavelets.level(left_out), SOFT, camera, **draw).rgba
         assert np.isfinite(picture).all()
         assert picture[..., 3].max() > 0.1
 
@@ -133,17 +133,14 @@ def test_all_bands_are_the_volume_and_sums_of_bands_are_sums_of_pictures(texture
     camera = ws.Camera.orbit(textured, 20, 30, fit="view")
     draw = {"look": SOFT, "camera": camera, "size": (32, 32)}
     whole = ws.render(wavelets, **draw).rgba
-    assert np.array_equal(ws.render(wavelets, band_weights=[1.0] * 4, **draw).rgba, whole)
-    assert not np.array_equal(ws.render(wavelets, band_weights=[0.0], **draw).rgba, whole)
-    assert np.array_equal(
-        ws.render(wavelets.bands([0.0]), **draw).rgba, ws.render(wavelets, band_weights=[0], **draw).rgba
-    )
+    assert np.array_equal(ws.render(wavelets.bands([1.0] * 4), **draw).rgba, whole)
+    assert not np.array_equal(ws.render(wavelets.bands([0.0]), **draw).rgba, whole)
 
     def projected(weights):
-        return ws.render(wavelets, composite="sum", band_weights=weights, **draw).value
+        return ws.render(wavelets.bands(weights), composite="sum", **draw).value
 
     parts = [projected([float(k == band) for k in range(4)]) for band in range(4)]
-    want = projected(None)
+    want = projected([])
     largest = np.nanmax(np.abs(want))
     assert largest > 100
     # Where two faces meet and at extremes, the warp keeps what it reads between the texels around it: not linear.
@@ -163,16 +160,16 @@ def test_a_level_fills_the_same_box(family, shape):
     # In perspective the finest pixels have texels that are coarser than they by 1.4.
     for view_angle, oversampling in ((None, 1.0), (50, 1.4)):
         camera = ws.Camera.orbit(fog, 30, 25, view_angle=view_angle, fit="view")
-        size = {"size": (48, 48), "oversampling": oversampling}
+        size = {"size": (48, 48), "quality": ws.Sampling(oversampling=oversampling)}
         draw = {"look": curve, "camera": camera, "shading": None, **size}
         want = ws.render(fog, **draw).rgba
         assert want[..., 3].max() > 0.5
         assert (want[..., 3] == 0).any()
-        for drop_levels in range(wavelets.n_levels + 1):
-            got = ws.render(wavelets, drop_levels=drop_levels, **draw).rgba
+        for left_out in range(wavelets.n_levels + 1):
+            got = ws.render(wavelets.level(left_out), **draw).rgba
             # A texel of the outline has a part of a pixel.
-            assert np.abs(got - want).max() < 0.08, drop_levels
-            assert np.abs(got - want).mean() < 5e-4, drop_levels
+            assert np.abs(got - want).max() < 0.08, left_out
+            assert np.abs(got - want).mean() < 5e-4, left_out
 
 
 @pytest.mark.parametrize("family", LIFTED)
@@ -184,11 +181,12 @@ def test_a_crop_of_a_level_is_that_of_the_world(textured, family):
     camera = ws.Camera.orbit(upright, 30, 25, fit="view")
     index = ws.Crop(low, high, space="index")
     world = ws.Crop(low * upright.spacing, high * upright.spacing)
-    for drop_levels in range(4):
-        draw = {"look": SOFT, "camera": camera, "size": (40, 40), "drop_levels": drop_levels}
-        by_index = ws.render(wavelets, crop=index, **draw).rgba
-        assert difference(by_index, ws.render(wavelets, crop=world, **draw).rgba) < 1e-5
-        assert 0 < (by_index[..., 3] > 0).mean() < 0.7 * (ws.render(wavelets, **draw).rgba[..., 3] > 0).mean()
+    for left_out in range(4):
+        draw = {"look": SOFT, "camera": camera, "size": (40, 40)}
+        level = wavelets.level(left_out)
+        by_index = ws.render(level, clip=index, **draw).rgba
+        assert difference(by_index, ws.render(level, clip=world, **draw).rgba) < 1e-5
+        assert 0 < (by_index[..., 3] > 0).mean() < 0.7 * (ws.render(level, **draw).rgba[..., 3] > 0).mean()
 
 
 @pytest.mark.parametrize("family", ["cdf53", "cdf97"])
@@ -204,9 +202,9 @@ def test_levels_are_as_bright_as_the_whole(scans, family, name, keep):
     for shading, limit in [(None, 0.04), (ws.Shading(), 0.06)]:
         draw = {"look": soft, "size": (96, 96), "shading": shading}
         whole = ws.render(wavelets, **draw).rgba
-        for drop_levels in (1, 2):
-            level = ws.render(wavelets, drop_levels=drop_levels, **draw).rgba
-            assert level[..., :3].mean() / whole[..., :3].mean() == pytest.approx(1, abs=limit), (drop_levels, shading)
+        for left_out in (1, 2):
+            level = ws.render(wavelets.level(left_out), **draw).rgba
+            assert level[..., :3].mean() / whole[..., :3].mean() == pytest.approx(1, abs=limit), (left_out, shading)
 
 
 @pytest.mark.parametrize("family", ["cdf53", "cdf97"])
@@ -218,8 +216,8 @@ def test_levels_keep_what_is_thin(scans, family, name):
     wavelets = ws.WaveletVolume.from_volume(scans[name], family)
     draw = {"look": solid, "camera": ws.Camera.orbit(scans[name], fit="view"), "size": (96, 96), "shading": None}
     whole = ws.render(wavelets, **draw).rgba[..., 3].mean()
-    level = ws.render(wavelets, drop_levels=2, **draw).rgba[..., 3].mean()
-    blurred = ws.render(wavelets.to_volume(drop_levels=2), **draw).rgba[..., 3].mean()
+    level = ws.render(wavelets.level(2), **draw).rgba[..., 3].mean()
+    blurred = ws.render(wavelets.level(2).to_volume(), **draw).rgba[..., 3].mean()
     assert blurred < 0.92 * whole
     assert abs(level - whole) < 0.5 * abs(blurred - whole)
 
@@ -238,7 +236,7 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
         "shading": ws.Shading.headlight(),
     }
     assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
-    pictures = [ws.render(wavelets, drop_levels=k, **draw) for k in range(3)]
+    pictures = [ws.render(wavelets.level(k), **draw) for k in range(3)]
     assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]
     whole, *levels = [picture.rgba[..., :3].mean() for picture in pictures]
     assert levels == pytest.approx([whole, whole], rel=0.08)
@@ -248,7 +246,7 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
 def test_a_level_has_an_eighth_of_the_work(scans, family):
     """At most a quarter, as blocks of 16 x 8 texels count in full, and a third level has 23 texels across."""
     wavelets = ws.WaveletVolume.from_volume(scans["ct"], family, keep=0.05)
-    n_texels = [ws.render(wavelets, size=(256, 256), drop_levels=k).report["n_texels"] for k in range(4)]
+    n_texels = [ws.render(wavelets.level(k), size=(256, 256)).report["n_texels"] for k in range(4)]
     assert all(finer >= 4 * coarser for finer, coarser in pairwise(n_texels)), n_texels
 
 
@@ -279,12 +277,12 @@ def test_threads_share_coefficients(textured):
     wavelets = ws.WaveletVolume.from_volume(textured, "cdf97", threshold=12)
     wavelets.cache_bytes = TINY_CACHE
     draw = {"look": SOFT, "size": (24, 24)}
-    want = [ws.render(wavelets, drop_levels=k, **draw).rgba for k in range(4)]
+    want = [ws.render(wavelets.level(k), **draw).rgba for k in range(4)]
     wrong = []
 
     def draw_some(first):
         for n in range(first, first + 12):
-            got = ws.render(wavelets, drop_levels=n % 4, threads=1 + n % 2, **draw).rgba
+            got = ws.render(wavelets.level(n % 4), threads=1 + n % 2, **draw).rgba
             if not np.array_equal(got, want[n % 4]):
                 wrong.append(n)
 

@@ -54,9 +54,9 @@ def test_levels_and_bands(ct):
     n = wavelets.n_levels
     whole = wavelets.to_volume().samples.astype(float)
     only = lambda level: [float(k == level) for k in range(n + 1)]  # noqa: E731
-    parts = [wavelets.to_volume(band_weights=only(level)).samples for level in range(n + 1)]
+    parts = [wavelets.bands(only(level)).to_volume().samples for level in range(n + 1)]
     assert np.allclose(sum(parts), whole, atol=1e-2)
-    dropped = wavelets.to_volume(drop_levels=2).samples
+    dropped = wavelets.level(2).to_volume().samples
     assert np.allclose(dropped, sum(parts[2:]), atol=1e-2)
     details = wavelets.bands([1] * n + [0])
     assert details.is_detail
@@ -142,23 +142,30 @@ def test_holes_and_levels_that_are_not_there_are_refused():
         ws.WaveletVolume.from_volume(ws.Volume(samples))
     wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(8))
     with pytest.raises(ws.errors.ArgumentError, match="has 3 levels, so give 0 to 3"):
-        wavelets.to_volume(drop_levels=4)
+        wavelets.level(4)
     with pytest.raises(ws.errors.ArgumentError, match="at most 4 finite numbers"):
-        wavelets.to_volume(band_weights=[1] * 5)
-    with pytest.raises(ws.errors.ArgumentError, match="band_weights is 'ab'; give numbers"):
+        wavelets.bands([1] * 5)
+    with pytest.raises(ws.errors.ArgumentError, match="weights of bands are 'ab'; give numbers"):
         wavelets.bands("ab")
-    with pytest.raises(ws.errors.ArgumentError, match="are for a WaveletVolume"):
-        ws.render(ws.examples.ripples(8), drop_levels=1)
     with pytest.raises(ws.errors.ArgumentError, match="volume is a ndarray"):
         ws.WaveletVolume.from_volume(samples)
 
 
-@pytest.mark.parametrize("drop_levels", [-1, 4, 1.5, "1", None])
-def test_only_levels_that_are_there_are_drawn(drop_levels):
+@pytest.mark.parametrize("left_out", [-1, 4, 1.5, "1", None])
+def test_only_levels_that_are_there_are_drawn(left_out):
     wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(8))
-    for use in (wavelets.to_volume, lambda drop_levels: ws.render(wavelets, size=(8, 8), drop_levels=drop_levels)):
-        with pytest.raises(ws.errors.ArgumentError, match="drop_levels is"):
-            use(drop_levels=drop_levels)
+    with pytest.raises(ws.errors.ArgumentError, match="left_out is"):
+        wavelets.level(left_out)
+
+
+def test_levels_and_bands_stay_chosen():
+    wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(8))
+    chosen = wavelets.level(2).bands([1, 1, 0.5])
+    assert (chosen.left_out, wavelets.left_out, chosen.level(1).left_out) == (2, 0, 1)
+    again = pickle.loads(pickle.dumps(chosen))  # noqa: S301 - our own bytes
+    assert again.left_out == 2
+    np.testing.assert_array_equal(again.to_volume().samples, chosen.to_volume().samples)
+    np.testing.assert_array_equal(chosen.to_volume().samples, wavelets.bands([0, 0, 0.5]).to_volume().samples)
 
 
 @pytest.mark.parametrize("n_bytes", [-1, "many", float("nan"), float("inf"), None])

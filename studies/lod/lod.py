@@ -1,7 +1,7 @@
 """What leaving out levels of details does to a picture's brightness; `make study-lod` runs this.
 
 A coarse sample stands for many samples. Classified by its own value (the plain low-pass) thin structures vanish and the
-picture gets darker; `render(..., drop_levels=n)` classifies it by what it stands for (crates/lod).
+picture gets darker; `WaveletVolume.level(n)` classifies it by what it stands for (crates/lod).
 Both are drawn from the coarse samples at quality normal, which has two sheets a slice and a texel a pixel for plain, a
 volume of its own; for a level the texels grow with the samples, and a steep function has one sheet.
 
@@ -163,9 +163,12 @@ def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) 
     The least of some rounds, so that a slow spell of the machine does not meet all frames of a level.
     """
     camera = ws.Camera.orbit(wavelets, *VIEWS[0], fit="view")
-    frame = partial(ws.render, wavelets, tf, camera, size=(size, size))
+
+    def frame(n: int) -> ws.Picture:
+        return ws.render(wavelets.level(n), tf, camera, size=(size, size))
+
     n_dropped = [*range(MOST_DROPPED + 1), wavelets.n_levels]
-    rounds = [[least_ms(partial(frame, drop_levels=n)) for n in n_dropped] for _ in range(4)]
+    rounds = [[least_ms(partial(frame, n)) for n in n_dropped] for _ in range(4)]
     return [min(times) for times in zip(*rounds, strict=True)]
 
 
@@ -188,7 +191,7 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
             page = [[whole], [whole]]
             for n in range(MOST_DROPPED):
                 plain = draw(low_pass[n], tf, view, size, camera_of=wavelets)
-                pictures = plain, draw(wavelets, tf, view, size, drop_levels=n + 1)
+                pictures = plain, draw(wavelets.level(n + 1), tf, view, size)
                 changes[:, n, v] = [100 * (picture.mean() / whole.mean() - 1) for picture in pictures]
                 for line, picture in zip(page, pictures, strict=True):
                     line.append(picture)

@@ -33,7 +33,7 @@ class Entry:
     def draw(self, volume: ws.Volume, scene: dict[str, Any]) -> ws.Picture:
         """The picture of a scene, which is what all ways have in common."""
         arguments = {**scene, "shading": ws.Shading.headlight(gradient_offset=self.gradient_offset), **self.how}
-        return self.draws(volume, **arguments)
+        return self.draws(volume, arguments.pop("transfer_function"), **arguments)
 
 
 def standard(label: str, kernel: str = "linear", **choices: Any) -> Entry:
@@ -69,7 +69,7 @@ SETTINGS = [
     Entry(
         "high-resolution splatting",
         f"{sheets:g} per slice, {texels:g} texels per pixel",
-        {"sheets_per_slice": sheets, "oversampling": texels},
+        {"quality": ws.Sampling(sheets, texels)},
     )
     for sheets in (0.5, 1.0, 2.0)
     for texels in (0.35, 0.5, 0.7, 1.0)
@@ -82,7 +82,8 @@ PLAIN = {"sheets_per_slice": 2.0, "oversampling": 1.0}
 def plain(label: str, *, sheets: float = 2.0, pre_integration: bool = False) -> Entry:
     """The method by itself, by the fast renderer: without an ablation it is the literal splatter to rounding."""
     how = {"pre_integration": pre_integration, "early_ray_termination": False}
-    return Entry("the method, plain", label, {**PLAIN, **how, "sheets_per_slice": sheets})
+    how |= {"quality": ws.Sampling(sheets, PLAIN["oversampling"])}
+    return Entry("the method, plain", label, how, draws=ws.study.render)
 
 
 def ablation(group: str, label: str, offset: float = 1.0, **choices: Any) -> Entry:

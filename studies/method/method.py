@@ -97,7 +97,7 @@ def scene_of(name: str, curve: str, volume: ws.Volume, size_px: int) -> dict[str
         "transfer_function": transfer_function(name, curve),
         "camera": ws.Camera.orbit(volume, *drawn.view, fit="view"),
         "size": (size_px, size_px),
-        "crop": drawn.crop,
+        "clip": drawn.crop or (),
     }
 
 

@@ -104,7 +104,7 @@ class Scene:
 
 
 #: The method as the paper has it, in place of what quality "high" says.
-PLAIN_SHEETS = {"sheets_per_slice": 1, "oversampling": 1, "pre_integration": False, "early_ray_termination": False}
+PLAIN_SHEETS = {"quality": ws.Sampling(1, 1), "pre_integration": False, "early_ray_termination": False}
 
 FOG = Scene("along z, fog, one sheet per slice: the goals' scene", "fog", False, True, plain_sheets=True)
 SOFT = Scene("oblique, soft, shaded", "soft")
@@ -157,7 +157,7 @@ def drawing(name: str, scene: Scene, size_px: int) -> dict[str, Any]:
         "camera": camera,
         "size": volume.shape[:0:-1] if scene.along_z else (size_px, size_px),
         "shading": ws.Shading.headlight() if scene.shaded else None,
-        "crop": drawn.crop if scene.cropped and not scene.along_z else None,
+        "clip": drawn.crop if drawn.crop and scene.cropped and not scene.along_z else (),
     }
 
 
@@ -169,7 +169,7 @@ def rgba_levels(picture: ws.Picture) -> Array:
 def draw(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> Array:
     """A volume in place of the subject."""
     how: Any = {**drawing(name, scene, size_px), "quality": "high", **(PLAIN_SHEETS if scene.plain_sheets else {})}
-    return rgba_levels(ws.render(volume, **how))
+    return rgba_levels(ws.study.render(volume, how.pop("transfer_function"), **how))
 
 
 @cache

@@ -167,17 +167,18 @@ def frame_table(names: Sequence[str], n_rounds: int = 3) -> list[list[str]]:
         share = SUBJECTS[name].printed.kept / 100
         wavelets = ws.WaveletVolume.from_volume(volume, "cdf97", keep=share)
         how: Any = {**drawing(name, SOFT, 512), "quality": "normal"}
+        function = how.pop("transfer_function")
         quarter = ws.WaveletVolume.from_volume(volume, "cdf97", keep=share)
         quarter.cache_bytes = math.prod(volume.shape)
         best = dict.fromkeys(("samples", "coefficients", "first", "quarter"), math.inf)
 
         def frame(kind: str, drawn: ws.Volume | ws.WaveletVolume) -> None:
             started = time.process_time()
-            ws.render(drawn, **how)  # noqa: B023 - called at once
+            ws.render(drawn, function, **how)  # noqa: B023 - called at once
             best[kind] = min(best[kind], 1e3 * (time.process_time() - started))  # noqa: B023 - called at once
 
         for drawn in (volume, wavelets, quarter):
-            ws.render(drawn, **how)
+            ws.render(drawn, function, **how)
         for _ in range(n_rounds):
             frame("samples", volume)
             frame("coefficients", wavelets)
@@ -400,7 +401,7 @@ def level_sheet(name: str, family: str, size_px: int, folder: Path) -> None:
     pictures: dict[str, list[tuple[str, Array]]] = {}
     for scene in (HARD, SOFT):
         for dropped in range(min(N_LEVEL_PICTURES, wavelets.n_levels)):
-            picture = draw(wavelets.to_volume(drop_levels=dropped), name, scene, size_px)
+            picture = draw(wavelets.level(dropped).to_volume(), name, scene, size_px)
             share = 100 * sum(wavelets.kept_by_level[dropped:]) / loaded(name).samples.size
             label = f"levels: {wavelets.n_levels - dropped}, {share:.3g} %"
             pictures.setdefault(scene.curve, []).append((label, picture))
@@ -428,12 +429,11 @@ def band_sheet(size_px: int, folder: Path) -> None:
     )
     whole = ws.render(wavelets, gray, camera, size=(size_px, size_px))
     details = ws.render(
-        wavelets,
+        wavelets.bands([1, 1] + [0] * (wavelets.n_levels - 1)),
         ws.TransferFunction.diverging(12, opacity=0.35),
         camera,
         size=(size_px, size_px),
         shading=None,
-        band_weights=[1, 1] + [0] * (wavelets.n_levels - 1),
     )
     pictures = {"all bands": whole, "bands 0 and 1": details, "over all": details.over(whole)}
     row = [(label, rgba_levels(picture)) for label, picture in pictures.items()]

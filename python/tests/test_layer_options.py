@@ -147,10 +147,11 @@ def same(path, scene, tmp_path, camera=None):
 def test_all_channels_are_drawn(render, tmp_path):
     source = save(tmp_path / "a.zarr", 3, DESCRIBED)
     path, done = render(source)
-    assert same(path, ws.open_scene(source), tmp_path)
+    assert same(path, ws.open_scene(source, composite="maximum"), tmp_path)
     assert "note" not in done.stderr
     path, _ = render(source, "--channel", "GFP:#ff8000:150,450", "--channel", "0")
-    assert same(path, ws.open_scene(source, channels=[("GFP", "#ff8000", (150, 450)), 0]), tmp_path)
+    channels = [("GFP", "#ff8000", (150, 450)), 0]
+    assert same(path, ws.open_scene(source, channels=channels, composite="maximum"), tmp_path)
 
 
 def test_one_channel_is_a_volume_like_any_other(render, tmp_path):

@@ -72,10 +72,13 @@ def test_channels_without_colours_have_those_of_the_convention(tmp_path):
     scene = ws.open_scene(save(tmp_path / "a.zarr", 4))
     assert colors(scene)[:2] == [(0, 1, 0), (1, 0, 1)]
     assert [layer.name for layer in scene.layers] == [f"channel {c}" for c in range(4)]
-    # One that is there already is another's.
-    described = [{"color": "FF00FF"}, {"color": "ffffff"}, {"color": "FFFFFF"}, {}]
+    # One that is there already is another's, and two white ones are no choice.
+    described = [{"color": "FF00FF"}, {"color": "FF00FF"}, {"color": "ffffff"}, {}]
     scene = ws.open_scene(save(tmp_path / "b.zarr", 4, described))
-    assert colors(scene) == [(1, 0, 1), (1, 1, 1), (0, 1, 0), (0, 1, 1)]
+    assert colors(scene) == [(1, 0, 1), (0, 1, 0), (1, 1, 1), (0, 1, 1)]
+    described[0]["color"] = "FFFFFF"
+    scene = ws.open_scene(save(tmp_path / "c.zarr", 4, described))
+    assert colors(scene) == [(0, 1, 0), (1, 0, 1), (0, 1, 1), (1, 1, 0)]
 
 
 def test_channels_are_chosen_by_number_and_name(tmp_path):

@@ -15,6 +15,7 @@ from wavesplat.errors import ArgumentError, FileWarning
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
+    from wavesplat._model.options import Composite
     from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
@@ -31,9 +32,18 @@ class Channels(NamedTuple):
 
 
 def opened_layers(
-    path: str, reader: ReaderOptions, layering: LayerOptions, processing: ProcessingOptions, *, quiet: bool
+    path: str,
+    reader: ReaderOptions,
+    layering: LayerOptions,
+    processing: ProcessingOptions,
+    *,
+    composite: Composite | None,
+    quiet: bool,
 ) -> Volume | WaveletVolume | Series | Channels:
-    """A volume, a series where several times are to be drawn, or channels with their looks."""
+    """A volume, a series where several times are to be drawn, or channels with their looks.
+
+    composite : the operator that looks are for.
+    """
     from wavesplat._readers.request import SeveralError
 
     said = [channel_of(text) for text in layering.channel or ()]
@@ -44,7 +54,15 @@ def opened_layers(
         return processed(path, reader, processing, quiet=quiet)
     number = said[0].which if len(said) == 1 and said[0].is_plain else None
     if said and not isinstance(number, int):
-        return _channels(path, reader, said, processing, quiet=quiet, keeps_times=layering.times is not None)
+        return _channels(
+            path,
+            reader,
+            said,
+            processing,
+            quiet=quiet,
+            composite=composite or "over",
+            keeps_times=layering.times is not None,
+        )
     if isinstance(number, int):
         reader = replace(reader, channel=number)
     try:
@@ -52,13 +70,22 @@ def opened_layers(
             return _series(path, reader, processing, quiet=quiet)
         return processed(path, reader, processing, quiet=quiet)
     except SeveralError as error:
-        if error.option == "time" and reader.time is None:
+        if error.option == "time" and error.is_said and reader.time is None:
             if not quiet:
                 message(f"note: the file holds {len(error.names)} time points; this is --time 0")
-            return opened_layers(path, replace(reader, time=0), layering, processing, quiet=quiet)
-        if error.option != "channel" or said:
+            return opened_layers(path, replace(reader, time=0), layering, processing, composite=composite, quiet=quiet)
+        # Of an array whose axes have no names, none is known to be that of channels.
+        if error.option != "channel" or said or not error.is_said:
             raise
-    return _channels(path, reader, None, processing, quiet=quiet, keeps_times=layering.times is not None)
+    return _channels(
+        path,
+        reader,
+        None,
+        processing,
+        quiet=quiet,
+        composite=composite or "over",
+        keeps_times=layering.times is not None,
+    )
 
 
 def _options(reader: ReaderOptions) -> dict[str, Any]:
@@ -87,6 +114,7 @@ def _channels(
     processing: ProcessingOptions,
     *,
     quiet: bool,
+    composite: Composite,
     keeps_times: bool,
 ) -> Volume | Series | Channels:
     """Layers; a volume or a series where there is but one, of which nothing is said."""
@@ -103,6 +131,7 @@ def _channels(
                 path,
                 channels=None if said is None else [tuple(one) for one in said],
                 time=reader.time or 0,
+                composite=composite,
                 **_options(reader),
             )
         except ArgumentError as error:

@@ -187,7 +187,7 @@ def render(
     if composite is not None:
         _operator(composite, **numbers)  # or an error, before anything is read
 
-    opened = opened_layers(input, reader, layering, processing, quiet=quiet)
+    opened = opened_layers(input, reader, layering, processing, composite=composite, quiet=quiet)
     if isinstance(opened, Channels):
         for_one = {"preset": preset, "tf": tf, "materials": materials, "threshold": threshold, "levels": levels}
         _refuse_for_channels({**for_one, "bands": bands}, colors, len(opened.layers))

@@ -21,6 +21,7 @@ from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.options import Composite
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -47,7 +48,10 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 def channel_look(
-    volume: Volume | WaveletVolume, color: str | Iterable[float] | None, window: Iterable[float] | None
+    volume: Volume | WaveletVolume,
+    color: str | Iterable[float] | None,
+    window: Iterable[float] | None,
+    composite: Composite = "over",
 ) -> Look:
     """See `Look.channel`."""
     channel = volume.facts.channel
@@ -65,8 +69,19 @@ def channel_look(
     else:
         low, high = window_of_values(finite_samples(volume))
         reason = f"a channel in {said}, from {low:g} to {high:g}, by the values"
-    function = ramp(rgb, low, high, sum(volume.shape) / 3.0)
-    return Look(transfer_function=function, shading=None, background="black", name="channel", reason=reason)
+    if composite in ("over", "first-hit"):
+        function = ramp(rgb, low, high, sum(volume.shape) / 3.0)
+    else:
+        # One value of a ray: what is dark adds no light to that of other channels.
+        function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *_lightened(rgb))])
+    return Look(
+        transfer_function=function,
+        shading=None,
+        composite=composite,
+        background="black",
+        name="channel",
+        reason=reason,
+    )
 
 
 def tells_nothing(window: tuple[float, float], volume: Volume | WaveletVolume) -> bool:

@@ -129,6 +129,7 @@ class Look:
         volume: Volume | WaveletVolume,
         color: str | Iterable[float] | None = None,
         window: Iterable[float] | None = None,
+        composite: Composite = "over",
     ) -> Look:
         """A look for a channel of fluorescence: light of one colour, without shading, that rises over a window.
 
@@ -142,6 +143,9 @@ class Look:
         window : two numbers (low, high), optional
             Values up to the first are clear, from the second on they have the full light. None is the window of the
             file; where it has none, or one of all values that there could be, percentiles of the samples.
+        composite : str, default "over"
+            Operator: "over" shows what is in front of what; with "maximum", as microscopes show it, colours of several
+            channels are added.
 
         Raises
         ------
@@ -157,7 +161,7 @@ class Look:
         """
         from wavesplat._looks import channels
 
-        return channels.channel_look(volume, color, window)
+        return channels.channel_look(volume, color, window, composite)
 
     @classmethod
     @takes_its_types

@@ -15,6 +15,7 @@ from wavesplat._looks.look import Look
 from wavesplat._looks.over_time import brightest
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Channel
+from wavesplat._model.options import Composite
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -31,6 +32,7 @@ __all__ = ["open_scene"]
 
 #: Colours that differ by less in every part count as the same.
 SAME_COLOR = 0.1
+WHITE = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ def open_scene(
     *,
     channels: Sequence[Any] | None = None,
     time: int = 0,
+    composite: Composite = "over",
     series: str | None = None,
     dataset: str | None = None,
     level: int | None = None,
@@ -75,6 +78,8 @@ def open_scene(
         given; of more than eight the first eight that the file wants shown.
     time : int, default 0
         Which time point, if the file holds several. The scene keeps all of them: `scene.at_time(3)`.
+    composite : str, default "over"
+        Operator that several channels are shown with: "over", or "maximum", whose colours add up.
     series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files : optional
         As of `wavesplat.open`.
 
@@ -104,7 +109,8 @@ def open_scene(
     >>> z, y, x = np.mgrid[:16, :16, :16]
     >>> blobs = [np.exp(-((x - c) ** 2 + (y - 8) ** 2 + (z - 8) ** 2) / 9) for c in (5, 10)]
     >>> np.save("cells.npy", np.stack(blobs, axis=-1).astype(np.float32)[None])  # time, z, y, x, channel
-    >>> scene = ws.open_scene("cells.npy", channels=[(0, "green"), (1, "magenta", (0.2, 1))])
+    >>> channels = [(0, "green"), (1, "magenta", (0.2, 1))]
+    >>> scene = ws.open_scene("cells.npy", channels=channels, composite="maximum")
     >>> scene, scene.render(size=(32, 32)).rgba.shape
     (<Scene: 'channel 0', 'channel 1'>, (32, 32, 4))
     """
@@ -129,9 +135,9 @@ def open_scene(
         return Scene(_layer(source, wanted[0], None))
     looks, taken = list[Look](), list[Rgb]()
     for one in wanted:
-        color = _color(one, source.facts(one.number), taken)
+        color = _color(one, source.color(one.number), taken)
         taken.append(color)
-        looks.append(Look.channel(source.shown(one.number), color, one.window))
+        looks.append(Look.channel(source.shown(one.number), color, one.window, composite))
     return Scene([_layer(source, one, look) for one, look in zip(wanted, looks, strict=True)])
 
 
@@ -167,6 +173,13 @@ class _Source:
         read = next(iter(self._read), number)
         facts = self.series(read)[self.time].facts
         return facts.channels[number] if number < len(facts.channels) else Channel()
+
+    def color(self, number: int) -> Rgb | None:
+        """What the file says; white ones of several are no choice, but what is written where there was none."""
+        own = self.facts(number).color
+        is_white = own is not None and _is_same(own, WHITE)
+        others = (self.facts(other).color for other in range(self.n) if other != number)
+        return None if is_white and any(other is not None and _is_same(other, WHITE) for other in others) else own
 
     def name(self, number: int) -> str:
         if number < len(self._names):
@@ -221,11 +234,11 @@ def _number(which: Any, source: _Source) -> int:
     return number
 
 
-def _color(wanted: _Wanted, channel: Channel, taken: Sequence[Rgb]) -> Rgb:
+def _color(wanted: _Wanted, of_file: Rgb | None, taken: Sequence[Rgb]) -> Rgb:
     """As wanted, else as the file says, unless another has it, else the next one of the convention."""
     if wanted.color is not None:
         return wanted.color
-    own = [] if channel.color is None else [channel.color]
+    own = [] if of_file is None else [of_file]
     free = [color for color in (*own, *CHANNEL_COLORS) if not any(_is_same(color, other) for other in taken)]
     return free[0]
 

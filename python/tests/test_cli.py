@@ -162,7 +162,7 @@ def test_failures_exit_with_1_and_leave_nothing(wavesplat, ramp_file, tmp_path):
     check(
         wavesplat("render", ramp_file, "-o", tmp_path / "a.gif"),
         1,
-        stderr="use one of: .png, .jpg, .jpeg, .webp, .tif, .tiff, .exr",
+        stderr="use one of: .png, .jpg, .jpeg, .webp, .tif, .tiff, .exr, .svg, .pdf",
     )
     check(
         wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "no.json"),

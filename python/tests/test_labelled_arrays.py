@@ -43,6 +43,12 @@ def test_units_become_one():
     assert (volume.unit, volume.spacing) == ("um", pytest.approx((0.7, 0.8, 0.3)))
 
 
+def test_a_dataset_of_one_array_is_that_array():
+    volume = ws.Volume(labelled().to_dataset(name="density"))
+    assert (volume.name, volume.unit) == ("density", "um")
+    np.testing.assert_allclose(volume.world_from_index, PLACE)
+
+
 def test_other_names_and_single_places():
     array = labelled(coordinates={}).expand_dims(time=1).rename(x="lon", y="lat", z="level")
     np.testing.assert_array_equal(ws.Volume(array.transpose("lon", "time", "level", "lat")).samples, SAMPLES)
@@ -62,7 +68,7 @@ def test_other_names_and_single_places():
         (lambda: labelled(coordinates={"z": [0, 1, 2, 9]}), "along 'z' are not evenly spaced.*array.interp"),
         (lambda: labelled(coordinates={"z": [0, 0, 0, 0]}), "along 'z' are not evenly spaced"),
         (lambda: labelled(coordinates={"z": [0, 1, np.nan, 3]}), "along 'z' are not evenly spaced"),
-        (lambda: labelled().to_dataset(name="a"), r"a Dataset of several arrays \(a\)"),
+        (lambda: xarray.Dataset({"a": labelled(), "b": labelled()}), r"a Dataset of several arrays \(a, b\)"),
         (lambda: labelled()[0], "2-D|called z, y and x"),
     ],
 )

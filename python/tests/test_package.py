@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 24
+    assert len(things) == 33
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -64,7 +64,9 @@ def test_pickles_hold_no_private_place():
     things = [volume, ws.WaveletVolume.from_volume(volume), ws.Camera.view(volume, "left"), curves, table, ws.Shading()]
     things += [ws.Light((0, 0, 1)), ws.Crop((0, 0, 0), (1, 1, 1)), ws.Materials.preset("ct"), ws.study.Ablation()]
     things += [ws.study.StandardSplatting(), ws.Look.preset("ct-bone"), ws.Labels(np.eye(3, dtype=np.uint8)[None])]
-    things += [ws.Picture(np.zeros((2, 2, 4)))]
+    things += [ws.Picture(np.zeros((2, 2, 4))), ws.FirstHit(3), ws.LocalMaximum(), ws.DepthShadedMaximum(), ws.XRay()]
+    things += [ws.Sampling(2, 1), ws.ClipPlane((0, 0, 0), (0, 0, 1)), ws.CutOut(ws.Crop((0, 0, 0), (1, 1, 1)))]
+    things += [ws.Layer(volume), ws.Scene(volume)]
     for thing in things:
         data = pickle.dumps(thing)
         assert b"wavesplat._" not in data
@@ -75,7 +77,7 @@ def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
     heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy", "matplotlib"]
     modules = (
-        "wavesplat._render.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
+        "wavesplat._scene.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
         "wavesplat._looks.largest_body, wavesplat._readers.time_points"
     )
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
@@ -113,7 +115,7 @@ def test_extras_are_installed_from_the_checkout():
     named = {extra for text in texts for extra in re.findall(r'extra="(\w+)"|pip install "\.\[(\w+)\]"', text)}
     project = (root / "pyproject.toml").read_text(encoding="utf-8")
     extras = {name for pair in named for name in pair if name}
-    assert extras == {"body", "figure", "fit", "mesh"}
+    assert extras == {"body", "figure", "fit", "mesh", "pyvista", "xarray"}
     assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
 
 

@@ -48,7 +48,7 @@ def test_notebooks_get_a_png():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.gif", r"as \.gif; use one of: \.png, \.jpg, \.jpeg, \.webp, \.tif, \.tiff, \.exr: .*a\.gif$"),
+        ("a.gif", r"as \.gif; use one of: \.png, \.jpg, \.jpeg, \.webp, \.tif, \.tiff, \.exr, \.svg, \.pdf: .*a\.gif$"),
         ("a", "without a suffix"),
         ("nowhere/a.png", "folder does not exist.*a.png$"),
         ("folder.png", "this is a folder.*folder.png$"),

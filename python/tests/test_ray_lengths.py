@@ -55,8 +55,8 @@ def _cuts(middle):
     planes = ((middle, (0.3, 2.0, -0.4)), (middle - [1, 0, 1], (0.7, 0.1, 0.2)))
     return {
         "whole": ({}, {}),
-        "index crop": ({"crop_index": between}, {"crop": ws.Crop(*between, space="index")}),
-        "world crop": ({"crop_world": (lower, upper)}, {"crop": ws.Crop(lower, upper)}),
+        "index crop": ({"crop_index": between}, {"clip": ws.Crop(*between, space="index")}),
+        "world crop": ({"crop_world": (lower, upper)}, {"clip": ws.Crop(lower, upper)}),
         "clip planes": ({"clip_planes": planes}, {"clip": [ws.ClipPlane(*plane) for plane in planes]}),
     }
 

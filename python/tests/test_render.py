@@ -28,7 +28,7 @@ def test_a_picture_of_defaults():
 def test_names_stand_for_presets_and_views():
     by_name = ws.render(VOLUME, "mr-head", "left", **SMALL)
     look = ws.Look.preset("mr-head", VOLUME)
-    by_object = ws.render(VOLUME, look, framed(VOLUME, look, *VIEWS["left"], aspect=24 / 16), **SMALL)
+    by_object = ws.render(VOLUME, look, framed([(VOLUME, look)], *VIEWS["left"], aspect=24 / 16), **SMALL)
     np.testing.assert_array_equal(by_name.rgba, by_object.rgba)
 
 

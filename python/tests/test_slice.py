@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._picture import annotation
 from wavesplat.errors import WavesplatWarning
 
 KERNELS = ("linear", "catmull-rom", "bspline2", "bspline3", "gaussian")
@@ -299,28 +298,6 @@ def test_files_in_any_orientation_give_one_picture(oblique, tmp_path):
         assert a.report["letters"] == b.report["letters"]
 
 
-def test_letters_and_scale_bar_are_drawn_at_the_edges():
-    volume = ws.Volume(np.zeros((40, 40, 40), np.uint8), anatomical=True)
-    plain, lettered = (ws.slice(volume, size=(200, 200), clim=(0, 1), letters=on).rgba for on in (False, True))
-    changed = (plain != lettered).any(axis=2)
-    height, width = changed.shape
-    for part in (changed[:, :30], changed[:, -30:], changed[:30], changed[-30:]):
-        assert part.any()
-    assert not changed[30:-30, 30:-30].any()
-    assert lettered.max() == 1
-    barred = ws.slice(volume, size=(200, 200), clim=(0, 1), scale_bar="µm")
-    changed = (plain != barred.rgba).any(axis=2)
-    assert changed[height // 2 :, : width // 2].any()
-    assert not changed[: height // 2].any()
-    length_px = barred.report["scale_bar"] / barred.report["pixel"]
-    assert (barred.rgba[..., 0] == 1).sum(axis=1).max() == round(length_px)
-
-
-@pytest.mark.parametrize(("most", "length"), [(1, 1), (1.99, 1), (2, 2), (73, 50), (0.04, 0.02), (1000, 1000)])
-def test_scale_bars_are_round(most, length):
-    assert annotation.round_length(most) == pytest.approx(length)
-
-
 @pytest.mark.parametrize("kernel", ["linear", "bspline3"])
 def test_wavelet_volumes_give_the_slices_of_their_samples(oblique, kernel):
     samples = np.random.default_rng(5).random((40, 50, 60)).astype(np.float32)
@@ -377,7 +354,8 @@ def test_mistakes_say_how_to_mend_them(arguments, options, message):
 
 def test_command_line(wavesplat, ramp_file, tmp_path):
     out = tmp_path / "a.png"
-    options = ["--plane", "coronal", "--position", "3", "--window", "100,200", "--letters", "--scale-bar"]
+    options = ["--plane", "coronal", "--position", "3", "--window", "100,200", "--size", "200x200"]
+    options += ["--letters", "--scale-bar", "--colorbar", "--title", "Ramp"]
     done = wavesplat("slice", ramp_file, "-o", out, *options)
     assert (done.returncode, done.stdout, done.stderr) == (0, f"{out}\n", "")
     assert out.read_bytes().startswith(b"\x89PNG")
@@ -401,6 +379,12 @@ def test_command_line(wavesplat, ramp_file, tmp_path):
         (["--point", "1,2,3"], "--point and --normal belong together"),
         (["--plane", "axial", "--point", "1,2,3", "--normal", "0,0,1"], "--plane and --normal"),
         (["--slab", "median"], "'median' is not one of: maximum, minimum, mean"),
+        (["--letters", "--cube"], "--letters and --cube both show"),
+        (["--dpi", "0"], "dpi is 0"),
+        (["--colorbar-label", "HU"], "give it with --colorbar"),
+        (["--title", "\U0001f9e0"], "--title has signs that the typeface does not"),
+        (["--bar-length", "9 m"], "the scale bar is '9 m'"),
+        (["--legend", "--size", "99x99"], "nothing for a legend"),
         (["--size", "12"], "'12' is not WIDTHxHEIGHT"),
     ],
 )

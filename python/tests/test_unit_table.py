@@ -84,10 +84,10 @@ DIRECTIONS = "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)"
 TABLE = [
     ("ct", dicom, "5 mm", "RLAP"),
     ("a.nii.gz", lambda path: save_nifti(path, SAMPLES, STEP), "5 mm", "RLAP"),
-    ("bare.nii", bare_nifti, "5", None),
+    ("bare.nii", bare_nifti, "5 units", None),
     ("lps.nrrd", lambda path: nrrd(path, "space: LPS", DIRECTIONS), "5 mm", "RLAP"),
     ("um.nrrd", lambda path: nrrd(path, "spacings: 0.5 0.5 0.5", 'units: "um" "um" "um"'), "5 µm", None),
-    ("none.nrrd", lambda path: nrrd(path, "space: 3D-right-handed", DIRECTIONS), "5", None),
+    ("none.nrrd", lambda path: nrrd(path, "space: 3D-right-handed", DIRECTIONS), "5 units", None),
     ("a.mha", meta, "5 mm", "RLAP"),
     ("micron.tif", lambda path: imagej(path, "micron"), "5 µm", None),
     ("escaped.tif", lambda path: imagej(path, "\\u00B5m"), "5 µm", None),
@@ -95,45 +95,63 @@ TABLE = [
     ("um.zarr", lambda path: ome_zarr(path, "micrometer"), "5 µm", None),
     ("brain.zarr", lambda path: ome_zarr(path, "micrometer", 250.0), "2 mm", None),
     ("a.h5", hdf5, "5 µm", None),
-    ("a.vti", vti, "5", None),
-    ("a.npy", npy, "10", None),
+    ("a.vti", vti, "5 units", None),
+    ("a.npy", npy, "10 units", None),
 ]
 
 
 @pytest.mark.parametrize(("name", "make", "bar", "letters"), TABLE, ids=[row[0] for row in TABLE])
 def test_bars_and_letters(tmp_path, name, make, bar, letters):
     volume = ws.open(make(tmp_path / name))
-    picture = ws.slice(volume, scale_bar=True)
-    assert picture.report["scale_bar_text"] == bar
+    picture = ws.slice(volume, size=(200, 200))
+    assert picture.annotated(scale_bar=True).report["scale_bar"]["text"] == bar
     assert volume.is_anatomical == (letters is not None)
     if letters is None:
         assert picture.report["letters"] is None
-        with pytest.raises(ArgumentError, match="has no letters: its file does not say how its axes lie in a patient"):
-            ws.slice(volume, letters=True)
+        with pytest.raises(ArgumentError, match="has no letters: the file does not say how its axes lie in a patient"):
+            picture.annotated(orientation="letters")
     else:
-        report = ws.slice(volume, letters=True).report
+        report = picture.annotated(orientation="letters").report
         assert "".join(report["letters"].values()) == letters
 
 
 def test_the_command_line_says_the_same(wavesplat, tmp_path):
     out = tmp_path / "a.png"
     brain = ome_zarr(tmp_path / "brain.zarr", "micrometer", 250.0)
-    done = wavesplat("slice", brain, "-o", out, "--scale-bar", "--json")
+    done = wavesplat("slice", brain, "-o", out, "--size", "200x200", "--scale-bar", "--json")
     assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["report"]["scale_bar_text"] == "2 mm"
-    done = wavesplat("slice", brain, "-o", out, "--letters")
+    assert json.loads(done.stdout)["report"]["scale_bar"]["text"] == "2 mm"
+    done = wavesplat("slice", brain, "-o", out, "--size", "200x200", "--letters")
     assert done.returncode == 2
     assert "has no letters" in done.stderr
     array = npy(tmp_path / "a.npy")
-    done = wavesplat("slice", array, "-o", out, "--scale-bar", "--json")
-    assert json.loads(done.stdout)["report"]["scale_bar_text"] == "10"
+    done = wavesplat("slice", array, "-o", out, "--size", "200x200", "--scale-bar", "--json")
+    assert json.loads(done.stdout)["report"]["scale_bar"]["text"] == "10 units"
     assert "note: the scale bar has no unit" in done.stderr
     assert "--unit" in done.stderr
-    done = wavesplat("slice", array, "-o", out, "--scale-bar", "--json", "--spacing", "0.24,0.24,1", "--unit", "um")
-    assert (json.loads(done.stdout)["report"]["scale_bar_text"], done.stderr) == ("2 µm", "")
+    done = wavesplat(
+        "slice",
+        array,
+        "-o",
+        out,
+        "--size",
+        "200x200",
+        "--scale-bar",
+        "--json",
+        "--spacing",
+        "0.24,0.24,1",
+        "--unit",
+        "um",
+    )
+    assert (json.loads(done.stdout)["report"]["scale_bar"]["text"], done.stderr) == ("2 µm", "")
 
 
-def test_a_text_is_a_label_as_it_is():
-    volume = ws.Volume(SAMPLES, spacing=(250, 250, 250), unit="um")
-    assert ws.slice(volume, scale_bar="my units").report["scale_bar_text"] == "2000 my units"
-    assert ws.slice(volume, scale_bar=True).report["scale_bar_text"] == "2 mm"
+def test_a_text_is_the_unit_that_is_shown():
+    picture = ws.slice(ws.Volume(SAMPLES, spacing=(250, 250, 250), unit="um"), size=(200, 200))
+    texts = {unit: picture.annotated(scale_bar=unit).report["scale_bar"]["text"] for unit in (True, "um", "nm", "cm")}
+    assert texts == {True: "2 mm", "um": "2000 µm", "nm": "2000000 nm", "cm": "0.2 cm"}
+    with pytest.raises(ArgumentError, match="wanted in 'parsec', but the world's unit is 'um'"):
+        picture.annotated(scale_bar="parsec")
+    unknown = ws.slice(ws.Volume(SAMPLES), size=(200, 200))
+    assert unknown.annotated(scale_bar="kpc").report["scale_bar"]["text"] == "10 kpc"
+    assert unknown.annotated(scale_bar=True, unit="um").report["scale_bar"]["text"] == "10 µm"

@@ -147,8 +147,8 @@ def test_holes_and_levels_that_are_not_there_are_refused():
         wavelets.bands([1] * 5)
     with pytest.raises(ws.errors.ArgumentError, match="weights of bands are 'ab'; give numbers"):
         wavelets.bands("ab")
-    with pytest.raises(ws.errors.ArgumentError, match="volume is a ndarray"):
-        ws.WaveletVolume.from_volume(samples)
+    with pytest.raises(ws.errors.ArgumentError, match="volume: wavelet coefficients are no samples; decode them first"):
+        ws.WaveletVolume.from_volume(wavelets)
 
 
 @pytest.mark.parametrize("left_out", [-1, 4, 1.5, "1", None])

@@ -242,6 +242,13 @@ def splat(
     return Picture(rgba)
 
 
+def _samples_of(volume: Volume | WaveletVolume) -> _native.Volume | _native.DecodedVolume:
+    """What coefficients stand for, at the resolution of the whole."""
+    if not isinstance(volume, WaveletVolume):
+        return volume._core
+    return volume.bands([0.0] * volume.left_out)._decoded()
+
+
 @dataclass(frozen=True)
 class StandardSplatting:
     """Where standard splatting has its sheet buffers, and how thick it takes their slabs to be.
@@ -343,7 +350,7 @@ def standard(
     look = arguments.chosen_look(transfer_function, volume, "over")
     volume = arguments.cut_open(volume, clipping.boxes)
     result = _native.render_standard(
-        volume._decoded() if isinstance(volume, WaveletVolume) else volume._core,
+        _samples_of(volume),
         look.transfer_function._core,
         arguments.chosen_camera(camera, [(volume, look)], clipping, width / max(height, 1))._core,
         width=width,

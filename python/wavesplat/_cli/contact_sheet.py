@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wavesplat._looks.look import Look
-from wavesplat._picture import annotation
+from wavesplat._picture.annotating import with_caption
 from wavesplat._picture.picture import Picture
 from wavesplat._scene.rendering import render
 
@@ -36,5 +36,5 @@ def drawn(volume: Volume | WaveletVolume, names: Sequence[str], size: tuple[int,
         picture = render(volume, look, size=size, background=look.background or "black")
         row, column = divmod(number, n_columns)
         top, left = (GAP_PX + place * (side + GAP_PX) for place, side in ((row, height), (column, width)))
-        sheet[top : top + height, left : left + width] = annotation.with_caption(picture.rgba, name)
+        sheet[top : top + height, left : left + width] = with_caption(picture.rgba, name)
     return Picture(sheet)

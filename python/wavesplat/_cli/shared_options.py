@@ -15,7 +15,11 @@ __all__ = ["Background", "Bits", "Family", "Json", "Kernel", "PictureOutput", "Q
 PictureOutput = Annotated[
     Path,
     typer.Option(
-        "--output", "-o", metavar="OUT", help="Picture to write: .png, .jpg, .webp, .tif or .exr.", show_default=False
+        "--output",
+        "-o",
+        metavar="OUT",
+        help="Picture to write: .png, .jpg, .webp, .tif, .exr, .svg or .pdf.",
+        show_default=False,
     ),
 ]
 Zoom = Annotated[float, typer.Option(metavar="FACTOR", help="Magnification; 1 fits the volume.")]

@@ -7,8 +7,9 @@ from typing import Annotated, Any, get_args
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import message, print_notes, print_result, warnings_as_notes
+from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
@@ -25,6 +26,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["slice"]
 
 
+@takes_figure_options
 @takes_reader_options
 @takes_color_options
 @takes_processing_options
@@ -82,12 +84,7 @@ def slice(
     preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
     tf: TransferFunctionFile = None,
     colors: ColorOptions,
-    letters: Annotated[
-        bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges, where the file has anatomy.")
-    ] = False,
-    scale_bar: Annotated[
-        bool, typer.Option("--scale-bar", help="Draw a bar of a round length, in the file's unit or --unit.")
-    ] = False,
+    figure: FigureOptions,
     background: Background = "black",
     bits: Bits = 8,
     threads: Threads = None,
@@ -106,6 +103,7 @@ def slice(
     from wavesplat._render.slicing import slice as cut
 
     check_bits(bits)
+    check_figure(figure)
     volume = processed(input, reader, processing, quiet=quiet)
     # A range alone is one of greys, as a window is.
     clim = colors.clim if colors == ColorOptions(clim=colors.clim) else None
@@ -127,15 +125,12 @@ def slice(
             window=window,
             clim=clim,
             transfer_function=transfer_function,
-            letters=letters,
-            scale_bar=scale_bar,
             background=background,
             threads=threads,
         )
     if not quiet:
         print_notes(picture)
-    if scale_bar and volume.unit is None and not quiet:
-        message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")
-    picture.save(output, bits=bits)
+    picture = annotated(picture, figure, quiet=quiet)
+    picture.save(output, bits=bits, dpi=figure.dpi)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print_result(facts, output, as_json=json, written=output)

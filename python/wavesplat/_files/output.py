@@ -21,12 +21,13 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["SUFFIXES", "Kind", "check_output", "check_writable", "write_atomically"]
 
-Kind: TypeAlias = Literal["pictures", "meshes", "wavelet coefficients"]
+Kind: TypeAlias = Literal["pictures", "meshes", "volumes", "wavelet coefficients"]
 
 #: What each kind of result is written as; the suffix chooses the format.
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
-    "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr"),
+    "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".svg", ".pdf"),
     "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
+    "volumes": (".nii.gz", ".nii", ".nrrd"),
     "wavelet coefficients": (".wavelets",),
 }
 
@@ -47,8 +48,9 @@ NUMBERS = count()
 
 def check_output(path: str | PathLike[str], kind: Kind) -> str:
     """The suffix in lower case, if a result of this kind can be written there; else a `FileError`."""
-    suffix = _named(path).suffix.lower()
-    if suffix not in SUFFIXES[kind]:
+    target = _named(path)
+    suffix = next((known for known in SUFFIXES[kind] if target.name.lower().endswith(known)), target.suffix.lower())
+    if suffix not in SUFFIXES[kind] or target.name.lower() == suffix:
         given = f"as {suffix}" if suffix else "to a name without a suffix"
         raise FileError(f"cannot write {kind} {given}; use one of: {', '.join(SUFFIXES[kind])}: {path}")
     check_writable(path)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield"]
+__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield", "unit_of_values"]
 
 Kind: TypeAlias = Literal[
     "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
@@ -27,6 +27,8 @@ Kind: TypeAlias = Literal[
 
 #: Samples looked at, at most, each with its neighbours along the three axes.
 N_SAMPLES_MAX = 150_000
+#: And for what every picture tells.
+N_SAMPLES_QUICK = 20_000
 #: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
 MODALITIES: dict[str, Kind] = {
     "MR": "MR",
@@ -98,6 +100,15 @@ def hounsfield_shares(values: NDArray[Any]) -> tuple[float, float]:
 def looks_like_hounsfield(values: NDArray[Any]) -> bool:
     """Whether values have both fixed points of the scale."""
     return min(hounsfield_shares(values)) > LEAST_SHARE
+
+
+def unit_of_values(volume: Volume | WaveletVolume) -> str:
+    """What the values are measured in: "HU" of a CT, "" where nobody says it. Quick: for every picture."""
+    if volume.modality:
+        return "HU" if volume.modality == "CT" else ""
+    step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_QUICK) ** (1 / 3)))
+    some = volume.samples[::step, ::step, ::step] if hasattr(volume, "samples") else volume._every(step)
+    return "HU" if looks_like_hounsfield(some.astype(np.float64)) else ""
 
 
 def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:

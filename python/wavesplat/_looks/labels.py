@@ -13,13 +13,14 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
+from wavesplat._model.taking import taken
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.opening import open as open_volume
@@ -29,6 +30,8 @@ __all__ = ["Label", "Labels"]
 
 #: More labels than any segmentation has; what has more is a scan.
 MAX_LABELS = 65_535
+#: Labels that `repr` lists.
+SHOWN = 6
 #: World units, in spacings, by which samples of a segmentation may lie beside those of the scan.
 TOLERANCE = 1e-3
 
@@ -102,9 +105,9 @@ class Labels:
 
     Parameters
     ----------
-    segmentation : Volume or array, shape (z, y, x)
-        Whole numbers; every number is a label, 0 is none. A Volume must lie on the scan's samples (same shape and
-        affine); an array is taken to.
+    segmentation : Volume, array [z, y, x], or what else `Volume` takes
+        Whole numbers; every number is a label, 0 is none. It must lie on the scan's samples (same shape and affine); an
+        array, which has no place, is taken to.
     labels : mapping of int to Label, optional
         Looks by number; numbers without a look show the scan as it is.
         None gives every number but 0 a colour of its own and the usual opacity.
@@ -138,16 +141,13 @@ class Labels:
     @takes_its_types
     def __init__(
         self,
-        segmentation: Volume | ArrayLike,
+        segmentation: object,
         labels: Mapping[int, Label] | None = None,
         *,
         smooth: bool = True,
     ) -> None:
-        try:
-            samples = segmentation.samples if isinstance(segmentation, Volume) else np.asarray(segmentation)
-        except ValueError:
-            raise ArgumentError("labels: the segmentation has rows of different lengths; give [z, y, x]") from None
-        matrix = segmentation.world_from_index if isinstance(segmentation, Volume) else None
+        found = taken(segmentation, "labels")
+        samples, matrix = found.samples, found.world_from_index
         if samples.ndim != 3:
             raise ArgumentError(f"labels: the segmentation has shape {samples.shape}; give [z, y, x]")
         numbers, codes = _codes(samples)
@@ -262,6 +262,16 @@ class Labels:
                 object.__setattr__(cut, name, value)
             self._cuts[key] = cut
         return self._cuts[key]
+
+    def __repr__(self) -> str:
+        n_z, n_y, n_x = self.shape
+        named = [
+            f"{number} {self.labels[number].name!r}" if number in self.labels else str(number)
+            for number in self.numbers
+            if number != 0
+        ]
+        listed = ", ".join(named[:SHOWN]) + (", ..." if len(named) > SHOWN else "")
+        return f"<Labels: z {n_z}, y {n_y}, x {n_x}, {len(named)} labels: {listed or 'none'}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         samples = np.asarray(self.numbers, dtype=np.int64)[self._codes]

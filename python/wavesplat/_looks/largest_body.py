@@ -22,6 +22,7 @@ from wavesplat._files.libraries import library
 from wavesplat._looks.histogram import finite_samples, is_hounsfield, otsu, robust_range
 from wavesplat._model import units
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -46,12 +47,12 @@ LEAST_LEFT, LEAST_LEFT_HU = 0.7, 0.5
 
 @public
 @takes_its_types
-def largest_body(volume: Volume, threshold: float | None = None, *, opening: float | None = None) -> Volume:
+def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening: float | None = None) -> Volume:
     """The volume with all but its largest body emptied: a patient without table and headrest.
 
     Parameters
     ----------
-    volume : Volume
+    volume : Volume, array, or what else `Volume` takes
         A CT scan, or another in which air is darker than the body.
     threshold : float, optional
         Values above it are matter. None is -400 for values that look like Hounsfield units, else Otsu's threshold.
@@ -79,6 +80,7 @@ def largest_body(volume: Volume, threshold: float | None = None, *, opening: flo
     >>> pelvis.facts.processing
     ('all but the largest body emptied: above -400, opened by 4 mm',)
     """
+    volume = as_volume(volume)
     if not isinstance(volume, Volume):
         raise ArgumentError(
             f"the volume is a {type(volume).__name__}; give a wavesplat.Volume, such as its to_volume()"

@@ -14,13 +14,12 @@ from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.foreign import VolumeLike, as_volume, volume_or_none
 from wavesplat._model.options import Composite
 from wavesplat._public import public
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["Look"]
 
@@ -66,14 +65,19 @@ class Look:
     name: str = ""
     reason: str = ""
 
+    def __repr__(self) -> str:
+        rest = [self.composite, *([] if self.shading else ["no shading"]), *([self.view] if self.view else [])]
+        labels = [] if self.labels is None else [repr(self.labels)]
+        return f"<Look {self.name!r}: {', '.join([*rest, repr(self.transfer_function), *labels])}>"
+
     @classmethod
     @takes_its_types
-    def auto(cls, volume: Volume | WaveletVolume, composite: Composite | None = None) -> Look:
+    def auto(cls, volume: VolumeLike, composite: Composite | None = None) -> Look:
         """A look for a first picture, by the kind of data that the volume holds; `reason` says which, and why.
 
         Parameters
         ----------
-        volume : Volume or WaveletVolume
+        volume : Volume, WaveletVolume, array, or what else `Volume` takes
             Any data.
         composite : str, optional
             Operator; None takes the one that suits the kind of data.
@@ -85,11 +89,11 @@ class Look:
         """
         from wavesplat._looks import automatic
 
-        return automatic.automatic(volume, composite)
+        return automatic.automatic(as_volume(volume), composite)
 
     @classmethod
     @takes_its_types
-    def preset(cls, name: str, volume: Volume | WaveletVolume | None = None) -> Look:
+    def preset(cls, name: str, volume: VolumeLike | None = None) -> Look:
         """A look by name: what usually looks good on that kind of data.
 
         Parameters
@@ -121,12 +125,12 @@ class Look:
         """
         from wavesplat._looks import presets
 
-        return presets.preset(name, volume)
+        return presets.preset(name, volume_or_none(volume))
 
     @classmethod
     def channel(
         cls,
-        volume: Volume | WaveletVolume,
+        volume: VolumeLike,
         color: str | Iterable[float] | None = None,
         window: Iterable[float] | None = None,
         composite: Composite = "over",
@@ -161,11 +165,11 @@ class Look:
         """
         from wavesplat._looks import channels
 
-        return channels.channel_look(volume, color, window, composite)
+        return channels.channel_look(as_volume(volume), color, window, composite)
 
     @classmethod
     @takes_its_types
-    def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> Look:
+    def from_json(cls, text: str, volume: VolumeLike | None = None) -> Look:
         """The look that a JSON text describes, as `to_json` writes it.
 
         Parameters
@@ -191,7 +195,7 @@ class Look:
         """
         from wavesplat._looks import look_json
 
-        return look_json.parse(text, volume)
+        return look_json.parse(text, volume_or_none(volume))
 
     def to_json(self) -> str:
         """The look as a JSON text, which `from_json` reads back exactly."""
@@ -200,9 +204,7 @@ class Look:
         return look_json.write(self)
 
     @classmethod
-    def load(
-        cls, path: str | PathLike[str], volume: Volume | WaveletVolume | None = None, name: str | None = None
-    ) -> Look:
+    def load(cls, path: str | PathLike[str], volume: VolumeLike | None = None, name: str | None = None) -> Look:
         """The look in a file, ours or one of 3D Slicer or ParaView; what is in the file decides which.
 
         Parameters
@@ -236,7 +238,7 @@ class Look:
         """
         from wavesplat._looks import look_files
 
-        return look_files.load(path, volume, name)
+        return look_files.load(path, volume_or_none(volume), name)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the look to a JSON file.

@@ -23,13 +23,12 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat._looks import colors, materials_mixture
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["Material", "Materials"]
 
@@ -151,6 +150,9 @@ class Materials:
         claims /= np.maximum(claims.sum(axis=1, keepdims=True), 1.0)
         return claims
 
+    def __repr__(self) -> str:
+        return f"<Materials: {', '.join(self.names)}>"
+
     def transfer_function(self, opacity_unit: float | None = None) -> TransferFunction:
         """The mixture as a transfer function.
 
@@ -234,12 +236,12 @@ class Materials:
 
     @classmethod
     @takes_its_types
-    def fit(cls, volume: Volume | WaveletVolume, materials: int | Sequence[str] = 4) -> Materials:
+    def fit(cls, volume: VolumeLike, materials: int | Sequence[str] = 4) -> Materials:
         """Materials from the volume's histogram: a mixture of normal distributions, one for each.
 
         Parameters
         ----------
-        volume : Volume or WaveletVolume
+        volume : Volume, WaveletVolume, array, or what else `Volume` takes
             Any units.
         materials : int or sequence of str, default 4
             How many, or their names in order of sample value. The lowest is clear.
@@ -263,7 +265,7 @@ class Materials:
         """
         from wavesplat._looks import materials_fit
 
-        return materials_fit.fit(volume, materials)
+        return materials_fit.fit(as_volume(volume), materials)
 
     @classmethod
     @takes_its_types

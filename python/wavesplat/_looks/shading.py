@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from wavesplat import _native
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.short_repr import short_repr
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -205,6 +206,9 @@ class Shading:
         """
         own = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "_core"}
         return type(self)(**(own | settings))
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         settings = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "_core"}

@@ -16,14 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.foreign import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.colormaps import Opacity
     from wavesplat._model.options import Composite
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["TransferFunction"]
 
@@ -86,18 +85,27 @@ class TransferFunction:
         object.__setattr__(self, "opacity_unit", unit)
         object.__setattr__(self, "_core", _native.TransferFunction(opacity_nodes, color_nodes, unit, gradient_nodes))
 
+    def __repr__(self) -> str:
+        values = sorted(node[0] for nodes in (self.opacity, self.color) for node in nodes)
+        unit = "" if self.opacity_unit is None else f", per {self.opacity_unit:.4g}"
+        by_gradient = ", by the gradient too" if self.gradient_opacity else ""
+        return (
+            f"<TransferFunction: values {values[0]:.4g} to {values[-1]:.4g}, {len(self.opacity)} nodes of opacity "
+            f"up to {max(alpha for _, alpha in self.opacity):.4g}, {len(self.color)} of colour{unit}{by_gradient}>"
+        )
+
     def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
         """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
         return self._core.evaluate(_floats(values).ravel())
 
     @classmethod
     @takes_its_types
-    def auto(cls, volume: Volume | WaveletVolume, composite: Composite = "over") -> TransferFunction:
+    def auto(cls, volume: VolumeLike, composite: Composite = "over") -> TransferFunction:
         """A transfer function from the volume's histogram, for a first look at any kind of data.
 
         Parameters
         ----------
-        volume : Volume or WaveletVolume
+        volume : Volume, WaveletVolume, array, or what else `Volume` takes
             CT, MR, microscopy, simulation: any range, any units. Details alone get `diverging`.
         composite : str, default "over"
             The operator it is for; projections, such as "maximum", get greys for the values that they project to along
@@ -116,7 +124,7 @@ class TransferFunction:
         """
         from wavesplat._looks import automatic
 
-        function = automatic.automatic(volume, composite).transfer_function
+        function = automatic.automatic(as_volume(volume), composite).transfer_function
         assert isinstance(function, cls)
         return function
 
@@ -158,7 +166,7 @@ class TransferFunction:
     def from_colormap(
         cls,
         name: str,
-        volume: Volume | WaveletVolume | None = None,
+        volume: VolumeLike | None = None,
         *,
         clim: tuple[float, float] | None = None,
         opacity: Opacity = "linear",
@@ -208,12 +216,12 @@ class TransferFunction:
         from wavesplat._looks import colormaps
 
         return colormaps.transfer_function(
-            name, volume, clim=clim, opacity=opacity, log=log, gamma=gamma, opacity_unit=opacity_unit
+            name, volume_or_none(volume), clim=clim, opacity=opacity, log=log, gamma=gamma, opacity_unit=opacity_unit
         )
 
     @classmethod
     @takes_its_types
-    def from_json(cls, text: str, volume: Volume | WaveletVolume | None = None) -> TransferFunction:
+    def from_json(cls, text: str, volume: VolumeLike | None = None) -> TransferFunction:
         """The transfer function that a JSON text describes, as `to_json` writes it.
 
         Parameters
@@ -238,7 +246,7 @@ class TransferFunction:
         """
         from wavesplat._looks import transfer_function_json
 
-        return transfer_function_json.parse(text, volume)
+        return transfer_function_json.parse(text, volume_or_none(volume))
 
     def to_json(self) -> str:
         """The transfer function as a JSON text, which `from_json` reads back exactly."""
@@ -247,7 +255,7 @@ class TransferFunction:
         return transfer_function_json.write(self)
 
     @classmethod
-    def load(cls, path: str | PathLike[str], volume: Volume | WaveletVolume | None = None) -> TransferFunction:
+    def load(cls, path: str | PathLike[str], volume: VolumeLike | None = None) -> TransferFunction:
         """The transfer function in a JSON file; see `from_json`.
 
         Raises
@@ -259,7 +267,7 @@ class TransferFunction:
         """
         from wavesplat._looks import transfer_function_json
 
-        return transfer_function_json.load(path, volume)
+        return transfer_function_json.load(path, volume_or_none(volume))
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the transfer function to a JSON file.

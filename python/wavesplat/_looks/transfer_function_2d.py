@@ -98,6 +98,12 @@ class TransferFunction2D:
         for name, value in zip(self.__dataclass_fields__, (columns, rows, table, unit, core), strict=True):
             object.__setattr__(self, name, value)
 
+    def __repr__(self) -> str:
+        return (
+            f"<TransferFunction2D: {len(self.values)} values {self.values[0]:.4g} to {self.values[-1]:.4g}, "
+            f"{len(self.magnitudes)} magnitudes {self.magnitudes[0]:.4g} to {self.magnitudes[-1]:.4g}>"
+        )
+
     def __call__(self, values: ArrayLike, magnitudes: ArrayLike) -> NDArray[np.float64]:
         """Colour and opacity of pairs of value and magnitude, shape (n, 4); the two are broadcast."""
         pairs = np.broadcast_arrays(np.asarray(values, np.float64), np.asarray(magnitudes, np.float64))

@@ -20,6 +20,7 @@ from wavesplat._files.output import check_output, write_atomically
 from wavesplat._mesh.isosurface import Isosurface, isosurface
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.crop import Crop
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
@@ -120,7 +121,7 @@ class Mesh:
 @public
 @takes_its_types
 def mesh(
-    volume: Volume | WaveletVolume,
+    volume: VolumeLike,
     iso_value: float,
     *,
     closed: bool = True,
@@ -131,7 +132,7 @@ def mesh(
 
     Parameters
     ----------
-    volume : Volume or WaveletVolume
+    volume : Volume, WaveletVolume, array, or what else `Volume` takes
         Inside is where samples are larger than `iso_value`; NaN and infinity are outside.
     iso_value : float
         The surface's value, in sample units.
@@ -166,8 +167,8 @@ def mesh(
     iso_value, step = _checked_numbers(iso_value, step)
     if crop is not None and not isinstance(crop, Crop):
         raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
-    if isinstance(volume, WaveletVolume):
-        volume = volume.to_volume()
+    given = as_volume(volume)
+    volume = given.to_volume() if isinstance(given, WaveletVolume) else given
     _check_range(volume, iso_value)
     surface = isosurface(volume, iso_value, step=step, crop=crop)
     return _in_world(volume, surface if closed else _left_open(surface, volume.name))

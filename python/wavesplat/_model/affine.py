@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["RAS_FROM_LPS", "axis_codes", "from_spacing", "spacing_of", "with_spacing", "world_bounds"]
+__all__ = ["RAS_FROM_LPS", "affine_of", "axis_codes", "from_spacing", "spacing_of", "with_spacing", "world_bounds"]
 
 Affine = NDArray[np.float64]
 
@@ -27,6 +27,14 @@ RAS_FROM_LPS: Affine = np.diag([-1.0, -1.0, 1.0, 1.0])
 def from_spacing(spacing: Sequence[float]) -> Affine:
     """Affine with sample (0, 0, 0) at the world origin and `spacing` (x, y, z) between neighbours."""
     return np.diag([*checked_spacing(spacing), 1.0])
+
+
+def affine_of(direction: ArrayLike, spacing: ArrayLike, origin: ArrayLike) -> Affine:
+    """Affine with unit steps as the columns of `direction`, distances (x, y, z), and sample (0, 0, 0) at `origin`."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.asarray(direction, np.float64) * np.asarray(spacing, np.float64)
+    matrix[:3, 3] = origin
+    return matrix
 
 
 def with_spacing(world_from_index: Affine, spacing: Sequence[float]) -> Affine:

@@ -26,7 +26,8 @@ MOST_LETTERS = 60
 MOST_WHOLE = 2**63
 
 VOLUME = (
-    "a wavesplat.Volume, as from wavesplat.open(path) or wavesplat.Volume(array, spacing=(x, y, z)), or a WaveletVolume"
+    "a wavesplat.Volume, as from wavesplat.open(path), an array [z, y, x], or an image of SimpleITK, ITK, nibabel, "
+    "xarray, PyVista, VTK, PyTorch or napari"
 )
 
 
@@ -146,7 +147,6 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     # Names of files may hold bytes that are no text.
     "str | PathLike[str]": (lambda value: isinstance(value, str | os.PathLike), "the name of a file or folder"),
     "Grid": (_is_a("Grid"), VOLUME),
-    "Bounded": (lambda value: hasattr(value, "bounds"), ""),
     "Volume": (_is_a("Volume"), VOLUME),
     "WaveletVolume": (_is_a("WaveletVolume"), ""),
     "Picture": (_is_a("Picture"), "a wavesplat.Picture"),

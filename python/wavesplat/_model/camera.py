@@ -15,13 +15,14 @@ from numpy.typing import ArrayLike
 from wavesplat import _native
 from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.camera_fit import Bounded, Fit
+from wavesplat._model.camera_fit import Fit
 from wavesplat._model.options import VIEWS
 from wavesplat._model.vectors import FARTHEST, Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.foreign import VolumeLike
     from wavesplat._model.grid import Grid
 
 __all__ = ["Camera", "check_place", "check_view", "checked_lens"]
@@ -93,7 +94,7 @@ class Camera:
     @takes_its_types
     def orbit(
         cls,
-        volume: Grid | Bounded,
+        volume: VolumeLike,
         azimuth: float = 0.0,
         elevation: float = 0.0,
         *,
@@ -107,7 +108,7 @@ class Camera:
 
         Parameters
         ----------
-        volume : Volume, WaveletVolume or Scene
+        volume : Volume, WaveletVolume, Scene, array, or what else `Volume` takes
             What to look at; the middle of its box is the focal point.
         azimuth : float, degrees
             0 is the anterior view: the eye on +y of the RAS world, looking towards -y, +z up.
@@ -151,7 +152,7 @@ class Camera:
     @takes_its_types
     def view(
         cls,
-        volume: Grid | Bounded,
+        volume: VolumeLike,
         name: str,
         *,
         zoom: float = 1.0,
@@ -162,7 +163,7 @@ class Camera:
 
         Parameters
         ----------
-        volume : Volume, WaveletVolume or Scene
+        volume : Volume, WaveletVolume, Scene, array, or what else `Volume` takes
             What to look at.
         name : str
             "anterior", "posterior", "left", "right", "superior" or "inferior": where the eye is.
@@ -255,13 +256,13 @@ class Camera:
 
     @takes_its_types
     def fitted(
-        self, volume: Grid | Bounded, *, aspect: float = 1.0, zoom: float = 1.0, points: ArrayLike | None = None
+        self, volume: VolumeLike, *, aspect: float = 1.0, zoom: float = 1.0, points: ArrayLike | None = None
     ) -> Camera:
         """The camera in the same direction, with the same kind of lens, from where all of a volume is just in view.
 
         Parameters
         ----------
-        volume : Volume, WaveletVolume or Scene
+        volume : Volume, WaveletVolume, Scene, array, or what else `Volume` takes
             What to look at; its middle is the new focal point.
         aspect : float, default 1
             Width over height of the picture that it must fit.
@@ -449,7 +450,7 @@ class Camera:
         return self.position, self.focal_point, self.view_up
 
     @classmethod
-    def _placed(cls, axes: camera_fit.Vectors, volume: Grid | Bounded, **options: Any) -> Camera:
+    def _placed(cls, axes: camera_fit.Vectors, volume: VolumeLike, **options: Any) -> Camera:
         eye = camera_fit.placed(axes, volume, **options)
         lens = {"parallel_scale": eye.parallel_scale, "view_angle": eye.view_angle}
         return cls(eye.position, eye.focal_point, axes[1], **lens)

@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import atan, cos, degrees, isfinite, radians, sin, tan
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._model import affine
-from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.argument_types import described
 from wavesplat._model.grid import Grid
 from wavesplat._model.vectors import Vector, check_magnitude
 from wavesplat.errors import ArgumentError
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
 
 __all__ = [
-    "Bounded",
     "Fit",
     "Placed",
     "axes_of",
@@ -44,14 +43,6 @@ Fit: TypeAlias = Literal["turn", "view"]
 Vectors: TypeAlias = NDArray[np.float64]
 
 
-class Bounded(Protocol):
-    """Anything with a box in the world, such as a scene."""
-
-    @property
-    def bounds(self) -> ArrayLike:
-        """Corners (lower, upper), shape (2, 3)."""
-
-
 @dataclass(frozen=True)
 class Placed:
     """Where an eye is, and what its lens is like."""
@@ -62,22 +53,25 @@ class Placed:
     view_angle: float | None
 
 
-def corners_of(what: Grid | Bounded) -> Vectors:
-    """World positions of the eight corners of a volume's own box or, of other things, of their box in the world."""
-    if isinstance(what, Grid):
-        return affine.box_corners(what.world_from_index, what.shape)
-    try:
-        bounds = np.array(what.bounds, dtype=np.float64)
-    except (AttributeError, TypeError, ValueError):
-        bounds = np.empty(0)
-    if bounds.shape != (2, 3) or not np.isfinite(bounds).all():
-        raise ArgumentError(f"volume is {described(what)}; give {VOLUME}, or a scene")
-    return np.array(list(product(*bounds.T)))
+def corners_of(what: object) -> Vectors:
+    """World positions of the eight corners of a volume's own box or, of a scene, of its box in the world.
+
+    `what`: anything that has such a box as `bounds`, or that is taken as a volume.
+    """
+    if not isinstance(what, Grid):
+        bounds = getattr(what, "bounds", None)
+        if isinstance(bounds, np.ndarray) and bounds.shape == (2, 3) and np.isfinite(bounds).all():
+            return np.array(list(product(*bounds.T)))
+        # Not above: volumes know crops and cameras.
+        from wavesplat._model.foreign import as_volume
+
+        what = as_volume(what)
+    return affine.box_corners(what.world_from_index, what.shape)
 
 
 def placed(
     axes: Vectors,
-    what: Grid | Bounded,
+    what: object,
     *,
     zoom: float,
     view_angle: float | None,

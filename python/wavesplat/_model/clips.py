@@ -151,8 +151,8 @@ def checked_clip(given: object) -> Clipping:
     kept = [_common(boxes) for space in ("index", "world") if (boxes := [c for c in crops if c.space == space])]
     if len(kept) == 2:
         planes += _planes_of(kept[1])
-    boxes = tuple(clip.crop for clip in clips if isinstance(clip, CutOut))
-    return Clipping(kept[0] if kept else None, tuple(planes), boxes)
+    taken = tuple(clip.crop for clip in clips if isinstance(clip, CutOut))
+    return Clipping(kept[0] if kept else None, tuple(planes), taken)
 
 
 def _common(boxes: list[Crop]) -> Crop:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.foreign import VolumeLike
 
 __all__ = ["Crop"]
 
@@ -69,12 +72,12 @@ class Crop:
 
     @classmethod
     @takes_its_types
-    def corner(cls, volume: Grid, name: str, *, at: Iterable[float] | None = None) -> Crop:
+    def corner(cls, volume: VolumeLike, name: str, *, at: Iterable[float] | None = None) -> Crop:
         """A corner, an edge or a half of a volume, to be taken out or kept: a box in the world.
 
         Parameters
         ----------
-        volume : Volume or WaveletVolume
+        volume : Volume, WaveletVolume, array, or what else `Volume` takes
             Whose corner.
         name : str
             One to three sides: of a patient right, left, anterior, posterior, superior and inferior, such as
@@ -94,11 +97,14 @@ class Crop:
         >>> corner = ws.Crop.corner(pelvis, "left anterior superior")
         >>> picture = ws.render(pelvis, "ct-muscle", clip=ws.CutOut(corner), size=(32, 32))
         """
-        signs = _signs(str(name), volume)
-        lower, upper = volume.bounds
+        from wavesplat._model.foreign import as_volume
+
+        grid = as_volume(volume)
+        signs = _signs(str(name), grid)
+        lower, upper = grid.bounds
         middle = (lower + upper) / 2 if at is None else np.array(vector(at, "`at` of the corner"))
         # A sample beyond the volume, so that its own face goes too.
-        lower, upper = lower - sum(volume.spacing), upper + sum(volume.spacing)
+        lower, upper = lower - sum(grid.spacing), upper + sum(grid.spacing)
         lower, upper = np.where(signs > 0, middle, lower), np.where(signs < 0, middle, upper)
         return cls(lower.tolist(), upper.tolist())
 

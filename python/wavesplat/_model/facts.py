@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from wavesplat._model import units
+from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -145,6 +146,9 @@ class Facts:
         }
         for name, value in given.items():
             object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        return short_repr(self)
 
     def as_json(self) -> dict[str, Any]:
         """As a dictionary of what JSON has."""

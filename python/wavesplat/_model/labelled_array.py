@@ -5,16 +5,16 @@ They are known by what they have, so that xarray need not be installed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wavesplat._model import units
+from wavesplat._model.facts import Facts
+from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Labelled", "is_labelled", "unlabelled"]
+__all__ = ["AFFINE", "MODALITY", "SPACE", "is_labelled", "unlabelled"]
 
 #: Names of axes, in lower case -> ours.
 NAMES = {
@@ -24,17 +24,9 @@ NAMES = {
 }
 #: Part of a step by which coordinates may be off: many are float32.
 TOLERANCE = 1e-3
-
-
-@dataclass(frozen=True)
-class Labelled:
-    """Samples [z, y, x], the affine and unit that coordinates give, what the array is called, and what was guessed."""
-
-    samples: NDArray[Any]
-    world_from_index: NDArray[np.float64] | None
-    unit: str | None
-    name: str | None
-    guesses: tuple[str, ...] = ()
+#: Attributes, of an array: the affine from the coordinates (x, y, z, 1) to the world where they are not the world's
+#: own, row by row; "RAS" where the world is a patient's; how it was measured. `Volume.to_xarray` writes them.
+AFFINE, SPACE, MODALITY = "world_from_coordinates", "space", "modality"
 
 
 def is_labelled(samples: object) -> bool:
@@ -42,11 +34,9 @@ def is_labelled(samples: object) -> bool:
     return hasattr(samples, "dims") and hasattr(samples, "coords")
 
 
-def unlabelled(array: Any, *, has_place: bool) -> Labelled:
+def unlabelled(array: Any, *, has_place: bool) -> Taken:
     """The samples in our order. `has_place`: where they lie is said otherwise, so coordinates do not count."""
-    if callable(getattr(array, "values", None)) or not hasattr(array, "transpose"):
-        names = ", ".join(map(str, getattr(array, "data_vars", ()))) or "none"
-        raise ArgumentError(f"this is a {type(array).__name__} of several arrays ({names}); give one of them")
+    array = _only_array(array)
     sizes = dict(zip(array.dims, array.shape, strict=True))
     spatial = _spatial_axes(sizes)
     extra = [name for name in array.dims if name not in spatial]
@@ -58,19 +48,35 @@ def unlabelled(array: Any, *, has_place: bool) -> Labelled:
             )
     ordered = array.isel(dict.fromkeys(extra, 0)).transpose(*spatial)
     title = None if array.name is None else str(array.name)
+    said = getattr(array, "attrs", {})
+    modality = said.get(MODALITY)
     if has_place:
-        return Labelled(np.asarray(ordered), None, None, title)
+        return Taken(np.asarray(ordered), None, Facts(modality=modality), title)
     places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
-    said: list[str | None] = [_unit_of(ordered, name) for name in reversed(spatial)]
-    unit, factors = units.in_one_unit((said[0], said[1], said[2]))
     matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
     matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
+    x, y, z = (_unit_of(ordered, name) for name in reversed(spatial))
+    unit, factors = units.in_one_unit((x, y, z))
     matrix[:3] *= np.array(factors)[:, None]
+    if np.size(said.get(AFFINE, ())) == 16:
+        matrix = np.reshape(np.asarray(said[AFFINE], np.float64), (4, 4)) @ matrix
     bare = [str(name) for name in spatial if name not in ordered.coords]
     guesses = (
         () if len(bare) in (0, 3) else (f"distance along {', '.join(bare)} 1: the array has no coordinates there",)
     )
-    return Labelled(np.asarray(ordered), matrix, unit, title, guesses)
+    facts = Facts(unit=unit, is_anatomical=said.get(SPACE) == "RAS", modality=modality, guesses=guesses)
+    return Taken(np.asarray(ordered), matrix, facts, title)
+
+
+def _only_array(array: Any) -> Any:
+    """The array; of a Dataset the only one that it holds."""
+    arrays = getattr(array, "data_vars", None)
+    if arrays is None and hasattr(array, "transpose"):
+        return array
+    if arrays is not None and len(arrays) == 1:
+        return next(iter(arrays.values()))
+    names = ", ".join(map(str, arrays or ())) or "none"
+    raise ArgumentError(f"this is a {type(array).__name__} of several arrays ({names}); give one of them")
 
 
 def _spatial_axes(sizes: dict[Any, int]) -> list[Any]:

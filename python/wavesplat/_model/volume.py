@@ -5,21 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._files.places import printable
-from wavesplat._model import affine, smoothing, units
-from wavesplat._model.argument_types import described
+from wavesplat._model import affine, giving, smoothing, units, volume_file
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
-from wavesplat._model.labelled_array import is_labelled, unlabelled
+from wavesplat._model.taken import Taken, check_shape
+from wavesplat._model.taking import taken
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    import nibabel
+    import pyvista
+    import SimpleITK
+    import xarray
+    from numpy.typing import DTypeLike
 
 __all__ = ["Volume"]
 
@@ -33,15 +42,15 @@ class Volume(Grid):
 
     Parameters
     ----------
-    samples : array, shape (z, y, x)
-        Any real dtype.
+    samples : array, shape (z, y, x), or an image
+        Any real dtype. An array of NumPy, Dask, Zarr, h5py, PyTorch (detached, copied from a GPU) or xarray; an image
+        of SimpleITK, ITK, nibabel, PyVista or VTK; a layer of napari; another volume. What these say of place, unit,
+        anatomy and name counts (docs/interop.md has the table), unless `spacing` or `world_from_index` is given.
         8, 16 and 32-bit integers and 32 and 64-bit floats keep their type.
         A C-contiguous array of these types is shared, not copied, and `samples` is a read-only view of it. After
         writing to your own array call `changed`: what was prepared for earlier pictures would make wrong ones.
         Do not write to it while a picture is drawn. Any other array is copied.
         NaN and infinity are drawn as empty.
-        Of an array of xarray, names and coordinates of the axes count: it is turned to (z, y, x), and spacing, origin
-        and unit are those of the coordinates, unless `spacing` or `world_from_index` is given.
     spacing : three numbers (x, y, z), optional
         Distances between neighbouring samples, in world units.
         Sample (0, 0, 0) is then at the world origin. Default 1.
@@ -53,7 +62,7 @@ class Volume(Grid):
         Whether the world's axes are a patient's (RAS), as of an affine that nibabel gives; only then slices have
         letters. None is what `facts` say, or no.
     name : str, optional
-        What messages call the volume.
+        What messages call the volume; None is what the object is called, or "volume".
     facts : Facts, optional
         What is known beside samples and place; `unit` and `anatomical` go before what it says of them.
 
@@ -77,28 +86,56 @@ class Volume(Grid):
 
     def __init__(
         self,
-        samples: ArrayLike,
+        samples: object,
         *,
         spacing: Sequence[float] | None = None,
         world_from_index: ArrayLike | None = None,
         unit: str | None = None,
         anatomical: bool | None = None,
-        name: str = "volume",
+        name: str | None = None,
         facts: Facts | None = None,
     ) -> None:
-        if is_labelled(samples):
-            labelled = unlabelled(samples, has_place=spacing is not None or world_from_index is not None)
-            samples, name = labelled.samples, labelled.name or name if name == "volume" else name
-            if labelled.world_from_index is not None:
-                world_from_index = labelled.world_from_index
-            facts = replace(
-                facts or Facts(unit=labelled.unit), guesses=(*(facts or Facts()).guesses, *labelled.guesses)
-            )
-        name = printable(str(name))
-        self._samples = _renderable(_as_array(samples), name)
+        has_place = spacing is not None or world_from_index is not None
+        found = taken(samples, "samples", has_place=has_place)
+        self._fill(
+            found,
+            spacing=spacing,
+            world_from_index=world_from_index,
+            unit=unit,
+            anatomical=anatomical,
+            name=name,
+            facts=facts,
+        )
+
+    @classmethod
+    def _of(cls, thing: object, name: str | None, argument: str) -> Volume:
+        """Of an object of another library, in messages about an argument of this name."""
+        volume = cls.__new__(cls)
+        volume._fill(taken(thing, argument), name=name)
+        return volume
+
+    def _fill(
+        self,
+        found: Taken,
+        *,
+        spacing: Sequence[float] | None = None,
+        world_from_index: ArrayLike | None = None,
+        unit: str | None = None,
+        anatomical: bool | None = None,
+        name: str | None = None,
+        facts: Facts | None = None,
+    ) -> None:
+        name = printable((found.name or "volume") if name is None else str(name))
+        self._samples = _renderable(found.samples, name)
         n_z, n_y, n_x = self._samples.shape
+        if spacing is None and world_from_index is None:
+            world_from_index = found.world_from_index
+            known = found.facts
+        else:  # what the object says of its world is of another place
+            known = replace(found.facts, unit=None, is_anatomical=False)
         matrix = _checked_affine(spacing, world_from_index, name)
-        super().__init__(name, (n_z, n_y, n_x), matrix, _checked_facts(facts, unit, anatomical, name))
+        given = known if facts is None else _with_guesses(facts, known.guesses, name)
+        super().__init__(name, (n_z, n_y, n_x), matrix, _checked_facts(given, unit, anatomical, name))
         # Built at once, so that what is wrong with a volume is said where the volume is made.
         self._core = self._built()
         self._cut = None
@@ -176,6 +213,99 @@ class Volume(Grid):
         samples = smoothing.smoothed(self._samples, deviations)
         return self._processed(samples, f"smoothed by a Gaussian, deviation {number:g} {named}")
 
+    def to_xarray(self) -> xarray.DataArray:
+        """The volume as an array with names: axes z, y, x, coordinates in the world, and the unit as their `units`.
+
+        Axes that are not the world's count along themselves from 0; the attribute `world_from_coordinates`, 16 numbers
+        row by row, takes (x, y, z, 1) to the world. Attributes also say `space`, "RAS" of a patient, and `modality`.
+        The samples are shared.
+
+        Raises
+        ------
+        LibraryError
+            If xarray is not installed (`pip install ".[xarray]"` in the checkout).
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> array = ws.examples.ct_pelvis().to_xarray()
+        >>> ws.Volume(array.isel(z=slice(10, 20))).shape[0]
+        10
+        """
+        return giving.to_xarray(self, self._samples)
+
+    def to_sitk(self) -> SimpleITK.Image:
+        """The volume as an image of SimpleITK; its world is LPS and millimetres if the volume's is a patient's.
+
+        Another world stays as it is, and the image's metadata say so (`NRRD_space` and `unit`).
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.examples.ct_pelvis().to_sitk().GetSize()
+        (122, 101, 112)
+        """
+        return giving.to_simple_itk(self, self._samples)
+
+    def to_nibabel(self) -> nibabel.Nifti1Image:
+        """The volume as a NIfTI image of nibabel, in millimetres where its unit is known. The samples are shared.
+
+        NIfTI has no world but a patient's: of another the description says "axes without anatomy", which `Volume` and
+        `wavesplat.open` understand.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.examples.ct_pelvis().to_nibabel().header.get_xyzt_units()[0]
+        'mm'
+        """
+        return giving.to_nibabel(self, self._samples)
+
+    def to_pyvista(self) -> pyvista.ImageData:
+        """The volume as an image of PyVista, its samples the active scalars of the points, called as the volume is.
+
+        Field data say `unit` and, of a patient's world, `space`, "RAS".
+
+        Raises
+        ------
+        LibraryError
+            If PyVista is not installed (`pip install ".[pyvista]"` in the checkout).
+        """
+        return giving.to_pyvista(self, self._samples)
+
+    @takes_its_types
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the volume to a file; the suffix chooses the format.
+
+        Parameters
+        ----------
+        path : path
+            `.nii.gz` or `.nii` (NIfTI; see `to_nibabel` for units and anatomy), or `.nrrd`, which keeps place, unit,
+            anatomy and modality as they are. Samples keep their type.
+
+        Raises
+        ------
+        FileError
+            If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.examples.ripples(16).save("ripples.nrrd")
+        >>> ws.open("ripples.nrrd").shape
+        (16, 16, 16)
+        """
+        volume_file.save(self, self._samples, path)
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """The samples, as `numpy.asarray(volume)` asks for them: read-only, unless they are copied."""
+        wanted = self.dtype if dtype is None else np.dtype(dtype)
+        if copy is False and wanted != self.dtype:
+            raise ValueError(f"samples are {self.dtype}; {wanted} of them is a copy")
+        if copy:
+            return np.array(self._samples, wanted)
+        return self._samples.astype(wanted, copy=False)
+
     def _processed(self, samples: NDArray[Any], how: str) -> Volume:
         """Other samples in the place of these."""
         facts = replace(self._facts, processing=(*self._facts.processing, how))
@@ -222,43 +352,15 @@ class Volume(Grid):
         return how, (self._samples,)
 
 
-def _as_array(samples: ArrayLike) -> NDArray[Any]:
-    """An array; a masked one keeps its mask."""
-    if isinstance(samples, np.ma.MaskedArray):
-        return samples
-    try:
-        return np.asarray(samples)
-    except ValueError:
-        raise ArgumentError("the samples are rows of different lengths; give an array [z, y, x]") from None
-
-
 def _renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
     """A read-only, C-contiguous, native-endian 3-D array of a type the renderer takes; shared where possible."""
-    _check_shape(array, name)
+    check_shape(array.shape, name)
     if isinstance(array, np.ma.MaskedArray):
         array = np.ma.filled(array.astype(np.result_type(array.dtype, np.float32)), np.nan)
     dtype = _renderable_dtype(array, name)
     shared = np.require(array, dtype, ["C", "A"]).view()
     shared.flags.writeable = False
     return shared
-
-
-def _check_shape(array: NDArray[Any], name: str) -> None:
-    shape = tuple(array.shape)
-    if array.ndim == 2:
-        raise ArgumentError(
-            f"volume {name!r}: the array is 2-D, shape {shape}; a volume is [z, y, x]: "
-            "stack at least two slices with np.stack(slices)"
-        )
-    if array.ndim == 4:
-        raise ArgumentError(
-            f"volume {name!r}: the array is 4-D, shape {shape}; a volume is [z, y, x]: pick one time point or channel, "
-            f"as array[n] with n = 0..{shape[0] - 1} or array[..., n] with n = 0..{shape[3] - 1}"
-        )
-    if array.ndim != 3:
-        raise ArgumentError(f"volume {name!r}: the array is {array.ndim}-D, shape {shape}; a volume is 3-D, [z, y, x]")
-    if 0 in shape:
-        raise ArgumentError(f"volume {name!r}: shape {shape} (z, y, x) holds no samples; every axis needs at least 1")
 
 
 def _renderable_dtype(array: NDArray[Any], name: str) -> np.dtype[Any]:
@@ -286,10 +388,14 @@ def _narrowest_integer(array: NDArray[Any]) -> np.dtype[Any]:
     return np.dtype(np.float64)
 
 
-def _checked_facts(facts: Facts | None, unit: str | None, anatomical: bool | None, name: str) -> Facts:
-    if facts is not None and not isinstance(facts, Facts):
-        raise ArgumentError(f"volume {name!r}: facts is a {type(facts).__name__}; give a wavesplat.Facts")
-    facts = facts or Facts()
+def _with_guesses(facts: Facts, guesses: tuple[str, ...], name: str) -> Facts:
+    given: object = facts
+    if not isinstance(given, Facts):
+        raise ArgumentError(f"volume {name!r}: facts is a {type(given).__name__}; give a wavesplat.Facts")
+    return replace(facts, guesses=(*facts.guesses, *guesses))
+
+
+def _checked_facts(facts: Facts, unit: str | None, anatomical: bool | None, name: str) -> Facts:
     if unit is not None:
         facts = replace(facts, unit=units.checked(unit))
     if anatomical is None:

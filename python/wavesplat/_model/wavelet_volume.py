@@ -92,7 +92,7 @@ class WaveletVolume(Grid):
     @takes_its_types
     def from_volume(
         cls,
-        volume: Volume,
+        volume: object,
         family: str = "cdf97",
         *,
         threshold: float | None = None,
@@ -105,7 +105,7 @@ class WaveletVolume(Grid):
 
         Parameters
         ----------
-        volume : Volume
+        volume : Volume, array, or what else `Volume` takes
             All samples finite; they are taken as float32.
         family : str
             Biorthogonal, by lifting: "cdf97" (the best picture per coefficient), "cdf53" (linear B-spline), "haar",
@@ -128,7 +128,7 @@ class WaveletVolume(Grid):
             samples are NaN or infinite.
         """
         if not isinstance(volume, Volume):
-            raise ArgumentError(f"volume is a {type(volume).__name__}; give a wavesplat.Volume")
+            volume = Volume._of(volume, None, "volume")
         families = _native.WaveletVolume.families()
         if family not in families:
             raise ArgumentError(f"there is no wavelet family {family!r}; the families are {', '.join(families)}")

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._picture.marks import Canvas
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._picture.annotating import Corner, Orientation, Side
 
 __all__ = ["Picture", "check_bits", "check_dpi"]
 
@@ -46,6 +51,8 @@ class Picture:
     depth: NDArray[np.float32] | None = None
     value: NDArray[np.float32] | None = None
     report: dict[str, Any] = field(default_factory=dict)
+    #: Of what `annotated` drew: the rendering and the marks on it, for files that hold vectors.
+    _canvas: Canvas | None = field(default=None, init=False)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -95,6 +102,110 @@ class Picture:
         return Picture(self.rgba + (1 - self.rgba[..., 3:]) * below.rgba, report={"over": self.report})
 
     @takes_its_types
+    def annotated(
+        self,
+        *,
+        scale_bar: bool | float | str = False,
+        orientation: Orientation | None = None,
+        colorbar: bool | str = False,
+        legend: bool | Iterable[str] = False,
+        title: str | None = None,
+        unit: str | None = None,
+        values: str | None = None,
+        dpi: float | None = None,
+        font_size: float | None = None,
+        color: str | Sequence[float] | None = None,
+        font: str | PathLike[str] | None = None,
+        scale_bar_at: Corner = "lower left",
+        orientation_at: Corner = "lower right",
+        colorbar_at: Side = "beside",
+        legend_at: Side = "beside",
+    ) -> Picture:
+        """The picture as a figure: with a scale bar, its directions, the colours of its values, names and a title.
+
+        All comes from `report`. Saved as `.svg` or `.pdf`, the rendering is embedded, and the rest is vectors and text.
+
+        Parameters
+        ----------
+        scale_bar : bool, float or str
+            A bar of a round length near a fifth of the width. Or of this length, world units; in this unit, such as
+            "um"; or of a length with its unit, such as "50 um". In perspective it is right at the focal point, and says
+            so. Without a unit it says "units".
+        orientation : str, optional
+            "letters": R, L, A, P, S, I at the edges, and the sum of these for oblique views, nearest first; only for
+            the world of a patient. "cube": a small cube, its faces with these letters, else with x, y, z. "axes": the
+            same as arrows.
+        colorbar : bool or str
+            The colours of the values that are shown, for all layers, or for the one of this name. Light and shadows are
+            not in it, nor is opacity, but for projections.
+        legend : bool or sequence of str
+            Names and colours of the labels and, where there are several, of the layers; or of these only.
+        title : str, optional
+            Above the picture; it is broken into lines where it is longer.
+        unit : str, optional
+            Of the world's lengths, where the file does not say it.
+        values : str, optional
+            What the values are called, above the colour bar; None is their unit where it is known ("HU"), else the
+            layer's name.
+        dpi : float, optional
+            Pixels per inch when printed, as for `save`; it is also how large an SVG or PDF file is (None: 96).
+        font_size : float, optional
+            Points where `dpi` is given, else pixels; None follows the picture's size.
+        color : colour, optional
+            Of what is written; None is black on light backgrounds and on transparent ones, else white.
+        font : path, optional
+            A .ttf or .otf file, for signs that ours, Liberation Sans, does not have; PDF files take .ttf.
+        scale_bar_at, orientation_at : str
+            "lower left", "lower right", "upper left" or "upper right".
+        colorbar_at, legend_at : str
+            "beside" makes the picture larger, so that nothing is hidden; or one of these corners.
+
+        Returns
+        -------
+        Picture
+            Larger than this one where there is something beside it; without `depth` and `value`. `report["scale_bar"]`
+            has length (world units), pixels and text of the bar.
+
+        Raises
+        ------
+        ArgumentError
+            If the report lacks a fact that is needed (the message says which, and how to give it), or the picture has
+            no room.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> picture = ws.slice(ws.examples.ct_pelvis(), "coronal", size=(400, 400), window="abdomen")
+        >>> figure = picture.annotated(scale_bar=True, orientation="letters", colorbar=True, title="Pelvis")
+        >>> figure.report["scale_bar"]["text"]
+        '100 mm'
+        >>> figure.save("pelvis.svg")
+        """
+        from wavesplat._picture import annotating, raster
+
+        wanted = annotating.Figure(
+            scale_bar=scale_bar,
+            orientation=orientation,
+            colorbar=colorbar,
+            legend=legend,
+            title=title,
+            unit=unit,
+            values=values,
+            dpi=dpi,
+            font_size=font_size,
+            color=color,
+            font=font,
+            scale_bar_at=scale_bar_at,
+            orientation_at=orientation_at,
+            colorbar_at=colorbar_at,
+            legend_at=legend_at,
+        )
+        canvas, told = annotating.annotated(self.rgba, self.report, wanted)
+        made = Picture(raster.drawn(canvas), report=self.report | told)
+        object.__setattr__(made, "_canvas", canvas)
+        return made
+
+    @takes_its_types
     def save(self, path: str | PathLike[str], *, bits: int = 8, dpi: float | None = None, quality: int = 95) -> None:
         """Write the picture to a file; the suffix chooses the format.
 
@@ -103,11 +214,13 @@ class Picture:
         path : path
             `.png`: integers, colour not multiplied by opacity. `.tif`, `.tiff`, `.exr`: float32, associated, as in
             `rgba`; an `.exr` file also holds the depth, if there is one, as channel Z. `.jpg`, `.jpeg`, `.webp`: bytes,
-            compressed; JPEG has no transparency, what is transparent lies on white there.
+            compressed; JPEG has no transparency, what is transparent lies on white there. `.svg`, `.pdf`: the picture
+            embedded, and what `annotated` drew on it as vectors and text, on a transparent page where it is.
         bits : 8 or 16, default 8
             Bits per channel of a PNG file.
         dpi : float, optional
-            Pixels per inch when printed, which is written to PNG, JPEG and TIFF files.
+            Pixels per inch when printed, which is written to PNG, JPEG, TIFF, SVG and PDF files; None is that of
+            `annotated`.
         quality : int, default 95
             Of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
 
@@ -117,6 +230,8 @@ class Picture:
             If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
         ArgumentError
             If `bits` is neither 8 nor 16, or `dpi` or `quality` is out of range.
+        LibraryError
+            If ReportLab is not installed, which writes PDF (`pip install ".[figure]"` in the checkout).
 
         Examples
         --------
@@ -137,9 +252,21 @@ class Picture:
         if not 1 <= quality <= 100:
             raise ArgumentError(f"quality is {quality}; give 1 to 100, 95 is good")
 
+        canvas = self._canvas or Canvas(*self.size, self.rgba)
+        canvas = canvas if dpi is None else replace(canvas, dpi=dpi)
+        dpi = canvas.dpi
+
         def write(part: Path) -> None:
             if suffix == ".png":
                 part.write_bytes(picture_files.png_bytes(self.rgba, bits, dpi))
+            elif suffix == ".svg":
+                from wavesplat._picture import svg
+
+                part.write_text(svg.written(canvas, bits), encoding="utf-8")
+            elif suffix == ".pdf":
+                from wavesplat._picture import pdf
+
+                part.write_bytes(pdf.written(canvas))
             elif suffix == ".exr":
                 picture_files.write_exr(self, part)
             elif suffix in (".tif", ".tiff"):

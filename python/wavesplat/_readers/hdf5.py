@@ -10,7 +10,7 @@ import numpy as np
 from wavesplat._files import payload
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
-from wavesplat._readers.hdf5_place import place_of
+from wavesplat._model.hdf5_place import place_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat.errors import ArgumentError, FileError
 

@@ -17,20 +17,12 @@ from numpy.typing import NDArray
 
 from wavesplat._model import units
 from wavesplat._model.facts import Facts
+from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT
 from wavesplat.errors import FileError
 
 __all__ = ["Header", "inflated", "of_meta_image", "of_nrrd", "of_vtk"]
 
 N_HEADER_BYTES = 2**16
-#: NRRD's spaces whose axes are a patient's, as in ITK; a time axis may follow.
-ANATOMICAL_SPACES = {
-    "left-posterior-superior",
-    "lps",
-    "right-anterior-superior",
-    "ras",
-    "left-anterior-superior",
-    "las",
-}
 META_TYPES = {
     "MET_CHAR": "i1",
     "MET_UCHAR": "u1",
@@ -45,8 +37,6 @@ META_TYPES = {
     "MET_FLOAT": "f4",
     "MET_DOUBLE": "f8",
 }
-#: Words of headers for how it was measured -> DICOM's.
-MODALITIES = {"mri": "MR", "dwmri": "MR", "mr": "MR", "ct": "CT", "pet": "PT", "pt": "PT", "nm": "NM", "us": "US"}
 
 
 @dataclass(frozen=True)
@@ -98,6 +88,7 @@ def of_nrrd(path: Path) -> Header:
     index_factors = (1.0, 1.0, 1.0)
     if unit is None and "space directions" not in fields:
         unit, index_factors = units.in_one_unit(_three_units(fields.get("units", "")))
+    unit = unit or units.canonical(keys.get(UNIT))  # what ITK keeps of a unit: it knows of none
     conventions = []
     if unit is None and is_anatomical:
         unit = "mm"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,7 @@ from wavesplat._readers.request import Grid, Request, choose
 from wavesplat._readers.vtk_legacy import check_samples
 from wavesplat.errors import FileError
 
-if TYPE_CHECKING:
-    import SimpleITK
-
-__all__ = ["affine_of", "read", "simple_itk"]
+__all__ = ["read", "simple_itk"]
 
 
 def read(request: Request) -> Grid:
@@ -88,14 +85,6 @@ def simple_itk() -> Any:
 
     SimpleITK.ProcessObject.SetGlobalWarningDisplay(False)
     return SimpleITK
-
-
-def affine_of(image: SimpleITK.Image) -> NDArray[np.float64]:
-    """World (LPS) from index of a 3-D ITK image."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(image.GetDirection(), (3, 3)) * np.asarray(image.GetSpacing())
-    matrix[:3, 3] = image.GetOrigin()
-    return matrix
 
 
 def _header(path: Path) -> Header:

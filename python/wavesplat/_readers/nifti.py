@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
+from wavesplat._model.nibabel_image import facts_of, scaled, world_from_index
 from wavesplat._readers.request import Grid, Request, choose, quiet
 from wavesplat.errors import FileError
 
@@ -24,11 +24,6 @@ if TYPE_CHECKING:
     from nibabel.spatialimages import SpatialImage
 
 __all__ = ["read"]
-
-MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001}
-#: nibabel's names of the units of time, and ours; others (hz, ppm) are none of time.
-TIME_UNITS = {"sec": "s", "msec": "ms", "usec": "us"}
-LARGEST_FLOAT32 = float(np.finfo(np.float32).max)
 
 
 def read(request: Request) -> Grid:
@@ -39,7 +34,7 @@ def read(request: Request) -> Grid:
         image: Any = nibabel.load(request.file)
         _check_payload(image, request)
         stored = _one_volume(image, request)
-        return Grid(_scaled(stored, image).T, _world_from_index(image), _facts(image))
+        return Grid(_scaled(stored, image).T, world_from_index(image), facts_of(image))
 
 
 def _check_payload(image: SpatialImage, request: Request) -> None:
@@ -103,76 +98,5 @@ def _has_colors(proxy: Any) -> bool:
 
 
 def _scaled(stored: NDArray[Any], image: SpatialImage) -> NDArray[Any]:
-    """Slope and intercept applied; integers stay integers where nothing is lost."""
     proxy: Any = image.dataobj
-    slope, intercept = float(proxy.slope), float(proxy.inter)
-    if (slope, intercept) == (1.0, 0.0):
-        return stored
-    if stored.dtype.kind in "iu" and slope.is_integer() and intercept.is_integer():
-        ends = [int(end) * int(slope) + int(intercept) for end in (stored.min(), stored.max())]
-        for dtype in (np.int16, np.int32):
-            if np.iinfo(dtype).min <= min(ends) and max(ends) <= np.iinfo(dtype).max:
-                return (stored.astype(np.int64) * int(slope) + int(intercept)).astype(dtype)
-    values = stored * np.float64(slope) + intercept
-    # Slopes near the limit of float32 make values beyond it.
-    may_be_large = max(abs(slope), abs(intercept)) > 1e20 or (stored.dtype.kind == "f" and abs(slope) > 1)
-    if stored.dtype.itemsize > 4 or (may_be_large and _largest(values) > LARGEST_FLOAT32):
-        return values
-    return values.astype(np.float32)
-
-
-def _largest(values: NDArray[np.float64]) -> float:
-    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
-
-
-def _world_from_index(image: SpatialImage) -> NDArray[np.float64]:
-    header: Any = image.header
-    if not _has_orientation(image):
-        # The standard's method 1: spacing only. (nibabel would centre the volume and mirror x, as SPM did.)
-        world_from_index = np.diag([*(abs(float(zoom)) or 1.0 for zoom in header.get_zooms()[:3]), 1.0])
-    else:
-        world_from_index = np.array(image.affine, dtype=np.float64)
-    if _has_units(image):
-        world_from_index[:3] *= MM_PER_UNIT.get(header.get_xyzt_units()[0], 1.0)
-    return world_from_index
-
-
-def _has_units(image: SpatialImage) -> bool:
-    """Whether it is NIfTI; Analyze and FreeSurfer's format have no field for units."""
-    return hasattr(image.header, "get_xyzt_units")
-
-
-def _has_orientation(image: SpatialImage) -> bool:
-    """Whether the file says how the axes lie in the patient; Analyze never does."""
-    header: Any = image.header
-    if _has_units(image):
-        return bool(header["sform_code"] > 0 or header["qform_code"] > 0)
-    return hasattr(header, "get_vox2ras")
-
-
-def _facts(image: SpatialImage) -> Facts:
-    header: Any = image.header
-    is_anatomical = _has_orientation(image)
-    n_times = int(image.shape[3]) if len(image.shape) > 3 else 1
-    unit, time_unit = header.get_xyzt_units() if _has_units(image) else ("unknown", "unknown")
-    conventions, guesses = [], []
-    if not is_anatomical:
-        guesses.append(
-            "axes without anatomy, sample (0, 0, 0) at the origin: the file has no orientation (its qform and sform "
-            "codes are 0, or it is Analyze), only distances"
-        )
-    ours = "mm" if unit in MM_PER_UNIT else None
-    if ours is None and is_anatomical:
-        ours = "mm"
-        conventions.append("unit mm: the file names none; programs that read NIfTI take millimetres")
-    zooms = header.get_zooms()
-    step = float(zooms[3]) if n_times > 1 and len(zooms) > 3 and zooms[3] > 0 else None
-    return Facts(
-        unit=ours,
-        is_anatomical=is_anatomical,
-        n_times=max(n_times, 1),
-        time_step=step,
-        time_unit=TIME_UNITS.get(time_unit) if step is not None else None,
-        conventions=tuple(conventions),
-        guesses=tuple(guesses),
-    )
+    return scaled(stored, float(proxy.slope), float(proxy.inter))

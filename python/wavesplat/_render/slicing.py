@@ -18,19 +18,21 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors
+from wavesplat._looks.kinds import unit_of_values
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model import affine, units
+from wavesplat._model import affine
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import check_place
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, check_magnitude, vector
-from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
-from wavesplat._picture import annotation
+from wavesplat._picture import orientation
 from wavesplat._picture.picture import Picture
+from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
 from wavesplat._render import windows
 from wavesplat._render.arguments import (
@@ -57,7 +59,7 @@ ON_SAMPLE = 1e-6
 @public
 @takes_its_types
 def slice(
-    volume: Volume | WaveletVolume,
+    volume: VolumeLike,
     plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
     position: float | None = None,
     *,
@@ -70,8 +72,6 @@ def slice(
     window: str | tuple[float, float] | None = None,
     clim: tuple[float, float] | None = None,
     transfer_function: TransferFunction | str | None = None,
-    letters: bool = False,
-    scale_bar: bool | str = False,
     background: str | Sequence[float] | None = "black",
     threads: int | None = None,
 ) -> Picture:
@@ -79,7 +79,7 @@ def slice(
 
     Parameters
     ----------
-    volume : Volume or WaveletVolume
+    volume : Volume, WaveletVolume, array, or what else `Volume` takes
         What to cut.
     plane : str or (point, normal), default "axial"
         "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
@@ -109,12 +109,6 @@ def slice(
         volume's smallest and largest.
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent.
-    letters : bool
-        Write at the edges where they lie: R, L, A, P, S, I, and the sum of these for oblique planes. Only where the
-        volume `is_anatomical`.
-    scale_bar : bool or str
-        Draw a bar of a round length, with the volume's `unit` where it has one (2000 um is "2 mm"); a text is a unit's
-        name instead, as it is.
     background : colour, optional
         As for `render`; shows where there are no values.
     threads : int, optional
@@ -126,13 +120,13 @@ def slice(
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
         `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
         `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
-        (low, high), length and text of the bar, and what was done to the samples (`Facts.processing`).
+        (low, high), and what was done to the samples (`Facts.processing`). `Picture.annotated` writes on it: letters, a
+        scale bar, the colours of the values.
 
     Raises
     ------
     ArgumentError
-        If an argument cannot work, the plane lies outside the volume (the message has the range), or letters are
-        wanted of a volume without anatomy.
+        If an argument cannot work, or the plane lies outside the volume (the message has the range).
 
     Warns
     -----
@@ -148,9 +142,8 @@ def slice(
     >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
     (64, 48)
     """
+    volume = as_volume(volume)
     check_place(volume)
-    if letters:
-        _check_anatomy(volume)
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
     check_picture_memory(frame.size, PIXEL_BYTES)
@@ -160,7 +153,7 @@ def slice(
     if (window is not None or clim is not None) and transfer_function is not None:
         raise ArgumentError("window or clim and transfer_function both say how values look; give one of them")
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
-    drawn = volume._decoded() if isinstance(volume, WaveletVolume) else volume._core
+    drawn = volume._decoded(volume.left_out) if isinstance(volume, WaveletVolume) else volume._core
     first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
     with drawing(volume):
         values = _native.plane(
@@ -185,7 +178,8 @@ def slice(
         "pixel": frame.pixel,
         "unit": volume.unit,
         "anatomical": volume.is_anatomical,
-        "letters": annotation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
+        "background": colors.parse(background),
+        "letters": orientation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
         "n_planes": len(offsets),
         "kernel": kernel,
         "processing": list(volume.facts.processing),
@@ -193,32 +187,20 @@ def slice(
     if transfer_function is None:
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
         rgb = np.repeat(np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None], 3, axis=2)
+        colored = TransferFunction([(low, 1), (high, 1)], [(low, 0, 0, 0), (high, 1, 1, 1)])
         shown = np.isfinite(values)
     else:
         curves = chosen_transfer_function(transfer_function, volume)
         if isinstance(curves, TransferFunction2D):
             raise ArgumentError("a slice shows values, not gradients; give a TransferFunction, or none for grey")
+        colored = curves
         rgba = curves(values.ravel()).reshape(*values.shape, 4)
         rgb, shown = rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0)
+    report["shown"] = [shown_layer(volume.name, "over", colored, unit_of_values(volume))]
     picture = _on_background(rgb, shown, background)
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
-    if letters:
-        picture = annotation.with_letters(picture, report["letters"])
-    if scale_bar:
-        length = report["scale_bar"] = annotation.bar_length(frame.size[0], frame.pixel)
-        label = f"{length:g} {scale_bar}" if isinstance(scale_bar, str) else units.shown(length, volume.unit)
-        report["scale_bar_text"] = label
-        picture = annotation.with_scale_bar(picture, length, frame.pixel, label)
     return Picture(picture, value=values, report=report)
-
-
-def _check_anatomy(volume: Grid) -> None:
-    if not volume.is_anatomical:
-        raise ArgumentError(
-            f"volume {volume.name!r} has no letters: its file does not say how its axes lie in a patient; leave them "
-            "out, or, if you know that the world is RAS, say so with wavesplat.Volume(..., anatomical=True)"
-        )
 
 
 @dataclass(frozen=True)

@@ -97,14 +97,13 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     if options.psnr is not None and (sampling.sheets_per_slice is not None or sampling.oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either psnr or the Sampling")
     asked = checked_operator(options.composite)
-    layers, composite = shown_layers(scene, None if asked is None else name_of(asked))
+    shown = shown_layers(scene, None if asked is None else name_of(asked))
+    layers, composite = shown.layers, shown.composite
     operator = asked or checked_operator(composite) or "over"
-    first = scene.layers[0].drawn
-    clipping = scene._clipping
-    if not layers or len(layers) > 1 or layers[0].volume is not first:
-        clipping = clipping.in_world(first)
+    # A box in samples is in those of the first layer, which the compiled module knows only where it draws it alone.
+    clipping = scene._clipping if shown.has_first and len(layers) == 1 else scene._clipping.in_world(shown.first)
     labels = scene.labels
-    if labels is None and layers and layers[0].volume is first:
+    if labels is None and shown.has_first:
         labels = layers[0].look.labels
     if labels is not None and (composite != "over" or any(map(_is_coarse, layers))):
         raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
@@ -130,8 +129,8 @@ def _is_coarse(layer: ShownLayer) -> bool:
 
 
 def _hidden_parts(scene: Scene) -> list[Any]:
-    shown, _ = shown_layers(scene.with_(layers=[replace(scene.layers[0], visible=True, opacity=1)]), None)
-    return [(layer.seen, layer.look) for layer in shown]
+    shown = shown_layers(scene.with_(layers=replace(scene.layers[0], visible=True, opacity=1)), None)
+    return [(layer.seen, layer.look) for layer in shown.layers]
 
 
 def _empty(frame: _Frame) -> Picture:

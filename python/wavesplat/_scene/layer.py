@@ -7,14 +7,13 @@ from math import isfinite
 from operator import index
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.over_time import brightest
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.argument_types import described
+from wavesplat._model.foreign import as_volume
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -33,7 +32,7 @@ class Layer:
 
     Parameters
     ----------
-    volume : Volume, WaveletVolume, series or array
+    volume : Volume, WaveletVolume, Series, array, or what else `Volume` takes
         What is shown. Of an open series, `time` says which volume.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How its values are shown; a text is the name of a preset. None chooses by the kind of data, and colours of their
@@ -78,7 +77,7 @@ class Layer:
                 f"look is {described(look)}; give a wavesplat.Look, a TransferFunction, Materials or the name of a "
                 "preset"
             )
-        object.__setattr__(self, "visible", bool(self.visible))
+        object.__setattr__(self, "visible", _flag(self.visible))
         object.__setattr__(self, "opacity", _share(self.opacity))
         object.__setattr__(self, "name", self.volume.name if self.name is None else str(self.name))
 
@@ -90,7 +89,7 @@ class Layer:
 
     @property
     def looked_at(self) -> Volume | WaveletVolume:
-        """The volume that a look is chosen for: of a series one for all times, so that nothing flickers."""
+        """The volume whose values choose a look: of a series one for all times, so that nothing flickers."""
         return brightest(self.volume) if isinstance(self.volume, Series) else self.drawn
 
     @property
@@ -101,11 +100,7 @@ class Layer:
 
 def drawable(given: object) -> Volume | WaveletVolume:
     """What is given as something that can be drawn."""
-    if isinstance(given, Volume | WaveletVolume):
-        return given
-    if isinstance(given, np.ndarray):
-        return Volume(given)
-    raise ArgumentError(f"volume is {described(given)}; give {VOLUME}")
+    return as_volume(given)
 
 
 def _share(number: object) -> float:
@@ -116,6 +111,13 @@ def _share(number: object) -> float:
     if isinstance(number, str) or not (isfinite(share) and 0 <= share <= 1):
         raise ArgumentError(f"opacity of the layer is {described(number)}; give a number 0..1")
     return share
+
+
+def _flag(given: object) -> bool:
+    try:
+        return bool(given)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"visible of the layer is {described(given)}; give True or False") from None
 
 
 def _place(number: object) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -97,9 +98,10 @@ class Scene:
         clip: Clip | Iterable[Clip] = (),
         background: str | Sequence[float] | None = None,
     ) -> None:
+        given: object = shading
         if not (labels is None or isinstance(labels, Labels)):
             raise ArgumentError(f"labels is a {type(labels).__name__}; give a wavesplat.Labels(segmentation, ...)")
-        if not (shading is None or isinstance(shading, Shading) or (isinstance(shading, str) and shading == "look")):
+        if not (given is None or isinstance(given, Shading) or (isinstance(given, str) and given == "look")):
             raise ArgumentError(f'shading is {described(shading)}; give a wavesplat.Shading or None or "look"')
         clips = clip_tuple(clip)
         colors.parse(background)  # or an error
@@ -222,6 +224,10 @@ class Scene:
             progress=progress,
         )
         return draw(self, camera, options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        how = {name: getattr(self, name) for name in ("labels", "shading", "clip", "background")}
+        return partial(Scene, **how), (self.layers,)
 
     def __repr__(self) -> str:
         names = ", ".join(repr(layer.name) for layer in self.layers)

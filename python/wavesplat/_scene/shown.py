@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["ShownLayer", "operator_name", "seen_parts", "shown_layers"]
+__all__ = ["Shown", "ShownLayer", "operator_name", "seen_parts", "shown_layers"]
 
 Rgb = tuple[float, float, float]
 
@@ -104,48 +104,61 @@ def operator_name(looks: Sequence[Look]) -> Composite:
     return names[0]
 
 
-def shown_layers(scene: Scene, composite: Composite | None) -> tuple[list[ShownLayer], Composite]:
-    """Layers that are seen, and the name of the operator that all are drawn with.
+@dataclass(frozen=True)
+class Shown:
+    """Layers that are seen, the operator that all are drawn with, and the volume whose samples boxes are given in."""
+
+    layers: list[ShownLayer]
+    composite: Composite
+    first: Volume | WaveletVolume
+
+    @property
+    def has_first(self) -> bool:
+        """Whether the scene's first layer is the first that is seen."""
+        return bool(self.layers) and self.layers[0].volume is self.first
+
+
+def shown_layers(scene: Scene, composite: Composite | None) -> Shown:
+    """What is seen of a scene.
 
     The first layer is among them, with an opacity of 0, where it is not seen and the scene has labels, which lie on it.
     """
-    first = scene.layers[0].drawn
     layers = [
         layer
         for number, layer in enumerate(scene.layers)
         if layer.is_shown or (number == 0 and scene.labels is not None)
     ]
     volumes = [layer.drawn for layer in layers]
-    # Of a series a look is chosen for all times.
-    looked_at = [layer.looked_at for layer in layers]
-    looks = [_kept_look(scene, layer, volume, composite) for layer, volume in zip(layers, looked_at, strict=True)]
+    first = volumes[0] if layers and layers[0] is scene.layers[0] else scene.layers[0].drawn
+    looks = [_kept_look(scene, layer, composite) for layer in layers]
     name = composite or operator_name(looks)
     several = len(layers) > 1
     if several:
-        for k, (layer, volume) in enumerate(zip(layers, looked_at, strict=True)):
-            if looks[k].composite != name or (looks[k].labels is not None and volumes[k] is not first):
-                looks[k] = _kept_look(scene, layer, volume, name)
-        looks = _told_apart(scene, layers, looked_at, looks, name)
+        for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
+            if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
+                looks[k] = _kept_look(scene, layer, name)
+        looks = _told_apart(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         boxes = in_samples_of(volume, scene._clipping.boxes, first)
         seen = cut_open(volume, boxes)
         shown.append(ShownLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
-    return shown, name
+    return Shown(shown, name, first)
 
 
 def seen_parts(scene: Scene, look: Look) -> list[Part]:
     """What is seen of the volumes, and their looks; that of the first layer is given, whatever its own."""
-    shown, _ = shown_layers(scene, look.composite)
-    return [(layer.seen, look if number == 0 else layer.look) for number, layer in enumerate(shown)]
+    layers = shown_layers(scene, look.composite).layers
+    return [(layer.seen, look if number == 0 else layer.look) for number, layer in enumerate(layers)]
 
 
 def _is_automatic(layer: Layer) -> bool:
     return layer.look is None or (isinstance(layer.look, str) and layer.look.lower() == "auto")
 
 
-def _kept_look(scene: Scene, layer: Layer, volume: Volume | WaveletVolume, composite: Composite | None) -> Look:
+def _kept_look(scene: Scene, layer: Layer, composite: Composite | None) -> Look:
     """The layer's look; what is found out of a volume's values is found out once."""
+    volume = layer.looked_at
     if not (layer.look is None or isinstance(layer.look, str)):
         return chosen_look(layer.look, volume, composite)
     key = id(volume), layer.look, composite
@@ -160,15 +173,15 @@ def _kept_look(scene: Scene, layer: Layer, volume: Volume | WaveletVolume, compo
 def _told_apart(
     scene: Scene,
     layers: Sequence[Layer],
-    volumes: Sequence[Volume | WaveletVolume],
     looks: Sequence[Look],
     composite: Composite,
 ) -> list[Look]:
     """Colours of their own for channels of fluorescence and, in projections, for all that have no look."""
     made, taken = list(looks), list[Rgb]()
-    for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
+    for k, layer in enumerate(layers):
         if not _is_automatic(layer):
             continue
+        volume = layer.looked_at
         if composite in ("over", "first-hit") and kind_of(volume) != "fluorescence":
             continue
         color = _free_color(volume, taken)

@@ -1,0 +1,47 @@
+"""Layers of napari: the last three axes are z, y and x.
+
+Scale, rotation, shear, translation, affine and units count.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wavesplat._model import units
+from wavesplat._model.facts import Facts
+from wavesplat._model.taken import Taken, loaded
+from wavesplat.errors import ArgumentError
+
+__all__ = ["of_napari"]
+
+
+def of_napari(layer: Any) -> Taken:
+    """An image or labels layer; of several levels, the finest."""
+    kind, name = type(layer).__name__, str(layer.name)
+    if kind not in ("Image", "Labels") and not hasattr(getattr(layer, "data", None), "shape"):
+        raise ArgumentError(f"a layer of {kind} has no samples on a grid; give an image or labels layer")
+    if getattr(layer, "rgb", False):
+        raise ArgumentError(
+            f"layer {name!r} has 3 channels of colour; give one of them, as wavesplat.Volume(layer.data[..., 0])"
+        )
+    data = layer.data[0] if getattr(layer, "multiscale", False) else layer.data
+    extra = len(data.shape) - 3
+    if extra > 0 and set(data.shape[:extra]) != {1}:
+        raise ArgumentError(
+            f"layer {name!r} has shape {tuple(data.shape)}; give one volume of it, as "
+            f"wavesplat.Volume(layer.data[{', '.join(['0'] * extra)}], spacing=(x, y, z))"
+        )
+    samples = loaded(data[(0,) * extra] if extra > 0 else data, name)
+    n = len(data.shape)
+    # napari keeps its steps apart, and composes them itself; the axes that are left out stay at 0.
+    ends = np.array([layer.data_to_world(point) for point in np.vstack([np.zeros(n), np.eye(n)])], np.float64)
+    xyz = [n - 1, n - 2, n - 3]
+    matrix = np.eye(4)
+    matrix[:3, 3] = ends[0, xyz]
+    matrix[:3, :3] = (ends[1:] - ends[0])[np.ix_(xyz, xyz)].T
+    named = [units.canonical(unit) for unit in (getattr(layer, "units", None) or ())]
+    unit, factors = units.in_one_unit((named[-1], named[-2], named[-3]) if len(named) == n else (None, None, None))
+    matrix[:3] *= np.array(factors)[:, None]
+    return Taken(samples, matrix, Facts(unit=unit), name)

@@ -1,0 +1,134 @@
+"""Images of nibabel: their place, scaled samples and facts, for images in memory and for those of the reader.
+
+NIfTI's world is RAS already; the sform wins over the qform.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.facts import Facts
+from wavesplat._model.taken import Taken
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from nibabel.spatialimages import SpatialImage
+
+__all__ = ["NO_ANATOMY", "facts_of", "of_nibabel", "scaled", "world_from_index"]
+
+MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001}
+#: nibabel's names of the units of time, and ours; others (hz, ppm) are none of time.
+TIME_UNITS = {"sec": "s", "msec": "ms", "usec": "us"}
+LARGEST_FLOAT32 = float(np.finfo(np.float32).max)
+#: What `Volume.to_nibabel` writes as the description of a world that is no patient's, since NIfTI has no code for it.
+NO_ANATOMY = "axes without anatomy"
+
+
+def of_nibabel(image: Any) -> Taken:
+    """An image in memory, or one whose samples are still in its file."""
+    if not hasattr(image, "dataobj") or getattr(image, "affine", None) is None:
+        raise ArgumentError(f"a {type(image).__name__} has no samples on a grid; give an image, as of nibabel.load")
+    shape = tuple(image.shape)
+    if len(shape) > 3 and set(shape[3:]) != {1}:
+        first = ", ".join(["0"] * (len(shape) - 3))
+        raise ArgumentError(
+            f"the image is {len(shape)}-D, shape {shape} (x, y, z, time, ...); give one volume of it, as "
+            f"image.slicer[..., 0] for the first"
+            if len(shape) == 4
+            else f"the image is {len(shape)}-D, shape {shape}; give one volume of it, as "
+            f"nibabel.Nifti1Image(image.dataobj[..., {first}], image.affine, image.header)"
+        )
+    proxy = image.dataobj
+    if hasattr(proxy, "get_unscaled") and isinstance(getattr(proxy, "slope", None), float | int | np.floating):
+        samples = scaled(np.asarray(proxy.get_unscaled()), float(proxy.slope), float(proxy.inter))
+    else:
+        samples = np.asarray(proxy)
+    if samples.dtype.names:
+        raise ArgumentError(
+            f"the image has {len(samples.dtype.names)} channels of colour; give one of them, as "
+            f"wavesplat.Volume(image.dataobj[{samples.dtype.names[0]!r}].T, world_from_index=image.affine)"
+        )
+    file = image.get_filename()
+    name = None if file is None else Path(file).name
+    return Taken(samples.reshape(shape[:3], order="F").T, world_from_index(image), facts_of(image), name)
+
+
+def scaled(stored: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]:
+    """Slope and intercept applied; integers stay integers where nothing is lost."""
+    if (slope, intercept) == (1.0, 0.0):
+        return stored
+    if stored.dtype.kind in "iu" and slope.is_integer() and intercept.is_integer():
+        ends = [int(end) * int(slope) + int(intercept) for end in (stored.min(), stored.max())]
+        for dtype in (np.int16, np.int32):
+            if np.iinfo(dtype).min <= min(ends) and max(ends) <= np.iinfo(dtype).max:
+                return (stored.astype(np.int64) * int(slope) + int(intercept)).astype(dtype)
+    values = stored * np.float64(slope) + intercept
+    # Slopes near the limit of float32 make values beyond it.
+    may_be_large = max(abs(slope), abs(intercept)) > 1e20 or (stored.dtype.kind == "f" and abs(slope) > 1)
+    if stored.dtype.itemsize > 4 or (may_be_large and _largest(values) > LARGEST_FLOAT32):
+        return values
+    return values.astype(np.float32)
+
+
+def _largest(values: NDArray[np.float64]) -> float:
+    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+
+
+def world_from_index(image: SpatialImage) -> NDArray[np.float64]:
+    """World (RAS, millimetres where units are known) from index."""
+    header: Any = image.header
+    if not _has_orientation(image):
+        # The standard's method 1: spacing only. (nibabel would centre the volume and mirror x, as SPM did.)
+        world_from_index = np.diag([*(abs(float(zoom)) or 1.0 for zoom in header.get_zooms()[:3]), 1.0])
+    else:
+        world_from_index = np.array(image.affine, dtype=np.float64)
+    if _has_units(image):
+        world_from_index[:3] *= MM_PER_UNIT.get(header.get_xyzt_units()[0], 1.0)
+    return world_from_index
+
+
+def _has_units(image: SpatialImage) -> bool:
+    """Whether it is NIfTI; Analyze and FreeSurfer's format have no field for units."""
+    return hasattr(image.header, "get_xyzt_units")
+
+
+def _has_orientation(image: SpatialImage) -> bool:
+    """Whether the image says how its axes lie in the world; Analyze never does, other formats always."""
+    header: Any = image.header
+    if _has_units(image):
+        return bool(header["sform_code"] > 0 or header["qform_code"] > 0)
+    return not hasattr(header, "default_x_flip")
+
+
+def facts_of(image: SpatialImage) -> Facts:
+    """What the header says."""
+    header: Any = image.header
+    is_placed = _has_orientation(image)
+    is_anatomical = is_placed and not (_has_units(image) and header["descrip"].item() == NO_ANATOMY.encode())
+    n_times = int(image.shape[3]) if len(image.shape) > 3 else 1
+    unit, time_unit = header.get_xyzt_units() if _has_units(image) else ("unknown", "unknown")
+    conventions, guesses = [], []
+    if not is_placed:
+        guesses.append(
+            "axes without anatomy, sample (0, 0, 0) at the origin: the file has no orientation (its qform and sform "
+            "codes are 0, or it is Analyze), only distances"
+        )
+    ours = "mm" if unit in MM_PER_UNIT else None
+    if ours is None and is_anatomical:
+        ours = "mm"
+        conventions.append("unit mm: the file names none; programs that read NIfTI take millimetres")
+    zooms = header.get_zooms()
+    step = float(zooms[3]) if n_times > 1 and len(zooms) > 3 and zooms[3] > 0 else None
+    return Facts(
+        unit=ours,
+        is_anatomical=is_anatomical,
+        n_times=max(n_times, 1),
+        time_step=step,
+        time_unit=TIME_UNITS.get(time_unit) if step is not None else None,
+        conventions=tuple(conventions),
+        guesses=tuple(guesses),
+    )

@@ -1,0 +1,55 @@
+"""What was taken of an object of another library: samples, where they lie, and what else it says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.memory import check_room
+from wavesplat._model.facts import Facts
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Taken", "check_shape", "loaded"]
+
+
+NOTHING_SAID = Facts()
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Samples [z, y, x]; None for a place or a name that the object does not have."""
+
+    samples: Any
+    world_from_index: NDArray[np.float64] | None = None
+    facts: Facts = NOTHING_SAID
+    name: str | None = None
+
+
+def loaded(array: Any, name: str) -> NDArray[Any]:
+    """The samples of an array that is not in memory yet; refused before it is read where it is no volume."""
+    check_shape(tuple(array.shape), name)
+    check_room(int(np.prod(array.shape, dtype=np.float64)) * np.dtype(array.dtype).itemsize, "the samples", "crop them")
+    return np.asarray(array[...])
+
+
+def check_shape(shape: Sequence[int], name: str) -> None:
+    """An `ArgumentError` if an array of this shape is no volume."""
+    shape = tuple(shape)
+    if len(shape) == 2:
+        raise ArgumentError(
+            f"volume {name!r}: the array is 2-D, shape {shape}; a volume is [z, y, x]: "
+            "stack at least two slices with np.stack(slices)"
+        )
+    if len(shape) == 4:
+        raise ArgumentError(
+            f"volume {name!r}: the array is 4-D, shape {shape}; a volume is [z, y, x]: pick one time point or channel, "
+            f"as array[n] with n = 0..{shape[0] - 1} or array[..., n] with n = 0..{shape[3] - 1}"
+        )
+    if len(shape) != 3:
+        raise ArgumentError(f"volume {name!r}: the array is {len(shape)}-D, shape {shape}; a volume is 3-D, [z, y, x]")
+    if 0 in shape:
+        raise ArgumentError(f"volume {name!r}: shape {shape} (z, y, x) holds no samples; every axis needs at least 1")

@@ -1,0 +1,129 @@
+"""What people hold, as samples with their place: which module knows the objects of which library.
+
+Objects are known by the library of their class, or by what they have, so that no library is imported but those whose
+objects are given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike, fspath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.grid import Grid
+from wavesplat._model.hdf5_place import place_of
+from wavesplat._model.itk_image import of_itk, of_simple_itk
+from wavesplat._model.labelled_array import is_labelled, unlabelled
+from wavesplat._model.napari_layer import of_napari
+from wavesplat._model.nibabel_image import of_nibabel
+from wavesplat._model.taken import Taken, loaded
+from wavesplat._model.tensor import of_array, of_torch
+from wavesplat._model.vtk_image import of_vtk
+from wavesplat.errors import ArgumentError
+
+__all__ = ["taken"]
+
+#: What helps where the library is known and the object is not one that has samples on a grid.
+INSTEAD = {
+    "PIL": "a volume is several pictures: stack them, as with numpy.stack(pictures)",
+    "h5py": "give one of its datasets, as file['name'], or open the file with wavesplat.open(path, dataset='name')",
+    "pydicom": "open the folder of the slices with wavesplat.open(folder)",
+    "trimesh": "a mesh has no samples inside; give the volume that it was made from",
+    "zarr": "give one of its arrays, as group['0'], or open it with wavesplat.open(path)",
+}
+
+
+def taken(thing: Any, what: str, *, has_place: bool = False) -> Taken:
+    """Samples, place and facts of an object; an `ArgumentError` of one sentence for what is no volume.
+
+    what : what messages call the argument.
+    has_place : where the samples lie is said otherwise.
+    """
+    if isinstance(thing, np.ndarray):
+        return Taken(thing)
+    if is_labelled(thing):
+        return unlabelled(thing, has_place=has_place)
+    libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
+    take = next((take for name, take in TAKERS.items() if name in libraries), None)
+    try:
+        found = _of_any(thing) if take is None else take(thing)
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from error
+    except (AttributeError, KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
+        said = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ArgumentError(f"{what}: a {type(thing).__name__} could not be read as samples: {said}") from error
+    if found is None:
+        raise ArgumentError(f"{what} {_no_volume(thing, libraries)}")
+    return found
+
+
+def _no_volume(thing: object, libraries: set[str]) -> str:
+    """What a thing is, and what helps."""
+    if isinstance(thing, str | PathLike):
+        return f"is {described(thing)}, the name of a file; open it first: wavesplat.open({fspath(thing)!r})"
+    if isinstance(thing, list | tuple) and any(isinstance(part, Grid) for part in thing):
+        return f"is a {type(thing).__name__} of {len(thing)}; give one of them"
+    for name, mend in INSTEAD.items():
+        if name in libraries:
+            return f"is a {type(thing).__name__}; {mend}"
+    return f"is {described(thing)}; give {VOLUME}"
+
+
+def _of_any(thing: Any) -> Taken | None:
+    if isinstance(thing, Grid):
+        samples = getattr(thing, "samples", None)
+        if samples is None:
+            raise ArgumentError("wavelet coefficients are no samples; decode them first, with wavelets.to_volume()")
+        return Taken(samples, thing.world_from_index, thing.facts, thing.name)
+    if isinstance(thing, list | tuple | memoryview):
+        return _of_rows(thing)
+    array = of_array(thing)
+    return None if array is None else Taken(array)
+
+
+def _of_rows(rows: Any) -> Taken | None:
+    """Nested sequences of numbers, or slices of a stack."""
+    if isinstance(rows, list | tuple) and any(isinstance(part, Grid) for part in rows):
+        return None
+    try:
+        array: NDArray[Any] = np.asarray(rows)
+    except ValueError:
+        raise ArgumentError("the samples are rows of different lengths; give an array [z, y, x]") from None
+    return Taken(array) if array.ndim > 2 and array.dtype.kind in "biufc" else None
+
+
+def _of_lazy(array: Any) -> Taken | None:
+    """An array of Dask or Zarr, which is computed or read."""
+    if not hasattr(array, "shape"):
+        return None
+    # Dask's names are made up.
+    name = None if hasattr(array, "compute") else str(array.name or "").rpartition("/")[2] or None
+    return Taken(loaded(array, name or "array"), name=name)
+
+
+def _of_hdf5(dataset: Any) -> Taken | None:
+    """A dataset of h5py, with the place that its attributes give."""
+    if not hasattr(dataset, "shape"):
+        return None
+    name = str(dataset.name).rpartition("/")[2]
+    place = place_of(dataset)
+    samples = loaded(dataset, name)
+    return Taken(np.transpose(samples, place.zyx), place.world_from_index, place.facts, name)
+
+
+#: The library of a class, or of one that it is made from -> what takes its objects.
+TAKERS: dict[str, Callable[[Any], Taken | None]] = {
+    "SimpleITK": of_simple_itk,
+    "itk": of_itk,
+    "nibabel": of_nibabel,
+    "vtkmodules": of_vtk,
+    "napari": of_napari,
+    "torch": of_torch,
+    "dask": _of_lazy,
+    "zarr": _of_lazy,
+    "h5py": _of_hdf5,
+}

@@ -1,0 +1,62 @@
+"""Tensors of PyTorch, and arrays of other libraries that may lie in the memory of a GPU."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.facts import Facts
+from wavesplat._model.taken import Taken
+from wavesplat.errors import ArgumentError
+
+__all__ = ["of_array", "of_torch"]
+
+#: The library of an array -> how it is brought to the computer's memory.
+FETCHED = {"cupy": "cupy.asnumpy(array)", "jax": "jax.device_get(array)", "numba": "array.copy_to_host()"}
+
+
+def of_torch(tensor: Any) -> Taken:
+    """A tensor [z, y, x], detached from its gradient and copied from a GPU where it has to be.
+
+    One of MONAI, which knows its affine, is [channel, x, y, z] in the RAS world.
+    """
+    if tensor.is_sparse:
+        tensor = tensor.to_dense()
+    bare = tensor.detach().cpu().resolve_conj().resolve_neg()
+    if str(bare.dtype) in ("torch.bfloat16", "torch.float8_e4m3fn", "torch.float8_e5m2"):  # not known to NumPy
+        bare = bare.float()
+    samples = bare.numpy()
+    if type(tensor).__name__ != "MetaTensor":
+        return Taken(samples)
+    if samples.ndim == 4:
+        if samples.shape[0] != 1:
+            raise ArgumentError(f"the tensor has {samples.shape[0]} channels; give one of them, as tensor[:1]")
+        samples = samples[0]
+    affine = np.asarray(tensor.affine.detach().cpu().numpy(), np.float64)
+    conventions = ("axes of a patient, in mm: MONAI counts them so",)
+    return Taken(np.asarray(samples).T, affine, Facts(unit="mm", is_anatomical=True, conventions=conventions))
+
+
+def of_array(array: Any) -> NDArray[Any] | None:
+    """What has NumPy's or DLPack's way to give samples, as an array; None of what has none."""
+    ways = ("__array__", "__array_interface__", "__array_struct__", "__dlpack__", "__cuda_array_interface__")
+    if not any(hasattr(array, way) for way in ways):
+        return None
+    try:
+        if not any(hasattr(array, way) for way in ways[:3]) and hasattr(array, ways[3]):
+            return np.from_dlpack(array)
+        found = np.asarray(array)
+    except (TypeError, ValueError, RuntimeError, BufferError, AttributeError) as error:
+        root = type(array).__module__.partition(".")[0]
+        if hasattr(array, "__cuda_array_interface__") or hasattr(array, "__dlpack_device__"):
+            how = FETCHED.get(root, "its own way to NumPy")
+            raise ArgumentError(
+                f"a {root}.{type(array).__name__} may lie in the memory of a GPU; copy it first, with {how}"
+            ) from error
+        said = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ArgumentError(
+            f"a {type(array).__name__} cannot be read as an array ({said}); convert it first"
+        ) from error
+    return None if found.dtype.kind == "O" and found.ndim == 0 else found

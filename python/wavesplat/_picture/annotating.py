@@ -1,0 +1,316 @@
+"""A picture with a scale bar, the letters of its directions, colour bars, a legend and a title.
+
+What belongs to the rendering stands on it, at its corners and edges, with a halo; what explains colours, and the title,
+stand beside it on the same background, so that nothing is hidden.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil, isfinite
+from os import PathLike, fspath
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import colors
+from wavesplat._model import units
+from wavesplat._model.argument_types import described
+from wavesplat._picture import color_bar, legend, lettering, orientation, raster, report_facts, scale_bar
+from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, moved
+from wavesplat._picture.style import WHITE, Style, contrast
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Corner", "Figure", "Orientation", "Side", "annotated", "with_caption"]
+
+Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper right"]
+Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
+Orientation: TypeAlias = Literal["letters", "cube", "axes"]
+
+#: The font is this part of the shorter side high, in these bounds, pixels: a figure as wide as a column of a journal
+#: (86 mm) then has 9 points.
+TEXT_SHARE, TEXT_PX = 1 / 27, (10.0, 200.0)
+POINTS_PER_INCH = 72.0
+#: From the edges, between blocks, between the rendering and what stands beside it; sizes of the font.
+MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
+#: Height of a colour bar among the rendering's, where it has room; the least, in sizes of the font.
+BAR_SHARE, LEAST_BAR = 0.62, 7.0
+TITLE, TITLE_LINE = 1.25, 1.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """What is wanted on a picture, as `Picture.annotated` describes it."""
+
+    scale_bar: bool | float | str = False
+    orientation: Orientation | None = None
+    colorbar: bool | str = False
+    legend: bool | Iterable[str] = False
+    title: str | None = None
+    unit: str | None = None
+    values: str | None = None
+    dpi: float | None = None
+    font_size: float | None = None
+    color: str | Sequence[float] | None = None
+    font: str | PathLike[str] | None = None
+    scale_bar_at: Corner = "lower left"
+    orientation_at: Corner = "lower right"
+    colorbar_at: Side = "beside"
+    legend_at: Side = "beside"
+
+
+def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figure) -> tuple[Canvas, dict[str, Any]]:
+    """The canvas, and what was written, for the report."""
+    _check(figure)
+    height, width = rgba.shape[:2]
+    font = None if figure.font is None else fspath(figure.font)
+    background = report_facts.background_of(report, rgba)
+    # On paper, where nobody says otherwise.
+    behind: Color = WHITE if background is None else background[:3]
+    style = Style(_font_px(figure, width, height), _ink(figure, behind), font=font)
+    on_picture = style.on_picture()
+    margin = MARGIN * style.size
+    sheet = _Sheet(width, height, margin, GAP * style.size)
+    told: dict[str, Any] = {}
+
+    if figure.scale_bar is not False:
+        bar = _bar(figure, report, width)
+        told["scale_bar"] = {"length": bar.length, "pixels": bar.length_px, "text": bar.text}
+        sheet.put(scale_bar.block(bar, on_picture), figure.scale_bar_at, "a scale bar")
+    if figure.orientation is not None:
+        _orient(sheet, figure, report, on_picture)
+    if figure.legend is not False:
+        swatches = _named(figure, report)
+        lettering.check_letters("".join(name for name, _ in swatches), font, "a name of the legend")
+        beside = figure.legend_at == "beside"
+        block = legend.block(swatches, height - 2 * margin, style if beside else on_picture)
+        sheet.put(block, figure.legend_at, "the legend")
+    if figure.colorbar is not False:
+        beside = figure.colorbar_at == "beside"
+        for block in _color_bars(figure, report, height, style if beside else on_picture, behind):
+            sheet.put(block, figure.colorbar_at, "the colour bar")
+    return sheet.canvas(rgba, background, style, figure), told
+
+
+def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
+    """The picture with a line of text at its lower edge."""
+    height, width = rgba.shape[:2]
+    style = Style(_font_px(Figure(), width, height), WHITE).on_picture()
+    mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
+    return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
+
+
+class _Sheet:
+    """Blocks are put at the corners of the rendering, one above the other, or in columns at its right."""
+
+    def __init__(self, width: int, height: int, margin: float, gap: float) -> None:
+        self.width, self.height, self.margin, self.gap = width, height, margin, gap
+        self.marks: list[Mark] = []
+        self.filled = dict.fromkeys(get_args(Corner), margin)
+        self.beside: list[Block] = []
+
+    def put(self, block: Block, where: Side, what: str) -> None:
+        """In the next place of a corner, or of what stands beside."""
+        if where == "beside":
+            self.beside.append(block)
+            return
+        if block.width + self.margin > self.width or block.height + self.margin > self.height:
+            raise ArgumentError(
+                f"a picture of {self.width} x {self.height} pixels has no room for {what}; draw a larger one, or give "
+                "a smaller font_size"
+            )
+        across = self.margin if "left" in where else self.width - self.margin - block.width
+        down = self.filled[where]
+        self.marks += moved(block.marks, across, down if "upper" in where else self.height - down - block.height)
+        self.filled[where] = down + block.height + self.gap
+
+    def columns(self) -> list[Block]:
+        """What stands beside, each column half way up."""
+        columns: list[list[Block]] = []
+        for block in self.beside:
+            if columns and self._height([*columns[-1], block]) <= self.height - 2 * self.margin:
+                columns[-1].append(block)
+            else:
+                columns.append([block])
+        return [self._column(blocks) for blocks in columns]
+
+    def _height(self, blocks: Sequence[Block]) -> float:
+        return sum(block.height for block in blocks) + 2 * (len(blocks) - 1) * self.gap
+
+    def _column(self, blocks: Sequence[Block]) -> Block:
+        y = (self.height - self._height(blocks)) / 2
+        marks: list[Mark] = []
+        for block in blocks:
+            marks += moved(block.marks, 0, y)
+            y += block.height + 2 * self.gap
+        return Block(tuple(marks), max(block.width for block in blocks), self.height)
+
+    def canvas(self, rgba: NDArray[np.float32], background: Any, style: Style, figure: Figure) -> Canvas:
+        """All of it, as large as it must be; sides are even, as encoders of movies want them."""
+        right = float(self.width)
+        columns = self.columns()
+        for column in columns:
+            right += BESIDE * style.size
+            self.marks += moved(column.marks, right, 0)
+            right += column.width
+        right += self.margin if columns else 0
+        below = max((_lowest(mark) for column in columns for mark in column.marks), default=0.0) + self.margin
+        title, top = _title(figure, style, self.width)
+        height = max(float(self.height), below if columns else 0.0) + top
+        grown = right > self.width or height > self.height
+        return Canvas(
+            _even(right) if grown else self.width,
+            _even(height) if grown else self.height,
+            rgba,
+            (0, top),
+            background if grown else None,
+            (*moved(self.marks, 0, top), *title),
+            style.font,
+            figure.dpi,
+            figure.title or "",
+        )
+
+
+def _title(figure: Figure, style: Style, width: int) -> tuple[list[Mark], int]:
+    """Its lines over the rendering, and how much room they take."""
+    if not figure.title:
+        return [], 0
+    lettering.check_letters(figure.title, style.font, "the title")
+    size = TITLE * style.size
+    lines = lettering.wrapped(figure.title, size, width - 2 * MARGIN * style.size, style.font)
+    first = 0.75 * size + lettering.CAP_HEIGHT * size
+    marks: list[Mark] = [
+        Text(width / 2, first + number * TITLE_LINE * size, line, size, style.ink, "middle")
+        for number, line in enumerate(lines)
+    ]
+    return marks, ceil(first + (len(lines) - 1) * TITLE_LINE * size + 0.6 * size)
+
+
+def _check(figure: Figure) -> None:
+    from wavesplat._picture.picture import check_dpi
+
+    check_dpi(figure.dpi)
+    if figure.orientation is not None and figure.orientation not in get_args(Orientation):
+        raise ArgumentError(
+            f"orientation is {described(figure.orientation)}; use one of: {', '.join(get_args(Orientation))}, or None"
+        )
+    for name, places in (
+        ("scale_bar_at", Corner),
+        ("orientation_at", Corner),
+        ("colorbar_at", Side),
+        ("legend_at", Side),
+    ):
+        if getattr(figure, name) not in get_args(places):
+            raise ArgumentError(
+                f"{name} is {described(getattr(figure, name))}; use one of: {', '.join(get_args(places))}"
+            )
+    size = figure.font_size
+    if size is not None and not (isfinite(size) and 1 <= size <= 1000):
+        raise ArgumentError(f"font_size is {size:g}; give 1 to 1000: points where dpi is given, else pixels")
+
+
+def _font_px(figure: Figure, width: int, height: int) -> float:
+    if figure.font_size is None:
+        return round(float(np.clip(min(width, height) * TEXT_SHARE, *TEXT_PX)), 1)
+    return figure.font_size * (figure.dpi or POINTS_PER_INCH) / POINTS_PER_INCH
+
+
+def _ink(figure: Figure, behind: Color) -> Color:
+    rgba = colors.parse(figure.color)
+    if rgba is None:
+        return contrast(behind)
+    return rgba[:3]
+
+
+def _bar(figure: Figure, report: Mapping[str, Any], width: int) -> scale_bar.Bar:
+    pixel = report.get("pixel")
+    if pixel is None:
+        raise ArgumentError(
+            "this picture does not say how far its pixels are apart, which a scale bar needs; pictures of render and "
+            'slice do, and others may: wavesplat.Picture(rgba, report={"pixel": 0.5, "unit": "mm"})'
+        )
+    known = report.get("unit")
+    given = units.checked(figure.unit)
+    if given is not None and known is not None and given != known:
+        raise ArgumentError(
+            f"unit is {figure.unit!r}, but the file's is {known!r}; leave it out, or open the file with unit="
+        )
+    camera = report.get("camera") or {}
+    in_perspective = camera.get("view_angle") is not None
+    return scale_bar.bar_of(figure.scale_bar, width, float(pixel), known or given, is_perspective=in_perspective)
+
+
+def _orient(sheet: _Sheet, figure: Figure, report: Mapping[str, Any], style: Style) -> None:
+    view, is_anatomical = report_facts.view_of(report), bool(report.get("anatomical"))
+    if figure.orientation == "letters":
+        if not is_anatomical:
+            raise ArgumentError(
+                "this picture has no letters: the file does not say how its axes lie in a patient; use "
+                'orientation="cube" or "axes", which show x, y and z, or, if you know that the world is RAS, say so '
+                "with wavesplat.Volume(..., anatomical=True)"
+            )
+        sheet.marks += orientation.letter_marks(view, sheet.width, sheet.height, sheet.margin, style)
+        return
+    drawn = orientation.cube_block if figure.orientation == "cube" else orientation.axes_block
+    sheet.put(drawn(view, style, is_anatomical=is_anatomical), figure.orientation_at, f"the {figure.orientation}")
+
+
+def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_facts.ShownLayer, str]]:
+    """Layers that get a colour bar, with what is written at it."""
+    layers = report_facts.layers_of(report)
+    if isinstance(figure.colorbar, str):
+        names = [layer.name for layer in layers]
+        if figure.colorbar not in names:
+            raise ArgumentError(f"no layer is named {figure.colorbar!r}; there are: {', '.join(map(repr, names))}")
+        layers = [layer for layer in layers if layer.name == figure.colorbar]
+    if figure.values is not None:
+        return [(layer, figure.values) for layer in layers]
+    if len(layers) == 1:
+        return [(layers[0], layers[0].values or _plain(layers[0].name))]
+    return [(layer, _plain(layer.name) + (f" ({layer.values})" if layer.values else "")) for layer in layers]
+
+
+def _plain(name: str) -> str:
+    """A file's name without what says its format."""
+    return re.sub(r"(?<=.)(\.(nii|ome))?\.[A-Za-z][A-Za-z0-9]{1,5}$", "", name)
+
+
+def _color_bars(figure: Figure, report: Mapping[str, Any], height: int, style: Style, behind: Color) -> list[Block]:
+    """One above the other, as long as there is room for all of them."""
+    colored = _colored(figure, report)
+    scales = [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
+    for scale in scales:
+        lettering.check_letters(scale.title, style.font, "the name of a layer")
+    room = height - 2 * MARGIN * style.size - 2 * (len(scales) - 1) * GAP * style.size
+    long = max(min(room / len(scales), BAR_SHARE * height), LEAST_BAR * style.size)
+    return [color_bar.block(scale, long, style, behind) for scale in scales]
+
+
+def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color]]:
+    """Names and colours of the legend."""
+    swatches = [(_plain(name), color) for name, color in report_facts.swatches_of(report)]
+    if not swatches:
+        raise ArgumentError("there is nothing for a legend: this picture has no labels, and not several layers")
+    if figure.legend is True:
+        return swatches
+    if isinstance(figure.legend, str) or not isinstance(figure.legend, Iterable):
+        raise ArgumentError(f"legend is {described(figure.legend)}; give True, or the names that it shall have")
+    known = dict(swatches)
+    wanted = [str(name) for name in figure.legend]
+    missing = [name for name in wanted if name not in known]
+    if missing or not wanted:
+        raise ArgumentError(f"the legend has no {missing or 'names'}; there are: {', '.join(map(repr, known))}")
+    return [(name, known[name]) for name in wanted]
+
+
+def _lowest(mark: Mark) -> float:
+    if isinstance(mark, Polygon):
+        return max(y for _, y in mark.points)
+    return mark.y if isinstance(mark, Text) else mark.y + mark.height
+
+
+def _even(length: float) -> int:
+    return 2 * ceil(length / 2 - 1e-9)

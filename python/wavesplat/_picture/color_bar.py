@@ -1,0 +1,199 @@
+"""Colour bars: the colours of a transfer function over the values that it shows, with round numbers beside them.
+
+Projections show colour times opacity over the background; else opacity is left out, since a ray meets many values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, floor, isfinite, log10
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._picture.lettering import CAP_HEIGHT, text_width
+from wavesplat._picture.marks import UPWARDS, Block, Color, Mark, Ramp, Rectangle, Text
+from wavesplat._picture.style import Style
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Scale", "block", "round_ticks", "scale_of"]
+
+#: Of the bar, in sizes of the font: width, length of a tick, gap to its number, and before the next one.
+WIDTH, TICK, GAP, SPACE = 1.0, 0.3, 0.3, 2.4
+#: A title of so many sizes of the font has room above the bar.
+SHORT = 5.0
+#: Operators that show a colour for a surface or mix colours along a ray; all others colour one number per ray.
+MIXING = ("over", "first-hit")
+#: Numbers from here on, and below the inverse of 1000, are written with a power of ten.
+LARGE, SMALL = 1e5, 1e-3
+#: Colours of a logarithmic map have at least so many nodes, over so many decades, as evenly as this.
+LOG_NODES, LOG_DECADES, LOG_EVEN = 16, 1.0, 0.02
+STOPS_PER_SPAN = 8
+MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Colours from the lowest to the highest value that is shown, and what the values are called."""
+
+    low: float
+    high: float
+    stops: tuple[tuple[float, Color], ...]
+    is_log: bool
+    title: str
+
+    def place(self, value: float) -> float:
+        """Of a value along the bar, 0..1."""
+        if self.is_log:
+            return log10(value / self.low) / log10(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+
+def scale_of(curves: TransferFunction | None, composite: str, title: str, background: Color) -> Scale:
+    """What the bar of a transfer function shows; None: of one that depends on more than the value."""
+    if curves is None:
+        raise ArgumentError(
+            f"the colours of {title!r} depend on the gradient too, so there is no colour bar for them; "
+            "leave it out, or draw with a TransferFunction"
+        )
+    low, high = _window(curves)
+    is_log = _is_log(curves) and low > 0
+    nodes = sorted({value for value, *_ in (*curves.opacity, *curves.color) if low < value < high} | {low, high})
+    values = _between(np.array(nodes), is_log=is_log) if is_log or composite not in MIXING else np.array(nodes)
+    # Both sides of a step: what the curves are just below a node, and just above it.
+    sides = [(value, side) for value in values.tolist() for side in (-1, 1)]
+    rgba = curves(np.array([value + side * 1e-9 * (high - low) for value, side in sides]))
+    rgba[:, 3] = np.where(composite in MIXING, 1.0, rgba[:, 3])
+    rgb = rgba[:, :3] * rgba[:, 3:] + (1 - rgba[:, 3:]) * np.array(background)
+    scale = Scale(low, high, (), is_log, title)
+    stops: list[tuple[float, Color]] = []
+    for (value, _), (red, green, blue) in zip(sides, rgb.tolist(), strict=True):
+        stop = (min(max(scale.place(value), 0.0), 1.0), (round(red, 6), round(green, 6), round(blue, 6)))
+        if (
+            not stops
+            or max(abs(a - b) for a, b in zip(stop[1], stops[-1][1], strict=True)) > 1e-6
+            or (stop[0] != stops[-1][0])
+        ):
+            stops.append(stop)
+    return Scale(low, high, tuple(stops), is_log, title)
+
+
+def block(scale: Scale, height: float, style: Style, background: Color | None = None) -> Block:
+    """The bar, so high with what stands above it.
+
+    A short title stands above, with the power of ten that the numbers lack; a long one beside, from below upwards.
+    """
+    size, font = style.size, style.font
+    ticks, exponent = _ticks(scale, max(2, int((height - 2 * size) / (SPACE * size))))
+    numbers = (WIDTH + TICK + GAP) * size
+    right = numbers + max(text_width(text, size, font) for _, text in ticks)
+    is_long = text_width(scale.title, size, font) > max(right, SHORT * size)
+    power = f"{TIMES}10{_raised(exponent)}" if exponent else ""
+    head = power if is_long else "  ".join(text for text in (scale.title, power) if text)
+    top = (1.7 if head else 0.4) * size
+    length, width = height - top - 0.4 * size, WIDTH * size
+    line = max(1.0, round(0.05 * size))
+    edge = style.ink if background is None else _mixed(style.ink, background)
+
+    def written(x: float, y: float, text: str) -> Text:
+        return Text(x, y, text, size, style.ink, "start", style.halo)
+
+    marks: list[Mark] = [written(0, CAP_HEIGHT * size, head)] if head else []
+    marks.append(Rectangle(-line, top - line, width + 2 * line, length + 2 * line, edge, style.halo))
+    marks.append(Ramp(0, top, width, length, scale.stops))
+    for value, text in ticks:
+        y = top + (1 - scale.place(value)) * length
+        marks.append(Rectangle(width, y - line / 2, TICK * size, line, edge, style.halo))
+        marks.append(written(numbers, y + CAP_HEIGHT * size / 2, text))
+    right = max(right, text_width(head, size, font))
+    if is_long:
+        room = length + top
+        small = min(size, size * room / text_width(scale.title, size, font))
+        right += 0.6 * size + CAP_HEIGHT * small
+        middle = top + length / 2 if text_width(scale.title, small, font) <= length else height - room / 2
+        marks.append(Text(right, middle, scale.title, small, style.ink, "middle", style.halo, UPWARDS))
+        right += 0.2 * small
+    return Block(tuple(marks), right, height)
+
+
+def round_ticks(low: float, high: float, most: int) -> list[float]:
+    """Multiples of 1, 2, 2.5 or 5 times a power of ten within the range, at most so many and at least two."""
+    span = high - low
+    decade = 10.0 ** floor(log10(span))
+    steps = sorted(digit * decade * scale for digit in (1, 2, 2.5, 5) for scale in (0.01, 0.1, 1))
+    for step in steps:
+        first, last = ceil(low / step - 1e-9), floor(high / step + 1e-9)
+        if 2 <= last - first + 1 <= most:
+            return [number * step for number in range(first, last + 1)]
+    return [low, high]
+
+
+def _ticks(scale: Scale, most: int) -> tuple[list[tuple[float, str]], int]:
+    """Values and how they are written, and a power of ten that all of them are multiplied by."""
+    if scale.is_log:
+        exponents = range(ceil(log10(scale.low) - 1e-9), floor(log10(scale.high) + 1e-9) + 1)
+        kept = list(exponents)[:: max(1, ceil(len(exponents) / most))]
+        if len(kept) >= 2:
+            return [(10.0**power, _power(power)) for power in kept], 0
+    values = round_ticks(scale.low, scale.high, most)
+    largest = max(abs(value) for value in values)
+    exponent: int = floor(log10(largest)) if largest and not SMALL <= largest < LARGE else 0
+    shown: list[float] = [value / 10.0**exponent for value in values]
+    step = abs(shown[1] - shown[0])
+    digits = next((n for n in range(7) if abs(round(step, n) - step) < 1e-6 * step), 6)
+    texts = [f"{number:.{digits}f}".replace("-", MINUS) for number in shown]
+    return list(zip(values, texts, strict=True)), exponent
+
+
+def _power(exponent: int) -> str:
+    """Short numbers as they are, others as powers of ten."""
+    return f"{10.0**exponent:g}" if -3 <= exponent <= 3 else f"10{_raised(exponent)}"
+
+
+def _raised(number: int) -> str:
+    return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _window(curves: TransferFunction) -> tuple[float, float]:
+    """From the first to the last value at which something is seen and changes."""
+    opacity, color = curves.opacity, curves.color
+    ends = [value for value, _ in opacity] + [value for value, *_ in color]
+    low, high = min(ends), max(ends)
+    seen = [place for place, (_, alpha) in enumerate(opacity) if alpha > 0]
+    if seen:
+        if seen[0] > 0:
+            low = opacity[seen[0] - 1][0]
+        if seen[-1] < len(opacity) - 1:
+            high = opacity[seen[-1] + 1][0]
+    if not high > low:
+        # A step: colours on both sides of it.
+        reach = abs(low) / 2 or 0.5
+        low, high = low - reach, high + reach
+    if not (isfinite(low) and isfinite(high)):
+        raise ArgumentError("the transfer function reaches to infinity; there is no colour bar for it")
+    return float(low), float(high)
+
+
+def _is_log(curves: TransferFunction) -> bool:
+    """Whether the colours are even in the logarithm of the values, as those of `from_colormap(..., log=True)`."""
+    values = np.array([value for value, *_ in curves.color])
+    if len(values) < LOG_NODES or values[0] <= 0 or log10(values[-1] / values[0]) < LOG_DECADES:
+        return False
+    steps = np.diff(np.log(values))
+    return bool(np.ptp(steps) <= LOG_EVEN * steps.mean())
+
+
+def _between(nodes: NDArray[np.float64], *, is_log: bool) -> NDArray[np.float64]:
+    """Places between nodes too, where colours are not straight."""
+    count = max(2, min(STOPS_PER_SPAN, 256 // len(nodes)))
+    space = np.geomspace if is_log else np.linspace
+    spans = [space(start, end, count, endpoint=False) for start, end in pairwise(nodes)]
+    return np.concatenate([*spans, nodes[-1:]])
+
+
+def _mixed(ink: Color, background: Color) -> Color:
+    """Lines are lighter than letters."""
+    red, green, blue = (0.7 * one + 0.3 * other for one, other in zip(ink, background, strict=True))
+    return red, green, blue

@@ -1,0 +1,83 @@
+"""The typeface of figures: how wide a text is, and whether the typeface has its letters."""
+
+from __future__ import annotations
+
+import io
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["CAP_HEIGHT", "FAMILY", "check_letters", "file_of", "opened", "text_width", "wrapped"]
+
+#: Liberation Sans, which is as wide as Arial and Helvetica.
+OURS = Path(__file__).parents[1] / "data" / "liberation_sans" / "LiberationSans-Regular.ttf"
+#: For files that name their typeface instead of holding it.
+FAMILY = "'Liberation Sans', Arial, Helvetica, sans-serif"
+#: Of a capital, in sizes of the font; ours, and near enough for others.
+CAP_HEIGHT = 0.69
+#: Widths are measured at this size, where hinting does not matter.
+MEASURED_PX = 200
+
+
+def file_of(font: str | None) -> str:
+    """The file of a typeface."""
+    return str(OURS if font is None else font)
+
+
+@lru_cache(maxsize=64)
+def opened(font: str | None, size: float) -> Any:
+    """The typeface as Pillow draws with it."""
+    from PIL import ImageFont
+
+    path = Path(file_of(font)).expanduser()
+    if not path.is_file():
+        raise FileError(f"there is no font; give a .ttf or .otf file: {path}")
+    try:
+        # From memory: a file that is written to while it is mapped would end the process.
+        return ImageFont.truetype(io.BytesIO(_content(path)), size, layout_engine=ImageFont.Layout.BASIC)
+    except OSError as error:
+        raise FileError(f"this is no font ({error}); give a .ttf or .otf file: {path}") from error
+
+
+@lru_cache(maxsize=4)
+def _content(path: Path) -> bytes:
+    return path.read_bytes()
+
+
+def text_width(text: str, size: float, font: str | None = None) -> float:
+    """Of a line, pixels."""
+    return float(opened(font, MEASURED_PX).getlength(text)) * size / MEASURED_PX
+
+
+def check_letters(text: str, font: str | None, what: str) -> None:
+    """An `ArgumentError` where a text has signs that the typeface does not."""
+    typeface = opened(font, 32)
+    unknown = _drawn(typeface, "\uffff")
+    missing = [sign for sign in dict.fromkeys(text) if sign.isprintable() and not sign.isspace()]
+    missing = [sign for sign in missing if _drawn(typeface, sign) == unknown]
+    if missing:
+        raise ArgumentError(
+            f"{what} has signs that the typeface does not: {' '.join(missing[:10])}; give font=, a .ttf file that has"
+        )
+
+
+def _drawn(typeface: Any, sign: str) -> bytes:
+    mask = typeface.getmask(sign)
+    return bytes(mask) + bytes(str(mask.size), "ascii")
+
+
+def wrapped(text: str, size: float, width: float, font: str | None = None) -> list[str]:
+    """Lines of at most this width, broken at blanks; a longer word stands alone."""
+    lines = []
+    for paragraph in text.splitlines() or [""]:
+        line = ""
+        for word in paragraph.split():
+            longer = f"{line} {word}" if line else word
+            if line and text_width(longer, size, font) > width:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    return lines

@@ -1,0 +1,131 @@
+"""What a picture's report says that figures need: the view, the layers and their colours, the background.
+
+Where a fact is missing, the error says which, and how to give it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import colors, transfer_function_json
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat.errors import ArgumentError
+
+__all__ = ["ShownLayer", "View", "background_of", "layers_of", "shown_layer", "swatches_of", "view_of"]
+
+Array = NDArray[np.float64]
+Rgb = tuple[float, float, float]
+
+#: Difference of the largest and the smallest channel from which on a colour has a hue.
+COLORED = 0.3
+
+
+@dataclass(frozen=True)
+class View:
+    """Unit vectors of the picture in the world, to the right and up; whether lengths are those of one plane only."""
+
+    right: Array
+    up: Array
+    is_perspective: bool
+
+    @property
+    def back(self) -> Array:
+        """Towards the eye."""
+        toward: Array = np.cross(self.right, self.up)
+        return toward
+
+
+@dataclass(frozen=True)
+class ShownLayer:
+    """A layer that is drawn: its name, operator and colours, and the unit of its values, such as "HU".
+
+    function : None where colours depend on more than the value.
+    """
+
+    name: str
+    composite: str
+    function: TransferFunction | None
+    values: str = ""
+
+
+def view_of(report: Mapping[str, Any]) -> View:
+    """Where right and up of the picture lie in the world."""
+    if "right" in report and "down" in report:
+        return View(np.array(report["right"], float), -np.array(report["down"], float), is_perspective=False)
+    camera = report.get("camera")
+    if not isinstance(camera, Mapping):
+        raise ArgumentError(
+            "this picture does not say from where it was taken; pictures of wavesplat.render and wavesplat.slice do, "
+            'and others may: Picture(rgba, report={"camera": camera.as_json()})'
+        )
+    back = np.array(camera["position"], float) - np.array(camera["focal_point"], float)
+    back /= np.linalg.norm(back)
+    right = np.cross(np.array(camera["view_up"], float), back)
+    right /= np.linalg.norm(right)
+    return View(right, np.cross(back, right), is_perspective=camera.get("view_angle") is not None)
+
+
+def layers_of(report: Mapping[str, Any]) -> list[ShownLayer]:
+    """The layers that are visible, in their order."""
+    shown = [
+        ShownLayer(
+            layer.get("name") or f"layer {number}",
+            layer.get("composite") or "over",
+            None if layer.get("transfer_function") is None else _curves(layer["transfer_function"]),
+            layer.get("values") or "",
+        )
+        for number, layer in enumerate(report.get("shown") or [])
+    ]
+    if not shown:
+        raise ArgumentError(
+            "this picture does not say which colours its values have; pictures of render and slice do, but not those "
+            "of one laid over another"
+        )
+    return shown
+
+
+def swatches_of(report: Mapping[str, Any]) -> list[tuple[str, Rgb]]:
+    """Names and colours for a legend: of the labels, then of the layers where there are several."""
+    found = [(str(label["name"]), _rgb(label["color"])) for label in report.get("labels") or []]
+    layers = layers_of(report) if report.get("shown") else []
+    if len(layers) > 1:
+        found += [(layer.name, _brightest(layer.function)) for layer in layers if layer.function is not None]
+    return found
+
+
+def background_of(report: Mapping[str, Any], rgba: NDArray[np.float32]) -> tuple[float, float, float, float] | None:
+    """Behind what is drawn: as the report has it, else what the picture's edge is mostly; None where transparent."""
+    if "background" in report:
+        return colors.parse(report["background"])
+    edge = np.concatenate([rgba[0], rgba[-1], rgba[:, 0], rgba[:, -1]])
+    if np.median(edge[:, 3]) < 0.5:
+        return None
+    red, green, blue = np.clip(np.median(edge[:, :3], axis=0), 0, 1).tolist()
+    return red, green, blue, 1.0
+
+
+def shown_layer(name: str, composite: str, function: Any, values: str) -> dict[str, Any]:
+    """What the report says of a layer, for colour bars and legends; `layers_of` reads it."""
+    curves = transfer_function_json.fields_of(function) if isinstance(function, TransferFunction) else None
+    return {"name": name, "values": values, "composite": composite, "transfer_function": curves}
+
+
+def _curves(fields: Mapping[str, Any]) -> TransferFunction:
+    return TransferFunction(fields["opacity"], fields["color"])
+
+
+def _rgb(color: Any) -> Rgb:
+    red, green, blue, _ = colors.parse(color) or (0.0, 0.0, 0.0, 0.0)
+    return red, green, blue
+
+
+def _brightest(function: TransferFunction) -> Rgb:
+    """The colour that stands for a layer: of its most saturated, else its last one."""
+    nodes = [(red, green, blue) for _, red, green, blue in function.color]
+    most = max(nodes, key=lambda rgb: max(rgb) - min(rgb))
+    return most if max(most) - min(most) > COLORED else nodes[-1]

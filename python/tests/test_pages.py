@@ -7,7 +7,11 @@ import warnings
 import pages
 import pytest
 
-PAGES = ["channels_and_time.md"]
+PAGES = [
+    pytest.param(
+        "channels_and_time.md", marks=pytest.mark.xfail(reason="several layers in one picture are not drawn yet")
+    )
+]
 
 
 @pytest.mark.parametrize("name", PAGES)

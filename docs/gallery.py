@@ -114,7 +114,7 @@ picture = ws.render(cells, size=(288, 288), background="black")
 picture = picture.annotated(scale_bar=True, legend=True, legend_at="upper right")
 """),
     Entry("fusion", "Two scans in one picture",
-          "Bones of a CT, and an uptake made up by a formula, on coarser samples of its own: bones hide what is behind.",
+          "Bones of a CT, and an uptake made up by a formula, on coarser samples of its own; bones hide it.",
           code="""lower, upper = ct.bounds
 x, y, z = np.meshgrid(*(np.arange(a, b, 6) for a, b in zip(lower, upper)), indexing="ij")
 u, v, w = (lower + upper) / 2

@@ -8,9 +8,10 @@ import pages
 import pytest
 
 PAGES = [
+    "movies.md",
     pytest.param(
         "channels_and_time.md", marks=pytest.mark.xfail(reason="several layers in one picture are not drawn yet")
-    )
+    ),
 ]
 
 

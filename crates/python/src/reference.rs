@@ -13,6 +13,9 @@ use crate::progress::PyProgress;
 use crate::rendering::{Corners, clip_planes, crop, image};
 use crate::volume::{PyVolume, with_samples_of_all};
 
+/// A volume, its transfer function, and its light.
+type PyCastLayer<'py> = (PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
+
 /// See `_native.pyi`.
 #[pyfunction]
 #[pyo3(signature = (layers, camera, *, labels, width, height, kernel, step, rays_per_pixel,
@@ -21,7 +24,7 @@ use crate::volume::{PyVolume, with_samples_of_all};
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands layers over by value")]
 pub fn raycast<'py>(
     py: Python<'py>,
-    layers: Vec<(PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>)>,
+    layers: Vec<PyCastLayer<'py>>,
     camera: &PyCamera,
     labels: Option<&PyLabels>,
     width: usize,

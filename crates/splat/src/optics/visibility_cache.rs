@@ -14,6 +14,9 @@ use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
 
+/// Radius, and the numbers of other layers.
+type OpennessKey = (f64, Vec<u64>);
+
 /// What a transfer function shows of a volume.
 pub struct Visibility {
     classifier: Classifier,
@@ -22,7 +25,7 @@ pub struct Visibility {
     /// How much changes in slabs of as many thicknesses as were asked for, with these: one, and of a level one of the finest.
     variations: Mutex<Vec<(f64, f32)>>,
     /// How open places are, by the radius and the other layers that were asked for last.
-    openness: Mutex<Option<((f64, Vec<u64>), Field<'static>)>>,
+    openness: Mutex<Option<(OpennessKey, Field<'static>)>>,
     /// Its own number: none is used twice.
     id: u64,
 }

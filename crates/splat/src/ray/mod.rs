@@ -4,7 +4,7 @@ pub mod accumulator;
 pub mod compositor;
 pub mod first_hit;
 pub mod local_maximum;
-pub mod mixed;
 pub mod over;
+pub mod over_layers;
 pub mod project;
 pub mod state;

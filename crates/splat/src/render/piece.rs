@@ -11,8 +11,9 @@ use crate::picture::base_picture::TileTexels;
 use crate::ray::compositor::Compositor;
 use crate::ray::first_hit::FirstHit;
 use crate::ray::local_maximum::LocalMaximum;
-use crate::ray::mixed::{Medium, Mixed};
+
 use crate::ray::over::Over;
+use crate::ray::over_layers::{LayerOptics, OverLayers};
 use crate::ray::project::Project;
 use crate::ray::state::TileState;
 use crate::render::plan::{FamilyPlan, Operator, Plan};
@@ -98,17 +99,17 @@ pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut 
 
 /// Calls `work` with what makes the compositor of a plan's operator.
 fn with_operator<U: UseOperator>(plan: &Plan, family: &FamilyPlan, work: U) -> U::Output {
-    let media = plan.layers.iter().zip(&family.layers).map(|(layer, of_family)| Medium {
+    let media = plan.layers.iter().zip(&family.layers).map(|(layer, of_family)| LayerOptics {
         classifier: &layer.tables,
         shader: of_family.shader.as_ref(),
         modifiers: &of_family.modifiers,
     });
-    let media: Vec<Medium> = media.collect();
-    let Medium { classifier: tables, shader, modifiers } = media[0];
+    let media: Vec<LayerOptics> = media.collect();
+    let LayerOptics { classifier: tables, shader, modifiers } = media[0];
     let depth = plan.with_depth;
     match plan.operator {
         Operator::Over { pre_integrated, opaque } if media.len() > 1 => {
-            work.call(|state| Mixed::new(media, pre_integrated, opaque, depth, state))
+            work.call(|state| OverLayers::new(media, pre_integrated, opaque, depth, state))
         }
         Operator::Over { pre_integrated, opaque } if modifiers.any() => {
             work.call(|state| Over::<true>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))

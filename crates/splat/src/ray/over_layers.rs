@@ -24,7 +24,7 @@ use crate::sheet::tile_rays::Rays;
 
 /// What a layer makes of densities.
 #[derive(Clone, Copy)]
-pub struct Medium<'a> {
+pub struct LayerOptics<'a> {
     /// Colour and optical depth by density.
     pub classifier: &'a Classifier,
     /// Lights and coefficients; `None` without shading.
@@ -34,8 +34,8 @@ pub struct Medium<'a> {
 }
 
 /// Emission and absorption of several layers.
-pub struct Mixed<'a> {
-    media: Vec<Medium<'a>>,
+pub struct OverLayers<'a> {
+    media: Vec<LayerOptics<'a>>,
     /// The fields on the sheet in front and on that behind, where they were read last.
     here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
@@ -44,7 +44,7 @@ pub struct Mixed<'a> {
 }
 
 /// Sums over layers: extinction times colour, and extinction.
-struct Mixture<W: Wide>([W::F; 3], W::F);
+struct MediaSum<W: Wide>([W::F; 3], W::F);
 
 /// An optical depth that is opaque, whatever it is multiplied with.
 const MOST_DEPTH: f32 = 1e30;
@@ -52,7 +52,7 @@ const MOST_DEPTH: f32 = 1e30;
 /// Below this optical depth colours do not matter.
 const LEAST_DEPTH: f32 = 1e-20;
 
-impl<W: Wide> Mixture<W> {
+impl<W: Wide> MediaSum<W> {
     fn none(w: W) -> Self {
         Self([w.splat(0.0); 3], w.splat(0.0))
     }
@@ -82,11 +82,11 @@ fn sheets<'s, 'b>(slab: &'s mut Slab<'_, 'b>, layer: usize) -> &'s mut LayerShee
     if layer == 0 { slab.first } else { &mut slab.more[layer - 1] }
 }
 
-impl<'a> Mixed<'a> {
+impl<'a> OverLayers<'a> {
     /// Goes on from a state; `None`: nothing is drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which
     /// a ray is done. `with_depth`: whether `s_half` is wanted.
     pub fn new(
-        media: Vec<Medium<'a>>,
+        media: Vec<LayerOptics<'a>>,
         is_steep: bool,
         opaque: f32,
         with_depth: bool,
@@ -97,7 +97,7 @@ impl<'a> Mixed<'a> {
 
     /// Whether any ray of each chunk that is not done can see something of a medium between two densities.
     #[inline(always)]
-    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, medium: &Medium, [lo, hi]: [W::F; 2]) -> bool {
+    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, medium: &LayerOptics, [lo, hi]: [W::F; 2]) -> bool {
         let [least, most] = medium.classifier.visible_range();
         let visible = w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most)));
         self.so_far.see_where(w, chunks, rays, visible) != [false; 2]
@@ -143,7 +143,7 @@ impl<'a> Mixed<'a> {
         (which, ends): (usize, [f32; 2]),
     ) {
         let block = chunks[0].block();
-        let mut mixture = Mixture::none(w);
+        let mut mixture = MediaSum::none(w);
         let mut any = false;
         for layer in 0..self.media.len() {
             let own = sheets(slab, layer);
@@ -204,7 +204,7 @@ impl<'a> Mixed<'a> {
         let [s_front, s_back] = slab.s;
         let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
         let (zero, one) = (w.splat(0.0), w.splat(1.0));
-        let mut parts: [Mixture<W>; N_PARTS] = std::array::from_fn(|_| Mixture::none(w));
+        let mut parts: [MediaSum<W>; N_PARTS] = std::array::from_fn(|_| MediaSum::none(w));
         let mut n_seen = 0;
         let mut only = Fragment { rgb: [zero; 3], alpha: zero, from: w.splat(s_front), extent: zero };
         for layer in 0..self.media.len() {
@@ -361,7 +361,7 @@ impl<'a> Mixed<'a> {
 #[inline(always)]
 fn shaded<W: Wide>(
     w: W,
-    medium: &Medium,
+    medium: &LayerOptics,
     rgb: [W::F; 3],
     gradient: Option<[W::F; 3]>,
     to_eye: [W::F; 3],
@@ -373,13 +373,13 @@ fn shaded<W: Wide>(
 
 /// Colour and optical depth of the labels' own matter.
 #[inline(always)]
-fn matter<W: Wide>(w: W, medium: &Medium, to_eye: [W::F; 3], point: &FieldPoint<W>) -> Option<([W::F; 3], W::F)> {
+fn matter<W: Wide>(w: W, medium: &LayerOptics, to_eye: [W::F; 3], point: &FieldPoint<W>) -> Option<([W::F; 3], W::F)> {
     let (depth, color) = medium.modifiers.matter(w, point)?;
     let shader = medium.modifiers.label_shader.as_ref().map(|shader| (shader, point.gradient(w)));
     Some((lit(w, color, shader, to_eye, medium.modifiers.light(w, point)), depth))
 }
 
-impl Compositor for Mixed<'_> {
+impl Compositor for OverLayers<'_> {
     fn looks_behind(&self) -> bool {
         self.is_steep
     }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
@@ -28,9 +28,10 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Shown", "ShownLayer", "operator_name", "seen_parts", "shown_layers"]
+__all__ = ["Curves", "Shown", "ShownLayer", "operator_name", "seen_parts", "shown_layers"]
 
 Rgb = tuple[float, float, float]
+Curves: TypeAlias = TransferFunction | TransferFunction2D
 
 #: Green, magenta, cyan, yellow, red, blue, white, orange.
 CHANNEL_COLORS: tuple[Rgb, ...] = (

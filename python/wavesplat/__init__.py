@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from wavesplat._readers.time_points import open_series
     from wavesplat._render.slicing import slice
     from wavesplat._scene.layer import Layer
+    from wavesplat._scene.opening import open_scene
     from wavesplat._scene.rendering import render
     from wavesplat._scene.scene import Scene
 
@@ -82,6 +83,7 @@ __all__ = [
     "largest_body",
     "mesh",
     "open",
+    "open_scene",
     "open_series",
     "reference",
     "render",
@@ -122,8 +124,9 @@ _HOMES = {
     "largest_body": "_looks.largest_body",
     "mesh": "_mesh.meshing",
     "open": "_readers.opening",
-    "render": "_scene.rendering",
+    "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",
+    "render": "_scene.rendering",
     "slice": "_render.slicing",
 }
 _MODULES = {"errors", "examples", "reference", "study"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import wraps
 from typing import Any, get_type_hints
@@ -11,14 +11,20 @@ from typing import Any, get_type_hints
 __all__ = ["given", "with_options_of"]
 
 
-def with_options_of(group: Any, name: str, command: Callable[..., None]) -> Callable[..., None]:
-    """The command with an option for each field of the dataclass `group`, in the place of its parameter `name`."""
+def with_options_of(
+    group: Any, name: str, command: Callable[..., None], without: Sequence[str] = ()
+) -> Callable[..., None]:
+    """The command with an option for each field of the dataclass `group`, in the place of its parameter `name`.
+
+    without : fields that the command has no option for, or one of its own.
+    """
     hints = get_type_hints(group, include_extras=True)
     options = [
         inspect.Parameter(
             field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
         )
         for field in fields(group)
+        if field.name not in without
     ]
 
     @wraps(command)

@@ -14,10 +14,18 @@ from wavesplat._cli.reader_options import ReaderOptions, open_any, open_samples
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["ProcessingOptions", "processed", "processed_samples", "takes_processing_options"]
+__all__ = [
+    "ProcessingOptions",
+    "changed_samples",
+    "changed_series",
+    "processed",
+    "processed_samples",
+    "takes_processing_options",
+]
 
 
 def _deviation(text: str) -> tuple[float, str | None]:
@@ -76,12 +84,42 @@ def processed_samples(
     path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
 ) -> Volume:
     """The volume of samples that INPUT names."""
-    volume = open_samples(path, reader, quiet=quiet)
+    return changed_samples(open_samples(path, reader, quiet=quiet), processing)
+
+
+def changed_samples(volume: Volume, processing: ProcessingOptions) -> Volume:
+    """A volume to which this is done."""
     if processing.remove_table:
         from wavesplat._looks.largest_body import largest_body
 
         volume = largest_body(volume)
     return volume if processing.smooth is None else _smoothed(volume, *processing.smooth)
+
+
+def changed_series(series: Series, processing: ProcessingOptions) -> Series:
+    """A series to whose volumes this is done, when they are read."""
+    from wavesplat._model.series import Series
+
+    if not given(processing):
+        return series
+    return Series(_Changed(series, processing), name=series.name)
+
+
+class _Changed:
+    def __init__(self, series: Series, processing: ProcessingOptions) -> None:
+        self._series, self._processing = series, processing
+
+    def __len__(self) -> int:
+        return len(self._series)
+
+    def __getitem__(self, number: int) -> Volume:
+        return changed_samples(self._series[number], self._processing)
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        return self._series.times, self._series.time_unit
+
+    def told(self) -> str:
+        return f"series {self._series.name!r}"
 
 
 def _smoothed(volume: Volume, deviation: float, unit: str | None) -> Volume:

@@ -5,7 +5,7 @@ A command that reads a volume has a parameter `reader` and the decorator `takes_
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,7 +20,15 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["Input", "ReaderOptions", "open_any", "open_samples", "takes_reader_options"]
+__all__ = [
+    "Input",
+    "ReaderOptions",
+    "open_any",
+    "open_samples",
+    "takes_reader_options",
+    "takes_reader_options_but_channel",
+    "tell_guesses",
+]
 
 Input = Annotated[str, typer.Argument(metavar="INPUT", help="A volume: file, folder or URL.", show_default=False)]
 
@@ -71,6 +79,11 @@ def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_options_of(ReaderOptions, "reader", command)
 
 
+def takes_reader_options_but_channel(command: Callable[..., None]) -> Callable[..., None]:
+    """The same for a command whose `--channel` says more."""
+    return with_options_of(ReaderOptions, "reader", command, without=("channel",))
+
+
 def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume:
     """A volume of samples; what was guessed is told on stderr, a note each, unless `quiet`."""
     import warnings
@@ -82,9 +95,15 @@ def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Vo
         # They are among the guesses.
         warnings.simplefilter("ignore", FileWarning)
         volume = open_volume(path, **vars(reader))
-    for guess in () if quiet else volume.guesses:
-        message(f"note: {guess}")
+    if not quiet:
+        tell_guesses([volume])
     return volume
+
+
+def tell_guesses(volumes: Iterable[Volume]) -> None:
+    """What was guessed of volumes, each note once."""
+    for guess in dict.fromkeys(guess for volume in volumes for guess in volume.guesses):
+        message(f"note: {guess}")
 
 
 def open_any(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume | WaveletVolume:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -13,11 +15,21 @@ from wavesplat._cli.crop_options import (
     chosen_clip,
     takes_cut_options,
 )
+from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
+from wavesplat._cli.layer_options import (
+    LayerOptions,
+    further_layers,
+    names_of_pictures,
+    takes_layer_options,
+    times_of,
+)
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
+from wavesplat._cli.opened_layers import Channels, opened_layers
+from wavesplat._cli.option_groups import given
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import is_terminal, json_text, message, print_notes, print_result
-from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.shared_options import (
     Background,
     Bits,
@@ -52,15 +64,18 @@ if TYPE_CHECKING:
 __all__ = ["render"]
 
 
+@takes_figure_options
 @takes_cut_options
 @takes_light_options
-@takes_reader_options
+@takes_reader_options_but_channel
+@takes_layer_options
 @takes_color_options
 @takes_processing_options
 def render(
     input: Input,
     output: PictureOutput,
     *,
+    layering: LayerOptions,
     preset: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
@@ -141,6 +156,7 @@ def render(
     lighting: LightOptions,
     bits: Bits = 8,
     threads: Threads = None,
+    figure: FigureOptions,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
@@ -154,12 +170,15 @@ def render(
     parsers.refuse_pairs(cmap=colors.cmap, materials=materials)
     parsers.refuse_pairs(crop=cuts.crop, crop_index=cuts.crop_index)
     check_outputs(input, output, "pictures", report)
+    from wavesplat._looks.over_time import brightest
     from wavesplat._model.sampling import Sampling
+    from wavesplat._model.series import Series
     from wavesplat._picture.picture import check_bits
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
     check_bits(bits)
+    check_figure(figure)
     composite = COMPOSITE_SYNONYMS.get(composite, composite)
     if surfaces is not None and materials is None:
         raise ArgumentError("--surfaces are those between materials; give it with --materials")
@@ -172,51 +191,87 @@ def render(
     if composite is not None:
         _operator(composite, **numbers)  # or an error, before anything is read
 
-    volume = _levels(processed(input, reader, processing, quiet=quiet), family, threshold, levels, bands)
-    look = _look(
-        volume,
-        input,
-        preset=preset,
-        tf=tf,
-        materials=materials,
-        surfaces=surfaces,
-        colors=colors,
-        composite=composite,
-        quiet=quiet,
-    )
-    # Greys that depend on the view are left to the renderer.
-    by_view = look.name == "auto" and look.composite in BY_VIEW
+    opened = opened_layers(input, reader, layering, processing, composite=composite, quiet=quiet)
+    if isinstance(opened, Channels):
+        for_one = {"preset": preset, "tf": tf, "materials": materials, "threshold": threshold, "levels": levels}
+        _refuse_for_channels({**for_one, "bands": bands}, colors, len(opened.layers))
+        layers, look = opened
+        shading: Any = chosen_shading(lighting, None) if given(lighting) else "look"
+    else:
+        volume = opened if isinstance(opened, Series) else _levels(opened, family, threshold, levels, bands)
+        look = _look(
+            brightest(volume) if isinstance(volume, Series) else volume,
+            input,
+            preset=preset,
+            tf=tf,
+            materials=materials,
+            surfaces=surfaces,
+            colors=colors,
+            composite=composite,
+            quiet=quiet,
+        )
+        shading = chosen_shading(lighting, look.shading)
+        if layering.layer:  # which have light of their own
+            look, shading = replace(look, shading=shading), "look"
+        # Greys that depend on the view are left to the renderer.
+        by_view = look.name == "auto" and look.composite in BY_VIEW and not (layering.layer or layering.times)
+        layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
-        Layer(volume, None if by_view else look),
+        [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet)],
         labels=_labels(labels, label_table),
-        shading=chosen_shading(lighting, look.shading),
-        clip=chosen_clip(cuts, volume),
+        shading=shading,
+        clip=chosen_clip(cuts, layers[0].drawn),
         background=background or look.background or "black",
     )
-    camera = _camera(scene, look, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size)
+    pictures = _pictures(scene, layering.times, input, output)
+    camera = _camera(
+        [one for one, _ in pictures], look, view, azimuth, elevation, zoom=zoom, view_angle=perspective, size=size
+    )
     if not quiet:
-        # Of the guesses the one that changes what a pixel means; all are in the report.
-        if look.name == "auto" and composite is None and look.composite != "over" and look.reason.endswith("values"):
-            message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
-        _note_what_stays_hidden(volume)
-    picture = _drawn(
-        scene,
+        _note_guesses(scene, look, composite)
+    made = _drawn_all(
+        pictures,
         camera,
-        shown=not quiet and is_terminal(),
+        input,
+        figure=figure,
+        bits=bits,
+        quiet=quiet,
         size=size,
         kernel=kernel,
-        composite=_operator(look.composite, **numbers),
+        composite=_operator(look.composite if composite is None else composite, **numbers),
         quality=Sampling(sheets_per_slice, oversampling, quality),
         psnr=psnr,
         threads=threads,
     )
-    if not quiet:
-        print_notes(picture)
-    picture.save(output, bits=bits)
-    facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
+    facts = made[0] if layering.times is None else {"pictures": made}
     if report is not None:
         _write_report(report, facts)
-    print_result(facts, output, as_json=json, written=output)
+    print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
+
+
+def _refuse_for_channels(given: dict[str, Any], colors: ColorOptions, n: int) -> None:
+    """An error for options that make a look, or coefficients, of one volume."""
+    names = [f"--{name}" for name, value in given.items() if value is not None]
+    names += ["--cmap, --clim, --log, --opacity and --gamma"] if colors.are_given() else []
+    if names:
+        raise ArgumentError(
+            f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "
+            "say how each is shown: --channel 0:green:100,900"
+        )
+
+
+def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[tuple[Scene, Path]]:
+    """The scene at each time that is wanted, and the file for its picture."""
+    from wavesplat._model.series import Series
+
+    if times is None:
+        return [(scene, output)]
+    series = next((layer.volume for layer in scene.layers if isinstance(layer.volume, Series)), None)
+    n = 1 if series is None else len(series)
+    named = list(names_of_pictures(output, times_of(times, n), n))
+    for _, path in named:
+        check_outputs(input, path, "pictures")
+    return [(scene if series is None else scene.at_time(number), path) for number, path in named]
 
 
 def _look(
@@ -331,7 +386,7 @@ def _levels(
 
 
 def _camera(
-    scene: Scene,
+    scenes: Sequence[Scene],
     look: Look,
     view: str | None,
     azimuth: float | None,
@@ -341,12 +396,17 @@ def _camera(
     view_angle: float | None,
     size: tuple[int, int],
 ) -> Camera:
-    """From a view, turned by the angles; without any, from the side that suits the data."""
+    """From a view, turned by the angles; without any, from the side that suits the data.
+
+    Of several scenes, which are times, the first, the middle and the last one are in view.
+    """
     from wavesplat._model.camera import check_place, checked_lens
     from wavesplat._render.framing import framed, natural_view
     from wavesplat._scene.shown import seen_parts
 
-    parts = seen_parts(scene, look)
+    scene = scenes[0]
+    wanted = dict.fromkeys((0, len(scenes) // 2, len(scenes) - 1))
+    parts = [part for number in wanted for part in seen_parts(scenes[number], look)]
     for volume, _ in parts:
         check_place(volume)
     turned = (azimuth or 0.0, elevation or 0.0)
@@ -367,9 +427,35 @@ def _camera(
     )
 
 
-def _note_what_stays_hidden(volume: Volume | WaveletVolume) -> None:
-    if volume.n_nonfinite:
-        message(f"note: {volume.n_nonfinite} samples are NaN or infinite; they are drawn as empty")
+def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:
+    # Of the guesses the one that changes what a pixel means; all are in the report.
+    if look.name == "auto" and composite is None and look.composite != "over" and look.reason.endswith("values"):
+        message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
+    n_nonfinite = sum(layer.drawn.n_nonfinite for layer in scene.layers)
+    if n_nonfinite:
+        message(f"note: {n_nonfinite} samples are NaN or infinite; they are drawn as empty")
+
+
+def _drawn_all(
+    pictures: Sequence[tuple[Scene, Path]],
+    camera: Camera,
+    input: str,
+    *,
+    figure: FigureOptions,
+    bits: int,
+    quiet: bool,
+    **options: Any,
+) -> list[dict[str, Any]]:
+    """Draw and write pictures; what is told of each."""
+    made = []
+    for scene, path in pictures:
+        picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
+        if not quiet:
+            print_notes(picture)
+        picture = annotated(picture, figure, quiet=quiet)
+        picture.save(path, bits=bits, dpi=figure.dpi)
+        made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
+    return made
 
 
 def _drawn(scene: Scene, camera: Camera, *, shown: bool, **options: Any) -> Any:

@@ -13,18 +13,26 @@ __all__ = ["Rgba", "parse"]
 
 Rgba: TypeAlias = tuple[float, float, float, float]
 
+#: Pure ones, as channels of microscopes are called: this green is brighter than that of web pages.
 NAMES: dict[str, Rgba] = {
     "black": (0.0, 0.0, 0.0, 1.0),
     "white": (1.0, 1.0, 1.0, 1.0),
     "grey": (0.5, 0.5, 0.5, 1.0),
     "gray": (0.5, 0.5, 0.5, 1.0),
+    "red": (1.0, 0.0, 0.0, 1.0),
+    "green": (0.0, 1.0, 0.0, 1.0),
+    "blue": (0.0, 0.0, 1.0, 1.0),
+    "cyan": (0.0, 1.0, 1.0, 1.0),
+    "magenta": (1.0, 0.0, 1.0, 1.0),
+    "yellow": (1.0, 1.0, 0.0, 1.0),
+    "orange": (1.0, 0.65, 0.0, 1.0),
 }
 
 
 def parse(color: str | Iterable[Any] | None) -> Rgba | None:
     """Red, green, blue and opacity, 0..1, not associated; None for None and for "transparent".
 
-    Takes three or four numbers 0..1, a name (black, white, grey, transparent), "#rrggbb", "#rrggbbaa", or "r,g,b[,a]".
+    Takes three or four numbers 0..1, a name (black, red, green, ..., transparent), "#rrggbb", "#rrggbbaa", "r,g,b[,a]".
     """
     if color is None:
         return None
@@ -51,7 +59,7 @@ def _checked(numbers: Iterable[Any], given: object) -> Rgba:
     if len(channels) not in (3, 4) or not all(0 <= channel <= 1 for channel in channels):
         raise ArgumentError(
             f'color is {described(given)}; give (r, g, b) or (r, g, b, a) with numbers 0..1, "#rrggbb", black, white, '
-            "grey or transparent"
+            "grey, red, green, blue, cyan, magenta, yellow, orange or transparent"
         )
     red, green, blue, alpha = (*channels, 1.0)[:4]
     return red, green, blue, alpha

@@ -5,6 +5,7 @@ What 3D Slicer calls a volume property preset, with the operator and the view th
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING
@@ -125,6 +126,46 @@ class Look:
         from wavesplat._looks import presets
 
         return presets.preset(name, volume_or_none(volume))
+
+    @classmethod
+    def channel(
+        cls,
+        volume: VolumeLike,
+        color: str | Iterable[float] | None = None,
+        window: Iterable[float] | None = None,
+        composite: Composite = "over",
+    ) -> Look:
+        """A look for a channel of fluorescence: light of one colour, without shading, that rises over a window.
+
+        Parameters
+        ----------
+        volume : Volume or WaveletVolume
+            The channel.
+        color : colour, optional
+            "green", "magenta", "cyan", "yellow", "red", "blue", "#rrggbb" or (r, g, b). None is what the file says, or
+            green.
+        window : two numbers (low, high), optional
+            Values up to the first are clear, from the second on they have the full light. None is the window of the
+            file; where it has none, or one of all values that there could be, percentiles of the samples.
+        composite : str, default "over"
+            Operator: "over" shows what is in front of what; with "maximum", as microscopes show it, colours of several
+            channels are added.
+
+        Raises
+        ------
+        ArgumentError
+            If the colour or the window is none.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> volume = ws.examples.ripples(16)
+        >>> ws.Look.channel(volume, "magenta", (0.2, 0.9)).reason
+        'a channel in its colour, from 0.2 to 0.9'
+        """
+        from wavesplat._looks import channels
+
+        return channels.channel_look(as_volume(volume), color, window, composite)
 
     @classmethod
     @takes_its_types

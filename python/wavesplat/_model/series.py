@@ -89,6 +89,8 @@ class Series:
         self._time_unit = None if time_unit is None else str(time_unit)
         self._kept: OrderedDict[int, Volume] = OrderedDict()
         self._lock = RLock()
+        #: What looks are made for (`_looks.over_time`).
+        self._brightest: Volume | None = None
 
     @property
     def name(self) -> str:
@@ -137,10 +139,10 @@ class Series:
 
     def __getstate__(self) -> dict[str, Any]:
         # What is kept can be read again.
-        return {name: value for name, value in vars(self).items() if name not in ("_kept", "_lock")}
+        return {name: value for name, value in vars(self).items() if name not in ("_kept", "_lock", "_brightest")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, _kept=OrderedDict(), _lock=RLock())
+        vars(self).update(state, _kept=OrderedDict(), _lock=RLock(), _brightest=None)
 
     def _part(self, numbers: range, key: slice) -> Series:
         if not numbers:
@@ -148,7 +150,7 @@ class Series:
                 f"no time point lies in {key.start}:{key.stop}:{key.step}; {self._told()} holds {len(self)}"
             )
         part = Series.__new__(Series)
-        vars(part).update(vars(self), _numbers=numbers)  # what is kept is shared
+        vars(part).update(vars(self), _numbers=numbers, _brightest=None)  # what is kept is shared
         return part
 
     def _volume(self, number: int) -> Volume:

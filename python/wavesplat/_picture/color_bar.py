@@ -22,6 +22,8 @@ __all__ = ["Scale", "block", "round_ticks", "scale_of"]
 
 #: Of the bar, in sizes of the font: width, length of a tick, gap to its number, and before the next one.
 WIDTH, TICK, GAP, SPACE = 1.0, 0.3, 0.3, 2.4
+#: More numbers than these tell nothing more.
+MOST_TICKS = 7
 #: A title of so many sizes of the font has room above the bar.
 SHORT = 5.0
 #: Operators that show a colour for a surface or mix colours along a ray; all others colour one number per ray.
@@ -86,7 +88,7 @@ def block(scale: Scale, height: float, style: Style, background: Color | None = 
     A short title stands above, with the power of ten that the numbers lack; a long one beside, from below upwards.
     """
     size, font = style.size, style.font
-    ticks, exponent = _ticks(scale, max(2, int((height - 2 * size) / (SPACE * size))))
+    ticks, exponent = _ticks(scale, min(MOST_TICKS, max(2, int((height - 2 * size) / (SPACE * size)))))
     numbers = (WIDTH + TICK + GAP) * size
     right = numbers + max(text_width(text, size, font) for _, text in ticks)
     is_long = text_width(scale.title, size, font) > max(right, SHORT * size)

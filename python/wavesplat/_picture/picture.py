@@ -17,6 +17,7 @@ from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.camera import Camera
     from wavesplat._picture.annotating import Corner, Orientation, Side
 
 __all__ = ["Picture", "check_bits", "check_dpi"]
@@ -41,10 +42,10 @@ class Picture:
     value : float32 array, shape (height, width), or None
         For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
     report : dict
-        How the picture was made: sheets, texels, threads; `notes`, a list of sentences, where it has one colour all
-        over; of `render` also `seconds`, the times of its stages:
-        `prepare` (bounds of bricks, spline coefficients; next to nothing after the first frame), `plan`, `draw` and
-        `warp`.
+        How the picture was made: sheets, texels, threads. What it shows, as JSON has it: `camera`, `pixel`, `unit`,
+        `anatomical`, `background`, `shown` (layers and their colours), `labels`. `notes`, a list of sentences, where it
+        has one colour all over. Of `render` also `seconds`, the times of its stages: `prepare` (bounds of bricks,
+        spline coefficients; next to nothing after the first frame), `plan`, `draw` and `warp`.
     """
 
     rgba: NDArray[np.float32]
@@ -70,6 +71,14 @@ class Picture:
     def unit(self) -> str | None:
         """Of the world's lengths, such as "mm"; None where unknown."""
         return self.report.get("unit")
+
+    @property
+    def camera(self) -> Camera | None:
+        """Where it was taken from; None where unknown, as of a slice."""
+        from wavesplat._model.camera import Camera
+
+        camera = self.report.get("camera")
+        return None if camera is None else Camera.from_json(camera)
 
     @takes_its_types
     def over(self, below: Picture) -> Picture:

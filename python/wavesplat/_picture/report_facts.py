@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import dist, radians, tan
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,11 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import colors, transfer_function_json
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.camera import Camera
+from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError
 
-__all__ = ["ShownLayer", "View", "background_of", "layers_of", "shown_layer", "swatches_of", "view_of"]
+__all__ = ["ShownLayer", "View", "background_of", "facts_of_view", "layers_of", "shown_layer", "swatches_of", "view_of"]
 
 Array = NDArray[np.float64]
 Rgb = tuple[float, float, float]
@@ -113,6 +116,21 @@ def shown_layer(name: str, composite: str, function: Any, values: str) -> dict[s
     """What the report says of a layer, for colour bars and legends; `layers_of` reads it."""
     curves = transfer_function_json.fields_of(function) if isinstance(function, TransferFunction) else None
     return {"name": name, "values": values, "composite": composite, "transfer_function": curves}
+
+
+def facts_of_view(camera: Camera, size: tuple[int, int], facts: Facts) -> dict[str, Any]:
+    """What the report says of where a picture was taken from and what its pixels are; `facts`: of what is shown."""
+    if camera.view_angle is None:
+        half = camera.parallel_scale or 0.0
+    else:
+        half = dist(camera.position, camera.focal_point) * tan(radians(camera.view_angle) / 2)
+    return {
+        "size": list(size),
+        "pixel": 2 * half / size[1],
+        "unit": facts.unit,
+        "anatomical": facts.is_anatomical,
+        "camera": camera.as_json(),
+    }
 
 
 def _curves(fields: Mapping[str, Any]) -> TransferFunction:

@@ -54,12 +54,16 @@ class SeveralError(FileError):
     names: tuple[str | int, ...] = ()
     #: What people read of each; the names themselves if empty.
     described: tuple[str, ...] = ()
+    #: Whether the file says what they are; else it may be another option that chooses.
+    is_said: bool = True
 
 
-def several(message: str, option: str, names: Sequence[str | int], described: Sequence[str] = ()) -> SeveralError:
+def several(
+    message: str, option: str, names: Sequence[str | int], described: Sequence[str] = (), *, is_said: bool = True
+) -> SeveralError:
     """The error that tells of several, and how to choose."""
     error = SeveralError(message)
-    error.option, error.names, error.described = option, tuple(names), tuple(described)
+    error.option, error.names, error.described, error.is_said = option, tuple(names), tuple(described), is_said
     return error
 
 
@@ -166,7 +170,7 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
         )
         # Time is the more usual one of a single further axis.
         option, count = ("time", shape[0]) if request.time is None else ("channel", shape[-1])
-        raise several(message, option, range(count))
+        raise several(message, option, range(count), is_said=False)
     if wanted > max(n_extra, 0):
         raise ArgumentError(
             f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.path}"

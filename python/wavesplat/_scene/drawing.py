@@ -38,6 +38,7 @@ from wavesplat._render.arguments import (
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.shown import Curves, ShownLayer, shown_layers
+from wavesplat._scene.telling import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -112,6 +113,8 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
     picture = _drawn(frame, layers, functions)
+    picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
+    picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
     return picture
 
@@ -146,8 +149,6 @@ def _facts(
         psnr=psnr,
         kernel=frame.options.kernel,
         operator=frame.operator,
-        labels=frame.labels,
-        background=frame.background,
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
+from wavesplat._looks.over_time import brightest
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import described
@@ -83,18 +84,13 @@ class Layer:
     @property
     def drawn(self) -> Volume | WaveletVolume:
         """The volume itself, of a series the one of its time."""
-        if not isinstance(self.volume, Series):
-            volume: Volume | WaveletVolume = self.volume
-            return volume
-        n = len(self.volume)
-        if not -n <= self.time < n:
-            raise ArgumentError(f"layer {self.name!r}: time is {self.time}; the series has 0 to {n - 1}")
-        return drawable(self.volume[self.time])
+        volume: Volume | WaveletVolume = self.volume
+        return self.volume[self.time] if isinstance(self.volume, Series) else volume
 
     @property
     def looked_at(self) -> Volume | WaveletVolume:
-        """The volume whose values choose a look: of a series the one in the middle, for all times alike."""
-        return self.drawn if not isinstance(self.volume, Series) else drawable(self.volume[len(self.volume) // 2])
+        """The volume whose values choose a look: of a series one for all times, so that nothing flickers."""
+        return brightest(self.volume) if isinstance(self.volume, Series) else self.drawn
 
     @property
     def is_shown(self) -> bool:

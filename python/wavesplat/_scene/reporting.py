@@ -8,23 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import dist, radians, tan
 from typing import TYPE_CHECKING, Any
 
 from wavesplat import _native
 from wavesplat._looks import look_json
-from wavesplat._looks.kinds import unit_of_values
-from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._model.camera import Camera
 from wavesplat._model.composites import Operator, name_of
 from wavesplat._model.sampling import Sampling
-from wavesplat._picture.report_facts import shown_layer
 from wavesplat._scene import scene_json
 from wavesplat._scene.shown import Curves, ShownLayer
 
 if TYPE_CHECKING:
-    from wavesplat._looks import colors
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
@@ -45,11 +40,8 @@ def facts_of(
     psnr: float | None,
     kernel: str,
     operator: Operator,
-    labels: Labels | None,
-    background: colors.Rgba | None,
 ) -> dict[str, Any]:
     """Fields of the report."""
-    first = scene.layers[0].drawn if not layers else layers[0].volume
     quality, composite = scene_json.fields_of_sampling(sampling), scene_json.fields_of_operator(operator)
     looks = {id(layer.layer): _resolved(scene, layer, curves) for layer, curves in zip(layers, functions, strict=True)}
 
@@ -64,37 +56,10 @@ def facts_of(
     return {
         "version": _native.__version__,
         "scene": document,
-        "camera": camera.as_json(),
-        "size": list(size),
-        "pixel": pixel_of(camera, size[1]),
-        "unit": first.unit,
-        "anatomical": first.is_anatomical,
         "quality": quality,
         "kernel": kernel,
         "composite": name_of(operator),
-        "background": None if background is None else list(background),
-        "shown": [
-            shown_layer(layer.layer.name or "", name_of(operator), curves, _unit_of_values(layer))
-            for layer, curves in zip(layers, functions, strict=True)
-        ],
-        "labels": [
-            {"name": label.name or str(number), "color": list(label.color)}
-            for number, label in sorted((labels.labels if labels is not None else {}).items())
-        ],
     }
-
-
-def pixel_of(camera: Camera, height: int) -> float:
-    """Distance of neighbouring pixels, world units; in perspective in the focal plane."""
-    if camera.view_angle is None:
-        half = camera.parallel_scale or 0.0
-    else:
-        half = dist(camera.position, camera.focal_point) * tan(radians(camera.view_angle) / 2)
-    return 2 * half / max(height, 1)
-
-
-def _unit_of_values(layer: ShownLayer) -> str:
-    return unit_of_values(layer.volume)
 
 
 def _resolved(scene: Scene, layer: ShownLayer, curves: Curves) -> Any:

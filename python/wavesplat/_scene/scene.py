@@ -22,6 +22,7 @@ from wavesplat._model.clips import Clip, Clipping, checked_clip, clip_tuple
 from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.series import Series
 from wavesplat._model.sources import beside
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
@@ -145,6 +146,29 @@ class Scene:
         changed = Scene(given.pop("layers"), **given)
         object.__setattr__(changed, "_kept", self._kept)
         return changed
+
+    def at_time(self, time: int) -> Scene:
+        """The scene at another time: of every layer that is a series, the volume of that number.
+
+        Raises
+        ------
+        ArgumentError
+            If no layer is a series, or one has no such time.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> series = ws.Series([ws.examples.ripples(n) for n in (8, 12, 16)])
+        >>> scene = ws.Scene(ws.Layer(series))
+        >>> scene.at_time(-1).layers[0].drawn.shape
+        (16, 16, 16)
+        """
+        if not any(isinstance(layer.volume, Series) for layer in self.layers):
+            raise ArgumentError(f"{self!r} has no layer with several times; make one of wavesplat.open_series(...)")
+        layers = [replace(layer, time=time) if isinstance(layer.volume, Series) else layer for layer in self.layers]
+        for layer in layers:
+            _ = layer.drawn  # or an error
+        return self.with_(layers=layers)
 
     @property
     def bounds(self) -> NDArray[np.float64]:

@@ -1,0 +1,222 @@
+"""`wavesplat render` of several channels, volumes and times: how the options are written, and what is drawn."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+from test_open_scene import DESCRIBED, cells, save
+
+import wavesplat as ws
+from wavesplat._cli.layer_options import channel_of, layer_of, names_of_pictures, times_of
+from wavesplat.errors import ArgumentError
+
+
+@pytest.mark.parametrize(
+    ("text", "channel"),
+    [
+        ("0", (0, None, None)),
+        ("0:green:100,900", (0, "green", (100, 900))),
+        ("DAPI:blue", ("DAPI", "blue", None)),
+        ("DAPI:-1.5,2e3", ("DAPI", None, (-1.5, 2000))),
+        ("2:#ff8000", (2, "#ff8000", None)),
+        ("2:1,0.5,0:3,4", (2, "1,0.5,0", (3, 4))),
+        ("GFP:488:green", ("GFP:488", "green", None)),
+        ("GFP:488", ("GFP:488", None, None)),
+        ("green", ("green", None, None)),
+        ("0:grean", ("0:grean", None, None)),  # which no file names
+    ],
+)
+def test_channels_are_read_from_the_right(text, channel):
+    assert tuple(channel_of(text)) == channel
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0:green:900,100", r"the window 900,100 of '0:green:900,100' does not grow; --channel is NUMBER\|NAME"),
+        ("", "names no channel; it is NUMBER"),
+        (" :green", "names no channel; it is NUMBER"),
+    ],
+)
+def test_what_is_no_channel(text, message):
+    with pytest.raises(ArgumentError, match=message):
+        channel_of(text)
+
+
+@pytest.mark.parametrize(
+    ("look", "said"),
+    [
+        ("", (None, None)),
+        (":hot", ("hot", None)),
+        (":hot:2,8", ("hot", (2, 8))),
+        (":2,8", (None, (2, 8))),
+        (":cmocean:ice:0,1", ("cmocean:ice", (0, 1))),
+        (":CT-AAA", ("CT-AAA", None)),
+    ],
+)
+@pytest.mark.parametrize("name", ["pet.nii.gz", "a:b.nii", "x.nii:2,8", "c:/x/pet.npy"])
+def test_files_of_layers_may_have_colons(tmp_path, monkeypatch, name, look, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / name).touch()
+    assert tuple(layer_of(name + look)) == (name, *said)
+
+
+@pytest.mark.parametrize(
+    ("text", "layer"),
+    [
+        ("https://host:8080/a.zarr", ("https://host:8080/a.zarr", None, None)),
+        ("https://host:8080/a.zarr:hot:1,2", ("https://host:8080/a.zarr", "hot", (1, 2))),
+        ("s3://bucket/a.zarr/:cmocean:ice", ("s3://bucket/a.zarr/", "cmocean:ice", None)),
+    ],
+)
+def test_urls_of_layers(text, layer):
+    assert tuple(layer_of(text)) == layer
+
+
+def test_layers_that_are_not_there(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ArgumentError, match=r"begins with no file that is there; it is FILE\[:LOOK\]\[:LOW,HIGH\]"):
+        layer_of("pet.nii.gz:hot")
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("all", [*range(12)]),
+        ("0,5,10", [0, 5, 10]),
+        ("-1", [11]),
+        ("0:10", [*range(10)]),
+        ("2:", [*range(2, 12)]),
+        ("::5", [0, 5, 10]),
+        ("-2:", [10, 11]),
+    ],
+)
+def test_times(text, numbers):
+    assert times_of(text, 12) == numbers
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("12", r"--times has 12, but the file holds 12 time points, 0\.\.11"),
+        ("x", "--times is 'x'; it is all|N"),
+        ("0,,1", "it is all"),
+        ("", "it is all"),
+        ("0:1:2:3", "it is all"),
+        ("0:9:0", "step is 0"),
+        ("12:", "none of them is meant"),
+    ],
+)
+def test_what_are_no_times(text, message):
+    with pytest.raises(ArgumentError, match=message):
+        times_of(text, 12)
+
+
+def test_names_of_pictures(tmp_path):
+    named = dict(names_of_pictures(tmp_path / "a.b.png", [3, 11], 12))
+    assert named == {3: tmp_path / "a.b_03.png", 11: tmp_path / "a.b_11.png"}
+    assert dict(names_of_pictures(tmp_path / "t{time}.png", [3], 4)) == {3: tmp_path / "t3.png"}
+
+
+# Pictures
+
+
+@pytest.fixture
+def render(wavesplat, tmp_path):
+    """Draw with these options; the path of the picture and what was said."""
+
+    def run(*arguments):
+        path = tmp_path / "out.png"
+        done = wavesplat("render", *arguments, "-o", path, "--size", "24x24", "--composite", "maximum")
+        assert done.returncode == 0, done.stderr
+        return path, done
+
+    return run
+
+
+def same(path, scene, tmp_path, camera=None):
+    """Whether Python draws the same bytes."""
+    scene.render(camera, size=(24, 24), composite="maximum").save(tmp_path / "python.png")
+    return path.read_bytes() == (tmp_path / "python.png").read_bytes()
+
+
+def test_all_channels_are_drawn(render, tmp_path):
+    source = save(tmp_path / "a.zarr", 3, DESCRIBED)
+    path, done = render(source)
+    assert same(path, ws.open_scene(source, composite="maximum"), tmp_path)
+    assert "note" not in done.stderr
+    path, _ = render(source, "--channel", "GFP:#ff8000:150,450", "--channel", "0")
+    channels = [("GFP", "#ff8000", (150, 450)), 0]
+    assert same(path, ws.open_scene(source, channels=channels, composite="maximum"), tmp_path)
+
+
+def test_one_channel_is_a_volume_like_any_other(render, tmp_path):
+    source = save(tmp_path / "a.zarr", 3, DESCRIBED)
+    path, _ = render(source, "--channel", "1", "--cmap", "inferno")
+    by_number = path.read_bytes()
+    path, _ = render(source, "--channel", "GFP", "--cmap", "inferno")
+    assert path.read_bytes() == by_number
+
+
+def test_times_share_look_and_view(wavesplat, tmp_path):
+    source = save(tmp_path / "a.zarr", 2, DESCRIBED[:2], n_times=3)
+    options = ["--size", "24x24", "--composite", "maximum"]
+    done = wavesplat("render", source, "-o", tmp_path / "t{time}.png", "--times", "0:3:2", "--json", *options)
+    assert done.returncode == 0, done.stderr
+    made = json.loads(done.stdout)["pictures"]
+    assert [one["picture"] for one in made] == [str(tmp_path / f"t{n}.png") for n in (0, 2)]
+    first, last = ((tmp_path / f"t{n}.png").read_bytes() for n in (0, 2))
+    assert first != last
+    # One of them alone, for which the note says which it is.
+    done = wavesplat("render", source, "-o", tmp_path / "a.png", *options)
+    assert "note: the file holds 3 time points; this is --time 0" in done.stderr
+    done = wavesplat("render", source, "-o", tmp_path / "b.png", "--time", "1", *options)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_times_of_one_volume(wavesplat, tmp_path):
+    np.save(tmp_path / "a.npy", cells(1, 3)[:, 0])
+    done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "t.png", "--times", "all", "--size", "24x24", "-q")
+    assert done.stdout.split() == [str(tmp_path / f"t_{n}.png") for n in range(3)]
+    assert len({(tmp_path / f"t_{n}.png").read_bytes() for n in range(3)}) == 3
+
+
+def test_a_further_volume(render, tmp_path):
+    base = cells(1)[0, 0]
+    np.save(tmp_path / "ct.npy", base)
+    np.save(tmp_path / "pet.npy", base[:, ::-1].copy())
+    path, _ = render(tmp_path / "ct.npy", "--layer", f"{tmp_path / 'pet.npy'}:hot:150,450")
+    both = path.read_bytes()
+    path, _ = render(tmp_path / "ct.npy")
+    assert path.read_bytes() != both
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--preset", "pet"], "--preset: for one volume, and the picture is of 2 channels"),
+        (["--cmap", "hot"], "--cmap, --clim.*: for one volume"),
+        (["--channel", "x:grean"], r"no channel 'x:grean'.*\(--channel is NUMBER\|NAME"),
+        (["--times", "all", "--time", "0"], "--time and --times say the same thing twice"),
+        (["--times", "3"], "--times has 3, but the file holds 1 time points"),
+        (["--layer", "pet.nii:hot"], "begins with no file"),
+    ],
+)
+def test_mistakes_are_said(wavesplat, tmp_path, options, message):
+    source = save(tmp_path / "a.zarr", 2, DESCRIBED[:2])
+    done = wavesplat("render", source, "-o", tmp_path / "a.png", *options)
+    assert done.returncode == 2
+    assert re.search(message, done.stderr)
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_presets_of_layers_have_values_of_their_own(wavesplat, tmp_path):
+    np.save(tmp_path / "a.npy", cells(1)[0, 0])
+    done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "a.png", "--layer", f"{tmp_path}/a.npy:ct-bone:1,2")
+    assert "the preset 'ct-bone' has values of its own, so leave out the window" in done.stderr
+    done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "a.png", "--layer", f"{tmp_path}/a.npy:hotter")
+    assert "LOOK is a preset, a colour or a colour map" in done.stderr

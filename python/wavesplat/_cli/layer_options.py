@@ -1,0 +1,234 @@
+"""The options that say what is shown beside each other: channels of the file, further volumes, time points.
+
+`--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[:LOOK][:LOW,HIGH]` are read from the right, so that names
+of channels, drives of Windows and URLs may have colons.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+
+from wavesplat._cli.option_groups import with_options_of
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._looks.look import Look
+    from wavesplat._model.volume import Volume
+    from wavesplat._scene.layer import Layer
+
+__all__ = [
+    "CHANNEL",
+    "ChannelText",
+    "LayerOptions",
+    "LayerText",
+    "channel_of",
+    "further_layers",
+    "layer_of",
+    "names_of_pictures",
+    "takes_layer_options",
+    "times_of",
+]
+
+CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
+LAYER = "FILE[:LOOK][:LOW,HIGH]"
+TIMES = "all|N,N,...|FIRST:END[:STEP]"
+#: Where a time's number goes in the name of its picture.
+PLACE_OF_NUMBER = "{time}"
+
+
+@dataclass(frozen=True)
+class LayerOptions:
+    """Channels, further volumes and times."""
+
+    channel: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar=CHANNEL,
+            help='A channel, from 0, in a colour, over a window of values: 0:green:100,900 or "DAPI":blue; may be '
+            "repeated; all if not given.",
+        ),
+    ] = None
+    layer: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar=LAYER,
+            help="Another volume in the same picture, such as pet.nii.gz:hot:2,8. LOOK: a colour map, a colour or a "
+            "preset; may be repeated.",
+        ),
+    ] = None
+    times: Annotated[
+        str | None,
+        typer.Option(
+            metavar=TIMES,
+            help="A picture of each of these time points, all with one look and view; {time} in the name of the output "
+            "is the number, which else is added.",
+        ),
+    ] = None
+
+
+def takes_layer_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `layering`."""
+    return with_options_of(LayerOptions, "layering", command)
+
+
+# Channels
+
+
+class ChannelText(NamedTuple):
+    """A channel as it was written."""
+
+    which: int | str
+    color: str | None
+    window: tuple[float, float] | None
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing is said of how it is to be shown."""
+        return self.color is None and self.window is None
+
+
+def channel_of(text: str) -> ChannelText:
+    """What a `--channel` says."""
+    rest, window = _without_window(text, f"--channel is {CHANNEL}")
+    name, colon, color = rest.rpartition(":")
+    if not (colon and name and _is_color(color)):
+        name, color = rest, ""
+    if not name.strip():
+        raise ArgumentError(f"--channel {text!r} names no channel; it is {CHANNEL}, such as 0:green:100,900")
+    which = int(name) if re.fullmatch(r"\s*\d{1,9}\s*", name) else name
+    return ChannelText(which, color or None, window)
+
+
+def _is_color(text: str) -> bool:
+    from wavesplat._looks import colors
+
+    try:
+        return bool(text) and colors.parse(text) is not None
+    except ArgumentError:
+        return False
+
+
+def _without_window(text: str, syntax: str) -> tuple[str, tuple[float, float] | None]:
+    """What is before a window, and the window if there is one."""
+    rest, colon, last = text.rpartition(":")
+    numbers = re.fullmatch(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*", last) if colon else None
+    if numbers is None:
+        return text, None
+    try:
+        low, high = float(numbers[1]), float(numbers[2])
+    except ValueError:
+        return text, None
+    if not low < high:
+        raise ArgumentError(f"the window {last} of {text!r} does not grow; {syntax}, with the smaller value first")
+    return rest, (low, high)
+
+
+# Further volumes
+
+
+class LayerText(NamedTuple):
+    """A further volume as it was written."""
+
+    path: str
+    look: str | None
+    window: tuple[float, float] | None
+
+
+def layer_of(text: str) -> LayerText:
+    """What a `--layer` says; the longest part that is a file is the file."""
+    rest, window = _without_window(text, f"--layer is {LAYER}")
+    if Path(text).exists():  # a name that looks like one with a window
+        return LayerText(text, None, None)
+    parts = rest.split(":")
+    for count in range(len(parts), 0, -1):
+        path, look = ":".join(parts[:count]), ":".join(parts[count:])
+        # Of a URL nobody knows where it ends: what follows its last slash and a colon is a look.
+        is_whole = "/" in parts[count - 1] if "://" in path else Path(path).expanduser().exists()
+        if is_whole:
+            return LayerText(path, look or None, window)
+    raise ArgumentError(
+        f"--layer {text!r} begins with no file that is there; it is {LAYER}, such as pet.nii.gz:hot:2,8"
+    )
+
+
+def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Layer]:
+    """The volumes of `--layer`, with their looks. `time`: which time point, of those that have several."""
+    from wavesplat._looks.over_time import brightest
+    from wavesplat._readers.time_points import open_series
+    from wavesplat._scene.layer import Layer
+
+    layers = []
+    for said in [layer_of(text) for text in texts or ()]:
+        series = open_series(said.path)
+        has_many = len(series) > 1
+        look = _look(brightest(series), said, quiet=quiet)
+        layers.append(Layer(series if has_many else series[0], look, time=time if has_many else 0))
+    return layers
+
+
+def _look(volume: Volume, said: LayerText, *, quiet: bool) -> Look | None:
+    """A preset, if no window is given; else a colour, or a colour map; grey if nothing is named."""
+    from wavesplat._cli.printing import warnings_as_notes
+    from wavesplat._looks import colors, presets
+    from wavesplat._looks.look import Look
+    from wavesplat._looks.transfer_function import TransferFunction
+
+    name, window = said.look or "gray", said.window
+    is_preset = presets.plain(name) in {presets.plain(one) for one in (*presets.names(), "auto")}
+    if window is None and (said.look is None or name == "auto"):
+        return None
+    with warnings_as_notes(quiet=quiet):
+        if window is None and is_preset:
+            return Look.preset(name, volume)
+        if name.startswith("#") or (name in colors.NAMES and name not in ("grey", "gray", "black")):
+            return Look.channel(volume, name, window)
+        try:
+            function = TransferFunction.from_colormap(name, volume, clim=window, opacity="linear")
+        except ArgumentError as error:
+            has_values = f"the preset {name!r} has values of its own, so leave out the window" if is_preset else error
+            raise ArgumentError(f"--layer, whose LOOK is a preset, a colour or a colour map: {has_values}") from None
+    return Look(transfer_function=function, shading=None, name=name)
+
+
+# Times
+
+
+def times_of(text: str, n: int) -> list[int]:
+    """The numbers that `--times` says, of so many time points."""
+    if text == "all":
+        return list(range(n))
+    is_range = ":" in text
+    parts = text.split(":" if is_range else ",")
+    try:
+        numbers = [int(part) if part.strip() or not is_range else None for part in parts]
+    except ValueError:
+        numbers = []
+    if not numbers or (is_range and len(numbers) > 3):
+        raise ArgumentError(f"--times is {text!r}; it is {TIMES}, such as 0,5,10 or 0:10")
+    if is_range:
+        if len(numbers) == 3 and numbers[2] == 0:
+            raise ArgumentError(f"--times is {text!r}, whose step is 0; give another one")
+        found = list(range(n))[slice(*numbers)]
+        if not found:
+            raise ArgumentError(f"--times is {text!r}, and the file holds {n} time points; none of them is meant")
+        return found
+    for number in numbers:
+        if number is None or not -n <= number < n:
+            raise ArgumentError(f"--times has {number}, but the file holds {n} time points, 0..{n - 1}")
+    return [number % n for number in numbers if number is not None]
+
+
+def names_of_pictures(output: Path, numbers: Sequence[int], n: int) -> Iterator[tuple[int, Path]]:
+    """Each time's number, of so many, and the file for its picture."""
+    for number in numbers:
+        told = f"{number:0{len(str(n - 1))}}"
+        if PLACE_OF_NUMBER in output.name:
+            yield number, output.with_name(output.name.replace(PLACE_OF_NUMBER, told))
+        else:
+            yield number, output.with_name(f"{output.stem}_{told}{output.suffix}")

@@ -1,0 +1,166 @@
+"""What INPUT, `--channel` and `--time` name: one volume, or the channels of a file as layers of a scene."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from wavesplat._cli.layer_options import CHANNEL, ChannelText, LayerOptions, channel_of
+from wavesplat._cli.option_groups import given
+from wavesplat._cli.printing import message, warnings_as_notes
+from wavesplat._cli.processing_options import ProcessingOptions, changed_samples, changed_series, processed
+from wavesplat._cli.reader_options import ReaderOptions, tell_guesses
+from wavesplat.errors import ArgumentError, FileWarning
+
+if TYPE_CHECKING:
+    from wavesplat._looks.look import Look
+    from wavesplat._model.options import Composite
+    from wavesplat._model.series import Series
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._scene.layer import Layer
+
+__all__ = ["Channels", "opened_layers"]
+
+
+class Channels(NamedTuple):
+    """Channels as layers, and the look of the first."""
+
+    layers: list[Layer]
+    look: Look
+
+
+def opened_layers(
+    path: str,
+    reader: ReaderOptions,
+    layering: LayerOptions,
+    processing: ProcessingOptions,
+    *,
+    composite: Composite | None,
+    quiet: bool,
+) -> Volume | WaveletVolume | Series | Channels:
+    """A volume, a series where several times are to be drawn, or channels with their looks.
+
+    composite : the operator that looks are for.
+    """
+    from wavesplat._readers.request import SeveralError
+
+    said = [channel_of(text) for text in layering.channel or ()]
+    if path.lower().endswith(".wavelets"):
+        named = [f"--{name}" for name, value in (("channel", said), ("times", layering.times)) if value]
+        if named:
+            raise ArgumentError(f"{', '.join(named)} say nothing about a file of wavelet coefficients; leave them out")
+        return processed(path, reader, processing, quiet=quiet)
+    number = said[0].which if len(said) == 1 and said[0].is_plain else None
+    if said and not isinstance(number, int):
+        return _channels(
+            path,
+            reader,
+            said,
+            processing,
+            quiet=quiet,
+            composite=composite or "over",
+            keeps_times=layering.times is not None,
+        )
+    if isinstance(number, int):
+        reader = replace(reader, channel=number)
+    try:
+        if layering.times is not None:
+            return _series(path, reader, processing, quiet=quiet)
+        return processed(path, reader, processing, quiet=quiet)
+    except SeveralError as error:
+        if error.option == "time" and error.is_said and reader.time is None:
+            if not quiet:
+                message(f"note: the file holds {len(error.names)} time points; this is --time 0")
+            return opened_layers(path, replace(reader, time=0), layering, processing, composite=composite, quiet=quiet)
+        # Of an array whose axes have no names, none is known to be that of channels.
+        if error.option != "channel" or said or not error.is_said:
+            raise
+    return _channels(
+        path,
+        reader,
+        None,
+        processing,
+        quiet=quiet,
+        composite=composite or "over",
+        keeps_times=layering.times is not None,
+    )
+
+
+def _options(reader: ReaderOptions) -> dict[str, Any]:
+    """Those of `open_series`."""
+    return {name: value for name, value in vars(reader).items() if name not in ("time", "channel")}
+
+
+def _series(path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool) -> Series:
+    from wavesplat._readers.time_points import open_series
+
+    if reader.time is not None:
+        raise ArgumentError("--time and --times say the same thing twice; give one of them")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FileWarning)  # they are among the guesses
+        series = open_series(path, channel=reader.channel, **_options(reader))
+        first = series[0]
+    if not quiet:
+        tell_guesses([first])
+    return changed_series(series, processing)
+
+
+def _channels(
+    path: str,
+    reader: ReaderOptions,
+    said: list[ChannelText] | None,
+    processing: ProcessingOptions,
+    *,
+    quiet: bool,
+    composite: Composite,
+    keeps_times: bool,
+) -> Volume | Series | Channels:
+    """Layers; a volume or a series where there is but one, of which nothing is said."""
+    from wavesplat._looks.look import Look
+    from wavesplat._model.series import Series
+    from wavesplat._scene.opening import open_scene
+
+    if keeps_times and reader.time is not None:
+        raise ArgumentError("--time and --times say the same thing twice; give one of them")
+    with warnings_as_notes(quiet=quiet), warnings.catch_warnings():
+        warnings.simplefilter("ignore", FileWarning)
+        try:
+            scene = open_scene(
+                path,
+                channels=None if said is None else [tuple(one) for one in said],
+                time=reader.time or 0,
+                composite=composite,
+                **_options(reader),
+            )
+        except ArgumentError as error:
+            if said is None:
+                raise
+            raise ArgumentError(f"{error} (--channel is {CHANNEL})") from None
+    if not quiet:
+        tell_guesses([_volume(layer) for layer in scene.layers])
+        times = scene.layers[0].volume
+        if isinstance(times, Series) and not keeps_times and reader.time is None:
+            message(f"note: the file holds {len(times)} time points; this is --time 0")
+    look = scene.layers[0].look
+    if isinstance(look, Look):
+        return Channels([_changed(layer, processing, keeps_times=keeps_times) for layer in scene.layers], look)
+    only = _changed(scene.layers[0], processing, keeps_times=keeps_times)
+    return only.volume if isinstance(only.volume, Series) and keeps_times else _volume(only)
+
+
+def _changed(layer: Layer, processing: ProcessingOptions, *, keeps_times: bool) -> Layer:
+    from wavesplat._model.series import Series
+
+    if isinstance(layer.volume, Series) and keeps_times:
+        return replace(layer, volume=changed_series(layer.volume, processing))
+    if not given(processing):
+        return layer
+    return replace(layer, volume=changed_samples(_volume(layer), processing), time=0)
+
+
+def _volume(layer: Layer) -> Volume:
+    """Of a layer that was read from a file of samples."""
+    volume: Any = layer.drawn
+    return volume  # type: ignore[no-any-return]

@@ -1,0 +1,141 @@
+"""Looks of fluorescence channels: light of their own in one colour, opaque where it is bright, over a window of values.
+
+Nothing is shaded: dyes give light, and have no surfaces. Opacity and colour rise over the window, so that what is below
+it is clear, and several channels can be seen through each other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import colors
+from wavesplat._looks.histogram import finite_samples
+from wavesplat._looks.look import Look
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.argument_types import described
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.options import Composite
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+__all__ = ["CHANNEL_COLORS", "Rgb", "channel_look", "ramp", "tells_nothing", "window_of_values"]
+
+Rgb = tuple[float, float, float]
+
+#: By convention, of channels whose file has none: green, magenta, cyan, yellow, red, blue; further ones white, orange.
+CHANNEL_COLORS: tuple[Rgb, ...] = (
+    (0.0, 1.0, 0.0),
+    (1.0, 0.0, 1.0),
+    (0.0, 1.0, 1.0),
+    (1.0, 1.0, 0.0),
+    (1.0, 0.0, 0.0),
+    (0.0, 0.0, 1.0),
+    (1.0, 1.0, 1.0),
+    (1.0, 0.65, 0.0),
+)
+#: Windows that span the values of a type, or of a camera, and say nothing: writers put them where they know none.
+WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}
+#: Luminance (Rec. 709) that a colour has at least at the end of the window; a pure blue has 0.07 and is lost on black.
+LEAST_LUMINANCE = 0.2
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+def channel_look(
+    volume: Volume | WaveletVolume,
+    color: str | Iterable[float] | None,
+    window: Iterable[float] | None,
+    composite: Composite = "over",
+) -> Look:
+    """See `Look.channel`."""
+    channel = volume.facts.channel
+    if color is None:
+        rgb = (channel.color if channel is not None else None) or CHANNEL_COLORS[0]
+        said = "its colour" if channel is not None and channel.color is not None else "green"
+    else:
+        rgb, said = _rgb(color), "its colour"
+    if window is not None:
+        low, high = _window(window)
+        reason = f"a channel in {said}, from {low:g} to {high:g}"
+    elif channel is not None and channel.window is not None and not tells_nothing(channel.window, volume):
+        low, high = channel.window
+        reason = f"a channel in {said}, from {low:g} to {high:g}, as the file says"
+    else:
+        low, high = window_of_values(finite_samples(volume))
+        reason = f"a channel in {said}, from {low:g} to {high:g}, by the values"
+    if composite in ("over", "first-hit"):
+        function = ramp(rgb, low, high, sum(volume.shape) / 3.0)
+    else:
+        # One value of a ray: what is dark adds no light to that of other channels.
+        function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *_lightened(rgb))])
+    return Look(
+        transfer_function=function,
+        shading=None,
+        composite=composite,
+        background="black",
+        name="channel",
+        reason=reason,
+    )
+
+
+def tells_nothing(window: tuple[float, float], volume: Volume | WaveletVolume) -> bool:
+    """Whether a file's window is that of all values that there could be, and not one that somebody chose."""
+    low, high = window
+    return low == 0 and high in WHOLE_RANGES and not volume.value_range[1] > high
+
+
+def window_of_values(values: NDArray[Any]) -> tuple[float, float]:
+    """From above the background, by the median and the deviation, to what few samples exceed."""
+    background, high = (float(v) for v in np.percentile(values, (50.0, 99.7)))
+    spread = 1.4826 * float(np.median(np.abs(values - background)))
+    if high < background + 4.0 * spread or high <= background:
+        # Spots so small that a percentile misses them, or a dense channel: then both are near.
+        high = max(high, float(np.percentile(values, 99.97)))
+    low = min(background + spread, background + 0.25 * (high - background))
+    return low, high if high > low else low + max(1e-6 * abs(low), 1e-6)
+
+
+def ramp(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFunction:
+    """Light of one colour. `n_voxels`: that a ray goes through, about."""
+    middle = low + 0.35 * (high - low)
+    light = _lightened(color)
+    dark = tuple(0.6 * share for share in light)
+    bright = tuple(share + 0.35 * (1.0 - share) for share in light)
+    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 2.5 * n_voxels)), (high, _per_voxel(0.995, 2.0 * n_voxels))]
+    return TransferFunction(opacity, [(low, *dark), (middle, *light), (high, *bright)])
+
+
+def _lightened(color: Rgb) -> Rgb:
+    """The colour with so much white that it can be seen on black."""
+    luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
+    white = max(0.0, (LEAST_LUMINANCE - luminance) / (1.0 - luminance)) if luminance < 1.0 else 0.0
+    red, green, blue = (share + white * (1.0 - share) for share in color)
+    return red, green, blue
+
+
+def _per_voxel(opacity: float, n_voxels: float) -> float:
+    """What a voxel must be for a tenth of so many to have an opacity."""
+    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
+
+
+def _rgb(color: str | Iterable[float]) -> Rgb:
+    parsed = colors.parse(color)
+    if parsed is None:
+        raise ArgumentError('color is "transparent"; a channel needs a colour, such as "green"')
+    return parsed[0], parsed[1], parsed[2]
+
+
+def _window(window: Iterable[float]) -> tuple[float, float]:
+    try:
+        low, high = (float(end) for end in window)
+    except (TypeError, ValueError):
+        low, high = 0.0, 0.0
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise ArgumentError(f"window is {described(window)}; give two numbers, the smaller one first")
+    return low, high

@@ -1,0 +1,260 @@
+"""From a file to a scene: all of its channels as layers, in the file's colours and windows."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import index
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal
+
+from wavesplat._looks.channels import CHANNEL_COLORS, Rgb
+from wavesplat._looks.colors import parse
+from wavesplat._looks.look import Look
+from wavesplat._looks.over_time import brightest
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.facts import Channel
+from wavesplat._model.options import Composite
+from wavesplat._model.series import Series
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat._readers.request import SeveralError
+from wavesplat._readers.time_points import open_series
+from wavesplat._scene.layer import Layer
+from wavesplat._scene.scene import MOST_LAYERS, Scene
+from wavesplat.errors import ArgumentError, WavesplatWarning
+
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["open_scene"]
+
+#: Colours that differ by less in every part count as the same.
+SAME_COLOR = 0.1
+WHITE = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """A channel that is asked for, and how it is to be shown where that is said."""
+
+    number: int
+    color: Rgb | None = None
+    window: Any = None
+    #: Whether it is shown also where the file does not want it.
+    is_asked_for: bool = False
+
+
+@public
+@takes_its_types
+def open_scene(
+    path: str | PathLike[str] | Sequence[str | PathLike[str]],
+    *,
+    channels: Sequence[Any] | None = None,
+    time: int = 0,
+    composite: Composite = "over",
+    series: str | None = None,
+    dataset: str | None = None,
+    level: int | None = None,
+    shape: Sequence[int] | None = None,
+    dtype: np.typing.DTypeLike | None = None,
+    spacing: Sequence[float] | None = None,
+    byte_order: Literal["little", "big"] | None = None,
+    offset: int = 0,
+    unit: str | None = None,
+    gaps: Literal["fill", "refuse"] = "fill",
+    external_files: bool = False,
+) -> Scene:
+    """A scene of all channels in a file, in the file's colours and windows.
+
+    Parameters
+    ----------
+    path : path, URL, pattern or list of paths
+        As of `wavesplat.open`; of time points in files of their own as of `wavesplat.open_series`.
+    channels : sequence, optional
+        Which ones, by number from 0 or by name: `[0, "DAPI"]`. With a colour and a window of values where the file's
+        are not wanted: `[("DAPI", "blue"), (1, "green", (100, 900))]`; None leaves one of them to the file. All, if not
+        given; of more than eight the first eight that the file wants shown.
+    time : int, default 0
+        Which time point, if the file holds several. The scene keeps all of them: `scene.at_time(3)`.
+    composite : str, default "over"
+        Operator that several channels are shown with: "over", or "maximum", whose colours add up.
+    series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files : optional
+        As of `wavesplat.open`.
+
+    Returns
+    -------
+    Scene
+        A layer for each channel, with its name; those that the file does not want shown are not visible. Several
+        channels are shown as light, without shading (`Look.channel`), on black. Without a colour in the file, or with
+        one that another channel has, they are green, magenta, cyan, yellow, red, blue. A single one has the look that
+        suits its kind of data (`Look.auto`). Looks are chosen once for all time points.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is unreadable, or holds no volume.
+    ArgumentError
+        If there is no such channel or time point, or an option has no meaning for that format.
+
+    Warns
+    -----
+    WavesplatWarning
+        If the file holds more than eight channels, and eight of them are taken.
+
+    Examples
+    --------
+    >>> import numpy as np, wavesplat as ws
+    >>> z, y, x = np.mgrid[:16, :16, :16]
+    >>> blobs = [np.exp(-((x - c) ** 2 + (y - 8) ** 2 + (z - 8) ** 2) / 9) for c in (5, 10)]
+    >>> np.save("cells.npy", np.stack(blobs, axis=-1).astype(np.float32)[None])  # time, z, y, x, channel
+    >>> channels = [(0, "green"), (1, "magenta", (0.2, 1))]
+    >>> scene = ws.open_scene("cells.npy", channels=channels, composite="maximum")
+    >>> scene, scene.render(size=(32, 32)).rgba.shape
+    (<Scene: 'channel 0', 'channel 1'>, (32, 32, 4))
+    """
+    options = {
+        "series": series,
+        "dataset": dataset,
+        "level": level,
+        "shape": shape,
+        "dtype": dtype,
+        "spacing": spacing,
+        "byte_order": byte_order,
+        "offset": offset,
+        "unit": unit,
+        "gaps": gaps,
+        "external_files": external_files,
+    }
+    source = _Source(path, options, time)
+    wanted = _all_of(source) if channels is None else [_wanted(one, source) for one in channels]
+    if not 1 <= len(wanted) <= MOST_LAYERS:
+        raise ArgumentError(f"a scene has 1 to {MOST_LAYERS} channels, not {len(wanted)}")
+    if len(wanted) == 1 and wanted[0].color is None and wanted[0].window is None:
+        return Scene(_layer(source, wanted[0], None))
+    looks, taken = list[Look](), list[Rgb]()
+    for one in wanted:
+        color = _color(one, source.color(one.number), taken)
+        taken.append(color)
+        looks.append(Look.channel(source.shown(one.number), color, one.window, composite))
+    return Scene([_layer(source, one, look) for one, look in zip(wanted, looks, strict=True)])
+
+
+class _Source:
+    """The channels of a file, each read once, when it is first asked for."""
+
+    def __init__(self, path: Any, options: dict[str, Any], time: int) -> None:
+        self.path, self.options, self.time = path, options, time
+        self._read: dict[int, Series] = {}
+        self.n, self._names = 1, tuple[str, ...]()
+        try:
+            only = open_series(path, **options)
+            only[time]
+        except SeveralError as error:
+            if error.option != "channel":
+                raise
+            self.n, self._names = len(error.names), error.described
+        else:
+            self._read[0] = only
+
+    def series(self, number: int) -> Series:
+        if number not in self._read:
+            self._read[number] = open_series(self.path, channel=number, **self.options)
+            self._read[number][self.time]  # or an error
+        return self._read[number]
+
+    def shown(self, number: int) -> Volume:
+        """The volume that its look is made for."""
+        return brightest(self.series(number))
+
+    def facts(self, number: int) -> Channel:
+        """What the file says of it; any channel that is read tells that of all."""
+        read = next(iter(self._read), number)
+        facts = self.series(read)[self.time].facts
+        return facts.channels[number] if number < len(facts.channels) else Channel()
+
+    def color(self, number: int) -> Rgb | None:
+        """What the file says; white ones of several are no choice, but what is written where there was none."""
+        own = self.facts(number).color
+        is_white = own is not None and _is_same(own, WHITE)
+        others = (self.facts(other).color for other in range(self.n) if other != number)
+        return None if is_white and any(other is not None and _is_same(other, WHITE) for other in others) else own
+
+    def name(self, number: int) -> str:
+        if number < len(self._names):
+            return self._names[number]
+        return self.facts(number).name
+
+
+def _all_of(source: _Source) -> list[_Wanted]:
+    if source.n <= MOST_LAYERS:
+        return [_Wanted(number) for number in range(source.n)]
+    active = [number for number in range(source.n) if source.facts(number).is_active]
+    taken = (active or list(range(source.n)))[:MOST_LAYERS]
+    listed = ", ".join(str(number) for number in taken)
+    warnings.warn(
+        f"the file holds {source.n} channels, a scene at most {MOST_LAYERS}: {listed} are taken; choose others with "
+        f"channels= (--channel): {source.path}",
+        WavesplatWarning,
+        stacklevel=4,
+    )
+    return [_Wanted(number) for number in taken]
+
+
+def _wanted(given: Any, source: _Source) -> _Wanted:
+    parts = list(given) if isinstance(given, tuple | list) else [given]
+    if not 1 <= len(parts) <= 3:
+        raise ArgumentError(
+            f"a channel is {described(given)}; give a number or a name, or (number or name, colour, (low, high))"
+        )
+    which, color, window = (*parts, None, None)[:3]
+    parsed = parse(color)
+    return _Wanted(_number(which, source), None if parsed is None else parsed[:3], window, True)
+
+
+def _number(which: Any, source: _Source) -> int:
+    names = [source.name(number) for number in range(source.n)] if isinstance(which, str) else []
+    if isinstance(which, str):
+        found = [number for number, name in enumerate(names) if name == which]
+        found = found or [number for number, name in enumerate(names) if name.lower() == which.lower()]
+        if found:
+            return found[0]
+        listed = ", ".join(repr(name) for name in names if name)
+        told = f"names {listed}" if listed else "names none of its channels; give a number"
+        raise ArgumentError(f"there is no channel {which!r}; the file {told}: {source.path}")
+    try:
+        number = index(which)
+    except TypeError:
+        raise ArgumentError(f"a channel is {described(which)}; give a number from 0, or a name") from None
+    if not 0 <= number < source.n:
+        raise ArgumentError(
+            f"channel {number}, but the file holds {source.n} channels, 0..{source.n - 1}: {source.path}"
+        )
+    return number
+
+
+def _color(wanted: _Wanted, of_file: Rgb | None, taken: Sequence[Rgb]) -> Rgb:
+    """As wanted, else as the file says, unless another has it, else the next one of the convention."""
+    if wanted.color is not None:
+        return wanted.color
+    own = [] if of_file is None else [of_file]
+    free = [color for color in (*own, *CHANNEL_COLORS) if not any(_is_same(color, other) for other in taken)]
+    return free[0]
+
+
+def _is_same(color: Rgb, other: Rgb) -> bool:
+    return all(abs(a - b) < SAME_COLOR for a, b in zip(color, other, strict=True))
+
+
+def _layer(source: _Source, wanted: _Wanted, look: Look | None) -> Layer:
+    times = source.series(wanted.number)
+    has_many = len(times) > 1
+    name = source.name(wanted.number) or (f"channel {wanted.number}" if source.n > 1 else times.name)
+    return Layer(
+        times if has_many else times[0],
+        look,
+        visible=wanted.is_asked_for or source.facts(wanted.number).is_active,
+        time=source.time if has_many else 0,
+        name=name,
+    )

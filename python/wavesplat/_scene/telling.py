@@ -1,0 +1,60 @@
+"""What a picture's report says of what it shows, for figures: view, layers with their colours, labels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from wavesplat._looks.colors import Rgba
+from wavesplat._looks.kinds import unit_of_values
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.camera import Camera
+from wavesplat._picture.report_facts import facts_of_view, shown_layer
+from wavesplat._scene.scene import Scene
+from wavesplat._scene.shown import ShownLayer, identity_of
+
+__all__ = ["facts_of_layers", "facts_of_picture"]
+
+
+def facts_of_picture(
+    scene: Scene, camera: Camera, size: tuple[int, int], background: Rgba | None, labels: Labels | None
+) -> dict[str, Any]:
+    """Where it was taken from, what its pixels are, what lies behind, and the names of what is coloured."""
+    facts = [layer.drawn.facts for layer in scene.layers]
+    view = facts_of_view(camera, size, next((one for one in facts if one.unit is not None), facts[0]))
+    looks = {} if labels is None else labels.labels
+    named = [
+        {"name": look.name or str(number), "color": list(look.color)}
+        for number, look in looks.items()
+        if look.opacity or look.tint
+    ]
+    return {**view, "background": background, "labels": named}
+
+
+def facts_of_layers(
+    scene: Scene,
+    layers: Sequence[ShownLayer],
+    functions: Sequence[TransferFunction | TransferFunction2D],
+    composite: str,
+) -> dict[str, Any]:
+    """The colours that the layers are drawn with."""
+    return {
+        "shown": [
+            shown_layer(layer.layer.name or layer.volume.name, composite, function, _unit(scene, layer))
+            for layer, function in zip(layers, functions, strict=True)
+            if layer.opacity > 0
+        ]
+    }
+
+
+def _unit(scene: Scene, layer: ShownLayer) -> str:
+    """Found out once for all pictures of a scene."""
+    key: Any = id(layer.volume), "unit"
+    identity = identity_of(layer.volume)
+    found = scene._kept.looks.get(key)
+    if found is None or found[0] is not identity:
+        found = scene._kept.looks[key] = identity, unit_of_values(layer.volume)
+    unit: str = found[1]
+    return unit

@@ -104,7 +104,9 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     kept = _Morphology(distances, axis=2 - across).body(matter, radius, least_left)
     samples = _emptied(volume, kept, steps)
     told = f"all but the largest body emptied: above {least:g}, opened by {radius:g} {volume.unit or 'world units'}"
-    source = then(volume._source, "largest_body", threshold=threshold, opening=opening)
+    options = {"threshold": threshold, "opening": opening}
+    given = {name: float(value) for name, value in options.items() if value is not None}
+    source = then(volume._source, "largest_body", **given)
     return volume._processed(samples, told, source)
 
 

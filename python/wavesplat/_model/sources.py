@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-__all__ = ["Source", "beside", "found_from", "of_file", "then"]
+__all__ = ["Source", "beside", "found_from", "of_file", "of_series", "then"]
 
 Source: TypeAlias = dict[str, Any]
 
@@ -25,7 +25,23 @@ def of_file(path: str | os.PathLike[str], options: Mapping[str, Any]) -> Source 
     name = absolute(path)
     if name is None:
         return None
-    return {"path": name, **{key: _plain(value) for key, value in sorted(options.items())}}
+    return {"path": name, **_fields(options)}
+
+
+def of_series(path: str | os.PathLike[str] | list[Any], options: Mapping[str, Any]) -> Source | None:
+    """Files of several times, by a name, a pattern or a list, and the options that they are opened with."""
+    names = [absolute(one) for one in path] if isinstance(path, list) else absolute(path)
+    if names is None or (isinstance(names, list) and None in names):
+        return None
+    return {"path": names, "series_of_times": True, **_fields(options)}
+
+
+def _fields(options: Mapping[str, Any]) -> dict[str, Any]:
+    fields = {name: _plain(value) for name, value in sorted(options.items())}
+    if "spacing" in fields:
+        # So that 1 and 1.0 are written alike.
+        fields["spacing"] = [float(step) for step in fields["spacing"]]
+    return fields
 
 
 def absolute(path: str | os.PathLike[str]) -> str | None:
@@ -42,7 +58,7 @@ def absolute(path: str | os.PathLike[str]) -> str | None:
     return name
 
 
-def then(source: Source | None, step: str, **options: Any) -> Source | None:
+def then(source: Source | None, step: str, /, **options: Any) -> Source | None:
     """The source of what a step makes of something; None where that has none."""
     if source is None:
         return None

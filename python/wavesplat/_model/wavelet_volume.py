@@ -154,7 +154,7 @@ class WaveletVolume(Grid):
         check_threads("make coefficients")
         core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
         made = cls(core, volume.name, volume.world_from_index, family, volume.facts)
-        options = {"threshold": threshold, "keep": keep, "psnr": psnr, "levels": levels, "normalisation": normalisation}
+        options = {how: float(amount), "levels": levels, "normalisation": normalisation}
         made._source = then(volume._source, "wavelets", family=family, **options)
         return made
 

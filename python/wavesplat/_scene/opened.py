@@ -27,6 +27,7 @@ STEPS: dict[str, Callable[..., Any]] = {
     "level": WaveletVolume.level,
     "bands": WaveletVolume.bands,
     "to_volume": WaveletVolume.to_volume,
+    "times": lambda series, start=None, stop=None, step=None: series[start:stop:step],
 }
 
 
@@ -55,7 +56,7 @@ def _first(options: dict[str, Any], what: str) -> Any:
         raise ArgumentError(
             f"{what} came from no file when this was written; open its samples, and make the scene anew"
         )
-    if options.pop("times", False):
+    if options.pop("series_of_times", False):
         return _called(open_series, {"path": path, **options}, what)
     if not isinstance(path, str):
         raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
@@ -70,15 +71,14 @@ def _done(volume: Any, step: Any, what: str) -> Any:
     ((name, options),) = step.items()
     if not isinstance(options, dict):
         raise ArgumentError(f"{what}.{name} is {described(options)}; it must be an object")
-    takes_wavelets = name in ("level", "bands", "to_volume")
-    if not isinstance(volume, WaveletVolume if takes_wavelets else Volume):
-        kind = "wavelets" if takes_wavelets else "samples"
-        raise ArgumentError(f"{what}: {name!r} is for {kind}, and this is a {type(volume).__name__}")
+    kind = Series if name == "times" else WaveletVolume if name in ("level", "bands", "to_volume") else Volume
+    if not isinstance(volume, kind):
+        raise ArgumentError(f"{what}: {name!r} is for a {kind.__name__}, and this is a {type(volume).__name__}")
     return _called(lambda **given: STEPS[name](volume, **given), options, f"{what}.{name}", STEPS[name])
 
 
 def _called(function: Callable[..., Any], options: dict[str, Any], what: str, known: Any = None) -> Any:
-    names = [name for name in inspect.signature(known or function).parameters if name not in ("self", "volume")]
+    names = list(inspect.signature(known or function).parameters)[known is not None :]
     unknown = sorted(set(options) - set(names))
     if unknown:
         raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(names))}")

@@ -50,6 +50,8 @@ def facts_of(
 
     document = scene_json.document_of(scene, strict=False, look_of=look_of)
     document["camera"] = camera.as_json()
+    # In the looks, with what else was found.
+    document["shading"] = "look"
     document["render"] = {"size": list(size), "quality": quality, "kernel": kernel, "composite": composite}
     if psnr is not None:
         document["render"]["psnr"] = psnr
@@ -67,7 +69,7 @@ def _resolved(scene: Scene, layer: ShownLayer, curves: Curves) -> Any:
     look = layer.look
     if look.labels is not None:
         return None
-    return look_json.fields_of(_on(scene, replace(look, transfer_function=curves)), curves=_curves(scene, curves))
+    return look_json.fields_of(_on(scene, replace(look, transfer_function=curves)), _curves(scene, curves))
 
 
 def _curves(scene: Scene, curves: Curves) -> dict[str, Any]:
@@ -83,7 +85,9 @@ def _curves(scene: Scene, curves: Curves) -> dict[str, Any]:
 
 
 def _on(scene: Scene, look: Look) -> Look:
-    """The look with the scene's background where it has none, for which greys were chosen."""
+    """The look in the scene's light, and with its background where it has none, for which greys were chosen."""
+    if scene.shading != "look":
+        look = replace(look, shading=scene.shading)
     if look.background is not None or scene.background is None:
         return look
     if isinstance(scene.background, str):

@@ -86,12 +86,13 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
     """
     layers = [
         {
-            "volume": _source_of(layer.volume, f"the volume of layer {number}", strict),
+            "volume": _source_of(layer, f"the volume of layer {number}", strict),
             "name": layer.name,
             "look": (look_of or given_look)(layer),
             "visible": layer.visible,
             "opacity": layer.opacity,
-            "time": layer.time,
+            # Of a series that has no source, the volume of its time may have one.
+            "time": layer.time if layer.volume._source is not None else 0,
         }
         for number, layer in enumerate(scene.layers)
     ]
@@ -107,16 +108,16 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
     }
 
 
-def _source_of(volume: Any, what: str, strict: bool) -> dict[str, Any]:
-    source: dict[str, Any] | None = volume._source
+def _source_of(layer: Layer, what: str, strict: bool) -> dict[str, Any]:
+    source: dict[str, Any] | None = layer.volume._source or layer.drawn._source
     if source is not None:
         return source
     if strict:
         raise ArgumentError(
-            f"{what}, {volume.name!r}, comes from no file, so a document cannot name it; write it to a file that "
+            f"{what}, {layer.volume.name!r}, comes from no file, so a document cannot name it; write it to a file that "
             "wavesplat.open reads, and open that"
         )
-    return {"path": None, "name": volume.name}
+    return {"path": None, "name": layer.volume.name}
 
 
 def given_look(layer: Layer) -> Any:

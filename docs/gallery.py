@@ -93,6 +93,11 @@ segmentation[(segmentation == 1) & (ct.samples > 220)] = 2
 labels = ws.Labels(segmentation, {1: ws.Label("grey", 0, scan=0), 2: ws.Label("#40a0e0", 0.9, name="bone")})
 picture = ws.render(ct, "ct-soft-tissue", labels=labels, **view)
 """),
+    Entry("figure", "A figure",
+          "With a scale bar, the directions and the colours of the values; as `figure.pdf` or `figure.svg` these are "
+          "vectors and text.",
+          "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15 --background white --scale-bar "
+          '--letters --colorbar --title "Bones of a pelvis"'),
     Entry("slice", "A slice", "Coronal, with the letters of the directions and a scale bar.",
           "slice ct_pelvis.nii.gz --plane coronal --window abdomen --letters --scale-bar"),
     Entry("slab", "A thick slab", "The maximum over 40 mm.",

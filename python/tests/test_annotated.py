@@ -175,6 +175,12 @@ def test_everything_together_has_room(size, background):
     assert corner.tolist() == {"white": [1, 1, 1, 1], "black": [0, 0, 0, 1], "transparent": [0, 0, 0, 0]}[background]
 
 
+def test_a_flat_picture_grows_for_its_colour_bar():
+    figure = picture(size=(300, 40)).annotated(colorbar=True)
+    assert figure.size[1] > 40
+    check_inside(figure)
+
+
 def test_what_is_on_the_picture_leaves_its_size():
     before = picture()
     for options in ({"scale_bar": True}, {"orientation": "cube"}, {"colorbar": True, "colorbar_at": "upper right"}):

@@ -23,6 +23,7 @@ ROOMS = {
         "examples",
         "_render",
         "_scene",
+        "_movie",
         "_mesh",
         "reference",
         "study",

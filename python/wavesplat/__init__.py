@@ -12,7 +12,7 @@ public names are defined in included: import `wavesplat.Volume`, from nowhere el
 public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`examples`, `_render`, `_scene`, `_mesh`, `reference`, `study`, `_cli`.
+`examples`, `_render`, `_scene`, `_movie`, `_mesh`, `reference`, `study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._movie.key_frame import KeyFrame
+    from wavesplat._movie.movie import movie
+    from wavesplat._movie.turn import Turn
     from wavesplat._native import __version__
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
@@ -58,6 +61,7 @@ __all__ = [
     "DepthShadedMaximum",
     "Facts",
     "FirstHit",
+    "KeyFrame",
     "Label",
     "Labels",
     "Layer",
@@ -74,6 +78,7 @@ __all__ = [
     "Shading",
     "TransferFunction",
     "TransferFunction2D",
+    "Turn",
     "Volume",
     "WaveletVolume",
     "XRay",
@@ -82,6 +87,7 @@ __all__ = [
     "examples",
     "largest_body",
     "mesh",
+    "movie",
     "open",
     "open_scene",
     "open_series",
@@ -101,6 +107,7 @@ _HOMES = {
     "DepthShadedMaximum": "_model.composites",
     "Facts": "_model.facts",
     "FirstHit": "_model.composites",
+    "KeyFrame": "_movie.key_frame",
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
     "Layer": "_scene.layer",
@@ -117,12 +124,14 @@ _HOMES = {
     "Shading": "_looks.shading",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
+    "Turn": "_movie.turn",
     "Volume": "_model.volume",
     "WaveletVolume": "_model.wavelet_volume",
     "XRay": "_model.composites",
     "__version__": "_native",
     "largest_body": "_looks.largest_body",
     "mesh": "_mesh.meshing",
+    "movie": "_movie.movie",
     "open": "_readers.opening",
     "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",

@@ -177,8 +177,7 @@ class Ablation:
     ) -> Ablation: ...
 
 def render(
-    volume: Volume | DecodedVolume,
-    transfer_function: TransferFunction,
+    layers: Sequence[tuple[Volume | DecodedVolume, TransferFunction, Shading | None]],
     camera: Camera,
     *,
     labels: Labels | None,
@@ -190,7 +189,6 @@ def render(
     local_threshold: float | None,
     depth_shading: tuple[float, float] | None,
     attenuation: tuple[float, float] | None,
-    shading: Shading | None,
     sheets_per_slice: float,
     oversampling: float,
     psnr: float | None,
@@ -225,15 +223,13 @@ def render_standard(
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def raycast(
-    volume: Volume,
-    transfer_function: TransferFunction,
+    layers: Sequence[tuple[Volume, TransferFunction, Shading | None]],
     camera: Camera,
     *,
     labels: Labels | None,
     width: int,
     height: int,
     kernel: str,
-    shading: Shading | None,
     step: float,
     rays_per_pixel: int,
     crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
@@ -287,9 +283,7 @@ def plane(
 ) -> NDArray[np.float32]: ...
 def quality_settings(
     name: str,
-    volume: Volume | DecodedVolume,
-    transfer_function: TransferFunction,
-    shading: Shading | None,
+    layers: Sequence[tuple[Volume | DecodedVolume, TransferFunction, Shading | None]],
     camera: Camera,
     height: int,
 ) -> tuple[float, float]: ...

@@ -13,11 +13,12 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, Clipping, checked_clip
-from wavesplat._model.cutting import without
 from wavesplat._model.options import Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
+from wavesplat._scene.scene import Scene
+from wavesplat._scene.shown import shown_layers
 from wavesplat.errors import ArgumentError
 
 __all__ = ["raycast", "splat_literal"]
@@ -25,7 +26,7 @@ __all__ = ["raycast", "splat_literal"]
 
 @takes_its_types
 def raycast(
-    volume: Volume,
+    what: Volume | Scene,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
@@ -42,8 +43,11 @@ def raycast(
 
     Parameters
     ----------
-    volume, transfer_function, camera, labels, size, kernel, shading, clip, threads
-        As for `wavesplat.render`, but only a Volume; of a WaveletVolume, give `to_volume()`.
+    what : Volume or Scene
+        A volume, or a scene of up to eight, mixed point by point; of a WaveletVolume, give `to_volume()`. The looks,
+        labels, light and clipping of a scene are its own: leave these arguments out.
+    transfer_function, camera, labels, size, kernel, shading, clip, threads
+        As for `wavesplat.render`.
     step : float, default 0.05
         Distance between samples of a ray, in voxels.
     rays_per_pixel : int, default 1
@@ -65,23 +69,33 @@ def raycast(
     >>> ws.reference.raycast(ws.examples.ripples(8), size=(8, 8), step=0.5).rgba.shape
     (8, 8, 4)
     """
-    _check_samples(volume)
-    if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
+    if isinstance(what, Scene):
+        scene = what
+        if transfer_function is not None or labels is not None or checked_clip(clip) != checked_clip(()):
+            raise ArgumentError("a scene has its own looks, labels and clipping; leave these arguments out")
+    else:
+        _checked_samples(what)
+        look = arguments.chosen_look(transfer_function, what, "over")
+        scene = Scene(what, look, labels=labels, shading=shading, clip=clip)
+    shown = shown_layers(scene, "over")
+    lights = [layer.look.shading if scene.shading == "look" else scene.shading for layer in shown.layers]
+    if any(isinstance(light, Shading) and (light.ambient_occlusion > 0 or light.shadow > 0) for light in lights):
         raise ArgumentError("the reference knows no ambient_occlusion and no shadow; give a Shading without them")
+    volumes = [_checked_samples(layer.seen) for layer in shown.layers]
     width, height = arguments.checked_size(size)
-    clipping = checked_clip(clip)
-    look = arguments.chosen_look(transfer_function, volume, "over")
-    labels_here = arguments.chosen_labels(labels, volume, clipping.boxes)
-    volume = without(volume, clipping.boxes)
+    clipping = scene._clipping if len(shown.layers) == 1 else scene._clipping.in_world(shown.first)
+    parts = [(layer.seen, layer.look) for layer in shown.layers]
+    first = shown.layers[0]
     rgba = _native.raycast(
-        volume._core,
-        look.transfer_function._core,
-        arguments.chosen_camera(camera, [(volume, look)], clipping, width / max(height, 1))._core,
-        labels=labels_here,
+        [
+            (volume._core, layer.faded(layer.look.transfer_function)._core, light._core if light is not None else None)
+            for volume, layer, light in zip(volumes, shown.layers, lights, strict=True)
+        ],
+        arguments.chosen_camera(camera, parts, clipping, width / max(height, 1))._core,
+        labels=arguments.chosen_labels(scene.labels or first.look.labels, first.volume, first.boxes),
         width=width,
         height=height,
         kernel=kernel,
-        shading=None if shading is None else shading._core,
         step=float(step),
         rays_per_pixel=arguments.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
         **arguments.region(clipping),
@@ -127,7 +141,7 @@ def splat_literal(
     >>> ws.reference.splat_literal(ws.examples.ripples(8), size=(8, 8)).rgba.shape
     (8, 8, 4)
     """
-    _check_samples(volume)
+    _checked_samples(volume)
     width, height = arguments.checked_size(size)
     look = arguments.chosen_look(transfer_function, volume, "over")
     rgba = _native.splat_literal(
@@ -144,8 +158,9 @@ def splat_literal(
     return Picture(rgba)
 
 
-def _check_samples(volume: object) -> None:
+def _checked_samples(volume: object) -> Volume:
     if not isinstance(volume, Volume):
         raise ArgumentError(
             f"the reference draws a Volume, not a {type(volume).__name__}; of a WaveletVolume, give its to_volume()"
         )
+    return volume

@@ -4,30 +4,29 @@ use numpy::PyArray3;
 use pyo3::prelude::*;
 use wavesplat_core::{Kernel, RenderOptions};
 use wavesplat_splat::reference;
-use wavesplat_splat::reference::raycast::RaycastOptions;
+use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple};
 use crate::errors::to_py;
 use crate::labels::PyLabels;
 use crate::progress::PyProgress;
 use crate::rendering::{Corners, clip_planes, crop, image};
-use crate::volume::PyVolume;
+use crate::volume::{PyVolume, with_samples_of_all};
 
 /// See `_native.pyi`.
 #[pyfunction]
-#[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, shading, step, rays_per_pixel,
+#[pyo3(signature = (layers, camera, *, labels, width, height, kernel, step, rays_per_pixel,
     crop_index, crop_world, clip_planes, threads))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands layers over by value")]
 pub fn raycast<'py>(
     py: Python<'py>,
-    volume: &PyVolume,
-    transfer_function: &PyTransferFunction,
+    layers: Vec<(PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>)>,
     camera: &PyCamera,
     labels: Option<&PyLabels>,
     width: usize,
     height: usize,
     kernel: &str,
-    shading: Option<&PyShading>,
     step: f64,
     rays_per_pixel: usize,
     crop_index: Corners,
@@ -38,19 +37,28 @@ pub fn raycast<'py>(
     let options = RenderOptions {
         width_px: width,
         height_px: height,
-        shading: shading.map(|s| s.0.clone()),
         crop: crop(crop_index, crop_world),
         clip_planes: self::clip_planes(clip_planes),
         n_threads: threads,
         ..RenderOptions::default()
     };
     let sampling = RaycastOptions { kernel: Kernel::from_name(kernel).map_err(to_py)?, step, rays_per_pixel };
-    let picture = volume.with_volume(py, |v| {
-        let (tf, camera) = (&transfer_function.0, &camera.0);
+    let volumes: Vec<&PyVolume> = layers.iter().map(|(volume, ..)| &**volume).collect();
+    let picture = with_samples_of_all(py, &volumes, &mut |volumes| {
+        let cast: Vec<CastLayer> = volumes
+            .iter()
+            .zip(&layers)
+            .enumerate()
+            .map(|(k, (volume, (_, tf, shading)))| CastLayer {
+                volume,
+                transfer_function: &tf.0,
+                shading: shading.as_ref().map(|shading| &shading.0),
+                labels: labels.filter(|_| k == 0).map(|labels| &*labels.0),
+            })
+            .collect();
         let progress = PyProgress::new(None);
-        let labels = labels.map(|labels| &*labels.0);
-        let cast = || reference::raycast::raycast_labelled(v, labels, tf, camera, &options, sampling, &progress);
-        progress.watch(py, cast)?.map_err(to_py)
+        let camera = &camera.0;
+        progress.watch(py, || raycast_layers(&cast, camera, &options, sampling, &progress))?.map_err(to_py)
     })?;
     image(py, picture)
 }

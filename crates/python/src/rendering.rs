@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
     ClipPlane, Composite, Crop, Effort, Frame, FrameOptions, Kernel, Measured, Picture, PngBits, Sampling, Scene,
-    StageTimes, Wanted, png_of_rgba,
+    SceneLayer, StageTimes, Wanted, png_of_rgba,
 };
 use wavesplat_core::{CompositeNumbers, RenderOptions};
 use wavesplat_splat::quality::target_psnr::{Errors, Framing};
@@ -20,7 +20,7 @@ use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
 use crate::labels::PyLabels;
 use crate::progress::PyProgress;
-use crate::volume::Drawable;
+use crate::volume::{Drawable, with_volumes};
 
 /// Corners of a crop box.
 pub type Corners = Option<(Triple, Triple)>;
@@ -86,17 +86,36 @@ impl From<Measured> for PyMeasured {
     }
 }
 
+/// A volume, its transfer function, and its light.
+pub type PyLayer<'py> = (Drawable<'py>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
+
+/// Calls `work` with the scene of layers.
+fn with_scene<T>(
+    py: Python<'_>,
+    layers: &[PyLayer<'_>],
+    mut work: impl FnMut(Scene<'_>) -> PyResult<T>,
+) -> PyResult<T> {
+    let drawables: Vec<&Drawable<'_>> = layers.iter().map(|(drawable, ..)| drawable).collect();
+    with_volumes(py, &drawables, &mut |volumes| {
+        let layer = |(volume, (_, tf, shading)): (_, &PyLayer<'_>)| SceneLayer {
+            volume,
+            transfer_function: tf.0.clone(),
+            shading: shading.as_ref().map(|shading| shading.0.clone()),
+        };
+        work(Scene::of(volumes.into_iter().zip(layers).map(layer).collect()))
+    })
+}
+
 /// See `_native.pyi`.
 #[pyfunction]
-#[pyo3(signature = (volume, transfer_function, camera, *, labels, width, height, kernel, composite, iso_value,
-    local_threshold, depth_shading, attenuation, shading, sheets_per_slice, oversampling, psnr, like, crop_index,
+#[pyo3(signature = (layers, camera, *, labels, width, height, kernel, composite, iso_value,
+    local_threshold, depth_shading, attenuation, sheets_per_slice, oversampling, psnr, like, crop_index,
     crop_world, clip_planes, background, threads, depth, pre_integration, early_ray_termination, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
 pub fn render<'py>(
     py: Python<'py>,
-    volume: Drawable<'py>,
-    transfer_function: &PyTransferFunction,
+    layers: Vec<PyLayer<'py>>,
     camera: &PyCamera,
     labels: Option<&PyLabels>,
     width: usize,
@@ -107,7 +126,6 @@ pub fn render<'py>(
     local_threshold: Option<f64>,
     depth_shading: Option<(f64, f64)>,
     attenuation: Option<(f64, f64)>,
-    shading: Option<&PyShading>,
     sheets_per_slice: f64,
     oversampling: f64,
     psnr: Option<f64>,
@@ -145,12 +163,11 @@ pub fn render<'py>(
         clock: Some(seconds),
     };
     let watched = PyProgress::new(progress);
-    let result = volume.with_volume(py, |subject| {
-        let mut scene = Scene::of(subject, transfer_function.0.clone());
-        scene.shading = shading.map(|s| s.0.clone());
+    let planes = self::clip_planes(clip_planes);
+    let result = with_scene(py, &layers, |mut scene| {
         scene.labels = labels.map(|labels| labels.0.clone());
         scene.crop = crop(crop_index, crop_world);
-        scene.clip_planes = self::clip_planes(clip_planes);
+        scene.clip_planes.clone_from(&planes);
         scene.background = background;
         watched.watch(py, || scene.render_with_progress(&camera.0, [width, height], &options, &watched))
     })?;
@@ -230,15 +247,11 @@ pub fn plane<'py>(
 pub fn quality_settings(
     py: Python<'_>,
     name: &str,
-    volume: Drawable<'_>,
-    transfer_function: &PyTransferFunction,
-    shading: Option<&PyShading>,
+    layers: Vec<PyLayer<'_>>,
     camera: &PyCamera,
     height: usize,
 ) -> PyResult<(f64, f64)> {
-    volume.with_volume(py, |subject| {
-        let mut scene = Scene::of(subject, transfer_function.0.clone());
-        scene.shading = shading.map(|s| s.0.clone());
+    with_scene(py, &layers, |scene| {
         let sampling = scene.sampling(name, &camera.0, height).map_err(to_py)?;
         Ok((sampling.sheets_per_slice, sampling.oversampling))
     })

@@ -44,6 +44,42 @@ impl Drawable<'_> {
     }
 }
 
+/// Calls `work` with what the layers of a scene draw.
+pub fn with_volumes<T>(
+    py: Python<'_>,
+    drawables: &[&Drawable<'_>],
+    work: &mut dyn FnMut(Vec<SceneVolume<'_>>) -> PyResult<T>,
+) -> PyResult<T> {
+    fn rest<'a, T>(
+        py: Python<'_>,
+        drawables: &[&Drawable<'_>],
+        before: &[SceneVolume<'a>],
+        work: &mut dyn FnMut(Vec<SceneVolume<'_>>) -> PyResult<T>,
+    ) -> PyResult<T> {
+        let Some((first, others)) = drawables.split_first() else { return work(before.to_vec()) };
+        first.with_volume(py, |volume| rest(py, others, &[before, &[volume]].concat(), work))
+    }
+    rest(py, drawables, &[], work)
+}
+
+/// Calls `work` with all volumes.
+pub fn with_samples_of_all<T>(
+    py: Python<'_>,
+    volumes: &[&PyVolume],
+    work: &mut dyn FnMut(&[Volume<'_>]) -> PyResult<T>,
+) -> PyResult<T> {
+    fn rest<'a, T>(
+        py: Python<'_>,
+        volumes: &[&PyVolume],
+        before: &[Volume<'a>],
+        work: &mut dyn FnMut(&[Volume<'_>]) -> PyResult<T>,
+    ) -> PyResult<T> {
+        let Some((first, others)) = volumes.split_first() else { return work(before) };
+        first.with_volume(py, |volume| rest(py, others, &[before, std::slice::from_ref(volume)].concat(), work))
+    }
+    rest(py, volumes, &[], work)
+}
+
 /// Samples, affine, and what was computed from them once.
 #[pyclass(name = "Volume", frozen, module = "wavesplat._native")]
 pub struct PyVolume {

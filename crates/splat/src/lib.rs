@@ -39,7 +39,7 @@ pub mod standard;
 pub mod view;
 
 pub use optics::steepness::is_steep;
-pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layer};
+pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layers};
 pub use render::layer::Layer;
 pub use render::progress::ProgressCallback;
 pub use render::report::Report;

@@ -11,8 +11,13 @@ use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
-fn layer<'a>(slices: &'a Slices, transfer_function: &'a TransferFunction, cache: &'a VisibilityCache) -> Layer<'a> {
-    Layer { slices, transfer_function, labels: None, cache }
+fn layer<'a>(
+    slices: &'a Slices,
+    transfer_function: &'a TransferFunction,
+    options: &'a RenderOptions,
+    cache: &'a VisibilityCache,
+) -> [Layer<'a>; 1] {
+    [Layer { slices, transfer_function, shading: options.shading.as_ref(), labels: None, cache }]
 }
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 22.0 };
@@ -65,7 +70,7 @@ fn the_picture_has_the_error_that_is_told() {
         let (mut reached, mut efforts) = (Vec::new(), Vec::new());
         for wanted_db in all_wanted {
             let (picture, _, chosen) = render_to_psnr(
-                &layer(&slices, &tf, &VisibilityCache::default()),
+                &layer(&slices, &tf, &options, &VisibilityCache::default()),
                 &camera,
                 &options,
                 &wanted(wanted_db),
@@ -110,16 +115,22 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
     let slices = Slices::new(&volume, Kernel::Linear);
     let (options, camera) = (options(Composite::Over), camera(&phantom, ORTHOGRAPHIC));
     let draw = |tf: &TransferFunction| {
-        render_to_psnr(&layer(&slices, tf, &VisibilityCache::default()), &camera, &options, &wanted(80.0), &())
-            .unwrap()
-            .2
+        render_to_psnr(
+            &layer(&slices, tf, &options, &VisibilityCache::default()),
+            &camera,
+            &options,
+            &wanted(80.0),
+            &(),
+        )
+        .unwrap()
+        .2
     };
     assert!(draw(&hard()).psnr_db < 80.0);
     let invisible = draw(&opacity_ramp(&[(0.0, 0.0), (255.0, 0.0)], None));
     assert!(invisible.psnr_db > 80.0 && invisible.spread_db == 0.0 && invisible.measured.is_none());
     for psnr_db in [5.0, 100.0, f64::NAN] {
         let refused = render_to_psnr(
-            &layer(&slices, &soft(), &VisibilityCache::default()),
+            &layer(&slices, &soft(), &options, &VisibilityCache::default()),
             &camera,
             &options,
             &wanted(psnr_db),
@@ -138,9 +149,14 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
     for (tf, all_wanted) in [(soft(), [38.0, 44.0]), (hard(), [28.0, 33.0])] {
         let draw = |camera: &Camera, psnr_db: f64, like: Option<Measured>| {
             let wanted = Wanted { psnr_db, like };
-            let (picture, _, told) =
-                render_to_psnr(&layer(&slices, &tf, &VisibilityCache::default()), camera, &options, &wanted, &())
-                    .unwrap();
+            let (picture, _, told) = render_to_psnr(
+                &layer(&slices, &tf, &options, &VisibilityCache::default()),
+                camera,
+                &options,
+                &wanted,
+                &(),
+            )
+            .unwrap();
             (picture, told)
         };
         let first = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], None).1;
@@ -200,7 +216,7 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
         let camera = camera_towards(phantom.centre(), DVec3::X, 90.0, ORTHOGRAPHIC);
         let options = options(Composite::Over);
         let (picture, _, chosen) = render_to_psnr(
-            &layer(&slices, &soft(), &VisibilityCache::default()),
+            &layer(&slices, &soft(), &options, &VisibilityCache::default()),
             &camera,
             &options,
             &wanted(40.0),
@@ -226,7 +242,7 @@ fn what_a_picture_hardly_shows_is_drawn_too() {
             for [width_px, height_px] in [[40, 30], [1, 1], [300, 2]] {
                 let options = RenderOptions { width_px, height_px, ..options(Composite::Over) };
                 let drawn = render_to_psnr(
-                    &layer(&slices, &soft(), &VisibilityCache::default()),
+                    &layer(&slices, &soft(), &options, &VisibilityCache::default()),
                     &camera,
                     &options,
                     &wanted(40.0),
@@ -263,7 +279,7 @@ fn progress_grows_to_one_and_stops_where_it_is_told_to() {
     for (until, is_drawn) in [(2.0, true), (0.1, false), (0.45, false), (0.6, false), (1.0, false)] {
         let listener = Listener { told: Mutex::new(Vec::new()), until };
         let drawn = render_to_psnr(
-            &layer(&slices, &hard(), &VisibilityCache::default()),
+            &layer(&slices, &hard(), &options, &VisibilityCache::default()),
             &camera,
             &options,
             &wanted(60.0),

@@ -11,9 +11,9 @@ use wavesplat_core::{
 };
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
-use wavesplat_splat::reference::raycast::{RaycastOptions, raycast, raycast_labelled};
+use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast, raycast_layers};
 use wavesplat_splat::source::slices::Slices;
-use wavesplat_splat::{Layer, render, render_base_planes_at, render_layer};
+use wavesplat_splat::{Layer, render, render_base_planes_at, render_layers};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
 const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 4 };
@@ -101,14 +101,12 @@ fn labels_are_those_of_direct_evaluation() {
                 let codes = Codes::U8(Arc::from(&codes[..]));
                 let labels = Labels::new(codes, looks.clone(), volume.grid(), kernel, 1 << 24).unwrap();
                 let options = fine(shading);
-                let want = raycast_labelled(&volume, Some(&labels), &tf, &camera, &options, SAMPLING, &()).unwrap();
-                let got = render_layer(
-                    &Layer {
-                        slices: &slices,
-                        transfer_function: &tf,
-                        labels: Some(&labels),
-                        cache: &VisibilityCache::default(),
-                    },
+                let (shading, labels) = (options.shading.as_ref(), Some(&labels));
+                let cast = CastLayer { volume: &volume, transfer_function: &tf, shading, labels };
+                let want = raycast_layers(&[cast], &camera, &options, SAMPLING, &()).unwrap();
+                let cache = VisibilityCache::default();
+                let got = render_layers(
+                    &[Layer { slices: &slices, transfer_function: &tf, shading, labels, cache: &cache }],
                     &camera,
                     &options,
                     &(),
@@ -135,8 +133,9 @@ fn labels_with_the_looks_of_nothing_change_nothing() {
     let slices = Slices::new(&volume, Kernel::Linear);
     let options = RenderOptions { sheets_per_slice: 2.0, ..fine(Some(Shading::headlight())) };
     let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
-    let got = render_layer(
-        &Layer { slices: &slices, transfer_function: &tf, labels: Some(&labels), cache: &VisibilityCache::default() },
+    let (shading, cache) = (options.shading.as_ref(), VisibilityCache::default());
+    let got = render_layers(
+        &[Layer { slices: &slices, transfer_function: &tf, shading, labels: Some(&labels), cache: &cache }],
         &camera,
         &options,
         &(),

@@ -200,7 +200,7 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
             let mut of_group = vec![None; group.len()];
             for cut in cuts.windows(2) {
                 let slabs = cut[0]..cut[1];
-                let reached = samples_of(plan, f, group, &slabs, slices).unwrap();
+                let reached = samples_of(plan, f, group, &slabs, &[slices], 0).unwrap();
                 let part = data.copied(SIZE, &reached);
                 let volume_box = VolumeBox {
                     lo: reached.each_ref().map(|r| r.start),
@@ -208,7 +208,7 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
                     samples: part.samples(),
                 };
                 let own = Slices::of_box(&volume_box, slices.grid(), slices.kernel(), slices.range());
-                (of_group, _) = draw_piece(plan, f, group, &slabs, &own, &of_group);
+                (of_group, _) = draw_piece(plan, f, group, &slabs, &[&own], &of_group);
             }
             for (tile, state) in group.iter().zip(of_group) {
                 states[tile[1] * n_tiles_u + tile[0]] = state;
@@ -237,9 +237,15 @@ fn any_cut_gives_the_same_bytes() {
         let volume = Volume::new("cut", case.data.samples(), SIZE, world_from_index).unwrap();
         let slices = Slices::new(&volume, case.kernel);
         let cache = VisibilityCache::default();
-        let layer = Layer { slices: &slices, transfer_function: &case.tf, labels: case.labels.as_ref(), cache: &cache };
-        let plan = Plan::new(Level::best(), &layer, &case.camera, &case.options).unwrap();
-        let (whole, _) = draw_base_planes(&plan, &slices, &()).unwrap();
+        let layer = Layer {
+            slices: &slices,
+            transfer_function: &case.tf,
+            shading: case.options.shading.as_ref(),
+            labels: case.labels.as_ref(),
+            cache: &cache,
+        };
+        let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap();
+        let (whole, _) = draw_base_planes(&plan, &[&slices], &()).unwrap();
         n_seen += whole.iter().flat_map(BasePicture::texels).filter(|texel| texel[3] > 0.0).count();
         for _ in 0..n_cuts {
             let cut = in_pieces(&plan, &slices, &case.data, &mut random);

@@ -22,20 +22,21 @@ fn with_plan(check: impl FnOnce(&Plan)) {
         Projection::Orthographic { parallel_scale: 14.0 },
     );
     let cache = VisibilityCache::default();
-    let layer = Layer { slices: &slices, transfer_function: &tf, labels: None, cache: &cache };
     let options = RenderOptions { width_px: 90, height_px: 60, ..RenderOptions::default() };
-    check(&Plan::new(Level::best(), &layer, &camera, &options).unwrap());
+    let shading = options.shading.as_ref();
+    let layer = Layer { slices: &slices, transfer_function: &tf, shading, labels: None, cache: &cache };
+    check(&Plan::new(Level::best(), &[layer], &camera, &options).unwrap());
 }
 
 #[test]
 fn tables_are_the_transfer_function() {
     with_plan(|plan| {
-        let tables = plan.tables.arrays();
+        let tables = plan.layers[0].tables.arrays();
         for k in 0..1000 {
             let density = -20.0 + 0.3 * k as f32;
             let position = ((density - tables.first) * tables.per_density).clamp(0.0, (tables.colors.len() - 2) as f32);
             let (cell, share) = (position as usize, position.fract());
-            let want = plan.tables.look_up_one(density);
+            let want = plan.layers[0].tables.look_up_one(density);
             for c in 0..4 {
                 let [a, b] = [tables.colors[cell][c], tables.colors[cell + 1][c]];
                 assert!((a + share * (b - a) - want[c]).abs() < 1e-5, "{density}");
@@ -52,7 +53,7 @@ fn sheets_footprints_and_intervals_are_those_of_the_view() {
         let family = &plan.families[0];
         let positions = family.sheet_positions();
         assert_eq!((positions[0], positions[positions.len() - 1]), (0.0, 15.0));
-        let footprints = family.footprints(plan, Kernel::CatmullRom, [0, 0], positions[7]);
+        let footprints = family.footprints(plan, 0, Kernel::CatmullRom, [0, 0], positions[7]);
         let sum: f32 = footprints.slices.iter().map(|(_, weight)| weight).sum();
         assert!((sum - 1.0).abs() < 1e-6);
         assert!(footprints.slice_differences.iter().map(|(_, weight)| weight).sum::<f32>().abs() < 1e-6);
@@ -64,7 +65,7 @@ fn sheets_footprints_and_intervals_are_those_of_the_view() {
         }
         // Rays of a box that is looked at from above end on its lowest or highest slice, or at a side.
         let mut n_drawn = 0;
-        for [from, to] in family.ray_intervals(plan, [0, 0]) {
+        for [from, to] in family.ray_intervals(plan, 0, [0, 0]) {
             if from < to {
                 n_drawn += 1;
                 let (lo, hi) = (from.abs().min(to.abs()), from.abs().max(to.abs()));
@@ -78,7 +79,7 @@ fn sheets_footprints_and_intervals_are_those_of_the_view() {
 #[test]
 fn occupancy_is_one_bit_per_brick() {
     with_plan(|plan| {
-        let occupancy = plan.families[0].occupancy.as_ref().unwrap();
+        let occupancy = plan.families[0].layers[0].occupancy.as_ref().unwrap();
         let (n @ [n_u, n_v, n_w], n_words, words) = occupancy.arrays();
         assert_eq!(words.len(), n_words * n_v * n_w);
         let mut n_occupied = 0;

@@ -85,8 +85,14 @@ impl Case<'_> {
 
     fn wanted(&self, wanted: Wanted) -> (Picture, Estimate) {
         let cache = VisibilityCache::default();
-        let layer = Layer { slices: self.slices, transfer_function: self.tf, labels: None, cache: &cache };
-        let (picture, _, told) = render_to_psnr(&layer, &self.camera, &self.options, &wanted, &()).unwrap();
+        let layer = Layer {
+            slices: self.slices,
+            transfer_function: self.tf,
+            shading: self.options.shading.as_ref(),
+            labels: None,
+            cache: &cache,
+        };
+        let (picture, _, told) = render_to_psnr(&[layer], &self.camera, &self.options, &wanted, &()).unwrap();
         (picture, told)
     }
 }

@@ -4,7 +4,9 @@ mod common;
 
 use std::sync::Arc;
 
-use wavesplat::{FrameOptions, Keep, LevelVolume, Norm, Samples, Scene, SceneVolume, WaveletFamily, WaveletVolume};
+use wavesplat::{
+    FrameOptions, Keep, LevelVolume, Norm, Samples, Scene, SceneLayer, SceneVolume, WaveletFamily, WaveletVolume,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let samples = Samples::U8(&common::head()).to_f32();
@@ -24,7 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let weights = vec![1.0; coefficients.plan().n_levels() + 1];
     for level in 0..3 {
         let opened = LevelVolume::open(&coefficients, level, &weights, common::world_from_index(), "head", 256 << 20)?;
-        let scene = Scene::of(SceneVolume::Level(Arc::new(opened)), look.clone());
+        let volume = SceneVolume::Level(Arc::new(opened));
+        let scene = Scene::of(vec![SceneLayer::new(volume, look.clone())]);
         let frame = scene.render(&common::camera()?, [512, 512], &FrameOptions::default())?;
         common::save(&frame, &format!("level_{level}.png"))?;
     }

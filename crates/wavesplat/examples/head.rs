@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &[(30.0, [0.6, 0.7, 0.9]), (76.0, [0.9, 0.4, 0.3]), (130.0, [1.0, 0.95, 0.85])],
     )?;
     let mut scene = Scene::new(volume, look);
-    scene.shading = Some(Shading { ambient_occlusion: 0.4, ..Shading::default() });
+    scene.layers[0].shading = Some(Shading { ambient_occlusion: 0.4, ..Shading::default() });
     scene.background = Some([0.0, 0.0, 0.0, 1.0]);
     let frame = scene.render(&common::camera()?, [512, 512], &FrameOptions::default())?;
     common::save(&frame, "head.png")?;

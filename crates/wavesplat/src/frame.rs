@@ -7,12 +7,12 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, RenderOptions, Result};
 use wavesplat_splat::quality::error_model::Sampling;
 use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
-use wavesplat_splat::render::frame::{draw_base_planes, finish};
+use wavesplat_splat::render::frame::{draw_base_planes, finish, slices_of};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::{Layer, ProgressCallback, Report};
 
 use crate::quality::{Effort, Quality};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneLayer};
 
 /// How a scene is drawn.
 #[derive(Clone, Debug)]
@@ -106,11 +106,17 @@ impl Scene<'_> {
         parallel::with_threads(options.n_threads, || self.draw(camera, options, &render_options, fixed, callback))
     }
 
-    /// What a named quality means for this scene, seen by a camera in a picture so many pixels high.
+    /// What a named quality means for this scene, seen by a camera in a picture so many pixels high: the finest of what it
+    /// means for its layers.
     pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
-        let tf = &self.transfer_function;
-        let is_steep = self.volume().is_steep(tf, self.shading.as_ref())?;
-        Quality::sampling(quality, self.volume().grid(), tf, is_steep, camera, height_px)
+        let mut finest = Sampling { sheets_per_slice: 0.0, oversampling: 0.0 };
+        for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
+            let is_steep = volume.is_steep(tf, shading.as_ref())?;
+            let own = Quality::sampling(quality, volume.grid(), tf, is_steep, camera, height_px)?;
+            finest.sheets_per_slice = finest.sheets_per_slice.max(own.sheets_per_slice);
+            finest.oversampling = finest.oversampling.max(own.oversampling);
+        }
+        Ok(finest)
     }
 
     fn draw(
@@ -123,24 +129,33 @@ impl Scene<'_> {
     ) -> Result<Frame> {
         let now = || options.clock.map_or(0.0, |clock| clock());
         let start = now();
-        let slices = self.volume().slices(options.kernel);
+        let slices: Vec<_> = self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
         let prepared = now();
-        let look = self.volume().look(&self.transfer_function, options.composite, self.shading.as_ref())?;
-        let layer = Layer {
-            slices: &slices,
-            transfer_function: &look,
-            labels: self.labels.as_deref(),
-            cache: self.volume().visibility(),
-        };
+        let look =
+            |layer: &SceneLayer| layer.volume.look(&layer.transfer_function, options.composite, layer.shading.as_ref());
+        let looks = self.layers.iter().map(look).collect::<Result<Vec<_>>>()?;
+        let layers: Vec<Layer> = self
+            .layers
+            .iter()
+            .zip(slices.iter().zip(&looks))
+            .enumerate()
+            .map(|(k, (layer, (slices, look)))| Layer {
+                slices,
+                transfer_function: look,
+                shading: layer.shading.as_ref(),
+                labels: self.labels.as_deref().filter(|_| k == 0),
+                cache: layer.volume.visibility(),
+            })
+            .collect();
         let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
         let frame = if let Effort::Psnr(wanted) = options.effort {
-            let (picture, report, estimate) = render_to_psnr(&layer, camera, render_options, &wanted, callback)?;
+            let (picture, report, estimate) = render_to_psnr(&layers, camera, render_options, &wanted, callback)?;
             times.draw = now() - prepared;
             Frame { picture, report, sampling: estimate.sampling, estimate: Some(estimate), times: None }
         } else {
-            let plan = Plan::new(Level::best(), &layer, camera, render_options)?;
+            let plan = Plan::new(Level::best(), &layers, camera, render_options)?;
             let planned = now();
-            let (base_pictures, report) = draw_base_planes(&plan, &slices, callback)?;
+            let (base_pictures, report) = draw_base_planes(&plan, &slices_of(&layers), callback)?;
             let drawn = now();
             let picture = finish(&plan, &base_pictures);
             (times.plan, times.draw, times.warp) = (planned - prepared, drawn - planned, now() - drawn);
@@ -165,12 +180,12 @@ impl Scene<'_> {
             width_px,
             height_px,
             composite: options.composite,
-            shading: self.shading.clone(),
+            shading: self.layers.iter().find_map(|layer| layer.shading.clone()),
             sheets_per_slice,
             oversampling,
             pre_integration: options.pre_integration,
             early_ray_termination: options.early_ray_termination,
-            crop: self.crop.map(|crop| self.volume().own_crop(crop)),
+            crop: self.crop.map(|crop| self.layers.first().map_or(crop, |first| first.volume.own_crop(crop))),
             clip_planes: self.clip_planes.clone(),
             background: self.background,
             with_depth: options.with_depth,

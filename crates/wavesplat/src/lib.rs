@@ -1,6 +1,6 @@
 //! Volume rendering of CT, MRI, microscopy and simulations on the CPU.
 //!
-//! A [`Scene`] is a volume and its look; [`Scene::render`] draws it. The method is high-resolution splatting: the picture
+//! A [`Scene`] is a volume and its look, or several; [`Scene::render`] draws it. The method is high-resolution splatting: the picture
 //! is that of a converged ray caster, at a fraction of its time, and needs no GPU.
 //!
 //! ```
@@ -67,7 +67,7 @@ pub use frame::{Frame, FrameOptions, StageTimes};
 pub use level_volume::LevelVolume;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
-pub use scene::{Scene, SceneVolume};
+pub use scene::{Scene, SceneLayer, SceneVolume};
 pub use volume_cache::VolumeCache;
 
 /// Makes vectors of a name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) those that pictures are drawn with from now on; all

@@ -1,4 +1,4 @@
-//! A scene: a volume, or a level of one, and its look. It owns what is kept between frames.
+//! A scene: volumes, or levels of them, and their looks. It owns what is kept between frames.
 
 use std::sync::Arc;
 
@@ -10,29 +10,39 @@ use wavesplat_splat::source::slices::Slices;
 use crate::level_volume::LevelVolume;
 use crate::volume_cache::VolumeCache;
 
-/// A volume and its look.
+/// Volumes and their looks, in one picture.
 ///
 /// Draw with [`Scene::render`]. What is prepared for the first frame is kept for the next ones.
 #[derive(Clone)]
 pub struct Scene<'a> {
-    volume: SceneVolume<'a>,
+    /// At least one, and eight at most; several of them with [`Composite::Over`] alone. At a point of space their extinctions
+    /// add and their colours mix by extinction, so their order means little: the first one's axes are those that sheets lie
+    /// along, and labels lie on its samples.
+    pub layers: Vec<SceneLayer<'a>>,
+    /// A segmentation beside the first volume; for [`Composite::Over`].
+    pub labels: Option<Arc<Labels>>,
+    /// Box that is drawn, in the world or in index positions of the first volume's finest level.
+    pub crop: Option<Crop>,
+    /// Half spaces that are drawn.
+    pub clip_planes: Vec<ClipPlane>,
+    /// Straight colour and opacity behind the volumes; `None` is transparent.
+    pub background: Option<[f32; 4]>,
+}
+
+/// A volume and its look.
+#[derive(Clone)]
+pub struct SceneLayer<'a> {
+    /// What is drawn. Its axes are parallel to those of a scene's first volume.
+    pub volume: SceneVolume<'a>,
     /// Colour and opacity by sample value.
     pub transfer_function: TransferFunction,
     /// Lights and Phong coefficients; `None` draws the colours as given.
     pub shading: Option<Shading>,
-    /// A segmentation beside the volume; for [`Composite::Over`].
-    pub labels: Option<Arc<Labels>>,
-    /// Box that is drawn, in the world or in index positions of the finest level.
-    pub crop: Option<Crop>,
-    /// Half spaces that are drawn.
-    pub clip_planes: Vec<ClipPlane>,
-    /// Straight colour and opacity behind the volume; `None` is transparent.
-    pub background: Option<[f32; 4]>,
 }
 
-/// What a scene draws.
+/// What a layer draws.
 #[derive(Clone)]
-#[expect(clippy::large_enum_variant, reason = "there is one of them in a scene")]
+#[expect(clippy::large_enum_variant, reason = "there are few of them in a scene")]
 pub enum SceneVolume<'a> {
     /// Samples, and what is kept of them.
     Samples(Volume<'a>, Arc<VolumeCache>),
@@ -43,25 +53,19 @@ pub enum SceneVolume<'a> {
 impl<'a> Scene<'a> {
     /// Samples with the default light.
     pub fn new(volume: Volume<'a>, transfer_function: TransferFunction) -> Self {
-        Self::of(SceneVolume::Samples(volume, Arc::default()), transfer_function)
+        Self::of(vec![SceneLayer::new(SceneVolume::Samples(volume, Arc::default()), transfer_function)])
     }
 
+    /// Layers.
+    pub fn of(layers: Vec<SceneLayer<'a>>) -> Self {
+        Self { layers, labels: None, crop: None, clip_planes: Vec::new(), background: None }
+    }
+}
+
+impl<'a> SceneLayer<'a> {
     /// Any volume with the default light, with what is kept of it elsewhere.
-    pub fn of(volume: SceneVolume<'a>, transfer_function: TransferFunction) -> Self {
-        Self {
-            volume,
-            transfer_function,
-            shading: Some(Shading::default()),
-            labels: None,
-            crop: None,
-            clip_planes: Vec::new(),
-            background: None,
-        }
-    }
-
-    /// What it draws.
-    pub fn volume(&self) -> &SceneVolume<'a> {
-        &self.volume
+    pub fn new(volume: SceneVolume<'a>, transfer_function: TransferFunction) -> Self {
+        Self { volume, transfer_function, shading: Some(Shading::default()) }
     }
 }
 

@@ -4,8 +4,8 @@
 
 use glam::{DAffine3, DVec3};
 use wavesplat::{
-    Camera, ColorNode, Composite, FrameOptions, OpacityNode, PngBits, Projection, Samples, Scene, SceneVolume,
-    TransferFunction, Volume, encode_png,
+    Camera, ColorNode, Composite, FrameOptions, OpacityNode, PngBits, Projection, Samples, Scene, SceneLayer,
+    SceneVolume, TransferFunction, Volume, encode_png,
 };
 
 const N: usize = 20;
@@ -48,8 +48,8 @@ fn what_is_kept_changes_no_picture() {
     assert!(scene.render(&camera(), [64, 48], &options).unwrap().picture.value.is_some());
     assert!(scene.render(&camera(), [64, 48], &FrameOptions::default()).unwrap().picture == first);
     // Another scene with the same cache.
-    let SceneVolume::Samples(_, cache) = scene.volume() else { unreachable!("it was made of samples") };
-    let again = Scene::of(SceneVolume::Samples(volume(), cache.clone()), look());
+    let SceneVolume::Samples(_, cache) = &scene.layers[0].volume else { unreachable!("it was made of samples") };
+    let again = Scene::of(vec![SceneLayer::new(SceneVolume::Samples(volume(), cache.clone()), look())]);
     assert!(again.render(&camera(), [64, 48], &FrameOptions::default()).unwrap().picture == first);
 }
 

@@ -19,13 +19,23 @@ from typing import Literal, TypeAlias
 
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["SUFFIXES", "Kind", "check_output", "check_writable", "write_atomically"]
+__all__ = [
+    "NUMBERS",
+    "SUFFIXES",
+    "Kind",
+    "check_output",
+    "check_writable",
+    "removed_when_terminated",
+    "telling_why_not",
+    "write_atomically",
+]
 
-Kind: TypeAlias = Literal["pictures", "meshes", "volumes", "wavelet coefficients"]
+Kind: TypeAlias = Literal["pictures", "movies", "meshes", "volumes", "wavelet coefficients"]
 
 #: What each kind of result is written as; the suffix chooses the format.
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".svg", ".pdf"),
+    "movies": (".mp4", ".webm", ".gif", ".webp"),
     "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
     "volumes": (".nii.gz", ".nii", ".nrrd"),
     "wavelet coefficients": (".wavelets",),
@@ -67,7 +77,7 @@ def _named(path: str | PathLike[str]) -> Path:
 def check_writable(path: str | PathLike[str]) -> Path:
     """The path, if a file can be written there; else a `FileError`."""
     target = _named(path)
-    with _telling_why_not(target):
+    with telling_why_not(target):
         folder = target.parent
         if not folder.is_dir():
             raise FileError(f"cannot write: the folder does not exist; make it first, or change the name: {target}")
@@ -85,7 +95,7 @@ def check_writable(path: str | PathLike[str]) -> Path:
 
 
 @contextmanager
-def _telling_why_not(target: Path) -> Iterator[None]:
+def telling_why_not(target: Path) -> Iterator[None]:
     """A `FileError` for what a system says of names, folders and disks."""
     try:
         yield
@@ -106,7 +116,7 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
     target = check_writable(path)
     # Not with the name in it, which may be as long as names can be; threads may write the same file at once.
     part = target.with_name(f".{os.getpid()}-{next(NUMBERS)}.part{target.suffix}")
-    with _telling_why_not(target), _removed_when_terminated(part):
+    with telling_why_not(target), removed_when_terminated(part):
         try:
             write(part)
             part.replace(target)
@@ -115,7 +125,7 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
 
 
 @contextmanager
-def _removed_when_terminated(part: Path) -> Iterator[None]:
+def removed_when_terminated(part: Path) -> Iterator[None]:
     """Leave nothing behind where the process is told to end, by `kill` or a closed terminal.
 
     Only the main thread can see to that, and only where nobody else does.

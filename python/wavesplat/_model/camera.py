@@ -9,7 +9,6 @@ from math import dist, hypot, radians, tan
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from wavesplat import _native
@@ -223,8 +222,7 @@ class Camera:
         up, back = c * up - s * back, s * up + c * back
         s, c = camera_fit.sin_cos_deg(roll)
         up = c * up + s * right
-        s, c = camera_fit.sin_cos_deg(azimuth)
-        about_z = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        about_z = camera_fit.about((0, 0, 1), azimuth)
         up, back = about_z @ up + 0.0, about_z @ back + 0.0
         eye = self.focal_point + dist(self.position, self.focal_point) * back
         return replace(self, position=eye, view_up=up)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Fit",
     "Placed",
+    "about",
     "axes_of",
     "check_angles",
     "check_lens",
@@ -34,6 +35,7 @@ __all__ = [
     "narrowed",
     "orbit_axes",
     "placed",
+    "placed_for_all",
     "sin_cos_deg",
 ]
 
@@ -117,6 +119,49 @@ def placed(
         parallel_scale=parallel_scale,
         view_angle=narrowed_angle,
     )
+
+
+def placed_for_all(
+    views: Sequence[Vectors],
+    what: object,
+    *,
+    zoom: float,
+    view_angle: float | None,
+    aspect: float,
+    points: ArrayLike | None,
+) -> Placed:
+    """An eye that looks along the first of several views, at a scale and a distance at which each shows everything.
+
+    All look at the middle of the box around what they show.
+    """
+    check_lens(zoom, view_angle, aspect)
+    corners = corners_of(what)
+    shown = corners if points is None else _checked_points(points)
+    center = (shown.min(axis=0) + shown.max(axis=0)) / 2
+    from_center = shown - center
+    parallel_scale = narrowed_angle = None
+    if view_angle is None:
+        distance = 2 * float(np.linalg.norm(corners - center, axis=1).max())
+        halves = [np.abs(from_center @ (axes[:2] / [[aspect], [1.0]]).T).max() for axes in views]
+        parallel_scale = float(max(halves)) / zoom
+    else:
+        distance = max(_distance_that_fits(from_center @ axes.T, view_angle, aspect) for axes in views)
+        narrowed_angle = narrowed(view_angle, zoom)
+    return Placed(
+        position=_tuple(center + distance * views[0][2]),
+        focal_point=_tuple(center),
+        parallel_scale=parallel_scale,
+        view_angle=narrowed_angle,
+    )
+
+
+def about(axis: Sequence[float], angle: float) -> Vectors:
+    """The matrix that turns about an axis, anticlockwise for who looks against it; exact at quarter turns."""
+    s, c = sin_cos_deg(angle)
+    unit = np.divide(axis, np.linalg.norm(axis))
+    x, y, z = unit.tolist()
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(c * np.eye(3) + s * cross + (1 - c) * np.outer(unit, unit)) + 0.0
 
 
 def narrowed(view_angle: float, zoom: float) -> float:

@@ -141,7 +141,7 @@ class _Sheet:
         return sum(block.height for block in blocks) + 2 * (len(blocks) - 1) * self.gap
 
     def _column(self, blocks: Sequence[Block]) -> Block:
-        y = (self.height - self._height(blocks)) / 2
+        y = max(self.margin, (self.height - self._height(blocks)) / 2)
         marks: list[Mark] = []
         for block in blocks:
             marks += moved(block.marks, 0, y)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wavesplat._model.crop import Crop
     from wavesplat._model.volume import Volume
 
-__all__ = ["Part", "framed", "natural_view"]
+__all__ = ["FILLED", "Part", "framed", "natural_view", "shown_points"]
 
 #: A volume and its look.
 Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
@@ -69,16 +69,7 @@ def framed(
 
     parts : volumes and looks; a box in samples is in those of the first.
     """
-    first = parts[0][0]
-    within = [clipping if volume is first else clipping.in_world(first) for volume, _ in parts]
-    seen = [_seen(*part, region) for part, region in zip(parts, within, strict=True)]
-    if len(parts) == 1:
-        around: Grid = first
-        points = seen[0]
-    else:
-        around = _around([volume for volume, _ in parts])
-        whole = [_corners(volume, _inside(volume, None)) for volume, _ in parts]
-        points = np.concatenate([a if b is None else b for a, b in zip(whole, seen, strict=True)])
+    around, points = shown_points(parts, clipping)
     return Camera.orbit(
         around,
         azimuth,
@@ -89,6 +80,21 @@ def framed(
         points=points,
         fit="view",
     )
+
+
+def shown_points(parts: Sequence[Part], clipping: Clipping = EVERYTHING) -> tuple[Grid, NDArray[np.float64] | None]:
+    """A grid around all volumes, and the world positions of what is seen of them; None where that may be all."""
+    first = parts[0][0]
+    within = [clipping if volume is first else clipping.in_world(first) for volume, _ in parts]
+    seen = [_seen(*part, region) for part, region in zip(parts, within, strict=True)]
+    if len(parts) == 1:
+        around: Grid = first
+        points = seen[0]
+    else:
+        around = _around([volume for volume, _ in parts])
+        whole = [_corners(volume, _inside(volume, None)) for volume, _ in parts]
+        points = np.concatenate([a if b is None else b for a, b in zip(whole, seen, strict=True)])
+    return around, points
 
 
 def _around(volumes: Sequence[Volume | WaveletVolume]) -> Grid:

@@ -116,6 +116,8 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
+    if resampled := shown.resampled:
+        picture.report["resampled"] = resampled
     return picture
 
 
@@ -277,7 +279,7 @@ def _rendered(
         texels = 1 if options.psnr is not None else min(abs(oversampling), MOST_OVERSAMPLING) ** 2
         check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
         labels = chosen_labels(frame.labels, layers[0].volume, layers[0].boxes)
-        result = _call(
+        result = _native.render(
             drawn,
             frame.camera._core,
             labels=labels,
@@ -305,22 +307,10 @@ def _rendered(
     return result, result["report"] | numbers
 
 
-def _call(layers: Sequence[tuple[Any, Any, Any]], camera: Any, **options: Any) -> _native.RenderResult:
-    """The one call of the compiled module."""
-    if len(layers) > 1:
-        raise ArgumentError("several layers in one picture are not there yet, but for projections")
-    volume, function, shading = layers[0]
-    return _native.render(volume, function, camera, shading=shading, **options)
-
-
 def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[float, float]:
     """Sheets per slice and texels per pixel: as given, else what the quality says for the layer that needs most."""
     wanted, height = frame.sampling, frame.size[1]
-    told = [
-        _native.quality_settings(wanted.quality, volume, function, light, frame.camera._core, height)
-        for volume, function, light in drawn
-    ]
-    sheets, texels = (max(numbers) for numbers in zip(*told, strict=True))
+    sheets, texels = _native.quality_settings(wanted.quality, drawn, frame.camera._core, height)
     return (
         sheets if wanted.sheets_per_slice is None else wanted.sheets_per_slice,
         texels if wanted.oversampling is None else wanted.oversampling,

@@ -105,6 +105,36 @@ impl ExtinctionGrid {
         Ok(Self { extinction, grid, per_cell })
     }
 
+    /// Adds the extinction of another layer, where it lies in the world: extinctions of media add.
+    pub fn add(&mut self, other: &Self) {
+        let other_from_own = other.grid.index_from_world() * self.grid.world_from_index();
+        let [nx, ny, _] = self.grid.size();
+        for (i, extinction) in self.extinction.iter_mut().enumerate() {
+            let cell = DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / (nx * ny)) as f64);
+            *extinction += other.at(other_from_own.transform_point3(cell));
+        }
+    }
+
+    /// Extinction at a position, trilinear; none half a cell outside.
+    fn at(&self, position: DVec3) -> f32 {
+        let size = self.grid.size();
+        let last = self.grid.last_index();
+        if (position + 0.5).cmplt(DVec3::ZERO).any() || (position - 0.5).cmpgt(last).any() {
+            return 0.0;
+        }
+        let position = position.clamp(DVec3::ZERO, last);
+        let first = position.to_array().map(|x| x as usize);
+        let share = (position - position.floor()).to_array();
+        let mut sum = 0.0;
+        for corner in 0..8 {
+            let bits = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight: f64 = (0..3).map(|a| if bits[a] == 1 { share[a] } else { 1.0 - share[a] }).product();
+            let at = [0, 1, 2].map(|a| (first[a] + bits[a]).min(size[a] - 1));
+            sum += weight as f32 * self.extinction[(at[2] * size[1] + at[1]) * size[0] + at[0]];
+        }
+        sum
+    }
+
     /// Share of a light that gets to each cell; `to_light` in world space.
     pub fn shadow(&self, to_light: DVec3) -> Vec<f32> {
         let way = self.way(-to_light, None);

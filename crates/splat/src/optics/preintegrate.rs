@@ -68,6 +68,52 @@ impl Classifier {
         }
         SegmentOpacity { first, last, depths }
     }
+
+    /// What rays meet in parts of the way between two densities, where the density is linear in between. `cuts`: shares of
+    /// the way, rising, between which the parts lie.
+    #[inline(always)]
+    pub fn preintegrate_parts<S: Wide>(&self, s: S, from: S::F, to: S::F, cuts: [S::F; N_CUTS]) -> PartOpacities<S> {
+        let change = s.sub(to, from);
+        let inverse = s.div(s.splat(1.0), change);
+        let rises = s.lt(s.splat(0.0), change);
+        let begin = s.add_mul(from, cuts[0], change);
+        let end = s.add_mul(from, cuts[N_CUTS - 1], change);
+        let [mut before, above_begin, below_begin] = self.integral(s, begin);
+        let [_, above_end, below_end] = self.integral(s, end);
+        let share = |density: S::F| {
+            let at = s.mul(s.sub(density, from), inverse);
+            s.min(s.max(at, cuts[0]), cuts[N_CUTS - 1])
+        };
+        let first = share(s.select(rises, above_begin, below_begin));
+        let last = share(s.select(rises, below_end, above_end));
+        let is_level = s.lt(s.abs(change), s.splat(LEVEL * N_CUTS as f32 / self.per_density));
+        let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
+        let mut depths = [level; N_CUTS - 1];
+        for k in 0..N_CUTS - 1 {
+            let [integral, _, _] = self.integral(s, s.add_mul(from, cuts[k + 1], change));
+            let steep = s.max(s.mul(s.sub(integral, before), inverse), s.splat(0.0));
+            depths[k] = s.select(is_level, s.mul(level, s.sub(cuts[k + 1], cuts[k])), steep);
+            before = integral;
+        }
+        PartOpacities {
+            first: s.select(is_level, cuts[0], first),
+            last: s.select(is_level, cuts[N_CUTS - 1], last),
+            depths,
+        }
+    }
+}
+
+/// Ends of the parts that a slab of several layers is cut into: between them, what lies in front hides what is behind.
+pub const N_CUTS: usize = 3;
+
+/// What rays meet in parts of the way from one density to another.
+pub struct PartOpacities<S: Math> {
+    /// Share of the way where the first visible density is met.
+    pub first: S::F,
+    /// Share of the way where the last visible density is left.
+    pub last: S::F,
+    /// Optical depth per `opacity_unit` of the whole way's length, of each part.
+    pub depths: [S::F; N_CUTS - 1],
 }
 
 /// Difference of densities, in table entries, below which a difference of integrals is mostly rounding.

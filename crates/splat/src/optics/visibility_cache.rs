@@ -4,6 +4,7 @@
 //! the last few.
 
 use std::ops::Deref;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use wavesplat_core::{Result, TransferFunction};
@@ -20,15 +21,30 @@ pub struct Visibility {
     visible_ranges: OnceLock<VisibleRanges>,
     /// How much changes in slabs of as many thicknesses as were asked for, with these: one, and of a level one of the finest.
     variations: Mutex<Vec<(f64, f32)>>,
-    /// How open places are, by the radius that was asked for last.
-    openness: Mutex<Option<(f64, Field<'static>)>>,
+    /// How open places are, by the radius and the other layers that were asked for last.
+    openness: Mutex<Option<((f64, Vec<u64>), Field<'static>)>>,
+    /// Its own number: none is used twice.
+    id: u64,
 }
+
+static NEXT_ID: AtomicU64 = AtomicU64::new(0);
 
 impl Visibility {
     /// That of `slices` by slabs of `slab_thickness`, as of [`Classifier::new`].
     pub fn new(slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Self {
         let classifier = Classifier::new(tf, slices.grid().density_from_sample(), slices.range(), slab_thickness);
-        Self { classifier, visible_ranges: OnceLock::new(), variations: Mutex::default(), openness: Mutex::default() }
+        Self {
+            classifier,
+            visible_ranges: OnceLock::new(),
+            variations: Mutex::default(),
+            openness: Mutex::default(),
+            id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
+        }
+    }
+
+    /// Its own number: none is used twice.
+    pub fn id(&self) -> u64 {
+        self.id
     }
 
     /// As [`Classifier::variation`].
@@ -42,14 +58,20 @@ impl Visibility {
         variation
     }
 
-    /// The openness of places with a radius: what `make` gives, or what it gave before.
-    pub fn openness(&self, radius: f64, make: impl FnOnce() -> Result<Field<'static>>) -> Result<Field<'static>> {
+    /// The openness of places with a radius, beside other layers (their numbers): what `make` gives, or what it gave before.
+    pub fn openness(
+        &self,
+        radius: f64,
+        others: Vec<u64>,
+        make: impl FnOnce() -> Result<Field<'static>>,
+    ) -> Result<Field<'static>> {
         let mut kept = self.openness.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (radius, others);
         match &*kept {
-            Some((of, field)) if *of == radius => Ok(field.clone()),
+            Some((of, field)) if *of == key => Ok(field.clone()),
             _ => {
                 let field = make()?;
-                *kept = Some((radius, field.clone()));
+                *kept = Some((key, field.clone()));
                 Ok(field)
             }
         }

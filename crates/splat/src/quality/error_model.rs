@@ -5,12 +5,12 @@
 //! extrapolated, which tells where to measure next. Before anything is measured, and where nothing is seen, there is the
 //! prior, on which no promise depends.
 
-use wavesplat_core::{Camera, Composite, RenderOptions, TransferFunction};
+use wavesplat_core::{Camera, Composite, RenderOptions};
 
 use crate::optics::steepness::is_steep;
 use crate::picture::supersampling::reads_per_axis;
 use crate::quality::framing::Framing;
-use crate::source::slices::Slices;
+use crate::render::layer::Layer;
 use crate::view::base_plane::MAX_TEXELS;
 
 /// How finely a picture is drawn.
@@ -145,16 +145,20 @@ const MOST_FARTHER: f64 = 1.5;
 
 impl ErrorModel {
     /// Of pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
-    pub fn prior(slices: &Slices, tf: &TransferFunction, camera: &Camera, options: &RenderOptions) -> Self {
+    pub fn prior(layers: &[Layer], camera: &Camera, options: &RenderOptions) -> Self {
         let composite = options.composite;
-        let is_smooth = composite == Composite::Over && !tf.has_gradient() && !is_steep(slices.grid(), tf);
+        let has_steps = |layer: &Layer| {
+            let tf = layer.transfer_function;
+            tf.has_gradient() || is_steep(layer.slices.grid(), tf)
+        };
+        let is_smooth = composite == Composite::Over && !layers.iter().any(has_steps);
         let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
         let [along_decay, across_decay] = if is_smooth { [0.12, 0.2] } else { [0.16, 0.3] };
         let [along, across] = [along_db, across_db].map(mean_square_of);
         let across = [0.5_f64, 2.0 / 3.0, 1.0].map(|of| across * f64::powf(across_decay, of.log2()));
         let errors = Errors { along: [[along / along_decay; 2], [along; 2]], across, deviation: 0.0 };
         // The closer pixels are to each other, the less is left out between them.
-        let framing = Framing::new(slices.grid(), camera, options);
+        let framing = Framing::new(layers[0].slices.grid(), camera, options);
         let oversampling = 0.7 * (framing.pixel_in_samples / 0.62).powf(OF_DISTANCE);
         let at = Sampling { sheets_per_slice: 2.0, oversampling };
         // Base planes that lie aslant to the picture have more texels than it has pixels.

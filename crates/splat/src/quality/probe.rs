@@ -17,7 +17,7 @@ use crate::picture::base_picture::BasePicture;
 use crate::picture::supersampling::reads_per_axis;
 use crate::quality::error_model::{Errors, Sampling};
 use crate::quality::sampled::SampledFrame;
-use crate::render::frame::{PixelRectangle, draw_base_plane, draw_base_planes, finish, warped};
+use crate::render::frame::{PixelRectangle, draw_base_plane, draw_base_planes, finish, slices_of, warped};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::sheet::tile_layout::{TILE_U, TILE_V};
 use crate::view::base_plane::BasePlane;
@@ -70,7 +70,7 @@ impl Overview {
             ..frame.options.clone()
         };
         let overview = frame.with_options(options)?;
-        let (base_pictures, _) = draw_base_planes(&overview.plan, overview.layer.slices, callback)?;
+        let (base_pictures, _) = draw_base_planes(&overview.plan, &slices_of(overview.layers), callback)?;
         let picture = finish(&overview.plan, &base_pictures);
         let at = |x: usize, y: usize| picture.rgba[y.min(n[1] - 1) * n[0] + x.min(n[0] - 1)];
         let contrast = |x: usize, y: usize| {
@@ -225,9 +225,8 @@ impl PilotTile {
         progress: &Progress,
     ) -> Result<Option<TileErrors>> {
         let draw = |plane: &BasePlane, frame: &SampledFrame| {
-            let slices = frame.layer.slices;
-            let family = frame.plan.family(plane.clone(), slices.bricks());
-            Ok(draw_base_plane(&frame.plan, &family, slices, progress)?.0)
+            let family = frame.plan.family(plane.clone(), frame.layers);
+            Ok(draw_base_plane(&frame.plan, &family, &slices_of(frame.layers), progress)?.0)
         };
         let [half, own, finer] = frames;
         let coarser = self.plane.every(2, 0);

@@ -8,7 +8,7 @@ use crate::render::plan::Plan;
 /// A frame that can be had in other sizes and samplings.
 pub(crate) struct SampledFrame<'a> {
     /// What is drawn.
-    pub layer: &'a Layer<'a>,
+    pub layers: &'a [Layer<'a>],
     /// How.
     pub options: RenderOptions,
     /// The plan of just these options.
@@ -18,7 +18,7 @@ pub(crate) struct SampledFrame<'a> {
 impl SampledFrame<'_> {
     /// The same with other options of size and sampling; light and labels are kept.
     pub fn with_options(&self, options: RenderOptions) -> Result<Self> {
-        let plan = self.plan.resampled(self.layer, &options)?;
-        Ok(Self { layer: self.layer, options, plan })
+        let plan = self.plan.resampled(self.layers, &options)?;
+        Ok(Self { layers: self.layers, options, plan })
     }
 }

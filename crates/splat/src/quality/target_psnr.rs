@@ -18,7 +18,7 @@ use crate::picture::base_picture::BasePicture;
 use crate::quality::error_model::{ErrorModel, mean_square_of};
 use crate::quality::probe::{self, Overview};
 use crate::quality::sampled::SampledFrame;
-use crate::render::frame::{draw_base_planes, finish};
+use crate::render::frame::{draw_base_planes, finish, slices_of};
 use crate::render::layer::Layer;
 use crate::render::plan::Plan;
 use crate::render::progress::ProgressCallback;
@@ -55,9 +55,9 @@ const MOST_PILOTS: usize = 3;
 /// The share of the progress that the overview and the pilot tiles are.
 const PILOT_PROGRESS: f32 = 0.3;
 
-/// Draws a volume with the cheapest sampling known to reach a PSNR. The options' own sampling is not used.
+/// Draws layers with the cheapest sampling known to reach a PSNR. The options' own sampling is not used.
 pub fn render_to_psnr(
-    layer: &Layer,
+    layers: &[Layer],
     camera: &Camera,
     options: &RenderOptions,
     wanted: &Wanted,
@@ -70,12 +70,12 @@ pub fn render_to_psnr(
     }
     let wanted = mean_square_of(psnr_db);
     parallel::with_threads(options.n_threads, || {
-        let prior = ErrorModel::prior(layer.slices, layer.transfer_function, camera, options);
+        let prior = ErrorModel::prior(layers, camera, options);
         let like = like.and_then(|like| Some((prior.like(&like)?, like)));
         let (model, like, from) = if let Some((model, like)) = like {
             (Some(model), Some(like), 0.0)
         } else {
-            (pilot(&prior, layer, camera, options, wanted, callback)?, None, PILOT_PROGRESS)
+            (pilot(&prior, layers, camera, options, wanted, callback)?, None, PILOT_PROGRESS)
         };
         let known = model.unwrap_or(prior);
         let is_measured = model.is_some() && like.is_none();
@@ -83,8 +83,8 @@ pub fn render_to_psnr(
         let measured = like.or(model.map(|model| model.measured()));
         let with_sampling = options_with(options, sampling);
         let drawing = Share { of: callback, from, to: 1.0 };
-        let plan = Plan::new(Level::best(), layer, camera, &with_sampling)?;
-        let (base_pictures, report) = draw_base_planes(&plan, layer.slices, &drawing)?;
+        let plan = Plan::new(Level::best(), layers, camera, &with_sampling)?;
+        let (base_pictures, report) = draw_base_planes(&plan, &slices_of(layers), &drawing)?;
         let picture = finish(&plan, &base_pictures);
         let is_empty = model.is_none() && base_pictures.iter().all(BasePicture::is_empty);
         let error = if is_empty { 0.0 } else { known.error(&sampling) };
@@ -100,7 +100,7 @@ pub fn render_to_psnr(
 /// The error model of a picture by pilot tiles; `None` where nothing is seen.
 fn pilot(
     prior: &ErrorModel,
-    layer: &Layer,
+    layers: &[Layer],
     camera: &Camera,
     options: &RenderOptions,
     wanted: f64,
@@ -108,8 +108,8 @@ fn pilot(
 ) -> Result<Option<ErrorModel>> {
     let first = prior.to_measure(&prior.cheapest(wanted));
     let options = options_with(options, first);
-    let plan = Plan::new(Level::best(), layer, camera, &options)?;
-    let frame = SampledFrame { layer, options, plan };
+    let plan = Plan::new(Level::best(), layers, camera, &options)?;
+    let frame = SampledFrame { layers, options, plan };
     let to = |part: usize| PILOT_PROGRESS * part as f32 / (MOST_PILOTS + 1) as f32;
     let Some(overview) = Overview::draw(&frame, &Share { of: callback, from: 0.0, to: to(1) })? else {
         return Ok(None);

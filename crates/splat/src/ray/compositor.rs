@@ -2,45 +2,29 @@
 //!
 //! Positions are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
-use crate::sheet::buffer::Sheet;
 use crate::sheet::field_sheets::{FieldSheets, FieldSlices};
+use crate::sheet::layer_sheets::LayerSheets;
 use crate::sheet::tile_layout::{Block, Chunk};
 use crate::sheet::tile_rays::Rays;
 use crate::source::geometry::SheetGeometry;
-use crate::source::transposed::TransposedSlices;
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
 use crate::ray::state::TileState;
 
 /// The space between two consecutive sheets of a tile.
-pub struct Slab<'a> {
+pub struct Slab<'a, 'b> {
     /// Positions of the front and the back sheet.
     pub s: [f32; 2],
-    /// Whether nothing follows the back sheet.
-    pub is_last: bool,
-    /// The sheet in front.
-    pub front: &'a mut Sheet,
-    /// The sheet behind.
-    pub back: &'a mut Sheet,
-    /// For reconstructing chunks.
-    pub geometry: &'a SheetGeometry<'a>,
-    /// Samples that both sheets are made of.
-    pub panel: &'a TransposedSlices,
+    /// The sheets of the first layer, mostly the only one.
+    pub first: &'a mut LayerSheets<'b>,
+    /// Those of further layers.
+    pub more: &'a mut [LayerSheets<'b>],
     /// The fields on the sheet in front and on that behind, and where they lie.
     pub fields: [&'a mut FieldSheets; 2],
     /// For reconstructing chunks of fields.
-    pub field_geometries: &'a [SheetGeometry<'a>],
+    pub field_geometries: &'a [SheetGeometry<'b>],
     /// Samples that the sheets of fields are made of.
     pub field_panels: &'a FieldSlices,
-}
-
-impl Slab<'_> {
-    /// Makes the gradient of a block ready on the sheet in front (0) or that behind (1).
-    #[inline(always)]
-    pub fn prepare_gradient(&mut self, which: usize, block: Block) {
-        let sheet = if which == 0 { &mut *self.front } else { &mut *self.back };
-        sheet.prepare_gradient(self.geometry, self.panel, block);
-    }
 }
 
 /// Densities of a chunk on both sheets, and where neither reaches a hole.
@@ -58,10 +42,10 @@ impl Ends {
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
         let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
-        s.store(slab.front.density(s, [chunk; 2]), &mut front);
-        s.store(slab.back.density(s, [chunk; 2]), &mut back);
-        let whole = if slab.geometry.slices.has_mask() {
-            !s.bits(s.or(slab.front.hole(s, [chunk; 2]), slab.back.hole(s, [chunk; 2])))
+        s.store(slab.first.front.density(s, [chunk; 2]), &mut front);
+        s.store(slab.first.back.density(s, [chunk; 2]), &mut back);
+        let whole = if slab.first.geometry.slices.has_mask() {
+            !s.bits(s.or(slab.first.front.hole(s, [chunk; 2]), slab.first.back.hole(s, [chunk; 2])))
         } else {
             u16::MAX
         };

@@ -4,9 +4,9 @@ use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
 use crate::optics::classify::Classifier;
 use crate::optics::shade::Shader;
+use crate::ray::accumulator::between;
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Ends, Texels};
-use crate::ray::over::between;
 use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
@@ -65,10 +65,10 @@ impl Compositor for FirstHit<'_> {
         }
         let mut rgb = [s.splat(self.rgb[0]), s.splat(self.rgb[1]), s.splat(self.rgb[2])];
         if let Some(shader) = self.shader {
-            slab.prepare_gradient(0, chunk.block());
-            slab.prepare_gradient(1, chunk.block());
-            let front = slab.front.gradient(s, [chunk; 2]);
-            let back = slab.back.gradient(s, [chunk; 2]);
+            slab.first.prepare_gradient(0, chunk.block());
+            slab.first.prepare_gradient(1, chunk.block());
+            let front = slab.first.front.gradient(s, [chunk; 2]);
+            let back = slab.first.back.gradient(s, [chunk; 2]);
             let at = s.load(&at);
             let gradient = between(s, front, back, at);
             rgb = shader.shade(s, rgb, gradient, rays.to_eye(s, [chunk; 2]));

@@ -1,8 +1,10 @@
 //! Compositing along rays: over, projections (MIP and others), first hit of an isosurface, local maximum.
 
+pub mod accumulator;
 pub mod compositor;
 pub mod first_hit;
 pub mod local_maximum;
+pub mod mixed;
 pub mod over;
 pub mod project;
 pub mod state;

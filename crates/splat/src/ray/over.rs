@@ -13,12 +13,13 @@
 
 use std::ops::Range;
 
-use wavesplat_compute::simd::{Lanes, Pair, Simd, Wide};
+use wavesplat_compute::simd::{Pair, Simd, Wide};
 
 use crate::optics::classify::{Classifier, one_minus_exp_neg};
 use crate::optics::modifiers::Modifiers;
 use crate::optics::preintegrate::N_PARTS;
 use crate::optics::shade::Shader;
+use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::{Compositor, Slab, Texels};
 use crate::ray::state::TileState;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
@@ -35,23 +36,7 @@ pub struct Over<'a, const EXTRA: bool> {
     here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
     is_steep: bool,
-    opaque: f32,
-    with_depth: bool,
-    rgba: Vec<[Lanes; 4]>,
-    s_half: Vec<Lanes>,
-    done: Vec<bool>,
-}
-
-/// One chunk, or two; then both are of one block.
-type Chunks = [Chunk; 2];
-
-/// A fragment of the chunks' rays, ready to be composited.
-struct Fragment<W: Wide> {
-    rgb: [W::F; 3],
-    alpha: W::F,
-    /// Where opacity begins and how far it extends along s.
-    from: W::F,
-    extent: W::F,
+    so_far: Accumulator,
 }
 
 impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
@@ -66,24 +51,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         with_depth: bool,
         state: Option<TileState>,
     ) -> Self {
-        let state = state.unwrap_or_else(|| TileState {
-            rgba: TileState::per_chunk([Lanes::splat(0.0); 4]),
-            s_half: if with_depth { TileState::per_chunk(Lanes::splat(f32::NAN)) } else { Vec::new() },
-            done: TileState::per_chunk(false),
-            ..TileState::default()
-        });
-        Self {
-            classifier,
-            shader,
-            extras,
-            here: Default::default(),
-            is_steep,
-            opaque,
-            with_depth,
-            rgba: state.rgba,
-            s_half: state.s_half,
-            done: state.done,
-        }
+        let so_far = Accumulator::new(opaque, with_depth, state);
+        Self { classifier, shader, extras, here: Default::default(), is_steep, so_far }
     }
 
     /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
@@ -96,8 +65,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         slab: &mut Slab,
         (which, [from, to]): (usize, [f32; 2]),
     ) {
-        let geometry = slab.geometry;
-        let density = if which == 0 { slab.front.density(w, chunks) } else { slab.back.density(w, chunks) };
+        let geometry = slab.first.geometry;
+        let density = if which == 0 { slab.first.front.density(w, chunks) } else { slab.first.back.density(w, chunks) };
         let scan_ahead = self.see(w, chunks, rays, [density; 2]) != [false; 2];
         let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, which..which + 1);
         if !scan_ahead && !matter_ahead {
@@ -109,9 +78,9 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let needs_gradient = self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some());
         // First, so that no live register is spilled around this call.
         if needs_gradient {
-            slab.prepare_gradient(which, chunks[0].block());
+            slab.first.prepare_gradient(which, chunks[0].block());
         }
-        let sheet = if which == 0 { &*slab.front } else { &*slab.back };
+        let sheet = if which == 0 { &slab.first.front } else { &slab.first.back };
         let (from, mut extent) = extent(w, chunks, rays, [from, to]);
         if geometry.slices.has_mask() {
             extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
@@ -123,7 +92,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
             classified = by_gradient.classify(w, density, gradient, classified);
             let [.., depth] = classified;
-            if !matter_ahead && self.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
+            if !matter_ahead && self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
                 return;
             }
         }
@@ -144,16 +113,16 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         {
             (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
         }
-        self.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
+        self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
 
     /// Composites the space between two sheets with a density that is linear in between.
     #[inline(always)]
     fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
-        let geometry = slab.geometry;
+        let geometry = slab.first.geometry;
         let [s_front, s_back] = slab.s;
-        let front = slab.front.density(w, chunks);
-        let back = slab.back.density(w, chunks);
+        let front = slab.first.front.density(w, chunks);
+        let back = slab.first.back.density(w, chunks);
         let scan_ahead = self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) != [false; 2];
         let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, 0..2);
         if !scan_ahead && !matter_ahead {
@@ -164,12 +133,12 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         }
         // First, so that no live register is spilled around this call.
         if self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some()) {
-            slab.prepare_gradient(0, chunks[0].block());
-            slab.prepare_gradient(1, chunks[0].block());
+            slab.first.prepare_gradient(0, chunks[0].block());
+            slab.first.prepare_gradient(1, chunks[0].block());
         }
         let (from, mut extent) = extent(w, chunks, rays, slab.s);
         if geometry.slices.has_mask() {
-            let hole = w.or(slab.front.hole(w, chunks), slab.back.hole(w, chunks));
+            let hole = w.or(slab.first.front.hole(w, chunks), slab.first.back.hole(w, chunks));
             extent = w.select(hole, w.splat(0.0), extent);
         }
         // The densities where the drawn part begins and ends.
@@ -187,8 +156,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let at = w.add_mul(begin, middle, w.mul(extent, per_s));
             if let Some(by_gradient) = &self.extras.by_gradient {
-                let front = slab.front.gradient(w, chunks);
-                let back = slab.back.gradient(w, chunks);
+                let front = slab.first.front.gradient(w, chunks);
+                let back = slab.first.back.gradient(w, chunks);
                 length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
             }
             let share =
@@ -210,8 +179,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let mut gradient = None;
         if self.shader.is_some() {
-            let front = slab.front.gradient(w, chunks);
-            let back = slab.back.gradient(w, chunks);
+            let front = slab.first.front.gradient(w, chunks);
+            let back = slab.first.back.gradient(w, chunks);
             gradient = Some(between(w, front, back, at));
         }
         let to_eye = rays.to_eye(w, chunks);
@@ -233,7 +202,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             }
         }
         let (from, extent) = visible;
-        self.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
+        self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
 
     /// Reads what of the fields the scan and the labels' own matter need that are not read yet, on the sheets in front
@@ -292,7 +261,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             slab.fields[k].read(w, from, field, chunks, &mut self.here[k]);
             most = w.max(most, self.here[k].value(w, field));
         }
-        self.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
+        self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
     }
 
     /// Mixes the labels' own matter into what the scan has in the same space.
@@ -318,111 +287,19 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         (mixed, w.sub(sum, w.mul(alpha, own)))
     }
 
-    #[inline(always)]
-    fn add_fragment<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, fragment: &Fragment<W>) {
-        let places = [chunks[0].index(), chunks[1].index()];
-        let s = w.one();
-        let ([r, g, b, a], [r2, g2, b2, a2]) = (&self.rgba[places[0]], &self.rgba[places[1]]);
-        let before = w.join(s.load(&a.0), s.load(&a2.0));
-        let weight = w.mul(w.sub(w.splat(1.0), before), fragment.alpha);
-        let [red, green, blue] = fragment.rgb;
-        let red = w.part(w.add_mul(w.join(s.load(&r.0), s.load(&r2.0)), weight, red));
-        let green = w.part(w.add_mul(w.join(s.load(&g.0), s.load(&g2.0)), weight, green));
-        let blue = w.part(w.add_mul(w.join(s.load(&b.0), s.load(&b2.0)), weight, blue));
-        let after = w.add(before, weight);
-        let alpha = w.part(after);
-        for k in 0..W::N {
-            let [r, g, b, a] = &mut self.rgba[places[k]];
-            s.store(red[k], &mut r.0);
-            s.store(green[k], &mut g.0);
-            s.store(blue[k], &mut b.0);
-            s.store(alpha[k], &mut a.0);
-        }
-        if self.with_depth {
-            // Inside the fragment opacity is taken to grow evenly.
-            let half = w.splat(0.5);
-            let share = w.div(w.sub(half, before), weight);
-            let crossed = w.and(w.lt(before, half), w.le(half, after));
-            let place = w.add_mul(fragment.from, share, fragment.extent);
-            let s_half = w.load_from(&self.s_half, places);
-            w.store_to(w.select(crossed, place, s_half), &mut self.s_half, places);
-        }
-        // Rays that never meet the volume do not keep a chunk alive.
-        let opaque = w.all_bits(w.le(w.splat(self.opaque), after));
-        for k in 0..W::N {
-            self.done[places[k]] = opaque[k] | rays.missed(chunks[k]) == u16::MAX;
-        }
-    }
-
     /// Whether any ray of each chunk that is not done can see something of densities from the first to the second.
     #[inline(always)]
     fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, [lo, hi]: [W::F; 2]) -> [bool; 2] {
         let [least, most] = self.classifier.visible_range();
-        self.see_where(w, chunks, rays, w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most))))
+        self.so_far.see_where(w, chunks, rays, w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most))))
     }
 
     /// Whether any ray of each chunk that is not done can see something of the space between two sheets.
     #[inline(always)]
     fn see_slab<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, slab: &Slab) -> [bool; 2] {
-        let (front, back) = (slab.front.density(w, chunks), slab.back.density(w, chunks));
+        let (front, back) = (slab.first.front.density(w, chunks), slab.first.back.density(w, chunks));
         self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)])
     }
-
-    /// Whether any ray of each chunk that is not done is among some.
-    #[inline(always)]
-    fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> [bool; 2] {
-        let [first, second] = [&self.rgba[chunks[0].index()][3].0, &self.rgba[chunks[1].index()][3].0];
-        let alpha = w.join(w.one().load(first), w.one().load(second));
-        let is_open = w.lt(alpha, w.splat(self.opaque));
-        let [first, second] = w.all_bits(w.and(visible, is_open));
-        [first & !rays.missed(chunks[0]) != 0, second & !rays.missed(chunks[1]) != 0]
-    }
-}
-
-/// A colour in light of which a part is held off: all of it, and that of the first light.
-#[inline(always)]
-fn lit<W: Wide>(
-    w: W,
-    rgb: [W::F; 3],
-    shader: Option<(&Shader, [W::F; 3])>,
-    to_eye: [W::F; 3],
-    [open, first]: [Option<W::F>; 2],
-) -> [W::F; 3] {
-    let rgb = match (shader, first) {
-        (Some((shader, gradient)), Some(first)) => shader.shade_in_shadow(w, rgb, gradient, to_eye, first),
-        (Some((shader, gradient)), None) => shader.shade(w, rgb, gradient, to_eye),
-        (None, Some(first)) => scaled(w, rgb, first),
-        (None, None) => rgb,
-    };
-    match open {
-        Some(open) => scaled(w, rgb, open),
-        None => rgb,
-    }
-}
-
-/// A vector times a number.
-#[inline(always)]
-fn scaled<W: Wide>(w: W, [x, y, z]: [W::F; 3], factor: W::F) -> [W::F; 3] {
-    [w.mul(x, factor), w.mul(y, factor), w.mul(z, factor)]
-}
-
-/// Part of the way from one vector to another.
-#[inline(always)]
-pub fn between<W: Wide>(w: W, from: [W::F; 3], to: [W::F; 3], share: W::F) -> [W::F; 3] {
-    let ([a, b, c], [d, e, f]) = (from, to);
-    [w.add_mul(a, share, w.sub(d, a)), w.add_mul(b, share, w.sub(e, b)), w.add_mul(c, share, w.sub(f, c))]
-}
-
-/// Where the drawn part of each ray's `[from, to]` begins, and its length.
-#[inline(always)]
-fn extent<W: Wide>(w: W, chunks: Chunks, rays: &Rays, [from, to]: [f32; 2]) -> (W::F, W::F) {
-    if rays.all_draw(chunks[0], from, to) && rays.all_draw(chunks[1], from, to) {
-        return (w.splat(from), w.splat(to - from));
-    }
-    let [lo, hi] = rays.interval(w, chunks);
-    let from = w.max(w.splat(from), lo);
-    let to = w.min(w.splat(to), hi);
-    (from, w.max(w.sub(to, from), w.splat(0.0)))
 }
 
 impl<const EXTRA: bool> Over<'_, EXTRA> {
@@ -435,7 +312,7 @@ impl<const EXTRA: bool> Over<'_, EXTRA> {
         let [s_front, s_back] = slab.s;
         let half = 0.5 * (s_back - s_front);
         self.add_sheet(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
-        if slab.is_last {
+        if slab.first.is_last(chunks[0].block()) {
             // No slab follows whose front this sheet would be.
             self.add_sheet(w, chunks, rays, slab, (1, [s_back - half, s_back]));
         }
@@ -449,7 +326,7 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
 
     #[inline(always)]
     fn is_done(&self, chunk: Chunk) -> bool {
-        self.done[chunk.index()]
+        self.so_far.is_done(chunk)
     }
 
     #[inline(always)]
@@ -485,10 +362,10 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
     }
 
     fn finish(&self, chunk: Chunk) -> Texels {
-        Texels::new(&self.rgba[chunk.index()], self.s_half.get(chunk.index()))
+        self.so_far.finish(chunk)
     }
 
     fn into_state(self) -> TileState {
-        TileState { rgba: self.rgba, s_half: self.s_half, done: self.done, ..TileState::default() }
+        self.so_far.into_state()
     }
 }

@@ -7,10 +7,10 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::parallel;
 use wavesplat_core::{
-    Camera, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
+    Camera, Crop, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
 };
 
 use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
@@ -23,7 +23,7 @@ use crate::render::progress::ProgressCallback;
 use crate::source::slices::Slices;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
-use crate::view::region::Region;
+use crate::view::region::{HalfSpace, Region};
 
 /// How the reference samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,19 @@ const TRANSPARENT: f64 = 1e-7;
 /// Cells per side of the blocks that are skipped where nothing in them is visible.
 const BLOCK: usize = 4;
 
+/// A volume as the ray caster draws it, beside others or alone.
+#[derive(Clone, Copy)]
+pub struct CastLayer<'a> {
+    /// The samples.
+    pub volume: &'a Volume<'a>,
+    /// What values look like.
+    pub transfer_function: &'a TransferFunction,
+    /// Lights and coefficients.
+    pub shading: Option<&'a Shading>,
+    /// A segmentation beside the samples.
+    pub labels: Option<&'a Labels>,
+}
+
 /// Draws `options.composite = over` by ray casting; sheets and oversampling of the options are not used.
 pub fn raycast(
     volume: &Volume,
@@ -51,14 +64,15 @@ pub fn raycast(
     sampling: RaycastOptions,
     monitor: &dyn ProgressCallback,
 ) -> Result<Picture> {
-    raycast_labelled(volume, None, tf, camera, options, sampling, monitor)
+    let layer = CastLayer { volume, transfer_function: tf, shading: options.shading.as_ref(), labels: None };
+    raycast_layers(&[layer], camera, options, sampling, monitor)
 }
 
-/// As [`raycast`], with a segmentation beside the scan.
-pub fn raycast_labelled(
-    volume: &Volume,
-    labels: Option<&Labels>,
-    tf: &TransferFunction,
+/// As [`raycast`], of several volumes that may lie in any way, with a segmentation beside each: at every step extinctions
+/// add, and colours mix by extinction. Their light is what counts, not that of the options. Index positions of a crop box
+/// are those of the first volume.
+pub fn raycast_layers(
+    layers: &[CastLayer],
     camera: &Camera,
     options: &RenderOptions,
     sampling: RaycastOptions,
@@ -74,12 +88,13 @@ pub fn raycast_labelled(
         let mend = "pass 1, 4, 9 or 16";
         return Err(Error::out_of_range("rays_per_pixel", sampling.rays_per_pixel, "a square number up to 256", mend));
     }
-    let region = Region::new(volume.grid(), options)?;
+    let Some(first) = layers.first() else {
+        return Err(Error::out_of_range("number of layers", 0, "1 or more", "give a volume"));
+    };
     parallel::with_threads(options.n_threads, || {
-        let slices = Slices::new(volume, sampling.kernel);
-        let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
-        let caster = RayCaster::new(volume, sampler, labels, camera, region, sampling.step);
-        let rays = IndexRays::new(camera, volume.grid().index_from_world(), options.width_px, options.height_px);
+        let slices: Vec<Slices> = layers.iter().map(|layer| Slices::new(layer.volume, sampling.kernel)).collect();
+        let caster = RayCaster::new(layers, &slices, camera, options, sampling.step)?;
+        let rays = IndexRays::new(camera, first.volume.grid().index_from_world(), options.width_px, options.height_px);
         let stopped = AtomicBool::new(false);
         let n_done = AtomicUsize::new(0);
         let rows = parallel::map(options.height_px, |y| {
@@ -108,7 +123,7 @@ pub fn raycast_labelled(
         }
         let (width_px, height_px) = (options.width_px, options.height_px);
         let mut picture = Picture { width_px, height_px, rgba: rows.concat(), depth: None, value: None };
-        picture.finish(options.shading.as_ref(), options.background);
+        picture.finish(layers.iter().find_map(|layer| layer.shading), options.background);
         Ok(picture)
     })
 }
@@ -333,93 +348,115 @@ impl Mixture {
 }
 
 struct RayCaster<'a> {
-    sampler: Sampler<'a>,
-    labels: Option<&'a Labels>,
-    size: [usize; 3],
-    region: Region,
+    layers: Vec<CastVolume<'a>>,
+    /// Half spaces of a crop box in index positions of the first volume.
+    crop: Vec<HalfSpace>,
     world_from_index: DMat3,
     step_world: f64,
     perspective: bool,
+}
+
+/// A volume on the way of a ray.
+struct CastVolume<'a> {
+    sampler: Sampler<'a>,
+    labels: Option<&'a Labels>,
+    size: [usize; 3],
+    /// In its own index positions.
+    region: Region,
+    own_from_first: DAffine3,
+    world_from_index: DMat3,
     blocks: ActiveBlocks,
 }
 
 impl<'a> RayCaster<'a> {
     fn new(
-        volume: &Volume,
-        sampler: Sampler<'a>,
-        labels: Option<&'a Labels>,
+        layers: &[CastLayer<'a>],
+        slices: &'a [Slices<'a>],
         camera: &Camera,
-        region: Region,
+        options: &RenderOptions,
         step: f64,
-    ) -> Self {
-        let blocks = ActiveBlocks::new(&sampler, volume.grid().size());
-        Self {
-            sampler,
-            labels,
-            size: volume.grid().size(),
-            region,
-            world_from_index: volume.grid().world_from_index().matrix3,
-            step_world: step * volume.grid().spacing().min_element(),
-            perspective: !matches!(camera.projection(), wavesplat_core::Projection::Orthographic { .. }),
-            blocks,
+    ) -> Result<Self> {
+        let first = layers[0].volume.grid();
+        // In index positions it is a box of the first volume alone; in the world it is one for all.
+        let (crop, in_world) = match options.crop {
+            Some(Crop::Index { lo, hi }) => (index_box(lo, hi), None),
+            in_world => (Vec::new(), in_world),
+        };
+        let of_all = RenderOptions { crop: in_world, ..options.clone() };
+        let mut volumes = Vec::new();
+        for (layer, slices) in layers.iter().zip(slices) {
+            let grid = layer.volume.grid();
+            let region = match Region::new(grid, &of_all) {
+                // Another layer may lie in the box.
+                Err(Error::EmptyCrop { .. }) if layers.len() > 1 => continue,
+                region => region?,
+            };
+            let sampler = Sampler::new(layer.volume, slices, layer.transfer_function, camera, layer.shading);
+            volumes.push(CastVolume {
+                blocks: ActiveBlocks::new(&sampler, grid.size()),
+                sampler,
+                labels: layer.labels,
+                size: grid.size(),
+                region,
+                own_from_first: grid.index_from_world() * first.world_from_index(),
+                world_from_index: grid.world_from_index().matrix3,
+            });
         }
+        let finest = layers.iter().map(|layer| layer.volume.grid().spacing().min_element());
+        Ok(Self {
+            layers: volumes,
+            crop,
+            world_from_index: first.world_from_index().matrix3,
+            step_world: step * finest.fold(f64::INFINITY, f64::min),
+            perspective: !matches!(camera.projection(), wavesplat_core::Projection::Orthographic { .. }),
+        })
     }
 
-    /// Associated RGBA along `origin + t · direction`, index space.
+    /// Associated RGBA along `origin + t · direction`, index space of the first volume.
     fn cast(&self, origin: DVec3, direction: DVec3) -> [f64; 4] {
         let world = self.world_from_index * direction;
         let to_eye = -world.normalize();
         let start = if self.perspective { 0.0 } else { f64::NEG_INFINITY };
-        let [t_in, t_out] = self.region.clip(origin, direction, [start, f64::INFINITY]);
+        let of_crop = Region { half_spaces: self.crop.clone(), bounds: [DVec3::ZERO; 2] };
+        let all = of_crop.clip(origin, direction, [start, f64::INFINITY]);
+        let own_ray = |layer: &CastVolume| {
+            let map = layer.own_from_first;
+            (map.transform_point3(origin), map.matrix3 * direction)
+        };
+        let drawn: Vec<[f64; 2]> = self
+            .layers
+            .iter()
+            .map(|layer| {
+                let (origin, direction) = own_ray(layer);
+                layer.region.clip(origin, direction, all)
+            })
+            .collect();
+        let seen = || drawn.iter().filter(|[t_in, t_out]| t_in < t_out);
+        let t_in = seen().fold(f64::INFINITY, |t, own| t.min(own[0]));
+        let t_out = seen().fold(f64::NEG_INFINITY, |t, own| t.max(own[1]));
         if t_in >= t_out {
             return [0.0; 4];
         }
         let dt = self.step_world / world.length();
         let n_steps = ((t_out - t_in) / dt).ceil();
         let dt = (t_out - t_in) / n_steps;
-        let thickness = dt * world.length() / self.sampler.opacity_unit();
+        let length = dt * world.length();
         let mut rgb = [0.0; 3];
         let mut transmittance = 1.0;
         for s in 0..n_steps as u64 {
-            let position = origin + direction * (t_in + (s as f64 + 0.5) * dt);
-            let mixture = self.labels.map(|labels| Mixture::new(labels, self.size, position));
-            let own = mixture.as_ref().map_or(0.0, |mixture| mixture.own);
-            if own == 0.0 && !self.blocks.is_active(position) {
+            let t = t_in + (s as f64 + 0.5) * dt;
+            let media = self.layers.iter().zip(&drawn).filter(|(_, [t_in, t_out])| *t_in <= t && t <= *t_out);
+            let mut mixture = Medium::NONE;
+            for (layer, _) in media {
+                let (origin, direction) = own_ray(layer);
+                mixture = mixture.and(&layer.medium(origin + direction * t, to_eye));
+            }
+            if mixture.extinction <= 0.0 {
                 continue;
             }
-            let sampler = &self.sampler;
-            let Some(density) = sampler.density(position) else { continue };
-            if own == 0.0 && !sampler.may_be_seen(density) {
-                continue;
-            }
-            let mut gradient = DVec3::ZERO;
-            if sampler.needs_gradient() {
-                gradient = sampler.gradient(position);
-            }
-            let mut depth = sampler.optical_depth(density, gradient);
-            let mut rgb_here = sampler.unshaded(density, gradient);
-            if let Some(Mixture { scan, tint, tint_rgb, .. }) = &mixture {
-                // Opacity 1 is infinite; where nothing is left of it, it is clear.
-                depth = if *scan > 0.0 { depth * scan } else { 0.0 };
-                if *scan > 0.0 {
-                    rgb_here = [0, 1, 2].map(|c| rgb_here[c] * (1.0 - tint / scan) + tint_rgb[c] / scan);
-                }
-            }
-            if depth + own <= 0.0 {
-                continue;
-            }
-            let mut color = sampler.light(rgb_here, gradient, to_eye, sampler.vanishing);
-            if let Some(mixture) = mixture.filter(|_| own > 0.0) {
-                let vanishing = vanishing_gradient_squared(self.world_from_index, [0.0, 1.0]);
-                let own_rgb = mixture.own_rgb.map(|c| c / own);
-                let own_color = sampler.light(own_rgb, self.own_gradient(position), to_eye, vanishing);
-                // Infinite where the scan is opaque.
-                let share = if depth.is_infinite() { 0.0 } else { own / (depth + own) };
-                color = [0, 1, 2].map(|c| color[c] + (own_color[c] - color[c]) * share);
-            }
-            let opacity = -(-(depth + own) * thickness).exp_m1();
+            let opacity = -(-mixture.extinction * length).exp_m1();
             for c in 0..3 {
-                rgb[c] += transmittance * opacity * color[c];
+                rgb[c] += transmittance * opacity * mixture.color[c];
             }
             transmittance *= 1.0 - opacity;
             if transmittance < TRANSPARENT {
@@ -430,7 +467,67 @@ impl<'a> RayCaster<'a> {
     }
 }
 
-impl RayCaster<'_> {
+/// What is at a point of a ray: extinction per world unit, and colour in the light.
+struct Medium {
+    extinction: f64,
+    color: [f64; 3],
+}
+
+impl Medium {
+    const NONE: Self = Self { extinction: 0.0, color: [0.0; 3] };
+
+    /// Together with another: extinctions add, colours mix by extinction. Of what is opaque at any thickness, infinite, the
+    /// first counts.
+    fn and(&self, other: &Self) -> Self {
+        let extinction = self.extinction + other.extinction;
+        if extinction <= 0.0 {
+            return Self::NONE;
+        }
+        let share = if self.extinction.is_infinite() {
+            if other.extinction.is_infinite() { 0.5 } else { 0.0 }
+        } else if other.extinction.is_infinite() {
+            1.0
+        } else {
+            other.extinction / extinction
+        };
+        let color = [0, 1, 2].map(|c| self.color[c] + (other.color[c] - self.color[c]) * share);
+        Self { extinction, color }
+    }
+}
+
+impl CastVolume<'_> {
+    /// What is at an index position: the scan, and the labels' own matter.
+    fn medium(&self, position: DVec3, to_eye: DVec3) -> Medium {
+        let sampler = &self.sampler;
+        let mixture = self.labels.map(|labels| Mixture::new(labels, self.size, position));
+        let own = mixture.as_ref().map_or(0.0, |mixture| mixture.own);
+        if own == 0.0 && !self.blocks.is_active(position) {
+            return Medium::NONE;
+        }
+        let Some(density) = sampler.density(position) else { return Medium::NONE };
+        if own == 0.0 && !sampler.may_be_seen(density) {
+            return Medium::NONE;
+        }
+        let gradient = if sampler.needs_gradient() { sampler.gradient(position) } else { DVec3::ZERO };
+        let mut depth = sampler.optical_depth(density, gradient);
+        let mut rgb = sampler.unshaded(density, gradient);
+        if let Some(Mixture { scan, tint, tint_rgb, .. }) = &mixture {
+            // Opacity 1 is infinite; where nothing is left of it, it is clear.
+            depth = if *scan > 0.0 { depth * scan } else { 0.0 };
+            if *scan > 0.0 {
+                rgb = [0, 1, 2].map(|c| rgb[c] * (1.0 - tint / scan) + tint_rgb[c] / scan);
+            }
+        }
+        let per_unit = 1.0 / sampler.opacity_unit();
+        let color = if depth > 0.0 { sampler.light(rgb, gradient, to_eye, sampler.vanishing) } else { [0.0; 3] };
+        let scan = Medium { extinction: depth * per_unit, color };
+        let Some(mixture) = mixture.filter(|_| own > 0.0) else { return scan };
+        let vanishing = vanishing_gradient_squared(self.world_from_index, [0.0, 1.0]);
+        let own_rgb = mixture.own_rgb.map(|c| c / own);
+        let color = sampler.light(own_rgb, self.own_gradient(position), to_eye, vanishing);
+        scan.and(&Medium { extinction: own * per_unit, color })
+    }
+
     /// Index-space gradient of the labels' own matter by differences.
     fn own_gradient(&self, position: DVec3) -> DVec3 {
         let Some(labels) = self.labels else { return DVec3::ZERO };
@@ -439,6 +536,12 @@ impl RayCaster<'_> {
         let along = |axis: DVec3| (own(position + offset * axis) - own(position - offset * axis)) / (2.0 * offset);
         DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
+}
+
+/// The half spaces of an index-aligned box.
+fn index_box(lo: DVec3, hi: DVec3) -> Vec<HalfSpace> {
+    let sides = (0..3).flat_map(|a| [(DVec3::AXES[a], -lo[a]), (-DVec3::AXES[a], hi[a])]);
+    sides.map(|(normal, offset)| HalfSpace { normal, offset }).collect()
 }
 
 /// Which blocks of cells can hold a visible density: exact, since kernels with non-negative weights stay inside the

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use wavesplat_compute::simd::LANES;
 
-use crate::render::tile::TileJob;
+use crate::render::tile::{LayerJob, TileJob};
+use crate::sheet::spacing::SheetSpacing;
 use crate::sheet::tile_layout::{BLOCK_V, BlockMask, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V, rows_mask};
 
 /// A slab of a tile and the blocks that are looked at in it.
@@ -21,7 +22,7 @@ pub(super) struct ActiveSlab {
 impl TileJob<'_> {
     /// The blocks that the picture needs.
     pub(super) fn needed_blocks(&self, [i0, j0]: [usize; 2]) -> BlockMask {
-        let plane = self.geometry.plane;
+        let plane = &self.family.plane;
         let mut blocks = 0;
         if !plane.is_needed([i0, j0], [i0 + TILE_U - 1, j0 + TILE_V - 1]) {
             return blocks;
@@ -35,10 +36,12 @@ impl TileJob<'_> {
         }
         blocks
     }
+}
 
-    /// Where texels `from..=to` lie on two sheets, along u and along v.
+impl LayerJob<'_> {
+    /// Where texels `from..=to` lie among the samples on two sheets, along u and along v.
     fn hulls(&self, w: [f64; 2]) -> [impl Fn([usize; 2]) -> [f64; 2]; 2] {
-        let [a, b] = w.map(|w| self.geometry.plane.sheet(w));
+        let [a, b] = w.map(|w| self.geometry.sheet(w).0);
         [0, 1].map(|axis| {
             let ((a, da), (b, db)) = (a[axis], b[axis]);
             move |[from, to]: [usize; 2]| {
@@ -56,7 +59,7 @@ impl TileJob<'_> {
         let side = occupied.side();
         let layer_is_active = |layer: usize| {
             let cells = [layer * side, (layer * side + side - 1).min(n_cells - 1)];
-            let w = [cells[0] as f64, cells[1] as f64 + 1.0];
+            let w = [cells[0] as f64, cells[1] as f64 + 1.0].map(|own| self.geometry.w_of_own(own));
             let [along_u, along_v] = self.hulls(w);
             let u = occupied.touched(0, along_u([i0, i0 + TILE_U - 1]));
             let v = occupied.touched(1, along_v([j0, j0 + TILE_V - 1]));
@@ -69,6 +72,7 @@ impl TileJob<'_> {
     /// blocks that are alive, in that order.
     pub(super) fn active_slabs(
         &self,
+        spacing: &SheetSpacing,
         [i0, j0]: [usize; 2],
         range: Range<usize>,
         wanted: &Range<usize>,
@@ -77,17 +81,18 @@ impl TileJob<'_> {
     ) -> Vec<ActiveSlab> {
         let ascending = self.geometry.plane.family.ascending;
         let mut slabs = Vec::new();
+        let last = self.geometry.axes[2].n_samples - 2;
         for k in 1..range.len() {
             let near = if ascending { range.start + k - 1 } else { range.end - k };
-            let place = if ascending { near } else { self.family.spacing.n_slabs - near };
+            let place = if ascending { near } else { spacing.n_slabs - near };
             if !wanted.contains(&place) {
                 continue;
             }
             let sheets = if ascending { [near, near + 1] } else { [near, near - 1] };
-            let w = sheets.map(|sheet| self.family.spacing.w(sheet));
-            let [lo, hi] = [w[0].min(w[1]), w[0].max(w[1])];
+            let w = sheets.map(|sheet| spacing.w(sheet));
+            let own = w.map(|w| self.geometry.own_w(w));
+            let [lo, hi] = [own[0].min(own[1]), own[0].max(own[1])];
             // The slab lies in these cells; a sheet on a slice belongs to the cells on both sides.
-            let last = self.geometry.axes[2].n_samples - 2;
             let cells = [(lo as usize).min(last), (hi.ceil() as usize).saturating_sub(1).min(last)];
             let mut blocks = alive;
             if let Some(occupied) = &self.family.occupancy {

@@ -21,7 +21,7 @@ use crate::source::slices::Slices;
 
 /// Draws a volume.
 ///
-/// `slices`: keep them for the next picture; with [`render_layer`] also what is made of the transfer function.
+/// `slices`: keep them for the next picture; with [`render_layers`] also what is made of the transfer function.
 pub fn render(
     slices: &Slices,
     tf: &TransferFunction,
@@ -29,20 +29,22 @@ pub fn render(
     options: &RenderOptions,
     callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report)> {
-    let layer = Layer { slices, transfer_function: tf, labels: None, cache: &VisibilityCache::default() };
-    render_layer(&layer, camera, options, callback)
+    let (shading, cache) = (options.shading.as_ref(), VisibilityCache::default());
+    let layer = Layer { slices, transfer_function: tf, shading, labels: None, cache: &cache };
+    render_layers(&[layer], camera, options, callback)
 }
 
-/// As [`render`], with labels, and with what was kept of frames before.
-pub fn render_layer(
-    layer: &Layer,
+/// As [`render`], of several volumes, with labels, and with what was kept of frames before. Their light is what counts,
+/// not that of the options.
+pub fn render_layers(
+    layers: &[Layer],
     camera: &Camera,
     options: &RenderOptions,
     callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report)> {
     parallel::with_threads(options.n_threads, || {
-        let plan = Plan::new(Level::best(), layer, camera, options)?;
-        let (base_pictures, report) = draw_base_planes(&plan, layer.slices, callback)?;
+        let plan = Plan::new(Level::best(), layers, camera, options)?;
+        let (base_pictures, report) = draw_base_planes(&plan, &slices_of(layers), callback)?;
         Ok((finish(&plan, &base_pictures), report))
     })
 }
@@ -67,20 +69,26 @@ pub fn render_base_planes_at(
     options: &RenderOptions,
     callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    let layer = Layer { slices, transfer_function: tf, labels: None, cache: &VisibilityCache::default() };
+    let (shading, cache) = (options.shading.as_ref(), VisibilityCache::default());
+    let layer = Layer { slices, transfer_function: tf, shading, labels: None, cache: &cache };
     parallel::with_threads(options.n_threads, || {
-        draw_base_planes(&Plan::new(level, &layer, camera, options)?, slices, callback)
+        draw_base_planes(&Plan::new(level, &[layer], camera, options)?, &[slices], callback)
     })
 }
 
-/// Draws the base planes of a plan, tile by tile, each through all its sheets.
+/// The samples of layers, in their order.
+pub fn slices_of<'a>(layers: &[Layer<'a>]) -> Vec<&'a Slices<'a>> {
+    layers.iter().map(|layer| layer.slices).collect()
+}
+
+/// Draws the base planes of a plan, tile by tile, each through all its sheets. `slices`: of each layer.
 pub fn draw_base_planes(
     plan: &Plan,
-    slices: &Slices,
+    slices: &[&Slices],
     callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
     let mut report = Report {
-        n_nonfinite_samples: plan.grid.statistics().n_nonfinite,
+        n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
         n_base_planes: plan.families.len(),
         n_threads: parallel::n_threads(),
         simd: plan.simd.name(),
@@ -104,7 +112,7 @@ pub fn draw_base_planes(
 pub(crate) fn draw_base_plane(
     plan: &Plan,
     family: &FamilyPlan,
-    slices: &Slices,
+    slices: &[&Slices],
     progress: &Progress,
 ) -> Result<(BasePicture, Work)> {
     let job = TileJob::new(plan, family, slices);
@@ -131,7 +139,7 @@ pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     let whole = PixelRectangle { first: [0; 2], size: plan.size_px };
     let mut picture = warped(plan, base_pictures, whole, plan.reads_per_axis, plan.with_depth);
     depth_as_length(&plan.camera, &mut picture);
-    picture.finish(plan.shading.as_ref(), plan.background);
+    picture.finish(plan.shading(), plan.background);
     picture
 }
 
@@ -157,7 +165,8 @@ pub(crate) fn warped(
     let [width_px, height_px] = size;
     let mut picture = Picture { width_px, height_px, rgba: warped.rgba, depth: warped.ray_parameter, value: None };
     if let Some(composite) = plan.operator.projection() {
-        picture.value = Some(color_projection(&mut picture.rgba, &plan.grid, &plan.transfer_function, composite));
+        let layer = &plan.layers[0];
+        picture.value = Some(color_projection(&mut picture.rgba, &layer.grid, &layer.transfer_function, composite));
     }
     picture
 }

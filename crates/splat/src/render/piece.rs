@@ -7,11 +7,11 @@ use std::ops::Range;
 
 use wavesplat_compute::parallel;
 
-use crate::optics::classify::Classifier;
 use crate::picture::base_picture::TileTexels;
 use crate::ray::compositor::Compositor;
 use crate::ray::first_hit::FirstHit;
 use crate::ray::local_maximum::LocalMaximum;
+use crate::ray::mixed::{Medium, Mixed};
 use crate::ray::over::Over;
 use crate::ray::project::Project;
 use crate::ray::state::TileState;
@@ -24,7 +24,7 @@ use wavesplat_compute::simd::LANES;
 /// Draws some tiles of a base plane through some consecutive slabs, on all threads.
 ///
 /// `family`: which base plane of the plan. `tiles`: their numbers along u and v. `slabs`: spaces between two sheets, counted
-/// in the order in which rays meet them. `slices`: the whole volume, or a box with what [`samples_of`] tells. `states`: of
+/// in the order in which rays meet them. `slices`: of each layer, the whole volume, or a box with what [`samples_of`] tells. `states`: of
 /// these tiles after the slabs before, from the first one on without gaps; `None` where nothing has been seen yet. Returns
 /// the states after these slabs.
 pub fn draw_piece(
@@ -32,7 +32,7 @@ pub fn draw_piece(
     family: usize,
     tiles: &[[usize; 2]],
     slabs: &Range<usize>,
-    slices: &Slices,
+    slices: &[&Slices],
     states: &[Option<TileState>],
 ) -> (Vec<Option<TileState>>, Work) {
     let job = TileJob::new(plan, &plan.families[family], slices);
@@ -47,13 +47,15 @@ pub fn draw_piece(
     (drawn.into_iter().map(|(state, _)| state).collect(), work)
 }
 
-/// Index ranges, along x, y and z, of the samples that a piece is made of; `None` where its tiles lie beside the volume.
+/// Index ranges, along x, y and z, of the samples of a layer that a piece is made of; `None` where there are no tiles.
+/// `slices`: of all layers.
 pub fn samples_of(
     plan: &Plan,
     family: usize,
     tiles: &[[usize; 2]],
     slabs: &Range<usize>,
-    slices: &Slices,
+    slices: &[&Slices],
+    layer: usize,
 ) -> Option<[Range<usize>; 3]> {
     let family = &plan.families[family];
     let spacing = &family.spacing;
@@ -65,13 +67,13 @@ pub fn samples_of(
     for tile in tiles {
         let from = [tile[0] * TILE_U, tile[1] * TILE_V];
         let to = [from[0] + TILE_U - 1, from[1] + TILE_V - 1];
-        let own = job.geometry.reached(from, to, w);
+        let own = job.layers[layer].geometry.reached(from, to, w);
         reached = Some(match reached {
             None => own,
             Some(all) => [0, 1, 2].map(|a| all[a].start.min(own[a].start)..all[a].end.max(own[a].end)),
         });
     }
-    reached.map(|reached| needed_samples(&reached, &plan.grid, slices.kernel()))
+    reached.map(|reached| needed_samples(&reached, &plan.layers[layer].grid, slices[layer].kernel()))
 }
 
 /// All tiles of a base plane, row by row.
@@ -96,9 +98,18 @@ pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut 
 
 /// Calls `work` with what makes the compositor of a plan's operator.
 fn with_operator<U: UseOperator>(plan: &Plan, family: &FamilyPlan, work: U) -> U::Output {
-    let (tables, shader, modifiers): (&Classifier, _, _) = (&plan.tables, family.shader.as_ref(), &family.modifiers);
+    let media = plan.layers.iter().zip(&family.layers).map(|(layer, of_family)| Medium {
+        classifier: &layer.tables,
+        shader: of_family.shader.as_ref(),
+        modifiers: &of_family.modifiers,
+    });
+    let media: Vec<Medium> = media.collect();
+    let Medium { classifier: tables, shader, modifiers } = media[0];
     let depth = plan.with_depth;
     match plan.operator {
+        Operator::Over { pre_integrated, opaque } if media.len() > 1 => {
+            work.call(|state| Mixed::new(media, pre_integrated, opaque, depth, state))
+        }
         Operator::Over { pre_integrated, opaque } if modifiers.any() => {
             work.call(|state| Over::<true>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
         }

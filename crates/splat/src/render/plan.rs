@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Composite, Error, Gradient, Grid, RenderOptions, Result, Shading, TransferFunction};
+use wavesplat_core::{
+    Camera, Composite, Crop, Error, Gradient, Grid, RenderOptions, Result, Shading, TransferFunction,
+};
 
 use crate::optics::gradient_opacity::GradientOpacity;
 use crate::optics::labels::LabelTerms;
@@ -27,6 +29,7 @@ use crate::source::field::Field;
 use crate::source::min_max_bricks::Bricks;
 use crate::source::occupancy::OccupancyGrid;
 use crate::view::base_plane::{BasePlane, base_planes};
+use crate::view::common_grid::{CommonGrid, IndexMap, from_layer};
 use crate::view::depth_cue::DepthCue;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
@@ -42,7 +45,7 @@ const OPAQUE_TO_THE_END: f32 = 1.0 - 2e-6;
 pub struct Plan {
     /// Vectors that the CPU uses.
     pub simd: Level,
-    /// Where the samples lie, and the range of their densities.
+    /// The index space of rays, sheets and texels: that of the volume, or one that holds all layers.
     pub grid: Grid,
     /// The view.
     pub camera: Camera,
@@ -50,24 +53,16 @@ pub struct Plan {
     pub size_px: [usize; 2],
     /// The viewing ray of every pixel, in index space.
     pub rays: IndexRays,
-    /// What is drawn of the volume: half spaces.
+    /// What is drawn: half spaces.
     pub region: Region,
     /// How the sheets become one value per ray.
     pub operator: Operator,
-    /// World length that opacities, or the lengths of projections, belong to.
-    pub opacity_unit: f64,
-    /// Tables of the transfer function: colour and optical depth by density, integrals, visible ranges.
-    pub tables: Arc<Visibility>,
-    /// For the colours of projections, after the warp.
-    pub transfer_function: TransferFunction,
+    /// The volumes; one as a rule.
+    pub layers: Vec<LayerPlan>,
     /// Depth shading, where it is wanted.
     pub depth_cue: Option<DepthCue>,
-    /// Light and labels, as fields on grids of their own; and which of them holds what.
+    /// Light and labels, as fields on grids of their own beside the first layer's; and which of them holds what.
     pub fields: Arc<FieldPlan>,
-    /// Lights and coefficients, in the frame that they are given in; `None` of projections, and without shading.
-    pub shading: Option<Shading>,
-    /// Bounds of the densities, or spline coefficients.
-    pub density_range: [f32; 2],
     /// Sheets per slice distance, about.
     pub sheets_per_slice: f64,
     /// Base planes: one for parallel rays, up to six in perspective.
@@ -80,6 +75,26 @@ pub struct Plan {
     pub with_depth: bool,
     /// Unassociated colour and opacity behind the volume.
     pub background: Option<[f32; 4]>,
+}
+
+/// What is decided of a layer.
+pub struct LayerPlan {
+    /// Where its samples lie, and the range of their densities.
+    pub grid: Grid,
+    /// Where its samples lie in the index space of the frame.
+    pub map: IndexMap,
+    /// What is drawn of it, in the index space of the frame.
+    pub region: Region,
+    /// World length that opacities, or the lengths of projections, belong to.
+    pub opacity_unit: f64,
+    /// Tables of the transfer function: colour and optical depth by density, integrals, visible ranges.
+    pub tables: Arc<Visibility>,
+    /// For the colours of projections, after the warp.
+    pub transfer_function: TransferFunction,
+    /// Lights and coefficients, in the frame that they are given in; `None` of projections, and without shading.
+    pub shading: Option<Shading>,
+    /// Bounds of the densities, or spline coefficients.
+    pub density_range: [f32; 2],
 }
 
 /// How the sheets become one value per ray.
@@ -140,6 +155,13 @@ pub struct FamilyPlan {
     pub plane: BasePlane,
     /// Where the sheets lie.
     pub spacing: SheetSpacing,
+    /// Of each layer.
+    pub layers: Vec<FamilyLayer>,
+}
+
+/// What is decided of a layer on a base plane.
+#[derive(Clone)]
+pub struct FamilyLayer {
     /// How gradients are estimated, voxels; `None` where none is wanted.
     pub gradient: Option<Gradient>,
     /// Bricks that change anything, for empty-space skipping; `None`: all do.
@@ -151,111 +173,133 @@ pub struct FamilyPlan {
 }
 
 impl Plan {
-    /// Plans a frame. Reads the samples for ambient occlusion and shadows alone.
-    pub fn new(simd: Level, layer: &Layer, camera: &Camera, options: &RenderOptions) -> Result<Self> {
-        Self::with_fields(simd, layer, camera, options, None)
+    /// Plans a frame of layers; several of them with `Composite::Over` alone. Reads the samples for ambient occlusion and
+    /// shadows alone.
+    pub fn new(simd: Level, layers: &[Layer], camera: &Camera, options: &RenderOptions) -> Result<Self> {
+        Self::with_fields(simd, layers, camera, options, None)
     }
 
     /// The same frame in another size or sampling; light and labels are kept.
-    pub(crate) fn resampled(&self, layer: &Layer, options: &RenderOptions) -> Result<Self> {
-        Self::with_fields(self.simd, layer, &self.camera, options, Some(self.fields.clone()))
+    pub(crate) fn resampled(&self, layers: &[Layer], options: &RenderOptions) -> Result<Self> {
+        Self::with_fields(self.simd, layers, &self.camera, options, Some(self.fields.clone()))
     }
 
     fn with_fields(
         simd: Level,
-        layer: &Layer,
+        layers: &[Layer],
         camera: &Camera,
         options: &RenderOptions,
         fields: Option<Arc<FieldPlan>>,
     ) -> Result<Self> {
         options.validate()?;
-        let slices = layer.slices;
-        let grid = slices.grid();
-        let Some(bricks) = slices.bricks() else {
-            let mend = "plan with the slices of the whole volume, then draw pieces from boxes";
-            return Err(Error::out_of_range("slices of a plan", "a box of a volume", "the whole volume", mend));
-        };
-        let tf = layer.transfer_function;
         let composite = options.composite;
-        let region = Region::new(grid, options)?;
+        let is_projection = composite.is_projection();
+        check_layers(layers, composite)?;
+        let grids: Vec<&Grid> = layers.iter().map(|layer| layer.slices.grid()).collect();
+        let common = CommonGrid::new(&grids)?;
+        let grid = common.grid;
+        let region =
+            Region::new(&grid, &RenderOptions { crop: in_common(options, &common.layers[0]), ..options.clone() })?;
         let size_px = [options.width_px, options.height_px];
         let rays = IndexRays::new(camera, grid.index_from_world(), size_px[0], size_px[1]);
         let planes = base_planes(camera, &rays, size_px, options.oversampling, region.bounds)?;
-        let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
-        let slab_thickness = grid.mean_spacing() / options.sheets_per_slice / opacity_unit;
-        let tables = layer.cache.get(slices, tf, slab_thickness);
+        let slab_length = grid.mean_spacing() / options.sheets_per_slice;
+        let plans: Vec<LayerPlan> = layers
+            .iter()
+            .zip(common.layers)
+            .map(|(layer, map)| LayerPlan::new(layer, map, &region, slab_length, is_projection, layers.len() == 1))
+            .collect();
         let fields = match fields {
             Some(fields) => fields,
-            None if composite == Composite::Over => {
-                Arc::new(FieldPlan::new(layer, camera, options, &tables, opacity_unit)?)
-            }
+            None if composite == Composite::Over => Arc::new(FieldPlan::new(layers, &plans, camera)?),
             None => Arc::default(),
         };
-        let steep = || is_steep_in_slabs(&tables, grid, tf, slab_thickness);
-        let is_projection = composite.is_projection();
+        let is_steep = || {
+            let mut pairs = plans.iter().zip(layers);
+            pairs.any(|(plan, layer)| {
+                let thickness = slab_length / plan.opacity_unit;
+                // A function of two dimensions has no integral along a slab.
+                layer.transfer_function.function_2d().is_none()
+                    && is_steep_in_slabs(&plan.tables, &plan.grid, layer.transfer_function, thickness)
+            })
+        };
+        let first = layers[0];
         let mut plan = Self {
             simd,
-            grid: grid.clone(),
             camera: camera.clone(),
             size_px,
             rays,
-            operator: operator(options, tf, grid, steep),
-            opacity_unit: if is_projection { 1.0 } else { opacity_unit },
-            tables: tables.clone(),
-            transfer_function: tf.clone(),
+            operator: operator(options, first.slices.grid(), is_steep),
             depth_cue: match composite {
                 Composite::DepthShadedMaximum { strength, .. } => {
-                    Some(DepthCue::new(strength, camera, grid, region.bounds))
+                    Some(DepthCue::new(strength, camera, &grid, region.bounds))
                 }
                 _ => None,
             },
+            grid,
             region,
             fields,
-            shading: options.shading.clone().filter(|_| !is_projection),
-            density_range: slices.range(),
             sheets_per_slice: options.sheets_per_slice,
             families: Vec::new(),
             reads_per_axis: reads_per_axis(composite, options.oversampling),
-            peak: if is_projection { f32::MAX } else { options.shading.as_ref().map_or(1.0, brightest) },
+            peak: if is_projection {
+                f32::MAX
+            } else {
+                layers.iter().filter_map(|l| l.shading).map(brightest).fold(1.0, f32::max)
+            },
             with_depth: options.with_depth,
             background: options.background,
+            layers: plans,
         };
-        plan.families = planes.into_iter().map(|plane| plan.family(plane, Some(bricks))).collect();
+        plan.families = planes.into_iter().map(|plane| plan.family(plane, layers)).collect();
         Ok(plan)
     }
 
     /// What is decided of a base plane, be it one of another size.
-    pub(crate) fn family(&self, plane: BasePlane, bricks: Option<&Bricks>) -> FamilyPlan {
-        let world_from_index = self.grid.world_from_index().matrix3;
+    pub(crate) fn family(&self, plane: BasePlane, layers: &[Layer]) -> FamilyPlan {
+        let spacing = SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice);
+        let layers = (0..layers.len()).map(|k| self.family_layer(k, &plane, layers[k].slices.bricks())).collect();
+        FamilyPlan { plane, spacing, layers }
+    }
+
+    fn family_layer(&self, k: usize, plane: &BasePlane, bricks: Option<&Bricks>) -> FamilyLayer {
+        let layer = &self.layers[k];
+        let steps = layer.grid.world_from_index().matrix3;
         let shader_for = |range| {
-            let shading = self.shading.as_ref();
-            shading.map(|s| Shader::new(s, &self.camera, world_from_index, &plane.family, range))
+            let shading = layer.shading.as_ref();
+            shading.map(|s| Shader::new(s, &self.camera, steps, &plane.family, range))
         };
         let mut modifiers = Modifiers::default();
         if matches!(self.operator, Operator::Over { .. }) {
-            let map = self.grid.density_from_sample();
-            modifiers.by_gradient = GradientOpacity::new(&self.transfer_function, world_from_index, &plane.family, map);
-            modifiers.light = self.fields.light;
-            modifiers.labels = self.fields.labels;
-            modifiers.label_shader = self.fields.labels.and_then(|_| shader_for([0.0, 1.0]));
+            let map = layer.grid.density_from_sample();
+            modifiers.by_gradient = GradientOpacity::new(&layer.transfer_function, steps, &plane.family, map);
+            // What has no light of its own is not dimmed by what holds light off from others.
+            modifiers.light = self.fields.light.filter(|_| k == 0 || layer.shading.is_some());
+            if k == 0 {
+                modifiers.labels = self.fields.labels;
+                modifiers.label_shader = self.fields.labels.and_then(|_| shader_for([0.0, 1.0]));
+            }
         }
-        let of_light = self.shading.as_ref().map(|s| s.gradient);
-        let gradient = of_light.or(modifiers.by_gradient.as_ref().map(|_| Shading::default().gradient));
-        FamilyPlan {
-            spacing: SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice),
-            gradient,
-            occupancy: bricks.and_then(|bricks| self.occupancy(bricks, plane.family.axes, &modifiers)),
-            shader: shader_for(self.density_range),
+        let of_light = layer.shading.as_ref().map(|s| s.gradient);
+        FamilyLayer {
+            gradient: of_light.or(modifiers.by_gradient.as_ref().map(|_| Shading::default().gradient)),
+            occupancy: bricks.and_then(|bricks| self.occupancy(layer, bricks, plane.family.axes, &modifiers)),
+            shader: shader_for(layer.density_range),
             modifiers,
-            plane,
         }
     }
 
     /// Bricks in which something may be visible; `None`: all count.
-    fn occupancy(&self, bricks: &Bricks, axes: [usize; 3], modifiers: &Modifiers) -> Option<Arc<OccupancyGrid>> {
+    fn occupancy(
+        &self,
+        layer: &LayerPlan,
+        bricks: &Bricks,
+        axes: [usize; 3],
+        modifiers: &Modifiers,
+    ) -> Option<Arc<OccupancyGrid>> {
         match self.operator {
             Operator::Over { .. } => {
-                let occupied = bricks.occupied(axes, self.tables.visible_ranges(bricks));
+                let occupied = bricks.occupied(axes, layer.tables.visible_ranges(bricks));
                 let Some(field) = modifiers.matter_field() else { return Some(occupied) };
                 let matter = self.fields.fields[field].slices.bricks()?;
                 let covered = matter.occupied(axes, &matter.visible_ranges(|[_, hi]| hi > 0.0));
@@ -271,18 +315,53 @@ impl Plan {
 
     /// Whether colours along a ray change smoothly from sheet to sheet.
     pub fn is_smooth(&self) -> bool {
-        matches!(self.operator, Operator::Over { pre_integrated: false, .. }) && !self.transfer_function.has_gradient()
+        matches!(self.operator, Operator::Over { pre_integrated: false, .. })
+            && !self.layers.iter().any(|layer| layer.transfer_function.has_gradient())
+    }
+
+    /// The light of the picture, whose shoulder its highlights get: that of the first layer that has one.
+    pub fn shading(&self) -> Option<&Shading> {
+        self.layers.iter().find_map(|layer| layer.shading.as_ref())
+    }
+}
+
+impl LayerPlan {
+    /// `slab_length`: world length of a typical slab. `is_alone`: its box is that of the region already.
+    fn new(
+        layer: &Layer,
+        map: IndexMap,
+        region: &Region,
+        slab_length: f64,
+        is_projection: bool,
+        is_alone: bool,
+    ) -> Self {
+        let grid = layer.slices.grid();
+        let tf = layer.transfer_function;
+        let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
+        let ends = grid.bounds().map(|end| from_layer(&map, end));
+        let own_region = || region.within(ends[0].min(ends[1]), ends[0].max(ends[1]));
+        Self {
+            region: if is_alone { region.clone() } else { own_region() },
+            opacity_unit: if is_projection { 1.0 } else { opacity_unit },
+            tables: layer.cache.get(layer.slices, tf, slab_length / opacity_unit),
+            transfer_function: tf.clone(),
+            shading: layer.shading.filter(|_| !is_projection).cloned(),
+            density_range: layer.slices.range(),
+            grid: grid.clone(),
+            map,
+        }
     }
 }
 
 impl FamilyPlan {
-    /// What the rays of all its tiles share.
-    pub(super) fn ray_geometry<'a>(&'a self, plan: &'a Plan) -> RayGeometry<'a> {
+    /// What the rays of all its tiles share, for a layer.
+    pub(super) fn ray_geometry<'a>(&'a self, plan: &'a Plan, layer: &'a LayerPlan) -> RayGeometry<'a> {
         RayGeometry {
             plane: &self.plane,
-            region: &plan.region,
+            region: &layer.region,
             world_from_index: plan.grid.world_from_index(),
-            opacity_unit: plan.opacity_unit,
+            gradient_steps: layer.grid.world_from_index().matrix3,
+            opacity_unit: layer.opacity_unit,
             depth_cue: plan.depth_cue,
         }
     }
@@ -293,13 +372,38 @@ impl FamilyPlan {
     }
 }
 
-fn operator(options: &RenderOptions, tf: &TransferFunction, grid: &Grid, is_steep: impl Fn() -> bool) -> Operator {
+/// Most layers of a picture.
+pub const MOST_LAYERS: usize = 8;
+
+fn check_layers(layers: &[Layer], composite: Composite) -> Result<()> {
+    if layers.is_empty() || layers.len() > MOST_LAYERS {
+        return Err(Error::out_of_range("number of layers", layers.len(), "1 to 8", "leave some out"));
+    }
+    if layers.len() > 1 && composite != Composite::Over {
+        let mend = "draw each of them on its own, and add the pictures";
+        return Err(Error::out_of_range("layers of a projection or surface", layers.len(), "1", mend));
+    }
+    if layers.iter().any(|layer| layer.slices.bricks().is_none()) {
+        let mend = "plan with the slices of the whole volume, then draw pieces from boxes";
+        return Err(Error::out_of_range("slices of a plan", "a box of a volume", "the whole volume", mend));
+    }
+    Ok(())
+}
+
+/// The crop box, whose index positions are the first layer's, in the frame's.
+fn in_common(options: &RenderOptions, map: &IndexMap) -> Option<Crop> {
+    Some(match options.crop? {
+        Crop::Index { lo, hi } => Crop::Index { lo: from_layer(map, lo), hi: from_layer(map, hi) },
+        world @ Crop::World { .. } => world,
+    })
+}
+
+fn operator(options: &RenderOptions, grid: &Grid, is_steep: impl Fn() -> bool) -> Operator {
     let (offset, scale) = grid.density_from_sample();
     let density = |value: f64| ((value - offset) * scale) as f32;
     match options.composite {
         Composite::Over => Operator::Over {
-            // A function of two dimensions has no integral along a slab.
-            pre_integrated: options.pre_integration && tf.function_2d().is_none() && is_steep(),
+            pre_integrated: options.pre_integration && is_steep(),
             opaque: if options.early_ray_termination { OPAQUE_ENOUGH } else { OPAQUE_TO_THE_END },
         },
         Composite::FirstHit { iso_value } => Operator::FirstHit { iso: density(iso_value) },
@@ -314,28 +418,33 @@ fn operator(options: &RenderOptions, tf: &TransferFunction, grid: &Grid, is_stee
 }
 
 impl FieldPlan {
-    /// Ambient occlusion and the shadow of the first light, where they are wanted, and labels.
-    fn new(
-        layer: &Layer,
-        camera: &Camera,
-        options: &RenderOptions,
-        tables: &Visibility,
-        opacity_unit: f64,
-    ) -> Result<Self> {
+    /// Ambient occlusion and the shadow of the first light, where the first layer's light wants them, and labels.
+    fn new(layers: &[Layer], plans: &[LayerPlan], camera: &Camera) -> Result<Self> {
         let mut plan = Self::default();
-        let shading = options.shading.as_ref().filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0);
+        let first = &layers[0];
+        let shading = first.shading.filter(|s| s.ambient_occlusion > 0.0 || s.shadow > 0.0);
         if let Some(shading) = shading {
-            let grid = layer.slices.grid();
-            let extinction = || ExtinctionGrid::new(layer.slices, tables, opacity_unit, layer.labels);
+            let grid = first.slices.grid();
+            let extinction = || {
+                let mut parts = layers.iter().zip(plans).enumerate().map(|(k, (layer, plan))| {
+                    let labels = layer.labels.filter(|_| k == 0);
+                    ExtinctionGrid::new(layer.slices, &plan.tables, plan.opacity_unit, labels)
+                });
+                let mut sum = parts.next().expect("a layer")?;
+                parts.try_for_each(|part| part.map(|part| sum.add(&part)))?;
+                Ok(sum)
+            };
             let mut terms = LightTerms::default();
             if shading.ambient_occlusion > 0.0 {
                 let sides = grid.spacing() * DVec3::from_array(grid.size().map(|n| n as f64));
                 let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
                 terms.openness = Some((plan.fields.len(), shading.ambient_occlusion));
-                let openness = || extinction().and_then(|grid| grid.field(grid.openness(radius)));
-                // Labels are not among what the tables are kept by.
-                let kept = layer.labels.is_none();
-                plan.fields.push(if kept { tables.openness(radius, openness)? } else { openness()? });
+                let openness = || extinction().and_then(|grid: ExtinctionGrid| grid.field(grid.openness(radius)));
+                // Labels are not among what it is kept by.
+                let kept = first.labels.is_none();
+                let others = plans[1..].iter().map(|other| other.tables.id()).collect();
+                let tables = &plans[0].tables;
+                plan.fields.push(if kept { tables.openness(radius, others, openness)? } else { openness()? });
             }
             if let Some(light) = shading.lights.first().filter(|_| shading.shadow > 0.0) {
                 terms.shadow = Some((plan.fields.len(), shading.shadow));
@@ -344,7 +453,7 @@ impl FieldPlan {
             }
             plan.light = Some(terms);
         }
-        if let Some(labels) = layer.labels {
+        if let Some(labels) = first.labels {
             plan.labels = Some(labels.terms().after(plan.fields.len()));
             plan.fields.extend(labels.fields());
         }

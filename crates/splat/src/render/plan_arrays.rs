@@ -29,12 +29,16 @@ impl FamilyPlan {
         (0..=self.spacing.n_slabs).map(|sheet| self.spacing.w(sheet)).collect()
     }
 
-    /// The footprints of a tile on the sheet at `w`.
-    pub fn footprints(&self, plan: &Plan, kernel: Kernel, tile: [usize; 2], w: f64) -> TileFootprints {
-        let size = plan.grid.size();
-        let axis = |a: usize| Axis { kernel, n_samples: size[a], gradient: self.gradient };
-        let [u, v, across] = self.plane.family.axes.map(axis);
-        let [(u0, du), (v0, dv)] = self.plane.sheet(w);
+    /// The footprints of a tile on the sheet at `w`, in a layer's samples.
+    pub fn footprints(&self, plan: &Plan, layer: usize, kernel: Kernel, tile: [usize; 2], w: f64) -> TileFootprints {
+        let (size, map) = (plan.layers[layer].grid.size(), plan.layers[layer].map);
+        let axis = |a: usize| Axis { kernel, n_samples: size[a], gradient: self.layers[layer].gradient };
+        let axes = self.plane.family.axes;
+        let [u, v, across] = axes.map(axis);
+        let own = |a: usize, (x, dx): (f64, f64)| (map[a].0 + map[a].1 * x, map[a].1 * dx);
+        let [along_u, along_v] = self.plane.sheet(w);
+        let [(u0, du), (v0, dv)] = [own(axes[0], along_u), own(axes[1], along_v)];
+        let (w, _) = own(axes[2], (w, 1.0));
         let mut axes = [AxisFootprints::default(), AxisFootprints::default()];
         let [along_u, along_v] = &mut axes;
         let all = |n: usize| (1 << n) - 1;
@@ -46,10 +50,10 @@ impl FamilyPlan {
         TileFootprints { axes, slices: slices.to_vec(), slice_differences: differences.to_vec(), slice_smooth }
     }
 
-    /// The interval that each ray of a tile draws, row by row: first and last position along the ray (slice coordinate w,
+    /// The interval that each ray of a tile draws of a layer, row by row: first and last position along the ray (slice coordinate w,
     /// with the sign that makes it grow away from the eye); first >= last where it draws nothing.
-    pub fn ray_intervals(&self, plan: &Plan, tile: [usize; 2]) -> Vec<[f32; 2]> {
-        let geometry = self.ray_geometry(plan);
+    pub fn ray_intervals(&self, plan: &Plan, layer: usize, tile: [usize; 2]) -> Vec<[f32; 2]> {
+        let geometry = self.ray_geometry(plan, &plan.layers[layer]);
         let (rays, _) = Rays::new(&geometry, plan.simd, [tile[0] * TILE_U, tile[1] * TILE_V]);
         let interval = |k: usize| {
             let (column, row) = (k % TILE_U, k / TILE_U);

@@ -5,20 +5,20 @@
 
 use std::ops::Range;
 
-use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
+use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
 
 use crate::kernel::footprint_table::bits;
 use crate::ray::compositor::{Compositor, Slab};
 use crate::ray::state::TileState;
 use crate::render::empty_space::ActiveSlab;
-use crate::render::plan::{FamilyPlan, Plan};
-use crate::sheet::buffer::Sheet;
+use crate::render::plan::{FamilyLayer, FamilyPlan, Plan};
 use crate::sheet::field_sheets::{FieldSheets, FieldSlices};
+use crate::sheet::layer_sheets::LayerSheets;
+use crate::sheet::spacing::SheetSpacing;
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, N_BLOCKS_V, TILE_U, TILE_V, blocks_with};
 use crate::sheet::tile_rays::{RayGeometry, Rays};
 use crate::source::geometry::SheetGeometry;
 use crate::source::slices::Slices;
-use crate::source::transposed::TransposedSlices;
 use crate::view::base_plane::BasePlane;
 
 /// Blocks of a tile, and the slabs through which they are drawn.
@@ -70,22 +70,40 @@ impl Work {
 /// A base plane and the samples it is drawn from: what its tiles share.
 pub(super) struct TileJob<'a> {
     pub family: &'a FamilyPlan,
-    pub geometry: SheetGeometry<'a>,
+    pub layers: Vec<LayerJob<'a>>,
+    /// The rays of all layers together.
     rays: RayGeometry<'a>,
+    level: Level,
     /// Where the fields lie.
     fields: Vec<SheetGeometry<'a>>,
 }
 
+/// A layer on a base plane.
+pub(super) struct LayerJob<'a> {
+    pub geometry: SheetGeometry<'a>,
+    pub family: &'a FamilyLayer,
+    rays: RayGeometry<'a>,
+}
+
 impl<'a> TileJob<'a> {
-    /// `slices`: the volume, or a box of it with all that the pieces reach.
-    pub fn new(plan: &'a Plan, family: &'a FamilyPlan, slices: &'a Slices<'a>) -> Self {
+    /// `slices`: of each layer, the volume, or a box of it with all that the pieces reach.
+    pub fn new(plan: &'a Plan, family: &'a FamilyPlan, slices: &[&'a Slices<'a>]) -> Self {
         let plane = &family.plane;
-        Self {
-            family,
-            geometry: SheetGeometry::new(plan.simd, plane, slices, family.gradient),
-            rays: family.ray_geometry(plan),
-            fields: plan.fields.fields.iter().map(|field| SheetGeometry::of_field(plan.simd, plane, field)).collect(),
-        }
+        let map = &plan.layers[0].map;
+        let layers: Vec<LayerJob> = plan
+            .layers
+            .iter()
+            .zip(&family.layers)
+            .zip(slices)
+            .map(|((layer, of_family), slices)| LayerJob {
+                geometry: SheetGeometry::new(plan.simd, plane, slices, of_family.gradient).placed(&layer.map),
+                family: of_family,
+                rays: family.ray_geometry(plan, layer),
+            })
+            .collect();
+        let rays = RayGeometry { region: &plan.region, ..family.ray_geometry(plan, &plan.layers[0]) };
+        let of_field = |field| SheetGeometry::of_field(plan.simd, plane, field, map);
+        Self { family, layers, rays, level: plan.simd, fields: plan.fields.fields.iter().map(of_field).collect() }
     }
 
     /// Runs a piece of a tile from a state on; `None` where nothing has been seen, in this piece and before it.
@@ -100,89 +118,96 @@ impl<'a> TileJob<'a> {
         let first = [piece.tile[0] * TILE_U, piece.tile[1] * TILE_V];
         let n_slabs = piece.slabs.end.min(spacing.n_slabs).saturating_sub(piece.slabs.start);
         let needed = self.needed_blocks(first) & piece.blocks;
-        let layers = if needed == 0 { Vec::new() } else { self.active_layers(first) };
-        if n_slabs == 0 || !layers.contains(&true) {
+        let bricks: Vec<Vec<bool>> =
+            if needed == 0 { Vec::new() } else { self.layers.iter().map(|layer| layer.active_layers(first)).collect() };
+        if n_slabs == 0 || !bricks.iter().any(|layers| layers.contains(&true)) {
             work.n_skipped += n_slabs as u64;
             return state.map(|state| compositor(Some(state)));
         }
-        let (rays, span) = Rays::new(&self.rays, self.geometry.level, first);
+        let (rays, span) = Rays::new(&self.rays, self.level, first);
         let mut alive = needed & blocks_with(|chunk| !rays.none(chunk));
         if let Some(state) = state.as_ref().filter(|state| !state.done.is_empty()) {
             alive &= blocks_with(|chunk| !rays.none(chunk) && !state.done[chunk.index()]);
         }
         // One slab more, which tells whether the last sheet here is the front of another slab.
         let wanted = piece.slabs.start..piece.slabs.end.saturating_add(1);
-        let mut slabs = self.active_slabs(first, spacing.range(span), &wanted, &layers, alive);
-        let behind = slabs.pop_if(|slab| slab.place >= piece.slabs.end);
-        work.n_skipped += (n_slabs - slabs.len()) as u64;
-        if slabs.is_empty() {
+        let is_mixed = self.layers.len() > 1;
+        let (mut runs, mut sheets) = (Vec::new(), Vec::new());
+        for (layer, bricks) in self.layers.iter().zip(&bricks) {
+            let (mut own_rays, mut range, mut own_alive) = (None, spacing.range(span), alive);
+            if is_mixed && bricks.contains(&true) {
+                let (rays, span) = Rays::new(&layer.rays, self.level, first);
+                range = spacing.range(span);
+                own_alive &= blocks_with(|chunk| !rays.none(chunk));
+                own_rays = Some(rays);
+            }
+            let mut slabs = if bricks.contains(&true) {
+                layer.active_slabs(spacing, first, range, &wanted, bricks, own_alive)
+            } else {
+                Vec::new()
+            };
+            let behind = slabs.pop_if(|slab| slab.place >= piece.slabs.end);
+            runs.push(LayerRun { slabs, behind, next: 0, in_front: None });
+            sheets.push(LayerSheets::new(&layer.geometry, own_rays));
+        }
+        let places = places(&runs);
+        work.n_skipped += (n_slabs - places.len()) as u64;
+        if places.is_empty() {
             return state.map(|state| compositor(Some(state)));
         }
         let mut compositor = compositor(state);
-        self.run_slabs(first, &slabs, behind, alive, &rays, &mut compositor, work);
+        self.run_slabs(first, &places, (&mut runs, &mut sheets), alive, &rays, &mut compositor, work);
         Some(compositor)
     }
 
-    /// Composites slabs that have something, front to back. `behind`: the one behind them that has something, if it follows
-    /// at once.
+    /// Composites slabs that have something, front to back.
     #[expect(clippy::too_many_arguments, reason = "a tile, its slabs and rays, and where they go")]
-    fn run_slabs<C: Compositor>(
-        &self,
+    fn run_slabs<'s, C: Compositor>(
+        &'s self,
         first: [usize; 2],
-        slabs: &[ActiveSlab],
-        behind: Option<ActiveSlab>,
+        places: &[ActiveSlab],
+        (runs, sheets): (&mut [LayerRun], &mut [LayerSheets<'s>]),
         mut alive: BlockMask,
         rays: &Rays,
         compositor: &mut C,
         work: &mut Work,
     ) {
         let spacing = &self.family.spacing;
-        let level = self.geometry.level;
-        let sign = if self.geometry.plane.family.ascending { 1.0 } else { -1.0 };
+        let sign = self.family.sign();
         // What is drawn, and so what is read, lies between these.
-        let ends = [slabs[0].sheets[0], slabs[slabs.len() - 1].sheets[1]].map(|sheet| spacing.w(sheet));
-        let (mut front, mut back) = (Sheet::default(), Sheet::default());
+        let ends = [places[0].sheets[0], places[places.len() - 1].sheets[1]].map(|sheet| spacing.w(sheet));
         let (mut front_fields, mut back_fields) = (FieldSheets::default(), FieldSheets::default());
         let mut in_front = None;
-        let mut panel = TransposedSlices::default();
         let mut field_panels = FieldSlices::new(self.fields.len());
-        for (k, slab) in slabs.iter().enumerate() {
+        for (k, slab) in places.iter().enumerate() {
             let blocks = slab.blocks & alive;
+            for (run, sheets) in runs.iter_mut().zip(sheets.iter_mut()) {
+                run.prepare(sheets, spacing, slab, first, alive, compositor.looks_behind());
+            }
             if blocks == 0 {
+                runs.iter_mut().zip(sheets.iter_mut()).for_each(|(run, sheets)| run.go_on(sheets, slab));
                 continue;
             }
             let w = slab.sheets.map(|sheet| spacing.w(sheet));
-            let texels = |serves: &dyn Fn(f64) -> bool| {
-                texels_served(&slabs[k..], k.checked_sub(1).map(|k| slabs[k]), alive, first, |slab| {
-                    slab.sheets.iter().all(|s| serves(spacing.w(*s)))
-                })
-            };
-            panel.cover(&self.geometry, w, ends, texels);
-            field_panels.cover(&self.fields, w, ends, texels);
-            if in_front != Some(slab.sheets[0]) {
-                front.combine(&self.geometry, &panel, w[0], first, blocks);
-                front_fields.place(self.fields.len(), w[0], first, blocks);
+            if !self.fields.is_empty() {
+                let texels = texels_ahead(spacing, places, k, alive, first);
+                field_panels.cover(&self.fields, w, ends, texels);
+                if in_front != Some(slab.sheets[0]) {
+                    front_fields.place(self.fields.len(), w[0], first, blocks);
+                }
+                let next = places.get(k + 1).filter(|next| next.sheets[0] == slab.sheets[1]);
+                let next = next.map_or(0, |next| next.blocks & alive);
+                back_fields.place(self.fields.len(), w[1], first, blocks | next);
             }
-            // What is behind this slab is in front of the next, be it one of another piece.
-            let follows = |next: &ActiveSlab| next.sheets[0] == slab.sheets[1];
-            let of = |next: Option<ActiveSlab>| next.filter(follows).map_or(0, |next| next.blocks & alive);
-            let next_here = of(slabs.get(k + 1).copied());
-            let next = if k + 1 == slabs.len() { of(behind) } else { next_here };
-            back.combine(&self.geometry, &panel, w[1], first, blocks | next_here);
-            back_fields.place(self.fields.len(), w[1], first, blocks | next_here);
-            front.prepare(&self.geometry, blocks);
-            back.prepare(&self.geometry, if compositor.looks_behind() { blocks } else { blocks & !next });
+            let [of_first, more @ ..] = &mut *sheets else { return };
             for block in bits(blocks) {
-                let done = level.dispatch(AddBlock {
+                let done = self.level.dispatch(AddBlock {
                     compositor: &mut *compositor,
                     rays,
                     slab: Slab {
-                        s: w.map(|w| (sign * w) as f32),
-                        is_last: next >> block & 1 == 0,
-                        front: &mut front,
-                        back: &mut back,
-                        geometry: &self.geometry,
-                        panel: &panel,
+                        s: w.map(|w| sign * w as f32),
+                        first: of_first,
+                        more,
                         fields: [&mut front_fields, &mut back_fields],
                         field_geometries: &self.fields,
                         field_panels: &field_panels,
@@ -194,10 +219,105 @@ impl<'a> TileJob<'a> {
                     alive &= !Block::new(block).mask();
                 }
             }
-            std::mem::swap(&mut front, &mut back);
+            for (run, sheets) in runs.iter_mut().zip(sheets.iter_mut()) {
+                run.go_on(sheets, slab);
+            }
             std::mem::swap(&mut front_fields, &mut back_fields);
             in_front = Some(slab.sheets[1]);
         }
+    }
+}
+
+/// A layer of a tile on the way through its slabs.
+struct LayerRun {
+    /// Those that have something of it, front to back.
+    slabs: Vec<ActiveSlab>,
+    /// The one behind them that has something, if it follows at once.
+    behind: Option<ActiveSlab>,
+    /// The next of them.
+    next: usize,
+    /// The sheet that is in front, if it is made.
+    in_front: Option<usize>,
+}
+
+impl LayerRun {
+    /// Makes the sheets of a slab ready, if there is something of the layer in it.
+    fn prepare(
+        &mut self,
+        sheets: &mut LayerSheets,
+        spacing: &SheetSpacing,
+        slab: &ActiveSlab,
+        first: [usize; 2],
+        alive: BlockMask,
+        looks_behind: bool,
+    ) {
+        let Self { slabs, behind, next, in_front } = self;
+        let k = *next;
+        let own = slabs.get(k).filter(|own| own.place == slab.place);
+        let blocks = own.map_or(0, |own| own.blocks & alive);
+        sheets.blocks = blocks;
+        sheets.last = 0;
+        if blocks == 0 {
+            return;
+        }
+        let w = slab.sheets.map(|sheet| spacing.w(sheet));
+        let ends = [slabs[0].sheets[0], slabs[slabs.len() - 1].sheets[1]].map(|sheet| spacing.w(sheet));
+        sheets.panel.cover(sheets.geometry, w, ends, texels_ahead(spacing, slabs, k, alive, first));
+        if *in_front != Some(slab.sheets[0]) {
+            sheets.front.combine(sheets.geometry, &sheets.panel, w[0], first, blocks);
+        }
+        // What is behind this slab is in front of the next, be it one of another piece.
+        let follows = |next: &ActiveSlab| next.sheets[0] == slab.sheets[1];
+        let of = |next: Option<ActiveSlab>| next.filter(follows).map_or(0, |next| next.blocks & alive);
+        let next_here = of(slabs.get(k + 1).copied());
+        let next = if k + 1 == slabs.len() { of(*behind) } else { next_here };
+        sheets.back.combine(sheets.geometry, &sheets.panel, w[1], first, blocks | next_here);
+        sheets.front.prepare(sheets.geometry, blocks);
+        sheets.back.prepare(sheets.geometry, if looks_behind { blocks } else { blocks & !next });
+        sheets.last = blocks & !next;
+    }
+
+    /// Leaves a slab behind.
+    fn go_on(&mut self, sheets: &mut LayerSheets, slab: &ActiveSlab) {
+        if sheets.blocks != 0 {
+            std::mem::swap(&mut sheets.front, &mut sheets.back);
+            self.in_front = Some(slab.sheets[1]);
+        }
+        if self.slabs.get(self.next).is_some_and(|own| own.place == slab.place) {
+            self.next += 1;
+        }
+    }
+}
+
+/// The slabs that have something of any layer, front to back, with the blocks of all.
+fn places(runs: &[LayerRun]) -> Vec<ActiveSlab> {
+    if let [only] = runs {
+        return only.slabs.clone();
+    }
+    let mut places: Vec<ActiveSlab> = runs.iter().flat_map(|run| run.slabs.iter().copied()).collect();
+    places.sort_unstable_by_key(|slab| slab.place);
+    places.dedup_by(|slab, before| {
+        let is_same = slab.place == before.place;
+        if is_same {
+            before.blocks |= slab.blocks;
+        }
+        is_same
+    });
+    places
+}
+
+/// Tells the texels that are wanted of slabs from the `k`th on, as long as they are served.
+fn texels_ahead<'a>(
+    spacing: &'a SheetSpacing,
+    slabs: &'a [ActiveSlab],
+    k: usize,
+    alive: BlockMask,
+    first: [usize; 2],
+) -> impl Fn(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2] + 'a {
+    move |serves| {
+        texels_served(&slabs[k..], k.checked_sub(1).map(|k| slabs[k]), alive, first, |slab| {
+            slab.sheets.iter().all(|s| serves(spacing.w(*s)))
+        })
     }
 }
 
@@ -228,7 +348,7 @@ fn texels_served(
 struct AddBlock<'a, 'b, C> {
     compositor: &'a mut C,
     rays: &'a Rays,
-    slab: Slab<'b>,
+    slab: Slab<'a, 'b>,
     block: Block,
 }
 

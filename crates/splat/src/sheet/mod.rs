@@ -2,6 +2,7 @@
 
 pub mod buffer;
 pub mod field_sheets;
+pub mod layer_sheets;
 pub mod spacing;
 pub mod tile_layout;
 pub mod tile_rays;

@@ -2,7 +2,7 @@
 //!
 //! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
 
-use glam::DAffine3;
+use glam::{DAffine3, DMat3};
 use wavesplat_compute::simd::{LANES, Lanes, Level, Simd, Wide};
 
 use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_V};
@@ -42,6 +42,8 @@ pub struct RayGeometry<'a> {
     pub region: &'a Region,
     /// World position of an index position.
     pub world_from_index: DAffine3,
+    /// World steps of the samples that gradients are differences of.
+    pub gradient_steps: DMat3,
     /// World length that opacities belong to.
     pub opacity_unit: f64,
     /// Depth shading, where it is wanted.
@@ -207,7 +209,7 @@ impl RayGeometry<'_> {
     fn directions(&self, i: usize, j: usize) -> Directions {
         let family = &self.plane.family;
         let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
-        let form = world_gradient_from_index(self.world_from_index.matrix3, family).transpose();
+        let form = world_gradient_from_index(self.gradient_steps, family).transpose();
         let sign = if family.ascending { 1.0 } else { -1.0 };
         // Along a row of texels, the way from slice to slice changes evenly.
         let slope = self.plane.ray(i as f64, j as f64).slope;

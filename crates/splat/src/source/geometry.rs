@@ -8,6 +8,7 @@ use crate::kernel::weights::{fold, n_taps, reach};
 use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
+use crate::view::common_grid::{IndexMap, SAME};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::Gradient;
 
@@ -30,14 +31,39 @@ impl<'a> SheetGeometry<'a> {
     pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient: Option<Gradient>) -> Self {
         let size = slices.grid().size();
         let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient };
-        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: [(0.0, 1.0); 3] }
+        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: SAME }
     }
 
-    /// The same texels over the samples of a field.
-    pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>) -> Self {
-        let from_index = plane.family.axes.map(|a| field.from_index[a]);
-        let own = Self::new(level, plane, &field.slices, field.gradient);
-        Self { from_index, ..own }
+    /// The same for samples that lie elsewhere: `map`, of index positions of the base plane.
+    #[must_use]
+    pub fn placed(self, map: &IndexMap) -> Self {
+        Self { from_index: self.plane.family.axes.map(|a| map[a]), ..self }
+    }
+
+    /// The same texels over the samples of a field beside a volume that lies at `map`.
+    pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>, map: &IndexMap) -> Self {
+        let through = |((origin, per_index), (first, per_step)): ((f64, f64), (f64, f64))| {
+            (origin + per_index * first, per_index * per_step)
+        };
+        let placed = [0, 1, 2].map(|a| through((field.from_index[a], map[a])));
+        Self::new(level, plane, &field.slices, field.gradient).placed(&placed)
+    }
+
+    /// A position along w as one of the samples.
+    pub fn own_w(&self, w: f64) -> f64 {
+        let (origin, per_w) = self.from_index[2];
+        origin + per_w * w
+    }
+
+    /// The position along w at which the samples have one of theirs.
+    pub fn w_of_own(&self, own: f64) -> f64 {
+        let (origin, per_w) = self.from_index[2];
+        (own - origin) / per_w
+    }
+
+    /// Whether positions among the samples rise with those of the base plane, along w.
+    pub fn rises(&self) -> bool {
+        self.from_index[2].1 > 0.0
     }
 
     /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
@@ -46,11 +72,6 @@ impl<'a> SheetGeometry<'a> {
             (a.kernel, a.n_samples) == (b.kernel, b.n_samples) && (b.gradient.is_none() || a.gradient == b.gradient)
         };
         self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
-    }
-
-    /// Whether index positions are those of the samples.
-    pub fn is_own_grid(&self) -> bool {
-        self.from_index == [(0.0, 1.0); 3]
     }
 
     /// Where the texels of the sheet at an index position w lie among the samples: position of texel 0 and change per
@@ -79,7 +100,7 @@ impl<'a> SheetGeometry<'a> {
         let [axis_u, axis_v, axis_w] = &self.axes;
         let ends =
             [window(axis_u, self.hull(0, [from[0], to[0]], w)), window(axis_v, self.hull(1, [from[1], to[1]], w))];
-        let w = w.map(|w| w.clamp(0.0, axis_w.last()));
+        let w = w.map(|w| self.own_w(w).clamp(0.0, axis_w.last()));
         let along_w = reached(axis_w, [w[0].min(w[1]), w[0].max(w[1])]);
         let mut ranges = [0..0, 0..0, 0..0];
         for (k, [lo, hi]) in [ends[0], ends[1], along_w].into_iter().enumerate() {
@@ -94,7 +115,7 @@ impl<'a> SheetGeometry<'a> {
     pub fn hull(&self, k: usize, texels: [usize; 2], w: [f64; 2]) -> [f64; 2] {
         let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
         for w in w {
-            let (origin, step) = self.plane.sheet(w)[k];
+            let (origin, step) = self.sheet(w).0[k];
             for i in texels {
                 let x = (origin + step * i as f64).clamp(0.0, self.axes[k].last());
                 hull = [hull[0].min(x), hull[1].max(x)];

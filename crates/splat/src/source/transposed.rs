@@ -16,7 +16,7 @@ use crate::source::window::{Window, sum_slices};
 
 /// Densities of a box of samples, slice by slice.
 pub struct TransposedSlices {
-    /// Positions of sheets that it serves; none at first.
+    /// Positions of sheets that it serves, among the samples; none at first.
     run: [f64; 2],
     /// The first of [`LANES`] slices.
     first: usize,
@@ -56,9 +56,11 @@ impl TransposedSlices {
     ) {
         let [axis_u, axis_v, axis_w] = &geometry.axes;
         let across = geometry.plane.family.axes[0] != 0;
-        if !geometry.is_own_grid() || (!across && !geometry.slices.must_load()) {
+        if !across && !geometry.slices.must_load() {
             return;
         }
+        let own = |w: f64| geometry.own_w(w).clamp(0.0, axis_w.last());
+        let [w, ends] = [w, ends].map(|w| w.map(own));
         if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {
             return;
         }
@@ -77,8 +79,9 @@ impl TransposedSlices {
         let run = [run[0].max(lowest), run[1].min(highest)];
         self.run = run;
         self.first = reached(axis_w, run)[0].max(0) as usize;
-        let [from, to] = texels(&|w| run[0] <= w && w <= run[1]);
-        let along = |axis: &Axis, k: usize| window(axis, geometry.hull(k, [from[k], to[k]], run));
+        let [from, to] = texels(&|w| run[0] <= own(w) && own(w) <= run[1]);
+        let between = run.map(|own| geometry.w_of_own(own));
+        let along = |axis: &Axis, k: usize| window(axis, geometry.hull(k, [from[k], to[k]], between));
         let window = Window { u: along(axis_u, 0), v: along(axis_v, 1) };
         self.window = Some(window);
         self.stride = window.n_u().next_multiple_of(LANES);

@@ -77,6 +77,15 @@ impl Region {
         }
     }
 
+    /// What of it lies in an index-aligned box.
+    #[must_use]
+    pub fn within(&self, lo: DVec3, hi: DVec3) -> Self {
+        let mut region = self.clone();
+        region.add_box(DAffine3::IDENTITY, lo, hi);
+        region.bounds = [region.bounds[0].max(lo), region.bounds[1].min(hi)];
+        region
+    }
+
     /// Whether an index position is inside.
     pub fn contains(&self, index: DVec3) -> bool {
         self.half_spaces.iter().all(|h| h.normal.dot(index) + h.offset >= 0.0)

@@ -366,15 +366,15 @@ fn rays(level: Level, case: &Case, tf: &TransferFunction, composite: Composite, 
         ..RenderOptions::default()
     };
     let cache = VisibilityCache::default();
-    let layer = Layer { slices: &slices, transfer_function: tf, labels: None, cache: &cache };
-    let mut plan = Plan::new(level, &layer, &camera_along(2, phantom.centre()), &options).expect("a plan");
+    let layer = Layer { slices: &slices, transfer_function: tf, shading: None, labels: None, cache: &cache };
+    let mut plan = Plan::new(level, &[layer], &camera_along(2, phantom.centre()), &options).expect("a plan");
     if let Operator::Over { pre_integrated, .. } = &mut plan.operator {
         *pre_integrated = is_preintegrated;
     }
     let plane = &mut plan.families[0].plane;
     (plane.origin, plane.step, plane.size) = (DVec2::new(1.0, 0.0), DVec2::ONE, [LANES, 8]);
     assert_eq!(plane.sheet(1.0), [(1.0, 1.0), (0.0, 1.0)]);
-    let (mut states, _) = draw_piece(&plan, 0, &[[0, 0]], &(0..n_sheets - 1), &slices, &[]);
+    let (mut states, _) = draw_piece(&plan, 0, &[[0, 0]], &(0..n_sheets - 1), &[&slices], &[]);
     states.remove(0).expect("something is drawn")
 }
 

@@ -1,0 +1,415 @@
+//! Compositing of several layers: emission and absorption of several media in one space.
+//!
+//! At a point of space extinctions add, `τ = Σ τ_l`, and colours mix by extinction, `c = Σ τ_l c_l / τ`, each shaded by its own
+//! gradient; what is mixed is composited as that of one volume is ([`crate::ray::over`]). So layers hide each other by their
+//! depth, and their order means nothing. Layers may have grids of their own: each has its sheets at the same texels, and
+//! its box, beyond which it is empty.
+//!
+//! Where a function is steep, the space between two sheets is pre-integrated: cut into a few parts, in each of which the
+//! depths of the layers are exact, so that surfaces that lie close together hide each other in their order.
+
+use wavesplat_compute::simd::{Simd, Wide};
+
+use crate::optics::classify::{Classifier, one_minus_exp_neg};
+use crate::optics::modifiers::Modifiers;
+use crate::optics::preintegrate::N_CUTS;
+use crate::optics::shade::Shader;
+use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
+use crate::ray::compositor::{Compositor, Slab, Texels};
+use crate::ray::state::TileState;
+use crate::sheet::field_sheets::{FieldPoint, FieldValues};
+use crate::sheet::layer_sheets::LayerSheets;
+use crate::sheet::tile_layout::Chunk;
+use crate::sheet::tile_rays::Rays;
+
+/// What a layer makes of densities.
+#[derive(Clone, Copy)]
+pub struct Medium<'a> {
+    /// Colour and optical depth by density.
+    pub classifier: &'a Classifier,
+    /// Lights and coefficients; `None` without shading.
+    pub shader: Option<&'a Shader>,
+    /// Gradient opacity, light that is held off, labels.
+    pub modifiers: &'a Modifiers,
+}
+
+/// Emission and absorption of several layers.
+pub struct Mixed<'a> {
+    media: Vec<Medium<'a>>,
+    /// The fields on the sheet in front and on that behind, where they were read last.
+    here: [FieldValues; 2],
+    /// Whether slabs are pre-integrated.
+    is_steep: bool,
+    so_far: Accumulator,
+}
+
+/// Sums over layers: extinction times colour, and extinction.
+struct Mixture<W: Wide>([W::F; 3], W::F);
+
+/// An optical depth that is opaque, whatever it is multiplied with.
+const MOST_DEPTH: f32 = 1e30;
+
+/// Below this optical depth colours do not matter.
+const LEAST_DEPTH: f32 = 1e-20;
+
+impl<W: Wide> Mixture<W> {
+    fn none(w: W) -> Self {
+        Self([w.splat(0.0); 3], w.splat(0.0))
+    }
+
+    /// Adds a medium.
+    #[inline(always)]
+    fn add(&mut self, w: W, rgb: [W::F; 3], depth: W::F) {
+        let depth = w.min(depth, w.splat(MOST_DEPTH));
+        for c in 0..3 {
+            self.0[c] = w.add_mul(self.0[c], depth, rgb[c]);
+        }
+        self.1 = w.add(self.1, depth);
+    }
+
+    /// Colour and opacity.
+    #[inline(always)]
+    fn fragment(&self, w: W) -> ([W::F; 3], W::F) {
+        let inverse = w.div(w.splat(1.0), w.max(self.1, w.splat(LEAST_DEPTH)));
+        let [r, g, b] = self.0;
+        ([w.mul(r, inverse), w.mul(g, inverse), w.mul(b, inverse)], one_minus_exp_neg(w, self.1))
+    }
+}
+
+/// The sheets of a layer.
+#[inline(always)]
+fn sheets<'s, 'b>(slab: &'s mut Slab<'_, 'b>, layer: usize) -> &'s mut LayerSheets<'b> {
+    if layer == 0 { slab.first } else { &mut slab.more[layer - 1] }
+}
+
+impl<'a> Mixed<'a> {
+    /// Goes on from a state; `None`: nothing is drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which
+    /// a ray is done. `with_depth`: whether `s_half` is wanted.
+    pub fn new(
+        media: Vec<Medium<'a>>,
+        is_steep: bool,
+        opaque: f32,
+        with_depth: bool,
+        state: Option<TileState>,
+    ) -> Self {
+        Self { media, here: Default::default(), is_steep, so_far: Accumulator::new(opaque, with_depth, state) }
+    }
+
+    /// Whether any ray of each chunk that is not done can see something of a medium between two densities.
+    #[inline(always)]
+    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, medium: &Medium, [lo, hi]: [W::F; 2]) -> bool {
+        let [least, most] = medium.classifier.visible_range();
+        let visible = w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most)));
+        self.so_far.see_where(w, chunks, rays, visible) != [false; 2]
+    }
+
+    /// Reads what of the fields a medium needs on a sheet.
+    #[inline(always)]
+    fn read_fields<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize, layer: usize) {
+        let from = (slab.field_geometries, slab.field_panels);
+        for field in self.media[layer].modifiers.fields(true, false) {
+            slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
+        }
+    }
+
+    /// Reads what of the fields the labels' own matter needs on a sheet; whether there is any of it.
+    #[inline(always)]
+    fn read_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
+        let modifiers = self.media[0].modifiers;
+        let Some(field) = modifiers.matter_field() else { return false };
+        let from = (slab.field_geometries, slab.field_panels);
+        slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
+        let depth = self.here[which].value(w, field);
+        if self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
+            return false;
+        }
+        for field in modifiers.fields(false, true) {
+            slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
+        }
+        if modifiers.label_shader.is_some() {
+            slab.fields[which].read_gradient(w, from, field, chunks, &mut self.here[which]);
+        }
+        true
+    }
+
+    /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
+    #[inline(always)]
+    fn add_sheet<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        rays: &Rays,
+        slab: &mut Slab,
+        (which, ends): (usize, [f32; 2]),
+    ) {
+        let block = chunks[0].block();
+        let mut mixture = Mixture::none(w);
+        let mut any = false;
+        for layer in 0..self.media.len() {
+            let own = sheets(slab, layer);
+            if !own.has(block) || (which == 1 && !own.is_last(block)) {
+                continue;
+            }
+            let own_rays = own.rays.as_ref().unwrap_or(rays);
+            if own_rays.none(chunks[0]) {
+                continue;
+            }
+            let medium = self.media[layer];
+            let density = own.sheet(which).density(w, chunks);
+            let is_seen = self.see(w, chunks, rays, &medium, [density; 2]);
+            let (_, mut length) = extent(w, chunks, own_rays, ends);
+            let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
+            if own.geometry.slices.has_mask() {
+                length = w.select(own.sheet(which).hole(w, chunks), w.splat(0.0), length);
+            }
+            let length = w.mul(length, thickness);
+            if is_seen {
+                let mut gradient = None;
+                if medium.shader.is_some() || medium.modifiers.by_gradient.is_some() {
+                    own.prepare_gradient(which, block);
+                    gradient = Some(own.sheet(which).gradient(w, chunks));
+                }
+                let mut classified = medium.classifier.look_up(w, density);
+                if let Some((by_gradient, gradient)) = medium.modifiers.by_gradient.as_ref().zip(gradient) {
+                    classified = by_gradient.classify(w, density, gradient, classified);
+                }
+                self.read_fields(w, chunks, slab, which, layer);
+                let point = FieldPoint::on(&self.here[which]);
+                let [r, g, b, depth] = classified;
+                let rgb = shaded(w, &medium, [r, g, b], gradient, to_eye, &point);
+                let depth = w.mul(depth, medium.modifiers.scan_share(w, &point));
+                mixture.add(w, rgb, w.mul(depth, length));
+                any = true;
+            }
+            if layer == 0 && self.read_matter(w, chunks, rays, slab, which) {
+                let point = FieldPoint::on(&self.here[which]);
+                if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
+                    mixture.add(w, rgb, w.mul(depth, length));
+                    any = true;
+                }
+            }
+        }
+        if any {
+            let (from, extent) = extent(w, chunks, rays, ends);
+            let (rgb, alpha) = mixture.fragment(w);
+            self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
+        }
+    }
+
+    /// Composites the space between two sheets with densities that are linear in between.
+    #[inline(always)]
+    fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
+        const N_PARTS: usize = N_CUTS - 1;
+        let block = chunks[0].block();
+        let [s_front, s_back] = slab.s;
+        let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
+        let (zero, one) = (w.splat(0.0), w.splat(1.0));
+        let mut parts: [Mixture<W>; N_PARTS] = std::array::from_fn(|_| Mixture::none(w));
+        let mut n_seen = 0;
+        let mut only = Fragment { rgb: [zero; 3], alpha: zero, from: w.splat(s_front), extent: zero };
+        for layer in 0..self.media.len() {
+            let own = sheets(slab, layer);
+            if !own.has(block) {
+                continue;
+            }
+            let own_rays = own.rays.as_ref().unwrap_or(rays);
+            if own_rays.none(chunks[0]) {
+                continue;
+            }
+            let medium = self.media[layer];
+            let (front, back) = (own.front.density(w, chunks), own.back.density(w, chunks));
+            let is_seen = self.see(w, chunks, rays, &medium, [w.min(front, back), w.max(front, back)]);
+            let (from, mut extent) = extent(w, chunks, own_rays, [s_front, s_back]);
+            let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
+            if own.geometry.slices.has_mask() {
+                extent = w.select(w.or(own.front.hole(w, chunks), own.back.hole(w, chunks)), zero, extent);
+            }
+            // The shares of the way between which the layer is drawn, and the parts of these.
+            let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
+            let end = w.add_mul(begin, extent, per_s);
+            let mut cuts = [begin; N_CUTS];
+            for (k, cut) in cuts.iter_mut().enumerate() {
+                *cut = w.min(w.max(w.splat(k as f32 / N_PARTS as f32), begin), end);
+            }
+            (cuts[0], cuts[N_PARTS]) = (begin, end);
+            let length = w.mul(way, thickness);
+            if is_seen {
+                let mut gradients = None;
+                if medium.shader.is_some() || medium.modifiers.by_gradient.is_some() {
+                    own.prepare_gradient(0, block);
+                    own.prepare_gradient(1, block);
+                    gradients = Some([own.front.gradient(w, chunks), own.back.gradient(w, chunks)]);
+                }
+                for which in 0..2 {
+                    self.read_fields(w, chunks, slab, which, layer);
+                }
+                let joint = medium.modifiers.by_gradient.as_ref().filter(|by_gradient| by_gradient.decides_color());
+                let half = w.splat(0.5);
+                let (first, last, mut depths, mut joint_rgb) =
+                    if let Some((joint, [g_front, g_back])) = joint.zip(gradients) {
+                        // A function of two dimensions has no integral: its values on both sheets, linear in between.
+                        let unknown = [zero; 4];
+                        let on_front = joint.classify(w, front, g_front, unknown);
+                        let on_back = joint.classify(w, back, g_back, unknown);
+                        let mut depths = [zero; N_PARTS];
+                        for k in 0..N_PARTS {
+                            let middle = w.mul(w.add(cuts[k], cuts[k + 1]), half);
+                            let depth = w.add_mul(on_front[3], middle, w.sub(on_back[3], on_front[3]));
+                            depths[k] = w.mul(depth, w.sub(cuts[k + 1], cuts[k]));
+                        }
+                        let sum = w.max(w.add(on_front[3], on_back[3]), w.splat(LEAST_DEPTH));
+                        let share = w.div(on_back[3], sum);
+                        let [r, g, b, _] = on_front;
+                        let [r2, g2, b2, _] = on_back;
+                        (begin, end, depths, Some(between(w, [r, g, b], [r2, g2, b2], share)))
+                    } else {
+                        let passage = medium.classifier.preintegrate_parts(w, front, back, cuts);
+                        (passage.first, passage.last, passage.depths, None)
+                    };
+                // What holds in the middle of what is visible.
+                let middle = w.mul(w.add(first, last), half);
+                let mut length =
+                    w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
+                if let (None, Some((by_gradient, [g_front, g_back]))) =
+                    (joint, medium.modifiers.by_gradient.as_ref().zip(gradients))
+                {
+                    length = w.mul(length, by_gradient.factor(w, between(w, g_front, g_back, middle)));
+                }
+                // Where the mean of the layer's own light comes from.
+                let (mut alpha, mut moment) = (zero, zero);
+                for k in 0..N_PARTS {
+                    depths[k] = w.mul(depths[k], length);
+                    let share = w.mul(w.sub(one, alpha), one_minus_exp_neg(w, depths[k]));
+                    let [near, far] = [w.max(cuts[k], first), w.min(cuts[k + 1], last)];
+                    let mean = w.div(one, w.add_mul(w.splat(2.0), w.splat(0.75), depths[k]));
+                    let at = w.add_mul(near, mean, w.max(w.sub(far, near), zero));
+                    moment = w.add_mul(moment, share, at);
+                    alpha = w.add(alpha, share);
+                }
+                let at = w.select(w.lt(zero, alpha), w.div(moment, alpha), middle);
+                let rgb = joint_rgb
+                    .take()
+                    .unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
+                let gradient = gradients.map(|[front, back]| between(w, front, back, at));
+                let rgb = shaded(w, &medium, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at));
+                for k in 0..N_PARTS {
+                    parts[k].add(w, rgb, depths[k]);
+                }
+                n_seen += 1;
+                (only.rgb, only.alpha, only.extent) = (rgb, alpha, w.mul(at, w.splat(2.0 * (s_back - s_front))));
+            }
+            if layer == 0 {
+                let on_front = self.read_matter(w, chunks, rays, slab, 0);
+                let on_back = self.read_matter(w, chunks, rays, slab, 1);
+                if on_front || on_back {
+                    self.complete_matter(w, chunks, slab);
+                    let middle = w.mul(w.add(begin, end), w.splat(0.5));
+                    let point = FieldPoint::between(&self.here, middle);
+                    if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
+                        for k in 0..N_PARTS {
+                            let share = w.sub(cuts[k + 1], cuts[k]);
+                            parts[k].add(w, rgb, w.mul(w.mul(depth, share), length));
+                        }
+                        n_seen += 2;
+                    }
+                }
+            }
+        }
+        if n_seen < 2 {
+            if n_seen == 1 {
+                self.so_far.add_fragment(w, chunks, rays, &only);
+            }
+            return;
+        }
+        // The parts, front to back; and the mean place that light comes from.
+        let (mut rgb, mut alpha, mut moment) = ([zero; 3], zero, zero);
+        for (k, part) in parts.iter().enumerate() {
+            let (color, opacity) = part.fragment(w);
+            let share = w.mul(w.sub(one, alpha), opacity);
+            for c in 0..3 {
+                rgb[c] = w.add_mul(rgb[c], share, color[c]);
+            }
+            alpha = w.add(alpha, share);
+            moment = w.add_mul(moment, share, w.splat((k as f32 + 0.5) / N_PARTS as f32));
+        }
+        let inverse = w.div(one, w.max(alpha, w.splat(LEAST_DEPTH)));
+        for c in 0..3 {
+            rgb[c] = w.mul(rgb[c], inverse);
+        }
+        let extent = w.mul(w.mul(way, w.splat(2.0)), w.mul(moment, inverse));
+        let from = w.splat(s_front);
+        self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
+    }
+
+    /// Reads all that the labels' own matter needs on both sheets.
+    #[inline(always)]
+    fn complete_matter<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab) {
+        let modifiers = self.media[0].modifiers;
+        let from = (slab.field_geometries, slab.field_panels);
+        for which in 0..2 {
+            for field in modifiers.fields(false, true) {
+                slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
+            }
+            if let (Some(field), true) = (modifiers.matter_field(), modifiers.label_shader.is_some()) {
+                slab.fields[which].read_gradient(w, from, field, chunks, &mut self.here[which]);
+            }
+        }
+    }
+}
+
+/// A medium's colour in the light that gets to a point.
+#[inline(always)]
+fn shaded<W: Wide>(
+    w: W,
+    medium: &Medium,
+    rgb: [W::F; 3],
+    gradient: Option<[W::F; 3]>,
+    to_eye: [W::F; 3],
+    point: &FieldPoint<W>,
+) -> [W::F; 3] {
+    let rgb = medium.modifiers.tint(w, rgb, point);
+    lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point))
+}
+
+/// Colour and optical depth of the labels' own matter.
+#[inline(always)]
+fn matter<W: Wide>(w: W, medium: &Medium, to_eye: [W::F; 3], point: &FieldPoint<W>) -> Option<([W::F; 3], W::F)> {
+    let (depth, color) = medium.modifiers.matter(w, point)?;
+    let shader = medium.modifiers.label_shader.as_ref().map(|shader| (shader, point.gradient(w)));
+    Some((lit(w, color, shader, to_eye, medium.modifiers.light(w, point)), depth))
+}
+
+impl Compositor for Mixed<'_> {
+    fn looks_behind(&self) -> bool {
+        self.is_steep
+    }
+
+    #[inline(always)]
+    fn is_done(&self, chunk: Chunk) -> bool {
+        self.so_far.is_done(chunk)
+    }
+
+    #[inline(always)]
+    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
+        let chunks = [chunk; 2];
+        if self.is_steep {
+            return self.add_slab(s, chunks, rays, slab);
+        }
+        let [s_front, s_back] = slab.s;
+        let half = 0.5 * (s_back - s_front);
+        self.add_sheet(s, chunks, rays, slab, (0, [s_front - half, s_front + half]));
+        let block = chunk.block();
+        if slab.first.is_last(block) || slab.more.iter().any(|own| own.is_last(block)) {
+            // No slab of a layer follows whose front this sheet would be.
+            self.add_sheet(s, chunks, rays, slab, (1, [s_back - half, s_back]));
+        }
+    }
+
+    fn finish(&self, chunk: Chunk) -> Texels {
+        self.so_far.finish(chunk)
+    }
+
+    fn into_state(self) -> TileState {
+        self.so_far.into_state()
+    }
+}

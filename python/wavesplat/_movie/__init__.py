@@ -1,0 +1,1 @@
+"""Movies: what each frame shows, and the files that frames become."""

@@ -1,0 +1,142 @@
+"""Files of moving pictures, written from frames as they come: floats, associated, shape (height, width, 4).
+
+Videos are encoded by the FFmpeg that PyAV's wheels bring: H.264 by x264, VP9 by libvpx. Colours are converted by BT.709
+and say so, so that players show those of the pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.libraries import library
+from wavesplat._picture.picture_files import straight_bytes
+from wavesplat.errors import ArgumentError, LibraryError
+
+__all__ = ["Frames", "check_crf", "check_speed", "encode", "needed_library"]
+
+#: As `Picture.rgba`.
+Frames: TypeAlias = Iterator[NDArray[np.float32]]
+
+#: Codec and options of each kind of video. x264's veryfast is a tenth larger than medium in a third of the time.
+VIDEOS: dict[str, tuple[str, dict[str, str]]] = {
+    ".mp4": ("libx264", {"preset": "veryfast"}),
+    ".webm": ("libvpx-vp9", {"deadline": "good", "cpu-used": "5", "row-mt": "1", "b": "0"}),
+}
+#: Constant rate factors at which a loss can hardly be seen in a moving picture.
+CRF = {".mp4": 18, ".webm": 24}
+#: Beyond which nothing is left.
+MOST_CRF = {".mp4": 51, ".webm": 63}
+
+#: Code points of ITU-T H.273, and FFmpeg's number of the range 16 to 235.
+BT709, LIMITED = 1, 1
+#: Of videos.
+MOST_FPS = 240.0
+#: Threads of the encoder, which runs beside the renderer.
+ENCODER_THREADS = 1
+#: Milliseconds that times of frames are whole numbers of, and that a frame is shown at least: browsers slow down what
+#: is faster.
+TICK_MS = {".gif": 10, ".webp": 1}
+LEAST_MS = {".gif": 20, ".webp": 10}
+WEBP_QUALITY = 90
+
+
+def needed_library(suffix: str) -> None:
+    """A `LibraryError` if what writes such files is not installed."""
+    library("av" if suffix in VIDEOS else "PIL.Image", extra="movie")
+
+
+def check_speed(suffix: str, fps: float) -> None:
+    """An `ArgumentError` for more frames a second than such files can show."""
+    most = 1000 / LEAST_MS[suffix] if suffix in LEAST_MS else MOST_FPS
+    if not 0 < fps <= most:
+        raise ArgumentError(f"fps is {fps:g}; a {suffix} file shows more than 0 and at most {most:g} frames a second")
+
+
+def check_crf(suffix: str, crf: int) -> None:
+    """An `ArgumentError` for a constant rate factor that such files do not have."""
+    if suffix not in MOST_CRF:
+        raise ArgumentError(f"crf is for videos, {' and '.join(MOST_CRF)}; leave it out for {suffix} files")
+    if not 0 <= crf <= MOST_CRF[suffix]:
+        raise ArgumentError(f"crf is {crf}; a {suffix} file has 0 to {MOST_CRF[suffix]}, {CRF[suffix]} if not given")
+
+
+def encode(path: Path, frames: Frames, n: int, *, fps: float, size: tuple[int, int], crf: int | None) -> None:
+    """Write a video or an animation of `n` frames; the suffix decides."""
+    suffix = path.suffix.lower()
+    if suffix in VIDEOS:
+        _video(path, frames, fps=fps, size=size, crf=CRF[suffix] if crf is None else crf)
+    else:
+        _animation(path, frames, n, fps)
+
+
+def _video(path: Path, frames: Frames, *, fps: float, size: tuple[int, int], crf: int) -> None:
+    suffix = path.suffix.lower()
+    av = library("av", extra="movie")
+    codec, options = VIDEOS[suffix]
+    convert = library("av.video.reformatter", extra="movie").VideoReformatter()
+    # Chroma has half the resolution, so sides are even: a row or a column more of the same.
+    padding = ((0, size[1] % 2), (0, size[0] % 2), (0, 0))
+    container = {"movflags": "faststart"} if suffix == ".mp4" else {}
+    with av.open(str(path), "w", options=container) as out:
+        try:
+            stream = out.add_stream(codec, rate=Fraction(float(fps)).limit_denominator(1001))
+        except av.error.FFmpegError as error:
+            raise LibraryError(
+                f'this build of PyAV has no encoder {codec}; in the checkout of Wavesplat, run: pip install ".[movie]"'
+            ) from error
+        stream.width, stream.height = (side + side % 2 for side in size)
+        stream.pix_fmt = "yuv420p"
+        stream.options = {"crf": str(crf), **options}
+        context = stream.codec_context
+        context.thread_count = ENCODER_THREADS
+        context.color_range, context.colorspace, context.color_primaries, context.color_trc = (
+            LIMITED,
+            BT709,
+            BT709,
+            BT709,
+        )
+        for rgba in frames:
+            rgb = np.ascontiguousarray(np.pad(_on_black(rgba), padding, mode="edge"))
+            frame = convert.reformat(
+                av.VideoFrame.from_ndarray(rgb, format="rgb24"),
+                format="yuv420p",
+                dst_colorspace=BT709,
+                dst_color_range=LIMITED,
+            )
+            frame.color_range, frame.colorspace = LIMITED, BT709
+            out.mux(stream.encode(frame))
+        out.mux(stream.encode(None))
+
+
+def _animation(path: Path, frames: Frames, n: int, fps: float) -> None:
+    suffix = path.suffix.lower()
+    images = library("PIL.Image", extra="movie")
+    pictures = (_image(images, rgba, suffix) for rgba in frames)
+    first = next(pictures)
+    tick = TICK_MS[suffix]
+    ends = [round(1000 / tick * (k + 1) / fps) * tick for k in range(n)]
+    durations = [end - start for start, end in zip([0, *ends], ends, strict=False)]
+    # Opened here, so that what the disk says is an error of the system's own kind.
+    with path.open("wb") as file:
+        options: dict[str, Any] = {"save_all": True, "append_images": pictures, "duration": durations, "loop": 0}
+        if suffix == ".gif":
+            first.save(file, "GIF", **options)
+        else:
+            first.save(file, "WEBP", quality=WEBP_QUALITY, **options)
+
+
+def _image(images: Any, rgba: NDArray[np.float32], suffix: str) -> Any:
+    if suffix == ".gif":
+        return images.fromarray(_on_black(rgba)).quantize(256)
+    return images.fromarray(straight_bytes(rgba))
+
+
+def _on_black(rgba: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Bytes of colour where there is no opacity, which lies on black."""
+    return np.asarray((np.clip(rgba[..., :3], 0, 1) * 255 + 0.5).astype(np.uint8))

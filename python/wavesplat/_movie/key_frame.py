@@ -1,0 +1,83 @@
+"""Key frames: what a movie shows at some moments, which it changes between."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import KW_ONLY, dataclass
+from math import isfinite
+from operator import index
+
+from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera
+from wavesplat._model.clips import Clip, clip_tuple
+from wavesplat._public import public
+from wavesplat._scene.layer import AnyLook
+from wavesplat.errors import ArgumentError
+
+__all__ = ["KeyFrame"]
+
+
+@public
+@dataclass(frozen=True)
+class KeyFrame:
+    """A moment of a movie; between two of them the camera moves, and colours, opacities and clips change evenly.
+
+    What a key frame leaves out goes on between the key frames beside it that say it, and is the scene's own if none
+    does.
+
+    Parameters
+    ----------
+    time_s : float
+        When, seconds.
+    camera : Camera or str, optional
+        Or the name of a view. The way between cameras is that of `Camera.interpolate`: all are orthographic or all are
+        in perspective.
+    look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
+        How values are shown; of several layers one for each, in a list, in which None leaves a layer as it is.
+    clip : Crop, ClipPlane, CutOut or several of them, optional
+        What is cut away; of the same kinds in all key frames that say it.
+    time : int, optional
+        Which volume of a series; frames between show the nearest one.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument is of another kind.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> keys = [ws.KeyFrame(0, camera="front", look="ct-skin"), ws.KeyFrame(3, camera="left", look="ct-bone")]
+    >>> keys[1].time_s
+    3.0
+    """
+
+    time_s: float
+    _: KW_ONLY
+    camera: Camera | str | None = None
+    look: AnyLook | Sequence[AnyLook] = None
+    clip: Clip | Iterable[Clip] | None = None
+    time: int | None = None
+
+    def __post_init__(self) -> None:
+        given: object = self.time_s
+        try:
+            moment = float("nan") if isinstance(given, str) else float(self.time_s)
+        except (TypeError, ValueError, OverflowError):
+            moment = float("nan")
+        if not isfinite(moment):
+            raise ArgumentError(f"time_s of the key frame is {described(self.time_s)}; give seconds")
+        object.__setattr__(self, "time_s", moment)
+        if not (self.camera is None or isinstance(self.camera, Camera | str)):
+            raise ArgumentError(
+                f"camera of the key frame is {described(self.camera)}; give a Camera or the name of a view"
+            )
+        if self.clip is not None:
+            object.__setattr__(self, "clip", clip_tuple(self.clip))
+        if self.time is not None:
+            try:
+                object.__setattr__(self, "time", index(self.time))
+            except TypeError:
+                raise ArgumentError(
+                    f"time of the key frame is {described(self.time)}; give the number of a volume, from 0"
+                ) from None

@@ -1,0 +1,254 @@
+"""The movie: some frames are drawn at once, while those before are encoded in a thread beside.
+
+The compiled renderer and the encoders work without Python's interpreter lock, so they run at the same time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from wavesplat._files.output import check_output, removed_when_terminated, write_atomically
+from wavesplat._looks.look import Look
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.camera import Camera
+from wavesplat._model.composites import Operator
+from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.sampling import Sampling
+from wavesplat._movie import encoding, png_sequence
+from wavesplat._movie.key_frame import KeyFrame
+from wavesplat._movie.pipeline import MOST_AT_ONCE, Progress, made_ahead, work_beside
+from wavesplat._movie.seen import camera_of, with_settled_looks
+from wavesplat._movie.timeline import Shot, Timeline
+from wavesplat._movie.turn import Turn, cameras_of
+from wavesplat._picture.picture import Picture
+from wavesplat._public import public
+from wavesplat._render.arguments import checked_size
+from wavesplat._scene.layer import AnyLook
+from wavesplat._scene.scene import Scene, as_scene
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["Along", "movie"]
+
+#: Pixels of frames that are drawn at once, at most: each takes some hundred bytes meanwhile.
+MOST_PIXELS_AT_ONCE = 8_000_000
+
+#: What a movie goes along.
+Along: TypeAlias = Turn | Sequence[Camera] | Sequence[KeyFrame]
+
+
+@public
+@takes_its_types
+def movie(
+    what: Any,
+    path: str | PathLike[str],
+    along: Along | None = None,
+    look: AnyLook | Sequence[AnyLook] = None,
+    *,
+    fps: float = 30.0,
+    size: tuple[int, int] = (512, 512),
+    quality: Quality | Sampling = "normal",
+    psnr: float | None = None,
+    kernel: Kernel = "linear",
+    composite: Operator | None = None,
+    background: str | Sequence[float] | None = None,
+    crf: int | None = None,
+    resume: bool = False,
+    threads: int | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Path:
+    """A movie of a volume or a scene: a turn, a flight along cameras, or what changes between key frames.
+
+    Parameters
+    ----------
+    what : Scene, Volume, WaveletVolume, array, Layer, or several volumes or layers in a list
+        What to show, as for `render`. Clips, labels and light are those of a `Scene`.
+    path : path
+        The suffix chooses the format. `.mp4`: H.264, which every browser and every slide plays; `.webm`: VP9; `.gif`
+        and `.webp`: animations that repeat. A folder, or a name such as `frames/%04d.png`: a PNG file for each frame.
+    along : Turn, sequence of Camera, or sequence of KeyFrame, optional
+        `Turn(frames=120)` goes round at one scale, which is what None does. Cameras are a frame each
+        (`Camera.interpolate` makes them from a few). Key frames say what is shown when, and change it in between.
+    look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
+        How values are shown, as for `render`. What is chosen by the data is chosen once, for all frames.
+    fps : float, default 30
+        Frames a second.
+    size : (width, height), default (512, 512)
+        Pixels. Videos have even sides: a row or column is repeated at an odd one.
+    quality, psnr, kernel, composite, threads
+        As for `render`. With `psnr` the first frame is measured, and later ones where the view differs much.
+    background : colour, optional
+        None is the scene's own, or black. Only PNG and WebP files can be transparent.
+    crf : int, optional
+        Constant rate factor of videos: less loses less, in a larger file; 18 of H.264 and 24 of VP9 look clean.
+    resume : bool
+        Of PNG files: keep frames that are there and show what they must, and draw the others.
+    progress : callable, optional
+        Called with the part done, 0..1; returning False stops.
+
+    Returns
+    -------
+    pathlib.Path
+        The file; of single frames the pattern of their names.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work.
+    FileError
+        If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+    LibraryError
+        If the encoder is not installed (`pip install ".[movie]"` in the checkout).
+    CancelledError
+        If `progress` returned False; of a video nothing is left, of single frames those that are done.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> pelvis = ws.examples.ct_pelvis()
+    >>> ws.movie(pelvis, "turn.gif", ws.Turn(frames=3), "ct-bone", size=(32, 32)).name
+    'turn.gif'
+    >>> keys = [ws.KeyFrame(0, camera="front", look="ct-skin"), ws.KeyFrame(0.1, camera="left", look="ct-bone")]
+    >>> ws.movie(pelvis, "opened/%04d.png", keys, size=(32, 32)).parent.name
+    'opened'
+    """
+    target, pattern = _target(path)
+    _check(target, pattern, fps=fps, crf=crf, resume=resume)
+    width, height = checked_size(size)
+    if min(width, height) < 1:
+        raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
+    scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
+    shots = _shots(scene, Turn() if along is None else along, fps, composite, (width, height))
+    options: dict[str, Any] = {"quality": quality, "psnr": psnr, "kernel": kernel, "composite": composite}
+    told = Progress(progress, len(shots))
+    draw = _Drawing(shots, told, threads, size=(width, height), **options)
+    if pattern is None:
+        frames = made_ahead(lambda number: draw(number).rgba, range(len(shots)), draw.at_once, told)
+        settings: Any = {"fps": fps, "size": (width, height), "crf": crf}
+        write_atomically(
+            target,
+            lambda part: work_beside(lambda come: encoding.encode(part, come, len(shots), **settings), frames),
+        )
+        return target
+    png_sequence.make_folder(pattern)
+    marks = png_sequence.Marks((width, height), **options)
+
+    def frame(number: int) -> png_sequence.Frame:
+        return png_sequence.Frame(png_sequence.frame_path(pattern, number), draw(number).rgba, marks.of(shots[number]))
+
+    missing = _missing(pattern, shots, marks, told) if resume else range(len(shots))
+    part = png_sequence.part_beside(pattern)
+    with removed_when_terminated(part):
+        drawn = made_ahead(frame, missing, draw.at_once, told)
+        work_beside(lambda come: png_sequence.write_frames(part, come), drawn)
+    return pattern
+
+
+class _Drawing:
+    """Draws frames, several of the same scene at once: together with as many threads as one picture has."""
+
+    def __init__(self, shots: _Shots, told: Progress, threads: int | None, **options: Any) -> None:
+        self._shots, self._told, self._threads, self._options = shots, told, threads, options
+        self._n_threads = 1
+
+    def __call__(self, number: int) -> Picture:
+        shot, at_once = self._shots[number], self.at_once()
+        threads = self._threads if at_once == 1 else self._n_threads // at_once
+        picture = shot.scene.render(shot.camera, threads=threads, progress=self._told.of(number), **self._options)
+        if at_once == 1:
+            self._n_threads = int(picture.report.get("n_threads", 1))
+        return picture
+
+    def at_once(self) -> int:
+        """How many frames; one until it is known how many threads there are."""
+        width, height = self._options["size"]
+        most = min(self._n_threads, MOST_AT_ONCE, max(1, MOST_PIXELS_AT_ONCE // (width * height)))
+        # What is measured on a frame is believed of the next one, so these follow each other.
+        if self._options["psnr"] is not None or not self._shots.show_one_scene:
+            most = 1
+        return max(range(1, most + 1), key=lambda n: (n * (self._n_threads // n), n))
+
+
+def _target(path: str | PathLike[str]) -> tuple[Path, Path | None]:
+    """Where the movie goes and, of single frames, the pattern of their names."""
+    target = Path(path)
+    pattern = png_sequence.pattern_of(target)
+    if pattern is None:
+        if target.suffix.lower() == ".png":
+            raise FileError(f"a PNG file is one frame; number them, as in %04d.png, or name a folder: {target}")
+        check_output(target, "movies")
+    return target, pattern
+
+
+def _check(target: Path, pattern: Path | None, *, fps: float, crf: int | None, resume: bool) -> None:
+    """Refuse what a format cannot do, before anything is drawn."""
+    suffix = target.suffix.lower() if pattern is None else ".png"
+    encoding.check_speed(suffix, fps)
+    if crf is not None:
+        encoding.check_crf(suffix, crf)
+    if pattern is None:
+        encoding.needed_library(suffix)
+        if resume:
+            raise ArgumentError(f"resume keeps frames that are there, and {target.name} is one file; name a folder")
+
+
+class _Shots:
+    """What each frame shows, on black where nothing else is said."""
+
+    def __init__(self, shots: Timeline | Sequence[Shot]) -> None:
+        self._shots = shots
+        self._last: tuple[Scene, Scene] | None = None
+
+    @property
+    def show_one_scene(self) -> bool:
+        """Whether only the camera moves."""
+        return not isinstance(self._shots, Timeline) or self._shots.is_still
+
+    def __len__(self) -> int:
+        return len(self._shots)
+
+    def __getitem__(self, number: int) -> Shot:
+        scene, camera = self._shots[number]
+        look = scene.layers[0].look
+        if scene.background is None and not (isinstance(look, Look) and look.background is not None):
+            if self._last is None or self._last[0] is not scene:
+                self._last = scene, scene.with_(background="black")
+            scene = self._last[1]
+        return Shot(scene, camera)
+
+
+def _shots(scene: Scene, along: Along, fps: float, composite: Operator | None, size: tuple[int, int]) -> _Shots:
+    aspect = size[0] / size[1]
+    if isinstance(along, Turn):
+        cameras = cameras_of(along, scene, composite, aspect)
+        settled, _ = with_settled_looks(scene, composite, cameras[0], size)
+        return _Shots([Shot(settled, camera) for camera in cameras])
+    try:
+        steps = list(along)
+    except TypeError:
+        steps = []
+    cameras = [step for step in steps if isinstance(step, Camera)]
+    keys = [step for step in steps if isinstance(step, KeyFrame)]
+    if cameras and len(cameras) == len(steps):
+        settled, _ = with_settled_looks(scene, composite, cameras[0], size)
+        return _Shots([Shot(settled, camera) for camera in cameras])
+    if not keys or len(keys) != len(steps):
+        raise ArgumentError(
+            f"along is {described(along)}; give a wavesplat.Turn, a list of Camera, or a list of KeyFrame"
+        )
+    first = camera_of(scene, next((key.camera for key in keys if key.camera is not None), None), composite, aspect)
+    settled, name = with_settled_looks(scene, composite, first, size)
+    return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect))
+
+
+def _missing(pattern: Path, shots: _Shots, marks: png_sequence.Marks, told: Progress) -> list[int]:
+    """The frames that are not there yet."""
+    missing = []
+    for number in range(len(shots)):
+        if png_sequence.has_mark(png_sequence.frame_path(pattern, number), marks.of(shots[number])):
+            told.finish(number)
+        else:
+            missing.append(number)
+    return missing

@@ -1,0 +1,157 @@
+"""Several frames at once: those that are drawn, and the one that is encoded, in threads of their own.
+
+A small frame does not keep several threads busy to its end; two frames at once do.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import TimeoutError as NotYetError
+from contextlib import suppress
+from typing import Generic, TypeVar, cast
+
+from wavesplat.errors import CancelledError
+
+__all__ = ["MOST_AT_ONCE", "Progress", "made_ahead", "work_beside"]
+
+T = TypeVar("T")
+
+#: Frames that are made at once, at most.
+MOST_AT_ONCE = 4
+#: Items that wait to be used, at most.
+N_WAITING = 2
+#: How often it is looked whether another thread has ended.
+POLL_SECS = 0.1
+
+
+class Progress:
+    """How far all frames are, told to who asked for it, always from the thread that waits for them."""
+
+    def __init__(self, tell: Callable[[float], object] | None, n: int) -> None:
+        self._tell = tell
+        self._n = n
+        self._parts: dict[int, float] = {}
+        self._stopped = threading.Event()
+        self._told = -1.0
+
+    def of(self, number: int) -> Callable[[float], bool]:
+        """What a frame calls with the part of it that is done; False asks it to stop."""
+
+        def note(done: float) -> bool:
+            self._parts[number] = done
+            return not self._stopped.is_set()
+
+        return note
+
+    def finish(self, number: int) -> None:
+        """Count a frame as done."""
+        self._parts[number] = 1.0
+
+    def tell(self) -> None:
+        """Say how far it is; a `CancelledError` if that is answered with False."""
+        # A copy: other threads add to it.
+        done = sum(self._parts.copy().values()) / self._n
+        if self._tell is None or done <= self._told:
+            return
+        self._told = done
+        if self._tell(min(done, 1.0)) is False:
+            raise CancelledError("the movie was stopped by progress")
+
+    def stop(self) -> None:
+        """Ask all frames to stop."""
+        self._stopped.set()
+
+
+def made_ahead(
+    make: Callable[[int], T], numbers: Iterable[int], at_once: Callable[[], int], progress: Progress
+) -> Generator[T]:
+    """What `make` gives for numbers, in their order, so many of them at once in threads.
+
+    The first is made alone, since it makes what all others share; `at_once` is asked after it.
+    """
+    waiting: deque[tuple[int, Future[T]]] = deque()
+
+    def first() -> T:
+        number, future = waiting.popleft()
+        while True:
+            progress.tell()
+            with suppress(NotYetError):
+                made = future.result(timeout=POLL_SECS)
+                progress.finish(number)
+                return made
+
+    with ThreadPoolExecutor(MOST_AT_ONCE, thread_name_prefix="wavesplat movie") as pool:
+        try:
+            for place, number in enumerate(numbers):
+                if place == 1 or (place > 1 and len(waiting) == at_once()):
+                    yield first()
+                waiting.append((number, pool.submit(make, number)))
+            while waiting:
+                yield first()
+            progress.tell()
+        except BaseException:
+            progress.stop()
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def work_beside(work: Callable[[Iterator[T]], object], items: Generator[T]) -> None:
+    """Make items here while `work` takes them, in order, in a thread; what fails in it is raised here."""
+    worker = _Worker(work)
+    worker.thread.start()
+    try:
+        for item in items:
+            if not worker.hand("item", item):
+                break
+        worker.hand("end")
+    except BaseException:
+        worker.hand("stop")
+        raise
+    finally:
+        items.close()
+        worker.thread.join()
+    if worker.failed is not None:
+        raise worker.failed
+
+
+class _StoppedError(Exception):
+    """No item will come any more."""
+
+
+class _Worker(Generic[T]):
+    """The thread, and what waits for it."""
+
+    def __init__(self, work: Callable[[Iterator[T]], object]) -> None:
+        self.failed: BaseException | None = None
+        self.thread = threading.Thread(target=self._run, name="wavesplat movie", daemon=True)
+        self._work = work
+        self._waiting: queue.Queue[tuple[str, T | None]] = queue.Queue(N_WAITING)
+
+    def hand(self, what: str, item: T | None = None) -> bool:
+        """Whether it was taken, which a thread that has ended does not."""
+        while self.thread.is_alive():
+            with suppress(queue.Full):
+                self._waiting.put((what, item), timeout=POLL_SECS)
+                return True
+        return False
+
+    def _run(self) -> None:
+        try:
+            self._work(self._come())
+        except _StoppedError:
+            pass
+        except BaseException as error:  # noqa: BLE001 - carried to the thread that waits, which raises it
+            self.failed = error
+
+    def _come(self) -> Iterator[T]:
+        while True:
+            what, item = self._waiting.get()
+            if what == "stop":
+                raise _StoppedError
+            if what == "end":
+                return
+            yield cast(T, item)

@@ -1,0 +1,99 @@
+"""What is seen of a scene, from where, and with which looks: decided once, the same for all frames."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.look import Look
+from wavesplat._model.composites import Operator, checked_operator, name_of
+from wavesplat._model.options import BY_VIEW, VIEWS, Composite
+from wavesplat._model.sampling import Sampling
+from wavesplat._render import framing, projection
+from wavesplat._render.arguments import chosen_camera
+from wavesplat._scene.shown import Shown, ShownLayer, shown_layers
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._looks.transfer_function import TransferFunction
+    from wavesplat._model.camera import Camera
+    from wavesplat._model.clips import Clipping
+    from wavesplat._model.grid import Grid
+    from wavesplat._picture.picture import Picture
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["camera_of", "direction_of", "what_is_seen", "with_settled_looks"]
+
+#: What an overview is drawn with.
+COARSE = Sampling(sheets_per_slice=1, quality="draft")
+
+
+def camera_of(scene: Scene, given: Camera | str | None, composite: Operator | None, aspect: float) -> Camera:
+    """The camera itself, or the one that a view's name or None stands for."""
+    shown = _shown(scene, composite)
+    return chosen_camera(given, _parts(shown), _clipping(scene, shown), aspect)
+
+
+def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> tuple[float, float]:
+    """Azimuth and elevation, degrees, of a named view, or of the one that a picture of the scene has."""
+    first = _shown(scene, composite).layers[0]
+    view = first.look.view if name is None else name
+    if view is None:
+        return framing.natural_view(first.volume)
+    if view not in VIEWS:
+        raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
+    return VIEWS[view]
+
+
+def what_is_seen(scene: Scene, composite: Operator | None) -> tuple[Grid, NDArray[np.float64] | None]:
+    """A grid around all layers, and the places of what is seen of them; None where that may be all."""
+    shown = _shown(scene, composite)
+    return framing.shown_points(_parts(shown), _clipping(scene, shown))
+
+
+def with_settled_looks(
+    scene: Scene, composite: Operator | None, camera: Camera, size: tuple[int, int]
+) -> tuple[Scene, Composite]:
+    """The scene with looks that are chosen by the data, or by name, as they are, so that frames do not flicker.
+
+    Greys that depend on the view are those of this camera. Also gives the name of the operator.
+    """
+    shown = _shown(scene, composite)
+    looks = {id(layer.layer): layer.look for layer in shown.layers}
+    first = shown.layers[0]
+    if len(shown.layers) == 1 and first.is_automatic and shown.composite in BY_VIEW:
+        looks[id(first.layer)] = _exposed(scene, first, composite or shown.composite, camera, size)
+    settled = [replace(layer, look=looks.get(id(layer), layer.look)) for layer in scene.layers]
+    return scene.with_(layers=settled), shown.composite
+
+
+def _exposed(scene: Scene, layer: ShownLayer, operator: Operator, camera: Camera, size: tuple[int, int]) -> Look:
+    name = name_of(checked_operator(operator) or "over")
+
+    def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
+        look = Look(transfer_function=curves, composite=name)
+        bare = scene.with_(layers=[replace(layer.layer, look=look)], background="transparent")
+        return bare.render(at, size=of, quality=COARSE, composite=operator)
+
+    function = projection.exposed_by(overview, layer.volume, name, camera, size)
+    return layer.look if function is None else replace(layer.look, transfer_function=function)
+
+
+def _shown(scene: Scene, composite: Operator | None) -> Shown:
+    asked = checked_operator(composite)
+    shown = shown_layers(scene, None if asked is None else name_of(asked))
+    if not shown.layers:
+        raise ArgumentError("no layer of the scene is visible; a movie needs one")
+    return shown
+
+
+def _parts(shown: Shown) -> list[framing.Part]:
+    return [(layer.seen, layer.look) for layer in shown.layers]
+
+
+def _clipping(scene: Scene, shown: Shown) -> Clipping:
+    is_alone = shown.has_first and len(shown.layers) == 1
+    return scene._clipping if is_alone else scene._clipping.in_world(shown.first)

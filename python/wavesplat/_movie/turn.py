@@ -1,0 +1,145 @@
+"""The turn: an eye that goes round, at one scale and one distance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import isfinite
+from operator import index
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wavesplat._model import camera_fit
+from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera
+from wavesplat._model.vectors import Vector, vector
+from wavesplat._movie.seen import direction_of, what_is_seen
+from wavesplat._public import public
+from wavesplat._render import framing
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.composites import Operator
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["Turn", "cameras_of"]
+
+#: So many directions of a turn decide its scale; between two of them less than the margin can be missing.
+N_DIRECTIONS = 48
+
+
+@public
+@dataclass(frozen=True)
+class Turn:
+    """A turn of the eye about what is shown, at one scale: nothing comes nearer or leaves the picture.
+
+    Parameters
+    ----------
+    frames : int, default 120
+        Pictures of the turn. Of a whole turn the last is the one before the first, so that the movie repeats.
+    degrees : float, default 360
+        How far; less than 0 turns the other way round. The patient's left comes first.
+    azimuth, elevation : float, default 0
+        Turn and lift the eye from the first view before it starts, degrees, as `Camera.turned` does.
+    axis : three numbers (x, y, z), default (0, 0, 1)
+        Direction to turn about, in the world.
+    start : Camera or str, optional
+        The first view, or its name; None is the one that a picture of the scene has. A camera keeps its scale and turns
+        about its focal point; else all that is seen fits into the picture the whole turn long.
+    zoom : float, default 1
+        Magnification beyond that.
+    view_angle : float, optional
+        Perspective with this vertical angle, degrees; None is orthographic, or the camera's own.
+
+    Raises
+    ------
+    ArgumentError
+        If a number is out of range.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.Turn(frames=90, elevation=15).frames
+    90
+    """
+
+    frames: int = 120
+    degrees: float = 360.0
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    axis: Vector = (0.0, 0.0, 1.0)
+    start: Camera | str | None = None
+    zoom: float = 1.0
+    view_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frames", _count(self.frames))
+        for name in ("degrees", "azimuth", "elevation", "zoom"):
+            object.__setattr__(self, name, _number(getattr(self, name), name))
+        if self.view_angle is not None:
+            object.__setattr__(self, "view_angle", _number(self.view_angle, "view_angle"))
+        camera_fit.check_lens(self.zoom, self.view_angle, 1.0)
+        axis: Iterable[float] = self.axis
+        object.__setattr__(self, "axis", vector(axis, "axis of the turn"))
+        length = float(np.linalg.norm(self.axis))
+        if not (isfinite(length) and length > 0):
+            raise ArgumentError(f"axis of the turn is {self.axis}; give a direction, such as (0, 0, 1)")
+        if not (self.start is None or isinstance(self.start, Camera | str)):
+            raise ArgumentError(f"start of the turn is {described(self.start)}; give a Camera or the name of a view")
+        if isinstance(self.start, Camera) and self.view_angle is not None:
+            raise ArgumentError("the start of the turn is a camera, which has a lens; leave out view_angle")
+
+    @property
+    def angles(self) -> list[float]:
+        """Degrees of each frame."""
+        is_whole = abs(self.degrees) >= 360
+        steps = self.frames if is_whole else max(self.frames - 1, 1)
+        return [self.degrees * k / steps for k in range(self.frames)]
+
+
+def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> list[Camera]:
+    """The cameras of a turn about what is seen of a scene."""
+    first = _first(turn, scene, composite, aspect)
+    offset, up = np.subtract(first.position, first.focal_point), np.array(first.view_up)
+    lens: Any = {"parallel_scale": first.parallel_scale, "view_angle": first.view_angle}
+    cameras = [first]
+    for angle in turn.angles[1:]:
+        matrix = camera_fit.about(turn.axis, angle)
+        cameras.append(Camera(first.focal_point + matrix @ offset, first.focal_point, matrix @ up, **lens))
+    return cameras
+
+
+def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> Camera:
+    if isinstance(turn.start, Camera):
+        return turn.start.turned(turn.azimuth, turn.elevation).zoomed(turn.zoom)
+    azimuth, elevation = direction_of(scene, turn.start, composite)
+    axes = camera_fit.orbit_axes(azimuth + turn.azimuth, elevation + turn.elevation)
+    covered = min(abs(turn.degrees), 360.0) * (1 if turn.degrees > 0 else -1)
+    n = max(2, round(N_DIRECTIONS * abs(covered) / 360) + 1)
+    views = [axes @ camera_fit.about(turn.axis, covered * k / (n - 1)).T for k in range(n)]
+    around, points = what_is_seen(scene, composite)
+    eye = camera_fit.placed_for_all(
+        views, around, zoom=framing.FILLED * turn.zoom, view_angle=turn.view_angle, aspect=aspect, points=points
+    )
+    return Camera(eye.position, eye.focal_point, axes[1], parallel_scale=eye.parallel_scale, view_angle=eye.view_angle)
+
+
+def _count(number: object) -> int:
+    try:
+        count = index(number)  # type: ignore[arg-type]
+    except TypeError:
+        count = 0
+    if count < 1:
+        raise ArgumentError(f"frames of the turn is {described(number)}; give a whole number, 1 or more")
+    return count
+
+
+def _number(number: object, name: str) -> float:
+    try:
+        parsed = float("nan") if isinstance(number, str) else float(number)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        parsed = float("nan")
+    if not isfinite(parsed):
+        raise ArgumentError(f"{name} of the turn is {described(number)}; give a number")
+    return parsed

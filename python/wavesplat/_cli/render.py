@@ -16,6 +16,7 @@ from wavesplat._cli.crop_options import (
     takes_cut_options,
 )
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
+from wavesplat._cli.from_document import draw_from
 from wavesplat._cli.layer_options import (
     LayerOptions,
     further_layers,
@@ -26,10 +27,10 @@ from wavesplat._cli.layer_options import (
 from wavesplat._cli.light_options import LightOptions, chosen_shading, takes_light_options
 from wavesplat._cli.opened_layers import Channels, opened_layers
 from wavesplat._cli.option_groups import given
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import is_terminal, json_text, message, print_notes, print_result
+from wavesplat._cli.outputs import check_outputs, write_report
+from wavesplat._cli.printing import is_terminal, message, print_notes, print_result
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
+from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.shared_options import (
     Background,
     Bits,
@@ -72,9 +73,18 @@ __all__ = ["render"]
 @takes_color_options
 @takes_processing_options
 def render(
-    input: Input,
+    context: typer.Context,
     output: PictureOutput,
+    input: InputOrNone = None,
     *,
+    again: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="Draw again, instead of INPUT: a scene, a report, or a PNG file that says how it was made.",
+        ),
+    ] = None,
     layering: LayerOptions,
     preset: Annotated[
         str | None,
@@ -164,6 +174,12 @@ def render(
     quiet: Quiet = False,
 ) -> None:
     """Draw a picture of a volume and print its path."""
+    if again is not None:
+        how: Any = {"figure": figure, "bits": bits, "threads": threads, "report": report, "json": json, "quiet": quiet}
+        draw_from(context, again, output, **how)
+        return
+    if input is None:
+        raise ArgumentError("INPUT is missing: name a volume, a file, folder or URL, or give --from")
     parsers.refuse_pairs(preset=preset, tf=tf)
     parsers.refuse_pairs(preset=preset, materials=materials)
     parsers.refuse_pairs(tf=tf, materials=materials)
@@ -245,7 +261,7 @@ def render(
     )
     facts = made[0] if layering.times is None else {"pictures": made}
     if report is not None:
-        _write_report(report, facts)
+        write_report(report, facts)
     print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
 
 
@@ -463,9 +479,3 @@ def _drawn(scene: Scene, camera: Camera, *, shown: bool, **options: Any) -> Any:
     from wavesplat._cli import progress
 
     return progress.run(lambda report: scene.render(camera, progress=report, **options), "drawing", shown=shown)
-
-
-def _write_report(path: Path, facts: dict[str, Any]) -> None:
-    from wavesplat._files.output import write_atomically
-
-    write_atomically(path, lambda part: part.write_text(json_text(facts) + "\n", encoding="utf-8"))

@@ -1,8 +1,8 @@
 """Layers on the axes of the first one, as the renderer wants them: sheets are shared, so all grids must be parallel.
 
 A grid whose axes are in another order is turned, which changes no sample; flipped ones are taken as they are. Any other
-grid is resampled once, at its own resolution along each of the new axes, and kept with its volume. Outside of the source
-samples are NaN, which the renderer draws as empty.
+grid is resampled once, at its own resolution along each of the new axes, and kept with its volume. Outside of the
+source samples are NaN, which the renderer draws as empty.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ def check_units(grids: list[Volume | WaveletVolume]) -> None:
         first, its_size = known[0]
         if size != its_size:
             raise ArgumentError(
-                f"the lengths of {first.name!r} are in {first.unit}, those of {grid.name!r} in {grid.unit}; open one of "
-                "them with spacing= and unit= of the other"
+                f"the lengths of {first.name!r} are in {first.unit}, those of {grid.name!r} in {grid.unit}; open one "
+                "of them with spacing= and unit= of the other"
             )
 
 
@@ -101,9 +101,8 @@ def _resampled(volume: Volume, axes: Array) -> Volume:
     corners = affine.box_corners(volume.world_from_index, volume.shape) @ np.linalg.inv(axes).T
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     n_x, n_y, n_z = (int(n) for n in np.ceil((upper - lower) / steps - BEYOND).astype(int) + 1)
-    check_room(
-        4 * n_x * n_y * n_z, f"{volume.name!r} on the axes of the first layer", "resample it more coarsely first"
-    )
+    what = f"{volume.name!r} on the axes of the first layer"
+    check_room(4 * n_x * n_y * n_z, what, "resample it more coarsely first")
     # As much beyond one end as beyond the other.
     first = (lower + upper) / 2 - steps * (np.array([n_x, n_y, n_z]) - 1) / 2
     matrix = np.eye(4)

@@ -52,6 +52,8 @@ def facts_of(
     document["camera"] = camera.as_json()
     # In the looks, with what else was found.
     document["shading"] = "look"
+    if document["background"] is None and layers:
+        document["background"] = layers[0].look.background
     document["render"] = {"size": list(size), "quality": quality, "kernel": kernel, "composite": composite}
     if psnr is not None:
         document["render"]["psnr"] = psnr

@@ -98,6 +98,37 @@ picture = ws.render(ct, "ct-soft-tissue", labels=labels, **view)
           "vectors and text.",
           "render ct_pelvis.nii.gz --preset ct-bone --azimuth 25 --elevation 15 --background white --scale-bar "
           '--letters --colorbar --title "Bones of a pelvis"'),
+    Entry("channels", "Channels", "Cells made up by a formula, as two channels of a microscope, with a legend.",
+          code="""nuclei, membranes = np.zeros((2, 48, 96, 96), np.float32)
+z, y, x = np.mgrid[:48, :96, :96]
+for a, b, c in np.random.default_rng(4).uniform((10, 14, 14), (38, 82, 82), (16, 3)):
+    distance = np.sqrt((z - a) ** 2 + (y - b) ** 2 + (x - c) ** 2)
+    nuclei += 900 / (1 + np.exp(distance - 6))
+    membranes += 600 * np.exp(-((distance - 11) ** 2) / 3)
+half_um = {"spacing": (0.5, 0.5, 0.5), "unit": "um"}
+cells = [
+    ws.Layer(ws.Volume(nuclei, **half_um), "fluorescence-cyan", name="nuclei"),
+    ws.Layer(ws.Volume(membranes, **half_um), "fluorescence-magenta", name="membranes"),
+]
+picture = ws.render(cells, size=(288, 288), background="black")
+picture = picture.annotated(scale_bar=True, legend=True, legend_at="upper right")
+"""),
+    Entry("fusion", "Two scans in one picture",
+          "Bones of a CT, and an uptake made up by a formula, on coarser samples of its own; bones hide it.",
+          code="""lower, upper = ct.bounds
+x, y, z = np.meshgrid(*(np.arange(a, b, 6) for a, b in zip(lower, upper)), indexing="ij")
+u, v, w = (lower + upper) / 2
+spots = [(u, v + 20, w - 90, 24, 8), (u + 45, v - 60, w + 10, 11, 9), (u - 45, v + 10, w + 60, 14, 7)]
+uptake = sum(
+    most * np.exp(-((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / (2 * wide**2)) for a, b, c, wide, most in spots
+)
+place = np.diag([6, 6, 6, 1.0])
+place[:3, 3] = lower
+pet = ws.Volume(uptake.T.astype(np.float32), world_from_index=place, unit="mm", anatomical=True)
+hot = ws.TransferFunction.from_colormap("hot", clim=(1, 8), opacity=[0, 0.1, 0.3, 0.6])
+layers = [ws.Layer(ct, "ct-bone", name="CT"), ws.Layer(pet, hot, name="uptake")]
+picture = ws.render(layers, background="black", **view).annotated(scale_bar=True, colorbar="uptake", orientation="cube")
+"""),
     Entry("slice", "A slice", "Coronal, with the letters of the directions and a scale bar.",
           "slice ct_pelvis.nii.gz --plane coronal --window abdomen --letters --scale-bar"),
     Entry("slab", "A thick slab", "The maximum over 40 mm.",

@@ -12,9 +12,9 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._model.clips import checked_clip
-from wavesplat._render.framing import framed
+from wavesplat._render.arguments import chosen_camera
 
-COMMANDS = ("render", "slice", "info", "presets", "wavelet", "mesh", "demo")
+COMMANDS = ("render", "movie", "slice", "info", "presets", "wavelet", "mesh", "demo")
 
 
 def check(done, code, *, stdout="", stderr=""):
@@ -70,7 +70,7 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
     expected = ws.render(
         volume,
         look,
-        framed([(volume, look)], 30, 20, clipping=checked_clip(crop), zoom=1.5, view_angle=40, aspect=40 / 30),
+        chosen_camera(None, [(volume, look)], checked_clip(crop), 40 / 30, turned=(30, 20), zoom=1.5, view_angle=40),
         size=(40, 30),
         kernel="bspline3",
         quality="draft",

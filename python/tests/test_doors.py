@@ -11,7 +11,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._model.clips import checked_clip
-from wavesplat._render.framing import framed
+from wavesplat._render.arguments import chosen_camera
 
 SIZE = (64, 48)
 DATA = files("wavesplat") / "data"
@@ -22,7 +22,8 @@ def _drawn(volume, look, azimuth, elevation=0, *, crop=None, lens=None, **option
     """As the command line sees a volume from a side: what a look shows of it is in view."""
     clip = () if crop is None else crop
     parts = [(volume, look)]
-    camera = framed(parts, azimuth, elevation, clipping=checked_clip(clip), aspect=64 / 48, **(lens or {}))
+    lens = {"turned": (azimuth, elevation), **(lens or {})}
+    camera = chosen_camera(None, parts, checked_clip(clip), 64 / 48, **lens)
     return ws.render(volume, look, camera, clip=clip, size=SIZE, **options)
 
 

@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, slice, info, presets, wavelet, mesh, demo, each in a file of its name.
+"""The command line: `wavesplat` render, movie, slice, info, presets, wavelet, mesh, demo, each in a file of its name.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from wavesplat._cli import demo, info, mesh, presets, render, slice, wavelet
+from wavesplat._cli import demo, info, mesh, movie, presets, render, slice, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -44,6 +44,7 @@ app = typer.Typer(
 
 for command in (
     render.render,
+    movie.movie,
     slice.slice,
     info.info,
     presets.presets,

@@ -8,11 +8,14 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from wavesplat._cli.printing import is_terminal
 
-__all__ = ["run"]
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+__all__ = ["bar", "run"]
 
 T = TypeVar("T")
 
@@ -41,6 +44,17 @@ def run(work: Callable[[Callable[[float], bool]], T], label: str, *, shown: bool
     if task.error is not None:
         raise task.error
     return task.result[0]
+
+
+@contextmanager
+def bar(label: str, *, shown: bool) -> Iterator[Callable[[float], None]]:
+    """What moves a progress bar on stderr, if it is `shown`: for work that waits in this thread, and so gets Ctrl-C."""
+    if not shown:
+        yield lambda _fraction: None
+        return
+    with _bar() as rows:
+        row = rows.add_task(label, total=1.0)
+        yield lambda fraction: rows.update(row, completed=fraction)
 
 
 @contextmanager
@@ -93,12 +107,16 @@ class _Task(Generic[T]):
 
 
 def _show(task: _Task[T], label: str) -> None:
+    with _bar() as rows:
+        row = rows.add_task(label, total=1.0)
+        while task.thread.is_alive():
+            task.thread.join(POLL_SECS)
+            rows.update(row, completed=task.fraction)
+
+
+def _bar() -> Progress:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        row = bar.add_task(label, total=1.0)
-        while task.thread.is_alive():
-            task.thread.join(POLL_SECS)
-            bar.update(row, completed=task.fraction)
+    return Progress(*columns, console=Console(stderr=True), transient=True)

@@ -10,7 +10,19 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._model import options
 
-__all__ = ["Background", "Bits", "Family", "Json", "Kernel", "PictureOutput", "Quiet", "Threads", "Threshold", "Zoom"]
+__all__ = [
+    "Background",
+    "Bits",
+    "Family",
+    "Json",
+    "Kernel",
+    "PictureOutput",
+    "Quiet",
+    "Size",
+    "Threads",
+    "Threshold",
+    "Zoom",
+]
 
 PictureOutput = Annotated[
     Path,
@@ -23,6 +35,7 @@ PictureOutput = Annotated[
     ),
 ]
 Zoom = Annotated[float, typer.Option(metavar="FACTOR", help="Magnification; 1 fits the volume.")]
+Size = Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels.")]
 Kernel = Annotated[Any, parsers.choice(get_args(options.Kernel))]
 Background = Annotated[
     Any, typer.Option(metavar="COLOR", parser=parsers.color, help="black, white, grey, #rrggbb, r,g,b or transparent.")

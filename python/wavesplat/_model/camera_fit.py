@@ -7,9 +7,9 @@ a sphere of radius r fills the view where half the height is r, and in perspecti
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from math import atan, cos, degrees, isfinite, radians, sin, tan
+from math import atan, cos, degrees, dist, isfinite, radians, sin, tan
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
@@ -37,6 +37,7 @@ __all__ = [
     "placed",
     "placed_for_all",
     "sin_cos_deg",
+    "widened",
 ]
 
 #: "turn": in view from everywhere on a sphere around it, at one scale; "view": as near as this one view allows.
@@ -153,6 +154,23 @@ def placed_for_all(
         parallel_scale=parallel_scale,
         view_angle=narrowed_angle,
     )
+
+
+def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float) -> Camera:
+    """The camera where it shows a volume's corners, or points; else as near to it as it does.
+
+    `zoom`: how much more than that it magnifies, which is kept.
+    """
+    shown = what if isinstance(what, np.ndarray) else corners_of(what)
+    axes = axes_of(camera)
+    in_view = (shown - camera.focal_point) @ axes.T
+    if camera.view_angle is None:
+        needed = float(np.maximum(np.abs(in_view[:, 1]), np.abs(in_view[:, 0]) / aspect).max()) / zoom
+        return camera if needed <= (camera.parallel_scale or 0.0) else replace(camera, parallel_scale=needed)
+    distance = _distance_that_fits(in_view, narrowed(camera.view_angle, 1 / zoom), aspect)
+    if distance <= dist(camera.position, camera.focal_point):
+        return camera
+    return replace(camera, position=_tuple(camera.focal_point + distance * axes[2]))
 
 
 def about(axis: Sequence[float], angle: float) -> Vectors:

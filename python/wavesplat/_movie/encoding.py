@@ -82,7 +82,8 @@ def _video(path: Path, frames: Frames, *, fps: float, size: tuple[int, int], crf
     convert = library("av.video.reformatter", extra="movie").VideoReformatter()
     # Chroma has half the resolution, so sides are even: a row or a column more of the same.
     padding = ((0, size[1] % 2), (0, size[0] % 2), (0, 0))
-    container = {"movflags": "faststart"} if suffix == ".mp4" else {}
+    # The same frames give the same file, without marks of the hour.
+    container = {"fflags": "bitexact", **({"movflags": "faststart"} if suffix == ".mp4" else {})}
     with av.open(str(path), "w", options=container) as out:
         try:
             stream = out.add_stream(codec, rate=Fraction(float(fps)).limit_denominator(1001))

@@ -30,7 +30,7 @@ from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Along", "movie"]
+__all__ = ["Along", "check_movie", "movie"]
 
 #: Pixels of frames that are drawn at once, at most: each takes some hundred bytes meanwhile.
 MOST_PIXELS_AT_ONCE = 8_000_000
@@ -114,8 +114,8 @@ def movie(
     >>> ws.movie(pelvis, "opened/%04d.png", keys, size=(32, 32)).parent.name
     'opened'
     """
-    target, pattern = _target(path)
-    _check(target, pattern, fps=fps, crf=crf, resume=resume)
+    pattern = check_movie(path, fps=fps, crf=crf, resume=resume)
+    target = Path(path)
     width, height = checked_size(size)
     if min(width, height) < 1:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
@@ -171,19 +171,14 @@ class _Drawing:
         return max(range(1, most + 1), key=lambda n: (n * (self._n_threads // n), n))
 
 
-def _target(path: str | PathLike[str]) -> tuple[Path, Path | None]:
-    """Where the movie goes and, of single frames, the pattern of their names."""
+def check_movie(path: str | PathLike[str], *, fps: float, crf: int | None, resume: bool) -> Path | None:
+    """Refuse what cannot be written, before anything is drawn; the pattern of names where frames are files."""
     target = Path(path)
     pattern = png_sequence.pattern_of(target)
     if pattern is None:
         if target.suffix.lower() == ".png":
             raise FileError(f"a PNG file is one frame; number them, as in %04d.png, or name a folder: {target}")
         check_output(target, "movies")
-    return target, pattern
-
-
-def _check(target: Path, pattern: Path | None, *, fps: float, crf: int | None, resume: bool) -> None:
-    """Refuse what a format cannot do, before anything is drawn."""
     suffix = target.suffix.lower() if pattern is None else ".png"
     encoding.check_speed(suffix, fps)
     if crf is not None:
@@ -192,6 +187,7 @@ def _check(target: Path, pattern: Path | None, *, fps: float, crf: int | None, r
         encoding.needed_library(suffix)
         if resume:
             raise ArgumentError(f"resume keeps frames that are there, and {target.name} is one file; name a folder")
+    return pattern
 
 
 class _Shots:

@@ -104,10 +104,16 @@ def chosen_camera(
     parts: Sequence[framing.Part],
     clipping: Clipping,
     aspect: float,
+    *,
+    turned: tuple[float, float] | None = None,
+    zoom: float = 1.0,
+    view_angle: float | None = None,
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits.
 
     parts : volumes and their looks, of which the first chooses the view.
+    turned : azimuth and elevation by which the eye turns from the view, at its scale as long as all stays in view; None
+        of a look without a view is then the front.
     """
     if isinstance(given, Camera):
         for volume, _ in parts:
@@ -121,9 +127,15 @@ def chosen_camera(
     view = look.view if given is None else given
     if view is not None and view not in VIEWS:
         raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
-    azimuth, elevation = framing.natural_view(first) if view is None else VIEWS[view]
+    if view is None:
+        azimuth, elevation = framing.natural_view(first) if turned is None else VIEWS["anterior"]
+    else:
+        azimuth, elevation = VIEWS[view]
     # A picture without pixels has no aspect; the compiled module refuses it.
-    camera = framing.framed(parts, azimuth, elevation, clipping=clipping, aspect=aspect if aspect > 0 else 1.0)
+    fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0}
+    camera = framing.framed(parts, azimuth, elevation, view_angle=view_angle, **fitting)
+    if turned is not None:
+        camera = framing.in_view_again(camera.turned(*turned), parts, **fitting)
     for volume, _ in parts:
         check_view(camera, volume)
     return camera

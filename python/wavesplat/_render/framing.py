@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model import camera_fit
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from wavesplat._model.crop import Crop
     from wavesplat._model.volume import Volume
 
-__all__ = ["FILLED", "Part", "framed", "natural_view", "shown_points"]
+__all__ = ["FILLED", "Part", "framed", "in_view_again", "natural_view", "shown_points"]
 
 #: A volume and its look.
 Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
@@ -80,6 +81,22 @@ def framed(
         points=points,
         fit="view",
     )
+
+
+def in_view_again(
+    camera: Camera,
+    parts: Sequence[Part],
+    *,
+    clipping: Clipping = EVERYTHING,
+    zoom: float = 1.0,
+    aspect: float = 1.0,
+) -> Camera:
+    """The camera itself where it shows all that looks show of volumes, else from further away or at a smaller scale.
+
+    `zoom`: how much more than that it magnifies, which is kept.
+    """
+    around, points = shown_points(parts, clipping)
+    return camera_fit.widened(camera, around if points is None else points, zoom=zoom, aspect=aspect)
 
 
 def shown_points(parts: Sequence[Part], clipping: Clipping = EVERYTHING) -> tuple[Grid, NDArray[np.float64] | None]:

@@ -1,0 +1,173 @@
+"""`wavesplat movie`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wavesplat._cli import parsers
+from wavesplat._cli.crop_options import CutOptions, takes_cut_options
+from wavesplat._cli.layer_options import LayerOptions, takes_layer_options, times_of
+from wavesplat._cli.light_options import LightOptions, takes_light_options
+from wavesplat._cli.outputs import check_outputs
+from wavesplat._cli.printing import is_terminal, message, print_result
+from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
+from wavesplat._cli.sampling_options import SamplingOptions, drawing_arguments, takes_sampling_options
+from wavesplat._cli.scene_options import (
+    ChosenScene,
+    SceneOptions,
+    check_scene_options,
+    chosen_scene,
+    takes_scene_options,
+)
+from wavesplat._cli.shared_options import Json, Quiet, Size
+from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
+from wavesplat._cli.view_options import (
+    ViewOptions,
+    check_view_options,
+    given_camera,
+    seen_from,
+    takes_view_options,
+)
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._movie.key_frame import KeyFrame
+    from wavesplat._movie.turn import Turn
+
+__all__ = ["movie"]
+
+EXIT_INTERRUPTED = 130
+#: Of a turn, where nothing else is said: four seconds.
+TURN = 120
+
+
+@takes_cut_options
+@takes_light_options
+@takes_reader_options_but_channel
+@takes_layer_options
+@takes_color_options
+@takes_processing_options
+@takes_sampling_options
+@takes_scene_options
+@takes_view_options
+def movie(
+    input: Input,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            help="Movie to write: .mp4, .webm, .gif or .webp; or a folder, or a name such as %04d.png, for a PNG file "
+            "of each frame.",
+            show_default=False,
+        ),
+    ],
+    *,
+    turn: Annotated[
+        int | None,
+        typer.Option(metavar="FRAMES", help=f"A turn of so many frames, at one scale; {TURN} without --times."),
+    ] = None,
+    degrees: Annotated[float, typer.Option(metavar="DEG", help="How far it turns; less than 0: to the right.")] = 360.0,
+    fps: Annotated[float, typer.Option(metavar="N", help="Frames a second.")] = 30.0,
+    crf: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Of .mp4 (18) and .webm (24): less loses less, in a larger file."),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Keep PNG files that are there and show the same.")] = False,
+    layering: LayerOptions,
+    showing: SceneOptions,
+    colors: ColorOptions,
+    viewing: ViewOptions,
+    size: Size = "512x512",
+    sampling: SamplingOptions,
+    cuts: CutOptions,
+    lighting: LightOptions,
+    reader: ReaderOptions,
+    processing: ProcessingOptions,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Draw a movie of a volume, a turn or all time points, and print its path."""
+    parsers.refuse_pairs(turn=turn, times=layering.times)
+    check_scene_options(showing, colors, cuts)
+    check_view_options(viewing)
+    from wavesplat._cli import progress
+    from wavesplat._movie.movie import check_movie
+    from wavesplat._movie.movie import movie as make
+    from wavesplat._movie.turn import Turn
+
+    round_trip = Turn(TURN if turn is None else turn, degrees)
+    pattern = check_movie(output, fps=fps, crf=crf, resume=resume)
+    if pattern is None:
+        check_outputs(input, output, "movies")
+    chosen = chosen_scene(
+        input,
+        showing,
+        colors=colors,
+        layering=layering,
+        cuts=cuts,
+        lighting=lighting,
+        reader=reader,
+        processing=processing,
+        quiet=quiet,
+    )
+    along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=fps)
+    n = along.frames if isinstance(along, Turn) else len(along)
+    arguments = drawing_arguments(sampling)
+    try:
+        with progress.bar("drawing", shown=not quiet and is_terminal()) as told:
+            make(
+                chosen.scene,
+                output,
+                along,
+                fps=fps,
+                size=size,
+                composite=chosen.operator,
+                crf=crf,
+                resume=resume,
+                progress=told,
+                **arguments,
+            )
+    except KeyboardInterrupt:
+        if pattern is None:
+            raise
+        message("interrupted; the frames that are done stay, and --resume goes on with them")
+        raise SystemExit(EXIT_INTERRUPTED) from None
+    facts: dict[str, Any] = {"movie": str(pattern or output), "frames": n}
+    facts |= {"fps": fps, "size": list(size), "input": input}
+    print_result(facts, str(pattern or output), as_json=json, written=output)
+
+
+def _along(
+    chosen: ChosenScene, turn: Turn, times: str | None, viewing: ViewOptions, *, size: tuple[int, int], fps: float
+) -> list[KeyFrame] | Turn:
+    """A turn, or a frame of each time point."""
+    from wavesplat._model.series import Series
+    from wavesplat._movie.key_frame import KeyFrame
+
+    if times is None:
+        camera = given_camera(viewing)
+        if camera is not None:
+            return replace(turn, start=camera)
+        azimuth, elevation = viewing.azimuth, viewing.elevation
+        is_turned = azimuth is not None or elevation is not None
+        return replace(
+            turn,
+            start=viewing.view or chosen.look.view or ("anterior" if is_turned else None),
+            azimuth=azimuth or 0.0,
+            elevation=elevation or 0.0,
+            zoom=viewing.zoom,
+            view_angle=viewing.perspective,
+        )
+    series = next((layer.volume for layer in chosen.scene.layers if isinstance(layer.volume, Series)), None)
+    if series is None:
+        raise ArgumentError("--times makes a movie of time points, and the file holds one; leave it out for a turn")
+    numbers = list(times_of(times, len(series)))
+    camera = seen_from([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size)
+    return [KeyFrame(k / fps, camera=camera, time=number) for k, number in enumerate(numbers)]

@@ -1,0 +1,278 @@
+"""The options that say what is shown and how, and the scene that they make with those of layers, cuts and light."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args
+
+import typer
+
+from wavesplat._cli import parsers
+from wavesplat._cli.crop_options import CutOptions, chosen_clip
+from wavesplat._cli.layer_options import LayerOptions, further_layers
+from wavesplat._cli.light_options import LightOptions, chosen_shading
+from wavesplat._cli.opened_layers import Channels, opened_layers
+from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat._cli.printing import message
+from wavesplat._cli.processing_options import ProcessingOptions
+from wavesplat._cli.reader_options import ReaderOptions
+from wavesplat._cli.shared_options import Background, Family, Threshold
+from wavesplat._cli.transfer_function_options import (
+    ColorOptions,
+    TransferFunctionFile,
+    function_of_materials,
+    named_look,
+)
+from wavesplat._model.options import BY_VIEW, COMPOSITE_SYNONYMS, Composite
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    from wavesplat._looks.labels import Labels
+    from wavesplat._looks.look import Look
+    from wavesplat._model.composites import Operator
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene", "takes_scene_options"]
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """The look of a volume, its labels, operator, wavelets and background."""
+
+    preset: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
+    ] = None
+    tf: TransferFunctionFile = None
+    materials: Annotated[
+        str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
+    ] = None
+    surfaces: Annotated[
+        float | None,
+        typer.Option(metavar="0..1", help="How much of the materials' opacity only their boundaries have."),
+    ] = None
+    labels: Annotated[
+        str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
+    ] = None
+    label_table: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
+    ] = None
+    composite: Annotated[Any, parsers.choice((*get_args(Composite), *COMPOSITE_SYNONYMS))] = None
+    iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None
+    local_threshold: Annotated[
+        float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
+    ] = None
+    depth_shading: Annotated[
+        float | None, typer.Option(metavar="0..1", help="How much depth-shaded-maximum dims the farthest; 0.6.")
+    ] = None
+    attenuation: Annotated[
+        Any,
+        typer.Option(
+            metavar="CLEAR,PER_UNIT",
+            parser=parsers.numbers(2, "-1000,2.06e-5"),
+            help="Of x-ray: a value that absorbs nothing, and absorption per world unit and unit above it.",
+        ),
+    ] = None
+    threshold: Threshold = None
+    levels: Annotated[
+        int | None, typer.Option(metavar="N", help="Draw the wavelets' N coarsest levels, at their own resolution.")
+    ] = None
+    bands: Annotated[
+        Any,
+        typer.Option(
+            metavar="W,W,...",
+            parser=parsers.weights,
+            help="A weight for each level of wavelets, the finest first, and for the coarsest samples.",
+        ),
+    ] = None
+    family: Family = "cdf97"
+    background: Background = None
+
+    @property
+    def operator(self) -> Composite | None:
+        """Name of the operator; None leaves it to the look."""
+        name: Composite | None = COMPOSITE_SYNONYMS.get(self.composite, self.composite)
+        return name
+
+
+def takes_scene_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `showing`."""
+    return with_options_of(SceneOptions, "showing", command)
+
+
+class ChosenScene(NamedTuple):
+    """A scene, the look of its first layer, and the operator that it is drawn with."""
+
+    scene: Scene
+    look: Look
+    operator: Operator
+
+
+def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:
+    """Refuse what cannot be, before anything is read."""
+    parsers.refuse_pairs(preset=showing.preset, tf=showing.tf)
+    parsers.refuse_pairs(preset=showing.preset, materials=showing.materials)
+    parsers.refuse_pairs(tf=showing.tf, materials=showing.materials)
+    parsers.refuse_pairs(cmap=colors.cmap, materials=showing.materials)
+    parsers.refuse_pairs(crop=cuts.crop, crop_index=cuts.crop_index)
+    if showing.surfaces is not None and showing.materials is None:
+        raise ArgumentError("--surfaces are those between materials; give it with --materials")
+    if showing.operator is not None:
+        _operator(showing.operator, showing)
+
+
+def chosen_scene(
+    input: str,
+    showing: SceneOptions,
+    *,
+    colors: ColorOptions,
+    layering: LayerOptions,
+    cuts: CutOptions,
+    lighting: LightOptions,
+    reader: ReaderOptions,
+    processing: ProcessingOptions,
+    quiet: bool,
+) -> ChosenScene:
+    """What the options say, opened."""
+    from wavesplat._looks.over_time import brightest
+    from wavesplat._model.series import Series
+    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.scene import Scene
+
+    composite = showing.operator
+    opened = opened_layers(input, reader, layering, processing, composite=composite, quiet=quiet)
+    if isinstance(opened, Channels):
+        _refuse_for_channels(showing, colors, len(opened.layers))
+        layers, look = opened
+        shading: Any = chosen_shading(lighting, None) if given(lighting) else "look"
+    else:
+        volume = opened if isinstance(opened, Series) else _levels(opened, showing)
+        look = _look(brightest(volume) if isinstance(volume, Series) else volume, input, showing, colors, quiet=quiet)
+        shading = chosen_shading(lighting, look.shading)
+        if layering.layer:  # which have light of their own
+            look, shading = replace(look, shading=shading), "look"
+        # Greys that depend on the view are left to the renderer.
+        by_view = look.name == "auto" and look.composite in BY_VIEW and not (layering.layer or layering.times)
+        layers = [Layer(volume, None if by_view else look)]
+    scene = Scene(
+        [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet)],
+        labels=_labels(showing.labels, showing.label_table),
+        shading=shading,
+        clip=chosen_clip(cuts, layers[0].drawn),
+        background=showing.background or look.background or "black",
+    )
+    if not quiet:
+        _note_guesses(scene, look, composite)
+    return ChosenScene(scene, look, _operator(composite or look.composite, showing))
+
+
+def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) -> None:
+    """An error for options that make a look, or coefficients, of one volume."""
+    for_one = ("preset", "tf", "materials", "threshold", "levels", "bands")
+    names = [f"--{name}" for name in for_one if getattr(showing, name) is not None]
+    names += ["--cmap, --clim, --log, --opacity and --gamma"] if colors.are_given() else []
+    if names:
+        raise ArgumentError(
+            f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "
+            "say how each is shown: --channel 0:green:100,900"
+        )
+
+
+def _look(
+    volume: Volume | WaveletVolume, path: str, showing: SceneOptions, colors: ColorOptions, *, quiet: bool
+) -> Look:
+    """The look that is named, or the one that suits the data. `path`: where the volume came from, for messages."""
+    from wavesplat._looks.look import Look
+    from wavesplat._render.arguments import chosen_look
+
+    composite = showing.operator
+    if showing.materials is not None:
+        function = function_of_materials(volume, showing.materials, showing.surfaces)
+        return Look(transfer_function=function, composite=composite or "over")
+    opacity = 1.0 if composite not in (None, "over", "first-hit") else "linear"
+    named = named_look(volume, preset=showing.preset, tf=showing.tf, colors=colors, opacity=opacity, quiet=quiet)
+    if named is not None:
+        return chosen_look(named, volume, composite)
+    try:
+        return Look.auto(volume, composite)
+    except ArgumentError as error:
+        # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
+        raise FileError(f"{error}: {path}") from None
+
+
+def _labels(path: str | None, table: Path | None) -> Labels | None:
+    from wavesplat._looks.labels import Labels
+
+    if path is None:
+        if table is not None:
+            raise ArgumentError("--label-table names the labels of a segmentation; give it with --labels")
+        return None
+    return Labels.open(path, table=table)
+
+
+#: The option that each operator takes a number from.
+NUMBERS = {
+    "iso_value": "first-hit",
+    "local_threshold": "local-maximum",
+    "depth_shading": "depth-shaded-maximum",
+    "attenuation": "x-ray",
+}
+
+
+def _operator(composite: Composite, showing: SceneOptions) -> Operator:
+    """The operator with its number; an `ArgumentError` where a number is another one's."""
+    from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
+
+    for name, owner in NUMBERS.items():
+        if getattr(showing, name) is not None and composite != owner:
+            option = f"--{name.replace('_', '-')}"
+            raise ArgumentError(
+                f"{option} is for --composite {owner}, not for {composite}; give that, or leave out {option}"
+            )
+    if composite == "first-hit":
+        if showing.iso_value is None:
+            raise ArgumentError("--composite first-hit needs the value of the surface; give it as --iso-value")
+        return FirstHit(showing.iso_value)
+    if composite == "local-maximum":
+        return LocalMaximum(showing.local_threshold)
+    if composite == "depth-shaded-maximum":
+        return DepthShadedMaximum() if showing.depth_shading is None else DepthShadedMaximum(showing.depth_shading)
+    if composite == "x-ray":
+        return XRay(*(showing.attenuation or ()))
+    return composite
+
+
+def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | WaveletVolume:
+    """What is drawn, as wavelets if any of these options asks for them, without what is left out."""
+    from wavesplat._model.wavelet_volume import WaveletVolume
+
+    threshold, levels, bands = showing.threshold, showing.levels, showing.bands
+    if isinstance(volume, WaveletVolume):
+        if threshold is not None:
+            raise ArgumentError(
+                "--threshold is for samples; the coefficients of this file were dropped when it was made"
+            )
+    elif threshold is None and levels is None and bands is None:
+        return volume
+    else:
+        volume = WaveletVolume.from_volume(volume, showing.family, threshold=threshold)
+    if levels is not None and not 0 <= levels <= volume.n_levels:
+        raise ArgumentError(
+            f"--levels is {levels}; {volume.name!r} has {volume.n_levels}, so give 0 to {volume.n_levels}"
+        )
+    weighted = volume if bands is None else volume.bands(bands)
+    return weighted if levels is None else weighted.level(volume.n_levels - levels)
+
+
+def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:
+    # Of the guesses the one that changes what a pixel means; all are in the report.
+    if look.name == "auto" and composite is None and look.composite != "over" and look.reason.endswith("values"):
+        message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
+    n_nonfinite = sum(layer.drawn.n_nonfinite for layer in scene.layers)
+    if n_nonfinite:
+        message(f"note: {n_nonfinite} samples are NaN or infinite; they are drawn as empty")

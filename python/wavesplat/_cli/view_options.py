@@ -1,0 +1,94 @@
+"""The options that say where a picture is taken from, and the camera that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wavesplat._cli import parsers
+from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.shared_options import Zoom
+from wavesplat._model.options import VIEWS
+
+if TYPE_CHECKING:
+    from wavesplat._looks.look import Look
+    from wavesplat._model.camera import Camera
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["ViewOptions", "check_view_options", "given_camera", "seen_from", "takes_view_options"]
+
+
+@dataclass(frozen=True)
+class ViewOptions:
+    """A view, or a camera, and how it is turned and magnified."""
+
+    view: Annotated[
+        Any,
+        typer.Option(
+            metavar="NAME",
+            parser=parsers.one_of(tuple(VIEWS)),
+            help=f"{', '.join(VIEWS)}; the one that suits the data if not given.",
+        ),
+    ] = None
+    camera: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.json", help="The camera of a file, as Camera.save writes it, instead of a view."),
+    ] = None
+    azimuth: Annotated[
+        float | None, typer.Option(metavar="DEG", help="Turn the eye from the view to the patient's left.")
+    ] = None
+    elevation: Annotated[float | None, typer.Option(metavar="DEG", help="Lift the eye from the view.")] = None
+    zoom: Zoom = 1.0
+    perspective: Annotated[float | None, typer.Option(metavar="DEG", help="Perspective with this vertical angle.")] = (
+        None
+    )
+
+
+def takes_view_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `viewing`."""
+    return with_options_of(ViewOptions, "viewing", command)
+
+
+def check_view_options(viewing: ViewOptions) -> None:
+    """Refuse what cannot be, before anything is read."""
+    from wavesplat._model.camera import checked_lens
+
+    parsers.refuse_pairs(view=viewing.view, camera=viewing.camera)
+    parsers.refuse_pairs(perspective=viewing.perspective, camera=viewing.camera)
+    checked_lens(viewing.zoom, viewing.perspective)
+
+
+def given_camera(viewing: ViewOptions) -> Camera | None:
+    """The camera of a file, turned and magnified; None if none is given."""
+    from wavesplat._model.camera import Camera
+
+    if viewing.camera is None:
+        return None
+    turned = Camera.load(viewing.camera).turned(viewing.azimuth or 0.0, viewing.elevation or 0.0)
+    return turned if viewing.zoom == 1 else turned.zoomed(viewing.zoom)
+
+
+def seen_from(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: tuple[int, int]) -> Camera:
+    """From a view, turned by the angles; without any, from the side that suits the data.
+
+    Of several scenes, which are times, the first, the middle and the last one are in view. `look`: of the first layer.
+    """
+    from wavesplat._render.arguments import chosen_camera
+    from wavesplat._scene.shown import seen_parts
+
+    wanted = dict.fromkeys((0, len(scenes) // 2, len(scenes) - 1))
+    parts = [part for number in wanted for part in seen_parts(scenes[number], look)]
+    is_turned = viewing.azimuth is not None or viewing.elevation is not None
+    return chosen_camera(
+        given_camera(viewing) or viewing.view,
+        parts,
+        scenes[0]._clipping,
+        size[0] / size[1] if min(size) > 0 else 1.0,  # the renderer refuses an empty picture
+        turned=(viewing.azimuth or 0.0, viewing.elevation or 0.0) if is_turned else None,
+        zoom=viewing.zoom,
+        view_angle=viewing.perspective,
+    )

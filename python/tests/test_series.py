@@ -263,6 +263,11 @@ def test_what_is_no_series(volumes, more, message):
         ws.Series(volumes, **more)
 
 
+def test_what_wants_one_volume_says_how_to_take_it():
+    with pytest.raises(ArgumentError, match=r"volume is a Series of several times; give one of them, as series\[0\]"):
+        ws.slice(ws.Series([ws.Volume(SAMPLES[0])]))
+
+
 def test_arrays_become_volumes_by_hand():
     with pytest.raises(ArgumentError, match="time point 0 of series 'series' is a ndarray; give a list of volumes"):
         ws.Series(SAMPLES)[0]

@@ -7,12 +7,7 @@ import warnings
 import pages
 import pytest
 
-PAGES = [
-    "movies.md",
-    pytest.param(
-        "channels_and_time.md", marks=pytest.mark.xfail(reason="several layers in one picture are not drawn yet")
-    ),
-]
+PAGES = ["movies.md", "channels_and_time.md"]
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -58,7 +58,7 @@ CALLS = {
     "values": (FUNCTION, {"values": [0.0]}),
     "Shading": (ws.Shading, {}),
     "Labels": (ws.Labels, {"segmentation": np.zeros((6, 6, 6), np.uint8)}),
-    "raycast": (ws.reference.raycast, SMALL | {"step": 1}),
+    "raycast": (ws.reference.raycast, SCENE | {"step": 1}),
     "splat_literal": (ws.reference.splat_literal, SMALL),
     "splat": (ws.study.splat, SMALL),
     "standard": (ws.study.standard, SMALL),

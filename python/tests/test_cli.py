@@ -113,7 +113,8 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "INPUT"),
+        ([], "--output"),
+        (["-o", "OUT"], "INPUT is missing"),
         (["IN"], "--output"),
         (["IN", "-o", "OUT", "--size", "12"], "'12' is not WIDTHxHEIGHT"),
         (["IN", "-o", "OUT", "--size", "0x5"], "width is 0"),

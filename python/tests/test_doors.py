@@ -42,7 +42,9 @@ def _maximum(mri):
 
 
 def _surface(mri):
-    return _drawn(mri, ws.Look.auto(mri, "first-hit"), 50, 15, composite=ws.FirstHit(22), quality="high")
+    return _drawn(
+        mri, ws.Look.auto(mri, "first-hit"), 50, 15, composite=ws.FirstHit(22), quality="high", background="transparent"
+    )
 
 
 def _wavelets(mri):
@@ -94,8 +96,8 @@ def test_the_bundled_scans_are_their_files(wavesplat, tmp_path):
         ("mri_head", "mr-head", ws.examples.mri_head()),
     ):
         by_file, by_name = tmp_path / "file.png", tmp_path / "name.png"
-        ws.render(ws.open(SCANS[scan]), look, size=(16, 16)).save(by_file)
-        ws.render(volume, look, size=(16, 16)).save(by_name)
+        ws.render(ws.open(SCANS[scan]), look, size=(16, 16)).save(by_file, scene=False)
+        ws.render(volume, look, size=(16, 16)).save(by_name, scene=False)
         assert by_file.read_bytes() == by_name.read_bytes()
         pictures.append(by_file.read_bytes())
     assert pictures[0] != pictures[1]

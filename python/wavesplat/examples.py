@@ -78,11 +78,15 @@ def ripples(n: int = 32) -> Volume:
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     wave = np.cos(2 * np.pi * f_m * np.cos(np.pi * np.hypot(x, y) / 2))
     rho = (1 - np.sin(np.pi * z / 2) + alpha * (1 + wave)) / (2 * (1 + alpha))
-    return Volume((255 * rho).astype(np.float32), name=f"ripples({n})")
+    made = Volume((255 * rho).astype(np.float32), name=f"ripples({n})")
+    made._source = {"example": "ripples", "n": int(n)}
+    return made
 
 
 def _bundled(name: str, modality: str) -> Volume:
     with as_file(files("wavesplat") / "data" / name / f"{name}.nii.gz") as path:
         volume = open_volume(path)
     facts = replace(volume.facts, modality=modality)
-    return Volume(volume.samples, world_from_index=volume.world_from_index, name=volume.name, facts=facts)
+    example = Volume(volume.samples, world_from_index=volume.world_from_index, name=volume.name, facts=facts)
+    example._source = {"example": name}
+    return example

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from wavesplat._cli.printing import json_text
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._files.output import Kind
 
-__all__ = ["check_outputs"]
+__all__ = ["check_outputs", "write_report"]
 
 
 def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = None) -> None:
@@ -28,3 +29,10 @@ def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = No
         owner = owners.setdefault(real_place(path), name)
         if owner != name:
             raise ArgumentError(f"{owner} and {name} are the same file, which would be lost; change a name: {path}")
+
+
+def write_report(path: Path, facts: dict[str, Any]) -> None:
+    """Write what is told of a result to a file."""
+    from wavesplat._files.output import write_atomically
+
+    write_atomically(path, lambda part: part.write_text(json_text(facts) + "\n", encoding="utf-8"))

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Input",
+    "InputOrNone",
     "ReaderOptions",
     "open_any",
     "open_samples",
@@ -30,6 +31,9 @@ __all__ = [
     "tell_guesses",
 ]
 
+InputOrNone = Annotated[
+    str | None, typer.Argument(metavar="INPUT", help="A volume: file, folder or URL.", show_default=False)
+]
 Input = Annotated[str, typer.Argument(metavar="INPUT", help="A volume: file, folder or URL.", show_default=False)]
 
 

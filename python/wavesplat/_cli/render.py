@@ -10,17 +10,19 @@ import typer
 
 from wavesplat._cli.crop_options import CutOptions, takes_cut_options
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
+from wavesplat._cli.from_document import draw_from
 from wavesplat._cli.layer_options import LayerOptions, names_of_pictures, takes_layer_options, times_of
 from wavesplat._cli.light_options import LightOptions, takes_light_options
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import is_terminal, json_text, print_notes, print_result
+from wavesplat._cli.outputs import check_outputs, write_report
+from wavesplat._cli.printing import is_terminal, print_notes, print_result
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
+from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.sampling_options import SamplingOptions, drawing_arguments, takes_sampling_options
 from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chosen_scene, takes_scene_options
 from wavesplat._cli.shared_options import Bits, Json, PictureOutput, Quiet, Size
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import ViewOptions, check_view_options, seen_from, takes_view_options
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
@@ -40,9 +42,18 @@ __all__ = ["render"]
 @takes_scene_options
 @takes_view_options
 def render(
-    input: Input,
+    context: typer.Context,
     output: PictureOutput,
+    input: InputOrNone = None,
     *,
+    again: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="Draw again, instead of INPUT: a scene, a report, or a PNG file that says how it was made.",
+        ),
+    ] = None,
     layering: LayerOptions,
     showing: SceneOptions,
     colors: ColorOptions,
@@ -60,6 +71,12 @@ def render(
     quiet: Quiet = False,
 ) -> None:
     """Draw a picture of a volume and print its path."""
+    if again is not None:
+        how: Any = {"figure": figure, "bits": bits, "report": report, "json": json, "quiet": quiet}
+        draw_from(context, again, output, threads=sampling.threads, **how)
+        return
+    if input is None:
+        raise ArgumentError("INPUT is missing: name a volume, a file, folder or URL, or give --from")
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
     check_outputs(input, output, "pictures", report)
@@ -93,7 +110,7 @@ def render(
     )
     facts = made[0] if layering.times is None else {"pictures": made}
     if report is not None:
-        _write_report(report, facts)
+        write_report(report, facts)
     print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
 
 
@@ -138,9 +155,3 @@ def _drawn(scene: Scene, camera: Camera, *, shown: bool, **options: Any) -> Any:
     from wavesplat._cli import progress
 
     return progress.run(lambda report: scene.render(camera, progress=report, **options), "drawing", shown=shown)
-
-
-def _write_report(path: Path, facts: dict[str, Any]) -> None:
-    from wavesplat._files.output import write_atomically
-
-    write_atomically(path, lambda part: part.write_text(json_text(facts) + "\n", encoding="utf-8"))

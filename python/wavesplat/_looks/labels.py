@@ -20,6 +20,7 @@ from wavesplat._looks import colors, label_names
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
+from wavesplat._model.sources import Source
 from wavesplat._model.taking import taken
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -137,6 +138,8 @@ class Labels:
     _codes: NDArray[Any] = field(repr=False)
     _cores: dict[bytes, _native.Labels] = field(repr=False)
     _cuts: dict[tuple[bytes, Boxes], Labels] = field(repr=False)
+    #: Where the segmentation comes from, None if that cannot be told (`_model.sources`).
+    _source: Source | None = field(repr=False)
 
     @takes_its_types
     def __init__(
@@ -153,7 +156,8 @@ class Labels:
         numbers, codes = _codes(samples)
         looks = _default_looks(numbers) if labels is None else _checked_looks(labels, numbers)
         n_z, n_y, n_x = samples.shape
-        parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {}, {})
+        source = segmentation._source if isinstance(segmentation, Volume) else None
+        parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {}, {}, source)
         for name, value in zip(self.__dataclass_fields__, parts, strict=True):
             object.__setattr__(self, name, value)
 
@@ -257,6 +261,7 @@ class Labels:
                 codes,
                 {},
                 {},
+                None,
             )
             for name, value in zip(self.__dataclass_fields__, parts, strict=True):
                 object.__setattr__(cut, name, value)

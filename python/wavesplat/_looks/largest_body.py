@@ -23,6 +23,7 @@ from wavesplat._looks.histogram import finite_samples, is_hounsfield, otsu, robu
 from wavesplat._model import units
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.foreign import VolumeLike, as_volume
+from wavesplat._model.sources import then
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -103,7 +104,10 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     kept = _Morphology(distances, axis=2 - across).body(matter, radius, least_left)
     samples = _emptied(volume, kept, steps)
     told = f"all but the largest body emptied: above {least:g}, opened by {radius:g} {volume.unit or 'world units'}"
-    return volume._processed(samples, told)
+    options = {"threshold": threshold, "opening": opening}
+    given = {name: float(value) for name, value in options.items() if value is not None}
+    source = then(volume._source, "largest_body", **given)
+    return volume._processed(samples, told, source)
 
 
 def _threshold(volume: Volume, by_hounsfield: bool) -> float:

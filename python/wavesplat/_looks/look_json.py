@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["build", "parse", "write"]
+__all__ = ["build", "build_shading", "fields_of", "fields_of_curves", "fields_of_shading", "parse", "write"]
 
 WHAT = "look"
 TEXTS = ("name", "description", "kind", "view", "composite", "background")
@@ -36,22 +36,27 @@ FIELDS = {"version", "transfer_function", "shading", *TEXTS}
 
 def write(look: Look) -> str:
     """JSON text of a look; numbers read back exactly."""
+    return json_object.write(fields_of(look))
+
+
+def fields_of_curves(curves: TransferFunction | TransferFunction2D) -> dict[str, Any]:
+    """The fields of a transfer function of one or two dimensions."""
+    return curves._fields() if isinstance(curves, TransferFunction2D) else transfer_function_json.fields_of(curves)
+
+
+def fields_of(look: Look, curves: dict[str, Any] | None = None) -> dict[str, Any]:
+    """The fields of such an object, but the version. `curves`: those of its transfer function, if they are known."""
     if look.labels is not None:
         raise ArgumentError("this look has labels, which are as large as a volume; save the look without them")
-    curves = look.transfer_function
-    return json_object.write(
-        {
-            "name": look.name,
-            "description": look.reason,
-            "transfer_function": (
-                curves._fields() if isinstance(curves, TransferFunction2D) else transfer_function_json.fields_of(curves)
-            ),
-            "shading": None if look.shading is None else _fields_of(look.shading),
-            "composite": look.composite,
-            "view": look.view,
-            "background": look.background,
-        }
-    )
+    return {
+        "name": look.name,
+        "description": look.reason,
+        "transfer_function": fields_of_curves(look.transfer_function) if curves is None else curves,
+        "shading": None if look.shading is None else fields_of_shading(look.shading),
+        "composite": look.composite,
+        "view": look.view,
+        "background": look.background,
+    }
 
 
 def parse(text: str, volume: Volume | WaveletVolume | None) -> Look:
@@ -80,7 +85,7 @@ def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Lo
         transfer_function = transfer_function_json.build(named, volume, needed=("opacity", "color"))
     return Look(
         transfer_function=transfer_function,
-        shading=_shading(document["shading"]) if "shading" in document else Shading(),
+        shading=build_shading(document["shading"]) if "shading" in document else Shading(),
         composite=composite,
         view=document.get("view"),
         background=document.get("background"),
@@ -89,15 +94,15 @@ def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Lo
     )
 
 
-def _fields_of(light: Any) -> dict[str, Any]:
+def fields_of_shading(light: Any) -> dict[str, Any]:
     """Settings of a `Shading` or `Light`."""
     settings = {field.name: getattr(light, field.name) for field in fields(light) if field.name != "_core"}
     if "lights" in settings:
-        settings["lights"] = [_fields_of(one) for one in settings["lights"]]
+        settings["lights"] = [fields_of_shading(one) for one in settings["lights"]]
     return settings
 
 
-def _shading(document: Any) -> Shading | None:
+def build_shading(document: Any) -> Shading | None:
     if document is None:
         return None
     lights = document.get("lights", []) if isinstance(document, dict) else None

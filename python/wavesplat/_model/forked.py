@@ -31,8 +31,8 @@ class _Process:
         drawn, self.drawn = self.drawn, []
         for volume in drawn:
             # What the compiled module keeps for it may be locked by a thread that is no more.
-            if hasattr(volume, "changed"):
-                volume.changed()
+            if hasattr(volume, "_renew"):
+                volume._renew()
 
 
 _PROCESS = _Process()

@@ -11,6 +11,7 @@ from typing import Any, Protocol, overload, runtime_checkable
 
 from wavesplat._files.places import printable
 from wavesplat._model.argument_types import described
+from wavesplat._model.sources import Source, then
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -87,6 +88,8 @@ class Series:
         self._numbers = range(n)
         self._times = None if times is None else _checked_times(times, n)
         self._time_unit = None if time_unit is None else str(time_unit)
+        #: Where it comes from, None if that cannot be told (`_model.sources`).
+        self._source: Source | None = None
         self._kept: OrderedDict[int, Volume] = OrderedDict()
         self._lock = RLock()
         #: What looks are made for (`_looks.over_time`).
@@ -151,6 +154,7 @@ class Series:
             )
         part = Series.__new__(Series)
         vars(part).update(vars(self), _numbers=numbers, _brightest=None)  # what is kept is shared
+        part._source = then(self._source, "times", start=key.start, stop=key.stop, step=key.step)
         return part
 
     def _volume(self, number: int) -> Volume:

@@ -18,6 +18,7 @@ from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
+from wavesplat._model.sources import Source, then
 from wavesplat._model.taken import Taken, check_shape
 from wavesplat._model.taking import taken
 from wavesplat._public import public
@@ -80,9 +81,13 @@ class Volume(Grid):
     """
 
     #: `_cut`: the boxes that were last taken out for a picture, and what they left (`_model.cutting`).
-    __slots__ = ("_core", "_cut", "_samples")
+    #: `_resampled`: on which axes it was last resampled, and what that gave (`_scene.resampling`).
+    #: `_source`: where it comes from, None if that cannot be told (`_model.sources`).
+    __slots__ = ("_core", "_cut", "_resampled", "_samples", "_source")
 
     _cut: tuple[tuple[Crop, ...], Volume] | None
+    _resampled: tuple[bytes, Volume] | None
+    _source: Source | None
 
     def __init__(
         self,
@@ -136,9 +141,9 @@ class Volume(Grid):
         matrix = _checked_affine(spacing, world_from_index, name)
         given = known if facts is None else _with_guesses(facts, known.guesses, name)
         super().__init__(name, (n_z, n_y, n_x), matrix, _checked_facts(given, unit, anatomical, name))
+        self._source = None
         # Built at once, so that what is wrong with a volume is said where the volume is made.
-        self._core = self._built()
-        self._cut = None
+        self._renew()
 
     def changed(self) -> None:
         """Say that the shared array was written to: range of values and all that was prepared are made anew.
@@ -160,8 +165,8 @@ class Volume(Grid):
         >>> volume.value_range
         (0.0, 200.0)
         """
-        self._core = self._built()
-        self._cut = None
+        self._source = None
+        self._renew()
 
     def smoothed(self, deviation: float, *, unit: Literal["voxels", "world"] = "voxels") -> Volume:
         """The volume smoothed by a Gaussian: less noise, and no rings on skin that the steps of samples make.
@@ -211,7 +216,8 @@ class Volume(Grid):
         if max(deviations) < smoothing.LEAST:
             return self
         samples = smoothing.smoothed(self._samples, deviations)
-        return self._processed(samples, f"smoothed by a Gaussian, deviation {number:g} {named}")
+        source = then(self._source, "smoothed", deviation=number, unit=unit)
+        return self._processed(samples, f"smoothed by a Gaussian, deviation {number:g} {named}", source)
 
     def to_xarray(self) -> xarray.DataArray:
         """The volume as an array with names: axes z, y, x, coordinates in the world, and the unit as their `units`.
@@ -306,10 +312,18 @@ class Volume(Grid):
             return np.array(self._samples, wanted)
         return self._samples.astype(wanted, copy=False)
 
-    def _processed(self, samples: NDArray[Any], how: str) -> Volume:
+    def _processed(self, samples: NDArray[Any], how: str, source: Source | None) -> Volume:
         """Other samples in the place of these."""
         facts = replace(self._facts, processing=(*self._facts.processing, how))
-        return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=facts)
+        made = Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=facts)
+        made._source = source
+        return made
+
+    def _renew(self) -> None:
+        """Forget all that was made of the samples."""
+        self._core = self._built()
+        self._cut = None
+        self._resampled = None
 
     def _built(self) -> _native.Volume:
         return _native.Volume(self._samples, self._world_from_index, self._name)
@@ -349,7 +363,10 @@ class Volume(Grid):
 
     def __reduce__(self) -> tuple[Any, ...]:
         how = partial(type(self), world_from_index=self._world_from_index, name=self._name, facts=self._facts)
-        return how, (self._samples,)
+        return how, (self._samples,), self._source
+
+    def __setstate__(self, source: Source) -> None:
+        self._source = source
 
 
 def _renderable(array: NDArray[Any], name: str) -> NDArray[Any]:

@@ -27,6 +27,7 @@ from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.forked import check_threads
 from wavesplat._model.grid import Grid
+from wavesplat._model.sources import Source, of_file, then
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError, FileError
@@ -68,7 +69,7 @@ class WaveletVolume(Grid):
     20.0
     """
 
-    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_left_out", "_weights")
+    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_left_out", "_source", "_weights")
 
     def __init__(
         self,
@@ -84,6 +85,8 @@ class WaveletVolume(Grid):
         #: A factor for each level's details, and for the coarsest samples.
         self._weights = (1.0,) * (core.n_levels + 1)
         self._left_out = 0
+        #: Where they come from, None if that cannot be told (`_model.sources`).
+        self._source: Source | None = None
         self._cache_bytes = CACHE_BYTES
         #: What was drawn last, by levels left out and weights.
         self._decoded_levels: dict[tuple[int, tuple[float, ...]], _native.DecodedVolume] = {}
@@ -150,7 +153,10 @@ class WaveletVolume(Grid):
         peak = normalisation == "peak"
         check_threads("make coefficients")
         core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
-        return cls(core, volume.name, volume.world_from_index, family, volume.facts)
+        made = cls(core, volume.name, volume.world_from_index, family, volume.facts)
+        options = {how: float(amount), "levels": levels, "normalisation": normalisation}
+        made._source = then(volume._source, "wavelets", family=family, **options)
+        return made
 
     @property
     def family(self) -> str:
@@ -233,7 +239,9 @@ class WaveletVolume(Grid):
         check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
         weights = (0.0,) * self._left_out + self._weights[self._left_out :]
         samples = self._core.samples(weights)
-        return Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
+        made = Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
+        made._source = then(self._source, "to_volume")
+        return made
 
     @takes_its_types
     def level(self, left_out: int) -> WaveletVolume:
@@ -262,6 +270,7 @@ class WaveletVolume(Grid):
         self._check_levels(left_out)
         chosen = self._copy()
         chosen._left_out = left_out
+        chosen._source = then(self._source, "level", left_out=left_out)
         return chosen
 
     def bands(self, weights: Sequence[float]) -> WaveletVolume:
@@ -298,12 +307,14 @@ class WaveletVolume(Grid):
         given += [1.0] * (n + 1 - len(given))
         weighted = self._copy()
         weighted._weights = tuple(a * b for a, b in zip(self._weights, given, strict=True))
+        weighted._source = then(self._source, "bands", weights=given)
         return weighted
 
     def _copy(self) -> WaveletVolume:
         """The same, with what was decoded in common."""
         copy = WaveletVolume(self._core, self._name, self._world_from_index, self._family, self._facts)
         copy._left_out = self._left_out
+        copy._source = self._source
         copy._weights = self._weights
         copy._cache_bytes = self._cache_bytes
         copy._decoded_levels = self._decoded_levels
@@ -369,7 +380,9 @@ class WaveletVolume(Grid):
                 check_members(promised, promised.namelist(), path)
             file.seek(0)
             with np.load(file, allow_pickle=False) as archive:
-                return cls._from_arrays({name: archive[name] for name in archive.files}, path)
+                loaded = cls._from_arrays({name: archive[name] for name in archive.files}, path)
+            loaded._source = of_file(path, {})
+            return loaded
 
     @classmethod
     def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
@@ -438,21 +451,22 @@ class WaveletVolume(Grid):
     def __reduce__(self) -> tuple[Any, ...]:
         how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
         place = self._name, self._world_from_index, self._facts
-        return self._rebuild, (how, place, (self._weights, self._left_out), self._cache_bytes)
+        return self._rebuild, (how, place, (self._weights, self._left_out, self._source), self._cache_bytes)
 
     @classmethod
     def _rebuild(
         cls,
         how: tuple[Any, ...],
         place: tuple[str, NDArray[np.float64], Facts],
-        shown: tuple[Sequence[float], int],
+        shown: tuple[Sequence[float], int, Source | None],
         cache_bytes: int,
     ) -> WaveletVolume:
         name, world_from_index, facts = place
-        weights, left_out = shown
+        weights, left_out, source = shown
         made = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1], facts)
         rebuilt = made.bands(weights).level(left_out)
         rebuilt.cache_bytes = cache_bytes
+        rebuilt._source = source
         return rebuilt
 
     def __repr__(self) -> str:

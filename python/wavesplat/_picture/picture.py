@@ -215,7 +215,15 @@ class Picture:
         return made
 
     @takes_its_types
-    def save(self, path: str | PathLike[str], *, bits: int = 8, dpi: float | None = None, quality: int = 95) -> None:
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        bits: int = 8,
+        dpi: float | None = None,
+        quality: int = 95,
+        scene: bool = True,
+    ) -> None:
         """Write the picture to a file; the suffix chooses the format.
 
         Parameters
@@ -232,6 +240,9 @@ class Picture:
             `annotated`.
         quality : int, default 95
             Of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
+        scene : bool
+            Whether a PNG file says how it was made, so that `Scene.load` reads the scene from it, and
+            `wavesplat render --from` draws it again. It then holds names of files.
 
         Raises
         ------
@@ -261,13 +272,17 @@ class Picture:
         if not 1 <= quality <= 100:
             raise ArgumentError(f"quality is {quality}; give 1 to 100, 95 is good")
 
+        folder = Path(path).absolute().parent
         canvas = self._canvas or Canvas(*self.size, self.rgba)
         canvas = canvas if dpi is None else replace(canvas, dpi=dpi)
         dpi = canvas.dpi
 
         def write(part: Path) -> None:
             if suffix == ".png":
-                part.write_bytes(picture_files.png_bytes(self.rgba, bits, dpi))
+                content = picture_files.png_bytes(self.rgba, bits, dpi)
+                part.write_bytes(
+                    picture_files.with_scene(content, self.report.get("scene"), folder) if scene else content
+                )
             elif suffix == ".svg":
                 from wavesplat._picture import svg
 

@@ -6,6 +6,7 @@ Floats go to files as they are; bytes are what `straight_bytes` makes of them, r
 from __future__ import annotations
 
 import io
+import json
 import struct
 import zlib
 from pathlib import Path
@@ -15,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._model.sources import beside
+from wavesplat._picture.png_text import KEYWORD, with_text
 
 if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
 
-__all__ = ["image", "png_bytes", "straight_bytes", "write_bytes_of", "write_exr", "write_tiff"]
+__all__ = ["image", "png_bytes", "straight_bytes", "with_scene", "write_bytes_of", "write_exr", "write_tiff"]
 
 #: Behind transparent pixels of formats that have none.
 PAPER = 1.0
@@ -52,6 +55,14 @@ def png_bytes(rgba: NDArray[np.float32], bits: int, dpi: float | None = None) ->
     chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
     header = 8 + 25  # the signature and the first chunk, after which others may stand
     return content[:header] + chunk + content[header:]
+
+
+def with_scene(content: bytes, scene: Any, folder: Path) -> bytes:
+    """The content of a PNG file with a scene's document, whose paths are relative where they can be."""
+    if not isinstance(scene, dict):
+        return content
+    text = json.dumps(beside(scene, folder), ensure_ascii=False, separators=(",", ":"))
+    return with_text(content, KEYWORD, text)
 
 
 def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: int) -> None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 
 from wavesplat._files import payload
 from wavesplat._files.places import check_no_pipe, check_text, printable
-from wavesplat._model import affine
+from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -192,6 +192,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
     volume = _volume(grid, request)
+    volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
     for loss in grid.losses:
         warnings.warn(f"{loss}: {request.path}", FileWarning, stacklevel=stacklevel)
     return volume

@@ -12,6 +12,7 @@ from wavesplat._files.natural_order import natural_key
 from wavesplat._files.places import expanded
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.series import Series
+from wavesplat._model.sources import Source, of_series
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.opening import opened
@@ -91,12 +92,24 @@ def open_series(
     paths = _files(path)
     if len(paths) == 1 and isinstance(path, str | PathLike):
         points: Any = _OfOneFile(requested(paths[0], **options))
-        return Series(points, name=points.request.name)
+        made = Series(points, name=points.request.name)
+        made._source = _source_of(path, points.request)
+        return made
     requests = [requested(one, **options) for one in paths]
     for request in requests:
         if not (request.is_url or request.file.exists()):
             raise FileError(f"no such file or folder; check the name: {request.path}")
-    return Series(_OfManyFiles(requests), name=_name_of_all(requests))
+    made = Series(_OfManyFiles(requests), name=_name_of_all(requests))
+    made._source = _source_of(path, requests[0])
+    return made
+
+
+def _source_of(path: Any, request: Request) -> Source | None:
+    """Where a series comes from, for documents."""
+    options = {name: getattr(request, name) for name in request.given()}
+    if isinstance(path, str | PathLike):
+        return of_series(path, options)
+    return of_series(list(path), options)
 
 
 class _OfOneFile:

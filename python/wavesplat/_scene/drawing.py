@@ -18,7 +18,6 @@ from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
 from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
@@ -37,7 +36,8 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
-from wavesplat._scene.shown import ShownLayer, shown_layers
+from wavesplat._scene.reporting import facts_of
+from wavesplat._scene.shown import Curves, ShownLayer, shown_layers
 from wavesplat._scene.telling import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
 __all__ = ["Options", "draw"]
-
-Curves = TransferFunction | TransferFunction2D
 
 #: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
@@ -113,20 +111,47 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
-    picture = _with_layers(frame, layers) if layers else _empty(frame)
+    functions = [_function(frame, layer, len(layers)) for layer in layers]
+    picture = _drawn(frame, layers, functions)
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
+    picture.report.update(facts_of_layers(scene, layers, functions, composite))
+    picture.report.update(_facts(frame, layers, functions, picture.report))
+    if resampled := shown.resampled:
+        picture.report["resampled"] = resampled
     return picture
 
 
-def _with_layers(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
+def _drawn(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
+    if not layers:
+        return _empty(frame)
     if frame.composite == "over" or len(layers) == 1:
-        return _in_one(frame, layers)
+        return _in_one(frame, layers, functions)
     if isinstance(frame.operator, FirstHit):
         raise ArgumentError(
             f"FirstHit shows the surface of one layer, and {len(layers)} are visible; hide the others, "
             'or give looks for composite="over"'
         )
-    return _added(frame, layers)
+    return _added(frame, layers, functions)
+
+
+def _facts(
+    frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves], report: dict[str, Any]
+) -> dict[str, Any]:
+    """What else the report says; of a wanted PSNR the sampling that it took, so that the same can be drawn again."""
+    sampling, psnr = frame.sampling, frame.options.psnr
+    if psnr is not None and len(layers) == 1:
+        sampling, psnr = Sampling(report["sheets_per_slice"], report["oversampling"]), None
+    return facts_of(
+        frame.scene,
+        layers,
+        functions,
+        camera=frame.camera,
+        size=frame.size,
+        sampling=sampling,
+        psnr=psnr,
+        kernel=frame.options.kernel,
+        operator=frame.operator,
+    )
 
 
 def _is_coarse(layer: ShownLayer) -> bool:
@@ -149,14 +174,12 @@ def _empty(frame: _Frame) -> Picture:
     return Picture(rgba, report=report)
 
 
-def _in_one(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
+def _in_one(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
     """All layers in one call."""
-    functions = [_function(frame, layer, len(layers)) for layer in layers]
     opacity = 1.0 if frame.composite == "over" else layers[0].opacity
-    result, report = _drawn(frame if opacity == 1 else replace(frame, background=None), layers, functions)
+    result, report = _rendered(frame if opacity == 1 else replace(frame, background=None), layers, functions)
     if opacity != 1:
         result["rgba"] = _over_background(np.float32(opacity) * result["rgba"], frame.background)
-    report |= facts_of_layers(frame.scene, layers, functions, frame.composite)
     report["look"] = _told(layers[0])
     report["processing"] = list(layers[0].volume.facts.processing)
     rgba, value = result["rgba"], result["value"]
@@ -173,15 +196,13 @@ def _in_one(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
     return Picture(rgba, result["depth"], value, report)
 
 
-def _added(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
+def _added(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
     """Projections of several layers, their colours added as light."""
-    lights, covers, reports, functions = [], [], [], []
+    lights, covers, reports = [], [], []
     clear = replace(frame, background=None)
-    for number, layer in enumerate(layers):
+    for number, (layer, function) in enumerate(zip(layers, functions, strict=True)):
         options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
-        function = _function(frame, layer, len(layers))
-        functions.append(layer.faded(function))
-        result, report = _drawn(replace(clear, options=options), [layer], [function])
+        result, report = _rendered(replace(clear, options=options), [layer], [function])
         lights.append(layer.opacity * result["rgba"][..., :3])
         covers.append(1 - layer.opacity * result["rgba"][..., 3:])
         reports.append(report | _told(layer))
@@ -192,7 +213,6 @@ def _added(frame: _Frame, layers: Sequence[ShownLayer]) -> Picture:
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _told(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd")}
     report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
-    report |= facts_of_layers(frame.scene, layers, functions, frame.composite)
     if notes := notes_on_layers(rgba):
         report["notes"] = notes
     return Picture(rgba, report=report)
@@ -223,13 +243,18 @@ def _function(frame: _Frame, layer: ShownLayer, n_layers: int) -> Curves:
         def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
             options = Options(kernel="linear", threads=frame.options.threads)
             small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options)
-            result, _ = _drawn(small, [layer], [curves])
+            result, _ = _rendered(small, [layer], [curves])
             return Picture(result["rgba"], value=result["value"])
 
         function = projection.exposed_by(overview, layer.volume, composite, frame.camera, frame.size) or function
     if layer.look.name == "auto" and layer.look.background is None and n_layers == 1:
         function = projection.on(frame.background, composite, function)
-    return layer.faded(function) if composite == "over" else function
+    return function
+
+
+def _faded(frame: _Frame, layer: ShownLayer, function: Curves) -> Curves:
+    """The transfer function with the layer's opacity; of projections it is the light that has it."""
+    return layer.faded(function) if frame.composite == "over" else function
 
 
 def _light(scene: Scene, layer: ShownLayer) -> Any:
@@ -237,13 +262,13 @@ def _light(scene: Scene, layer: ShownLayer) -> Any:
     return None if shading is None else shading._core
 
 
-def _drawn(
+def _rendered(
     frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
     """What the compiled module gives for layers, and the report of it."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
     drawn = [
-        (layer.core, function._core, _light(frame.scene, layer))
+        (layer.core, _faded(frame, layer, function)._core, _light(frame.scene, layer))
         for layer, function in zip(layers, functions, strict=True)
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None

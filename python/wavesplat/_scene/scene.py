@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files import json_object
+from wavesplat._files.places import expanded
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
@@ -20,6 +23,7 @@ from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._model.series import Series
+from wavesplat._model.sources import beside
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._scene.layer import AnyLook, Layer
@@ -37,6 +41,8 @@ class Kept:
 
     #: Looks of layers that were chosen, with what they were chosen for.
     looks: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
+    #: Transfer functions, and their fields in documents.
+    documents: dict[int, tuple[Any, Any]] = field(default_factory=dict)
     #: What the last pictures with a wanted PSNR told, with what they showed.
     measured: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
 
@@ -169,6 +175,86 @@ class Scene:
         """Corners (lower, upper) of the world box around all layers, shape (2, 3), as (x, y, z)."""
         corners = np.array([layer.drawn.bounds for layer in self.layers])
         return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
+
+    def to_json(self) -> str:
+        """The scene as a JSON text, which `from_json` reads back; volumes are named by their files.
+
+        Raises
+        ------
+        ArgumentError
+            If a volume or the labels come from no file.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> scene = ws.Scene(ws.examples.ct_pelvis(), "ct-bone", background="black")
+        >>> ws.Scene.from_json(scene.to_json()).background
+        'black'
+        """
+        from wavesplat._scene import scene_json
+
+        return scene_json.write(scene_json.document_of(self))
+
+    @classmethod
+    def from_json(cls, text: str, folder: str | PathLike[str] | None = None) -> Scene:
+        """The scene that a JSON text describes, as `to_json` writes it; its volumes are opened.
+
+        Parameters
+        ----------
+        text : str
+            A document, or the report of a picture, which has one.
+        folder : path, optional
+            Where relative paths in it start; None is the working directory.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no such text; the message names the field.
+        FileError
+            If a volume cannot be opened.
+        """
+        from wavesplat._scene import scene_json
+
+        return scene_json.parse(text, None if folder is None else expanded(folder).absolute()).scene
+
+    @takes_its_types
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the scene to a JSON file; paths of volumes that lie below its folder, or beside it, are relative to it.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written; nothing is left behind.
+        ArgumentError
+            If a volume or the labels come from no file.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> ws.Scene(ws.examples.ct_pelvis(), "ct-bone").save("bones.json")
+        >>> ws.Scene.load("bones.json").layers[0].look
+        'ct-bone'
+        """
+        from wavesplat._scene import scene_json
+
+        document = beside(scene_json.document_of(self), expanded(path).absolute().parent)
+        json_object.save(path, scene_json.write(document))
+
+    @classmethod
+    @takes_its_types
+    def load(cls, path: str | PathLike[str]) -> Scene:
+        """The scene in a file: one that `save` wrote, the report of a picture, or a PNG file that `render` made.
+
+        Raises
+        ------
+        FileError
+            If the file, or a volume, cannot be read.
+        ArgumentError
+            If there is no scene in it; the message names the field.
+        """
+        from wavesplat._scene import scene_files
+
+        return scene_files.load(path).scene
 
     @takes_its_types
     def render(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
@@ -22,15 +22,17 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
+from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Shown", "ShownLayer", "operator_name", "seen_parts", "shown_layers"]
+__all__ = ["Curves", "Shown", "ShownLayer", "operator_name", "seen_parts", "shown_layers"]
 
 Rgb = tuple[float, float, float]
+Curves: TypeAlias = TransferFunction | TransferFunction2D
 
 #: Green, magenta, cyan, yellow, red, blue, white, orange.
 CHANNEL_COLORS: tuple[Rgb, ...] = (
@@ -64,6 +66,11 @@ class ShownLayer:
     def core(self) -> _native.Volume | _native.DecodedVolume:
         """What the compiled module draws."""
         return self.seen._decoded(self.seen.left_out) if isinstance(self.seen, WaveletVolume) else self.seen._core
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        return self.layer.name or self.volume.name
 
     @property
     def opacity(self) -> float:
@@ -113,6 +120,11 @@ class Shown:
     first: Volume | WaveletVolume
 
     @property
+    def resampled(self) -> list[str]:
+        """Names of layers whose axes were none of the first one's."""
+        return [layer.name for layer in self.layers if is_oblique(layer.volume, self.layers[0].volume)]
+
+    @property
     def has_first(self) -> bool:
         """Whether the scene's first layer is the first that is seen."""
         return bool(self.layers) and self.layers[0].volume is self.first
@@ -130,6 +142,7 @@ def shown_layers(scene: Scene, composite: Composite | None) -> Shown:
     ]
     volumes = [layer.drawn for layer in layers]
     first = volumes[0] if layers and layers[0] is scene.layers[0] else scene.layers[0].drawn
+    check_units(volumes)
     looks = [_kept_look(scene, layer, composite) for layer in layers]
     name = composite or operator_name(looks)
     several = len(layers) > 1
@@ -140,8 +153,9 @@ def shown_layers(scene: Scene, composite: Composite | None) -> Shown:
         looks = _told_apart(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
-        boxes = in_samples_of(volume, scene._clipping.boxes, first)
-        seen = cut_open(volume, boxes)
+        placed = on_axes_of(volume, volumes[0])
+        boxes = in_samples_of(placed, scene._clipping.boxes, first)
+        seen = cut_open(placed, boxes)
         shown.append(ShownLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
     return Shown(shown, name, first)
 

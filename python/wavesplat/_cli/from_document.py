@@ -1,0 +1,69 @@
+"""`wavesplat render --from`: a picture that was drawn before, drawn again from what it says of itself."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
+from wavesplat._cli.outputs import check_outputs, write_report
+from wavesplat._cli.printing import is_terminal, print_notes, print_result
+from wavesplat.errors import ArgumentError
+
+__all__ = ["draw_from"]
+
+#: What may be given beside it: where the picture goes, and what does not change what is drawn.
+BESIDE = {"context", "again", "output", "bits", "threads", "report", "json", "quiet"}
+
+
+def draw_from(
+    context: typer.Context,
+    path: Path,
+    output: Path,
+    *,
+    figure: FigureOptions,
+    bits: int,
+    threads: int | None,
+    report: Path | None,
+    json: bool,
+    quiet: bool,
+) -> None:
+    """Draw the picture of the document in a file: a scene, the report of a picture, or a PNG file."""
+    from wavesplat._cli import progress
+    from wavesplat._picture.picture import check_bits
+    from wavesplat._scene import scene_files
+
+    _refuse_others(context)
+    check_outputs(str(path), output, "pictures", report)
+    check_bits(bits)
+    check_figure(figure)
+    document = scene_files.load(path)
+
+    def draw(told: Any) -> Any:
+        return document.scene.render(document.camera, threads=threads, progress=told, **document.options)
+
+    picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
+    if not quiet:
+        print_notes(picture)
+    annotated(picture, figure, quiet=quiet).save(output, bits=bits, dpi=figure.dpi)
+    facts = {"picture": str(output), "size": list(picture.size), "input": str(path), "report": picture.report}
+    if report is not None:
+        write_report(report, facts)
+    print_result(facts, output, as_json=json, written=output)
+
+
+def _refuse_others(context: typer.Context) -> None:
+    """An `ArgumentError` for other options: all that they say is in the document."""
+    may_be = BESIDE | {field.name for field in fields(FigureOptions)}
+    given = [
+        parameter
+        for parameter in context.command.params
+        if parameter.name not in may_be
+        and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
+    ]
+    if given:
+        names = ", ".join("INPUT" if one.name == "input" else one.opts[0] for one in given)
+        raise ArgumentError(f"{names}: --from has all that is drawn; leave out either it or them")

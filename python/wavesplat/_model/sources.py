@@ -1,0 +1,120 @@
+"""Where volumes and labels come from, so that documents can name them: a file and how it was opened, and what was done.
+
+    {"path": "/data/ct.nii.gz", "spacing": [1, 1, 2], "then": [{"smoothed": {"deviation": 0.7, "unit": "voxels"}}]}
+    {"example": "ct_pelvis"}
+
+Paths are absolute here; `beside` makes those relative that lie below a folder or beside it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+__all__ = ["Source", "beside", "found_from", "of_file", "of_series", "then"]
+
+Source: TypeAlias = dict[str, Any]
+
+
+def of_file(path: str | os.PathLike[str], options: Mapping[str, Any]) -> Source | None:
+    """A file or address, and the options that it was opened with; None where its name is no text."""
+    name = absolute(path)
+    if name is None:
+        return None
+    return {"path": name, **_fields(options)}
+
+
+def of_series(path: str | os.PathLike[str] | list[Any], options: Mapping[str, Any]) -> Source | None:
+    """Files of several times, by a name, a pattern or a list, and the options that they are opened with."""
+    names = [absolute(one) for one in path] if isinstance(path, list) else absolute(path)
+    if names is None or (isinstance(names, list) and None in names):
+        return None
+    return {"path": names, "series_of_times": True, **_fields(options)}
+
+
+def _fields(options: Mapping[str, Any]) -> dict[str, Any]:
+    fields = {name: _plain(value) for name, value in sorted(options.items())}
+    if "spacing" in fields:
+        # So that 1 and 1.0 are written alike.
+        fields["spacing"] = [float(step) for step in fields["spacing"]]
+    return fields
+
+
+def absolute(path: str | os.PathLike[str]) -> str | None:
+    """The whole path, or the address; None where it is no text."""
+    name: object = os.fspath(path)
+    if not isinstance(name, str):
+        return None
+    if "://" not in name:
+        name = str(Path(name).expanduser().absolute())
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return None
+    return name
+
+
+def then(source: Source | None, step: str, /, **options: Any) -> Source | None:
+    """The source of what a step makes of something; None where that has none."""
+    if source is None:
+        return None
+    done = {step: {key: _plain(value) for key, value in options.items() if value is not None}}
+    return {**source, "then": [*source.get("then", []), done]}
+
+
+def beside(document: Any, folder: Path) -> Any:
+    """A document with paths that are relative where files lie below a folder, or below the one it is in."""
+    return _with_paths(document, lambda path: _relative(path, folder))
+
+
+def found_from(document: Any, folder: Path) -> Any:
+    """A document with absolute paths; relative ones start from a folder."""
+    return _with_paths(document, lambda path: path if "://" in path else os.path.normpath(folder / path))
+
+
+def _with_paths(document: Any, changed: Any) -> Any:
+    if isinstance(document, list):
+        return [_with_paths(part, changed) for part in document]
+    if not isinstance(document, dict):
+        return document
+    return {
+        name: _changed(part, changed) if name == "path" else _with_paths(part, changed)
+        for name, part in document.items()
+    }
+
+
+def _changed(part: Any, changed: Any) -> Any:
+    if isinstance(part, str):
+        return changed(part)
+    return [_changed(one, changed) for one in part] if isinstance(part, list) else part
+
+
+def _relative(path: str, folder: Path) -> str:
+    if "://" in path or not Path(path).is_absolute():
+        return path
+    try:
+        relative = os.path.relpath(path, folder)
+    except ValueError:  # on another drive
+        return path
+    parts = Path(relative).parts
+    # Two folders up is somewhere else.
+    return path if parts[:2] == ("..", "..") else Path(relative).as_posix()
+
+
+def _plain(value: Any) -> Any:
+    """What JSON has for an option."""
+    if value is None or isinstance(value, bool | str):
+        return value
+    if isinstance(value, np.dtype | type):
+        return np.dtype(value).str if not np.dtype(value).isnative else np.dtype(value).name
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(part) for part in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, os.PathLike):
+        return absolute(value)
+    return value

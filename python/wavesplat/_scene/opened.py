@@ -1,0 +1,90 @@
+"""Volumes that documents name: opened, or made, and what was done to them done again."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from wavesplat import examples
+from wavesplat._looks.largest_body import largest_body
+from wavesplat._model.argument_types import described
+from wavesplat._model.series import Series
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._readers.opening import open as open_volume
+from wavesplat._readers.time_points import open_series
+from wavesplat.errors import ArgumentError
+
+__all__ = ["opened"]
+
+EXAMPLES = {name: getattr(examples, name) for name in examples.__all__}
+#: What can be done to volumes, by the name in a document.
+STEPS: dict[str, Callable[..., Any]] = {
+    "smoothed": Volume.smoothed,
+    "largest_body": largest_body,
+    "wavelets": WaveletVolume.from_volume,
+    "level": WaveletVolume.level,
+    "bands": WaveletVolume.bands,
+    "to_volume": WaveletVolume.to_volume,
+    "times": lambda series, start=None, stop=None, step=None: series[start:stop:step],
+}
+
+
+def opened(source: Any, what: str) -> Volume | WaveletVolume | Series:
+    """The volume, or the series, that a document names. `what`: its place there, for messages."""
+    if not isinstance(source, dict):
+        raise ArgumentError(f"{what} is {described(source)}; it must be an object with the path of a file")
+    options = dict(source)
+    steps = options.pop("then", [])
+    if not isinstance(steps, list):
+        raise ArgumentError(f"{what}: field 'then' is {described(steps)}; it must be a list")
+    volume: Volume | WaveletVolume | Series = _first(options, what)
+    for number, step in enumerate(steps):
+        volume = _done(volume, step, f"{what}.then[{number}]")
+    return volume
+
+
+def _first(options: dict[str, Any], what: str) -> Any:
+    if "example" in options:
+        name = options.pop("example")
+        if name not in EXAMPLES:
+            raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
+        return _called(EXAMPLES[name], options, what)
+    path = options.pop("path", None)
+    if path is None:
+        raise ArgumentError(
+            f"{what} came from no file when this was written; open its samples, and make the scene anew"
+        )
+    if options.pop("series_of_times", False):
+        return _called(open_series, {"path": path, **options}, what)
+    if not isinstance(path, str):
+        raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
+    if path.lower().endswith(".wavelets"):
+        return _called(WaveletVolume.load, {"path": path, **options}, what)
+    return _called(open_volume, {"path": path, **options}, what)
+
+
+def _done(volume: Any, step: Any, what: str) -> Any:
+    if not (isinstance(step, dict) and len(step) == 1 and next(iter(step)) in STEPS):
+        raise ArgumentError(f"{what} is {described(step)}; it must be an object of one field: {', '.join(STEPS)}")
+    ((name, options),) = step.items()
+    if not isinstance(options, dict):
+        raise ArgumentError(f"{what}.{name} is {described(options)}; it must be an object")
+    kind = Series if name == "times" else WaveletVolume if name in ("level", "bands", "to_volume") else Volume
+    if not isinstance(volume, kind):
+        raise ArgumentError(f"{what}: {name!r} is for a {kind.__name__}, and this is a {type(volume).__name__}")
+    return _called(lambda **given: STEPS[name](volume, **given), options, f"{what}.{name}", STEPS[name])
+
+
+def _called(function: Callable[..., Any], options: dict[str, Any], what: str, known: Any = None) -> Any:
+    names = list(inspect.signature(known or function).parameters)[known is not None :]
+    unknown = sorted(set(options) - set(names))
+    if unknown:
+        raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(names))}")
+    try:
+        return function(**options)
+    except TypeError as error:
+        raise ArgumentError(f"{what}: {error}") from None
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from None

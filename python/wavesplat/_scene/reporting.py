@@ -1,0 +1,98 @@
+"""What a picture's report says beside the numbers of the renderer: what is shown, from where, and how it was drawn.
+
+The scene in it is a document (`scene_json`) that draws the same picture: looks, camera and sampling as they were found,
+not as they were asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from wavesplat import _native
+from wavesplat._looks import look_json
+from wavesplat._looks.look import Look
+from wavesplat._model.camera import Camera
+from wavesplat._model.composites import Operator, name_of
+from wavesplat._model.sampling import Sampling
+from wavesplat._scene import scene_json
+from wavesplat._scene.shown import Curves, ShownLayer
+
+if TYPE_CHECKING:
+    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.scene import Scene
+
+__all__ = ["facts_of"]
+
+#: Transfer functions whose fields are kept: those of layers, and of projections one for every view.
+MOST_KEPT = 32
+
+
+def facts_of(
+    scene: Scene,
+    layers: Sequence[ShownLayer],
+    functions: Sequence[Curves],
+    *,
+    camera: Camera,
+    size: tuple[int, int],
+    sampling: Sampling,
+    psnr: float | None,
+    kernel: str,
+    operator: Operator,
+) -> dict[str, Any]:
+    """Fields of the report."""
+    quality, composite = scene_json.fields_of_sampling(sampling), scene_json.fields_of_operator(operator)
+    looks = {id(layer.layer): _resolved(scene, layer, curves) for layer, curves in zip(layers, functions, strict=True)}
+
+    def look_of(layer: Layer) -> Any:
+        return looks[id(layer)] if id(layer) in looks else scene_json.given_look(layer)
+
+    document = scene_json.document_of(scene, strict=False, look_of=look_of)
+    document["camera"] = camera.as_json()
+    # In the looks, with what else was found.
+    document["shading"] = "look"
+    if document["background"] is None and layers:
+        document["background"] = layers[0].look.background
+    document["render"] = {"size": list(size), "quality": quality, "kernel": kernel, "composite": composite}
+    if psnr is not None:
+        document["render"]["psnr"] = psnr
+    return {
+        "version": _native.__version__,
+        "scene": document,
+        "quality": quality,
+        "kernel": kernel,
+        "composite": name_of(operator),
+    }
+
+
+def _resolved(scene: Scene, layer: ShownLayer, curves: Curves) -> Any:
+    """Fields of a look with the transfer function that was drawn; None where it has labels, which no look can hold."""
+    look = layer.look
+    if look.labels is not None:
+        return None
+    return look_json.fields_of(_on(scene, replace(look, transfer_function=curves)), _curves(scene, curves))
+
+
+def _curves(scene: Scene, curves: Curves) -> dict[str, Any]:
+    """Fields of a transfer function; those of two dimensions are large, and kept."""
+    kept = scene._kept.documents
+    found = kept.get(id(curves))
+    if found is None or found[0] is not curves:
+        if len(kept) >= MOST_KEPT:
+            kept.clear()
+        found = kept[id(curves)] = curves, look_json.fields_of_curves(curves)
+    fields: dict[str, Any] = found[1]
+    return fields
+
+
+def _on(scene: Scene, look: Look) -> Look:
+    """The look in the scene's light, and with its background where it has none, for which greys were chosen."""
+    if scene.shading != "look":
+        look = replace(look, shading=scene.shading)
+    if look.background is not None or scene.background is None:
+        return look
+    if isinstance(scene.background, str):
+        return replace(look, background=scene.background)
+    red, green, blue = (round(255 * share) for share in scene.background[:3])
+    return replace(look, background=f"#{red:02x}{green:02x}{blue:02x}")

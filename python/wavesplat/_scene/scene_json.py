@@ -1,0 +1,343 @@
+"""Scenes as JSON: one object, with a version, whose errors name the field. `scene.schema.json` describes it.
+
+    {"wavesplat": "scene", "version": 1,
+     "layers": [{"volume": {"path": "ct.nii.gz", "then": [{"smoothed": {"deviation": 0.7}}]},
+                 "name": "ct", "look": {"transfer_function": {...}}, "visible": true, "opacity": 1, "time": 0}],
+     "labels": null, "shading": "look", "clip": [{"plane": {"point": [0, 0, 0], "normal": [0, 1, 0]}}],
+     "background": "black",
+     "camera": {...}, "render": {"size": [512, 512], "quality": "normal", "kernel": "linear", "composite": "over"}}
+
+A volume is a file and the options that it is opened with, or an example, and what is done to it then. A look is an
+object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `camera` and `render` may be
+left out; the documents in reports and PNG files have them. Relative paths start from the document's folder.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from wavesplat._looks import look_json
+from wavesplat._looks.labels import Label, Labels
+from wavesplat._looks.look import Look
+from wavesplat._looks.materials import Materials
+from wavesplat._looks.shading import Shading
+from wavesplat._model import camera_json, sources
+from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera
+from wavesplat._model.clips import Clip, ClipPlane, CutOut
+from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, Operator, XRay, checked_operator
+from wavesplat._model.crop import Crop
+from wavesplat._model.sampling import Sampling
+from wavesplat._scene.layer import Layer
+from wavesplat._scene.opened import opened
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._scene.scene import Scene
+
+__all__ = [
+    "KIND",
+    "VERSION",
+    "Document",
+    "document_of",
+    "fields_of_operator",
+    "fields_of_sampling",
+    "given_look",
+    "parse",
+    "write",
+]
+
+T = TypeVar("T")
+
+KIND, VERSION = "scene", 1
+WHAT = "scene"
+LAYER = ("volume", "name", "look", "visible", "opacity", "time")
+SCENE = ("layers", "labels", "shading", "clip", "background")
+RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth")
+OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum, DepthShadedMaximum, XRay)}
+
+
+@dataclass(frozen=True)
+class Document:
+    """What a document holds: a scene and, if it has them, the camera and the options of `Scene.render`."""
+
+    scene: Scene
+    camera: Camera | None
+    options: dict[str, Any]
+
+
+# Writing
+
+
+def write(document: Mapping[str, Any]) -> str:
+    """The JSON text of a document; numbers read back exactly."""
+    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+
+
+def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer], Any] | None = None) -> dict[str, Any]:
+    """The document of a scene, paths absolute.
+
+    strict : an `ArgumentError` for volumes and labels that come from no file; else they have the path null.
+    look_of : fields of the look of a layer; None is as it was given.
+    """
+    layers = [
+        {
+            "volume": _source_of(layer, f"the volume of layer {number}", strict),
+            "name": layer.name,
+            "look": (look_of or given_look)(layer),
+            "visible": layer.visible,
+            "opacity": layer.opacity,
+            # Of a series that has no source, the volume of its time may have one.
+            "time": layer.time if layer.volume._source is not None else 0,
+        }
+        for number, layer in enumerate(scene.layers)
+    ]
+    shading = scene.shading
+    return {
+        "wavesplat": KIND,
+        "version": VERSION,
+        "layers": layers,
+        "labels": None if scene.labels is None else _fields_of_labels(scene.labels, strict),
+        "shading": look_json.fields_of_shading(shading) if isinstance(shading, Shading) else shading,
+        "clip": [_fields_of_clip(clip) for clip in scene.clip],
+        "background": list(scene.background) if isinstance(scene.background, tuple) else scene.background,
+    }
+
+
+def _source_of(layer: Layer, what: str, strict: bool) -> dict[str, Any]:
+    source: dict[str, Any] | None = layer.volume._source or layer.drawn._source
+    if source is not None:
+        return source
+    if strict:
+        raise ArgumentError(
+            f"{what}, {layer.volume.name!r}, comes from no file, so a document cannot name it; write it to a file that "
+            "wavesplat.open reads, and open that"
+        )
+    return {"path": None, "name": layer.volume.name}
+
+
+def given_look(layer: Layer) -> Any:
+    look = layer.look
+    if look is None or isinstance(look, str):
+        return look
+    if isinstance(look, Look):
+        return look_json.fields_of(look)
+    function = look.transfer_function() if isinstance(look, Materials) else look
+    return look_json.fields_of(Look(transfer_function=function))
+
+
+def _fields_of_labels(labels: Labels, strict: bool) -> dict[str, Any]:
+    looks = {
+        str(number): {**_settings(label), "color": list(label.color)} for number, label in sorted(labels.labels.items())
+    }
+    if labels._source is None and strict:
+        raise ArgumentError(
+            "the labels come from no file, so a document cannot name them; write the segmentation to a file, and open "
+            "it with wavesplat.Labels.open, or give wavesplat.Labels(wavesplat.open(path), ...)"
+        )
+    return {"volume": labels._source or {"path": None}, "labels": looks, "smooth": labels.smooth}
+
+
+def _fields_of_clip(clip: Clip) -> dict[str, Any]:
+    if isinstance(clip, ClipPlane):
+        return {"plane": {"point": list(clip.point), "normal": list(clip.normal)}}
+    box = clip.crop if isinstance(clip, CutOut) else clip
+    corners = {"lower": list(box.lower), "upper": list(box.upper), "space": box.space}
+    return {"cut_out" if isinstance(clip, CutOut) else "keep": corners}
+
+
+def fields_of_operator(operator: Operator) -> Any:
+    """A name, or an object of one field: the name, and the numbers."""
+    return operator if isinstance(operator, str) else {operator.name: _settings(operator)}
+
+
+def fields_of_sampling(sampling: Sampling) -> Any:
+    """The name of a quality, or an object of the numbers."""
+    if sampling.sheets_per_slice is None and sampling.oversampling is None:
+        return sampling.quality
+    return _settings(sampling)
+
+
+def _settings(thing: Any) -> dict[str, Any]:
+    return {field.name: getattr(thing, field.name) for field in fields(thing)}
+
+
+# Reading
+
+
+def parse(text: str, folder: Path | None) -> Document:
+    """What a JSON text describes: a document, or a report that has one. Relative paths start from `folder`."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ArgumentError(f"{WHAT}: not JSON: {error}") from None
+    return _document(sources.found_from(_inside(found), folder or Path.cwd()))
+
+
+def _inside(found: Any) -> dict[str, Any]:
+    """The document itself; of a report, and of what `--json` prints, the one that is in it."""
+    for _ in range(3):
+        if isinstance(found, dict) and found.get("wavesplat") == KIND:
+            return found
+        if not isinstance(found, dict):
+            break
+        found = found.get("report", found.get("scene"))
+    raise ArgumentError(
+        f'{WHAT}: this is no scene; it must be an object with "wavesplat": "scene", or a report with one in "scene"'
+    )
+
+
+def _document(document: dict[str, Any]) -> Document:
+    from wavesplat._scene.scene import Scene
+
+    _check(document, WHAT, needed=("version", "layers"), known=("wavesplat", "version", *SCENE, "camera", "render"))
+    version = document["version"]
+    if version != VERSION:
+        raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
+    layers = _list(document, "layers", WHAT)
+    built = [_layer(layer, f"{WHAT}: layers[{number}]") for number, layer in enumerate(layers)]
+    clips = [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_list(document, "clip", WHAT))]
+    background = document.get("background")
+    if not isinstance(background, str | list | None):
+        raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
+    shading = document.get("shading", "look")
+    scene = _made(
+        f"{WHAT}",
+        lambda: Scene(
+            built,
+            labels=_labels(document.get("labels"), f"{WHAT}: labels"),
+            shading=shading if shading == "look" else _shading(shading),
+            clip=clips,
+            background=background,
+        ),
+    )
+    camera = document.get("camera")
+    if not isinstance(camera, dict | None):
+        raise ArgumentError(f"{WHAT}: field 'camera' is {described(camera)}; it must be an object")
+    eye = None if camera is None else _made(WHAT, lambda: camera_json.build(camera))
+    return Document(scene, eye, _options(document.get("render") or {}))
+
+
+def _layer(layer: Any, what: str) -> Layer:
+    _check(layer, what, needed=("volume",), known=LAYER)
+    volume = opened(layer["volume"], f"{what}.volume")
+    look = layer.get("look")
+    if isinstance(look, dict):
+        fields_of_look = {"version": 1, **look}
+        look = _made(f"{what}.look", lambda: look_json.build(fields_of_look, None))
+    elif not isinstance(look, str | None):
+        raise ArgumentError(f"{what}: field 'look' is {described(look)}; it must be an object, a name or null")
+    for name, kind, form in (("visible", bool, "true or false"), ("time", int, "a whole number")):
+        if not isinstance(layer.get(name, kind()), kind):
+            raise ArgumentError(f"{what}: field {name!r} is {described(layer[name])}; it must be {form}")
+    given = {name: layer[name] for name in ("visible", "opacity", "time", "name") if layer.get(name) is not None}
+    return _made(what, lambda: Layer(volume, look, **given))
+
+
+def _labels(labels: Any, what: str) -> Labels | None:
+    if labels is None:
+        return None
+    _check(labels, what, needed=("volume",), known=("volume", "labels", "smooth"))
+    segmentation = opened(labels["volume"], f"{what}.volume")
+    looks = labels.get("labels")
+    if not isinstance(looks, dict | None) or not all(isinstance(look, dict) for look in (looks or {}).values()):
+        raise ArgumentError(f"{what}: field 'labels' is {described(looks)}; it must be an object of objects, by number")
+    chosen = None if looks is None else {_number(number, what): _label(look, what) for number, look in looks.items()}
+    return _made(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
+
+
+def _label(look: dict[str, Any], what: str) -> Label:
+    return _made(f"{what}: labels", lambda: Label(**look))
+
+
+def _number(text: str, what: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ArgumentError(f"{what}: {text!r} in field 'labels' is no whole number") from None
+
+
+def _clip(clip: Any, what: str) -> Clip:
+    kinds = ("keep", "plane", "cut_out")
+    if not (isinstance(clip, dict) and len(clip) == 1 and next(iter(clip)) in kinds):
+        raise ArgumentError(f"{what} is {described(clip)}; it must be an object of one field: {', '.join(kinds)}")
+    ((kind, numbers),) = clip.items()
+    if kind == "plane":
+        _check(numbers, f"{what}.plane", needed=("point", "normal"), known=("point", "normal"))
+        return _made(what, lambda: ClipPlane(**numbers))
+    _check(numbers, f"{what}.{kind}", needed=("lower", "upper"), known=("lower", "upper", "space"))
+    box = _made(what, lambda: Crop(**numbers))
+    return box if kind == "keep" else _made(what, lambda: CutOut(box))
+
+
+def _shading(shading: Any) -> Shading | None:
+    return _made(WHAT, lambda: look_json.build_shading(shading))
+
+
+def _options(render: Any) -> dict[str, Any]:
+    what = f"{WHAT}: render"
+    _check(render, what, needed=(), known=RENDER)
+    options = {name: value for name, value in render.items() if value is not None}
+    if "size" in options:
+        size = options["size"]
+        if not (isinstance(size, list) and len(size) == 2 and all(isinstance(n, int) for n in size)):
+            raise ArgumentError(f"{what}: field 'size' is {described(size)}; it must be [width, height]")
+        options["size"] = tuple(size)
+    quality = options.get("quality")
+    if isinstance(quality, dict):
+        known = [field.name for field in fields(Sampling)]
+        _check(quality, f"{what}.quality", needed=(), known=known)
+        options["quality"] = _made(f"{what}.quality", lambda: Sampling(**quality))
+    if "composite" in options:
+        options["composite"] = _operator(options["composite"], f"{what}.composite")
+    return options
+
+
+def _operator(given: Any, what: str) -> Operator | None:
+    if isinstance(given, dict):
+        if len(given) != 1 or next(iter(given)) not in OPERATORS:
+            raise ArgumentError(
+                f"{what} is {described(given)}; it must be a name, or an object of one field: {', '.join(OPERATORS)}"
+            )
+        ((name, numbers),) = given.items()
+        kind = OPERATORS[name]
+        _check(numbers, f"{what}.{name}", needed=(), known=[field.name for field in fields(kind)])
+        return _made(what, lambda: _operator_of(kind, numbers))
+    return _made(what, lambda: checked_operator(given))
+
+
+def _operator_of(kind: Any, numbers: dict[str, Any]) -> Operator:
+    operator: Operator = kind(**numbers)
+    return operator
+
+
+def _check(thing: Any, what: str, *, needed: Any, known: Any) -> None:
+    if not isinstance(thing, dict):
+        raise ArgumentError(f"{what} is {described(thing)}; it must be an object")
+    for name in needed:
+        if name not in thing:
+            raise ArgumentError(f"{what}: field {name!r} is missing")
+    unknown = sorted(set(thing) - set(known))
+    if unknown:
+        raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(known))}")
+
+
+def _list(document: dict[str, Any], name: str, what: str) -> list[Any]:
+    found = document.get(name, [])
+    if not isinstance(found, list):
+        raise ArgumentError(f"{what}: field {name!r} is {described(found)}; it must be a list")
+    return found
+
+
+def _made(what: str, make: Callable[[], T]) -> T:
+    """What `make` gives; its errors get the place in the document."""
+    try:
+        return make()
+    except TypeError as error:
+        raise ArgumentError(f"{what}: {error}") from None
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from None

@@ -10,8 +10,8 @@ import pytest
 from test_open_scene import DESCRIBED, cells, save
 
 import wavesplat as ws
-from wavesplat._cli.layer_options import channel_of, layer_of, names_of_pictures, times_of
-from wavesplat.errors import ArgumentError
+from wavesplat._cli.layer_options import channel_of, further_layers, layer_of, names_of_pictures, times_of
+from wavesplat.errors import ArgumentError, FileError
 
 
 @pytest.mark.parametrize(
@@ -200,6 +200,13 @@ def test_a_further_volume(render, tmp_path):
     both = pixels(path)
     path, _ = render(tmp_path / "ct.npy")
     assert pixels(path) != both
+
+
+def test_a_further_volume_of_several_channels(tmp_path):
+    source = save(tmp_path / "a.zarr", 2, DESCRIBED[:2])
+    assert [layer.name for layer in further_layers([str(source)], time=0, quiet=True)] == ["DAPI", "GFP"]
+    with pytest.raises(FileError, match="holds 2 channels"):
+        further_layers([f"{source}:hot"], time=0, quiet=True)
 
 
 @pytest.mark.parametrize(

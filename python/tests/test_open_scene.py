@@ -184,6 +184,15 @@ def test_imagej_composites(tmp_path):
     assert [max(range(3), key=lambda part, color=color: color[part]) for color in colors(scene)] == [2, 0]
 
 
+def test_pixels_of_colours_are_in_their_colours(tmp_path):
+    import tifffile
+
+    tifffile.imwrite(tmp_path / "a.tif", np.moveaxis(cells(3)[0], 0, -1), photometric="rgb")
+    scene = ws.open_scene(tmp_path / "a.tif")
+    assert [layer.name for layer in scene.layers] == ["red", "green", "blue"]
+    assert [max(range(3), key=lambda part, color=color: color[part]) for color in colors(scene)] == [0, 1, 2]
+
+
 def test_scenes_of_files_are_documents(tmp_path):
     """Channels, times, patterns and slices of series come back as they were, with their looks."""
     path = save(tmp_path / "a.zarr", 2, DESCRIBED[1:], n_times=4)

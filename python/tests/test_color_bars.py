@@ -5,7 +5,7 @@ import pytest
 from figure_pictures import ALPHA, BONE, GREEN, GREYS, RED, WHITE, check_inside, picture, texts
 
 import wavesplat as ws
-from wavesplat._picture import color_bar, raster
+from wavesplat._picture import color_bar, lettering, raster
 from wavesplat._picture.marks import Canvas, Ramp, Text
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat.errors import ArgumentError
@@ -129,3 +129,7 @@ def test_many_labels_stand_in_columns():
     assert len(texts(figure)) == 60
     assert len({mark.x for mark in figure._canvas.marks if isinstance(mark, Text)}) > 1
     check_inside(figure)
+
+
+def test_powers_of_ten_have_letters_that_the_typeface_has():
+    lettering.check_letters(color_bar.RAISED + color_bar.MINUS + color_bar.TIMES, None, "a power of ten")

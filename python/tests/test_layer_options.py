@@ -10,8 +10,8 @@ import pytest
 from test_open_scene import DESCRIBED, cells, save
 
 import wavesplat as ws
-from wavesplat._cli.layer_options import channel_of, layer_of, names_of_pictures, times_of
-from wavesplat.errors import ArgumentError
+from wavesplat._cli.layer_options import channel_of, further_layers, layer_of, names_of_pictures, times_of
+from wavesplat.errors import ArgumentError, FileError
 
 
 @pytest.mark.parametrize(
@@ -139,9 +139,16 @@ def render(wavesplat, tmp_path):
 
 
 def same(path, scene, tmp_path, camera=None):
-    """Whether Python draws the same bytes."""
+    """Whether Python draws the same pixels; what is told beside them differs by the background, which is said there."""
     scene.render(camera, size=(24, 24), composite="maximum").save(tmp_path / "python.png")
-    return path.read_bytes() == (tmp_path / "python.png").read_bytes()
+    return pixels(path) == pixels(tmp_path / "python.png")
+
+
+def pixels(path):
+    from PIL import Image
+
+    with Image.open(path) as image:
+        return image.convert("RGBA").tobytes()
 
 
 def test_all_channels_are_drawn(render, tmp_path):
@@ -157,9 +164,9 @@ def test_all_channels_are_drawn(render, tmp_path):
 def test_one_channel_is_a_volume_like_any_other(render, tmp_path):
     source = save(tmp_path / "a.zarr", 3, DESCRIBED)
     path, _ = render(source, "--channel", "1", "--cmap", "inferno")
-    by_number = path.read_bytes()
+    by_number = pixels(path)
     path, _ = render(source, "--channel", "GFP", "--cmap", "inferno")
-    assert path.read_bytes() == by_number
+    assert pixels(path) == by_number
 
 
 def test_times_share_look_and_view(wavesplat, tmp_path):
@@ -169,7 +176,7 @@ def test_times_share_look_and_view(wavesplat, tmp_path):
     assert done.returncode == 0, done.stderr
     made = json.loads(done.stdout)["pictures"]
     assert [one["picture"] for one in made] == [str(tmp_path / f"t{n}.png") for n in (0, 2)]
-    first, last = ((tmp_path / f"t{n}.png").read_bytes() for n in (0, 2))
+    first, last = (pixels(tmp_path / f"t{n}.png") for n in (0, 2))
     assert first != last
     # One of them alone, for which the note says which it is.
     done = wavesplat("render", source, "-o", tmp_path / "a.png", *options)
@@ -182,7 +189,7 @@ def test_times_of_one_volume(wavesplat, tmp_path):
     np.save(tmp_path / "a.npy", cells(1, 3)[:, 0])
     done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "t.png", "--times", "all", "--size", "24x24", "-q")
     assert done.stdout.split() == [str(tmp_path / f"t_{n}.png") for n in range(3)]
-    assert len({(tmp_path / f"t_{n}.png").read_bytes() for n in range(3)}) == 3
+    assert len({pixels(tmp_path / f"t_{n}.png") for n in range(3)}) == 3
 
 
 def test_a_further_volume(render, tmp_path):
@@ -190,9 +197,16 @@ def test_a_further_volume(render, tmp_path):
     np.save(tmp_path / "ct.npy", base)
     np.save(tmp_path / "pet.npy", base[:, ::-1].copy())
     path, _ = render(tmp_path / "ct.npy", "--layer", f"{tmp_path / 'pet.npy'}:hot:150,450")
-    both = path.read_bytes()
+    both = pixels(path)
     path, _ = render(tmp_path / "ct.npy")
-    assert path.read_bytes() != both
+    assert pixels(path) != both
+
+
+def test_a_further_volume_of_several_channels(tmp_path):
+    source = save(tmp_path / "a.zarr", 2, DESCRIBED[:2])
+    assert [layer.name for layer in further_layers([str(source)], time=0, quiet=True)] == ["DAPI", "GFP"]
+    with pytest.raises(FileError, match="holds 2 channels"):
+        further_layers([f"{source}:hot"], time=0, quiet=True)
 
 
 @pytest.mark.parametrize(

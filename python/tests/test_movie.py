@@ -253,6 +253,14 @@ def test_what_is_chosen_by_the_data_is_chosen_once(tmp_path, composite):
     assert ws.movie(cube, tmp_path / "turn.gif", ws.Turn(frames=2), composite=composite, size=(16, 16)).exists()
 
 
+def test_several_layers_turn_together(tmp_path):
+    other = ws.Volume(np.flip(VOLUME.samples, 2).copy(), spacing=(2, 1, 1))
+    scene = ws.Scene([ws.Layer(VOLUME, LOOK), ws.Layer(other, "grey", opacity=0.5)])
+    pattern = ws.movie(scene, tmp_path / "both", ws.Turn(frames=3, axis=(0, 1, 0)), size=(24, 24))
+    pictures = [np.asarray(images.open(png_sequence.frame_path(pattern, k)), float) for k in range(3)]
+    assert all(picture.mean() > 64 for picture in pictures)  # opacity is a quarter of it
+
+
 def test_a_wanted_psnr_is_measured_once(tmp_path):
     scene = ws.Scene(VOLUME, LOOK)
     shots = movie._shots(scene, ws.Turn(frames=3), 30, None, (32, 32))

@@ -184,6 +184,38 @@ def test_imagej_composites(tmp_path):
     assert [max(range(3), key=lambda part, color=color: color[part]) for color in colors(scene)] == [2, 0]
 
 
+def test_pixels_of_colours_are_in_their_colours(tmp_path):
+    import tifffile
+
+    tifffile.imwrite(tmp_path / "a.tif", np.moveaxis(cells(3)[0], 0, -1), photometric="rgb")
+    scene = ws.open_scene(tmp_path / "a.tif")
+    assert [layer.name for layer in scene.layers] == ["red", "green", "blue"]
+    assert [max(range(3), key=lambda part, color=color: color[part]) for color in colors(scene)] == [0, 1, 2]
+
+
+def test_scenes_of_files_are_documents(tmp_path):
+    """Channels, times, patterns and slices of series come back as they were, with their looks."""
+    path = save(tmp_path / "a.zarr", 2, DESCRIBED[1:], n_times=4)
+    scene = ws.open_scene(path, time=1, composite="maximum")
+    scene.save(tmp_path / "scene.json")
+    again = ws.Scene.load(tmp_path / "scene.json")
+    assert [(layer.name, layer.look, layer.time, layer.visible) for layer in again.layers] == [
+        (layer.name, layer.look, layer.time, layer.visible) for layer in scene.layers
+    ]
+    np.testing.assert_array_equal(again.layers[1].drawn.samples, scene.layers[1].drawn.samples)
+    assert '"path": "a.zarr"' in (tmp_path / "scene.json").read_text()
+    for number, one in enumerate(cells(1, 3)[:, 0]):
+        np.save(tmp_path / f"t{number}.npy", one)
+    for given in (tmp_path / "t*.npy", [tmp_path / "t2.npy", tmp_path / "t0.npy"]):
+        series = ws.open_series(given, spacing=(1, 2, 3))[::-1]
+        ws.Scene(ws.Layer(series, time=1)).save(tmp_path / "scene.json")
+        loaded = ws.Scene.load(tmp_path / "scene.json").layers[0]
+        np.testing.assert_array_equal(loaded.drawn.samples, series[1].samples)
+        assert (loaded.drawn.spacing, len(loaded.volume)) == ((1, 2, 3), len(series))
+    with pytest.raises(ArgumentError, match="comes from no file"):
+        ws.Scene(ws.Layer(ws.Series([ws.Volume(cells(1)[0, 0])]))).save(tmp_path / "scene.json")
+
+
 # Looks of channels
 
 

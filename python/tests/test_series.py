@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import pickle
 import tracemalloc
 
@@ -48,6 +49,44 @@ def nrrd_of_slicer(folder):
     head += ["axis 0 index type:=numeric", "axis 0 index values:=0 1 4 9", "", ""]
     (folder / "a.seq.nrrd").write_bytes("\n".join(head).encode() + np.moveaxis(SAMPLES, 0, -1).tobytes())
     return folder / "a.seq.nrrd", {}, (0, 1, 4, 9), None
+
+
+def nrrd(folder, kinds, *, placed=True, packed=False, apart=False):
+    """With an axis of kind time, first or last, whose samples lie in the file or in another."""
+    is_first = kinds.startswith("time")
+    data = (np.moveaxis(SAMPLES, 0, -1) if is_first else SAMPLES).tobytes()
+    head = ["NRRD0005", "# time: none", "type: uchar", "dimension: 4", f"kinds: {kinds}"]
+    head += ["sizes: 4 7 6 5" if is_first else "sizes: 7 6 5 4", f"encoding: {'gzip' if packed else 'raw'}"]
+    axes = ["(1,0,0)", "(0,2,0)", "(0,0,3)"]
+    if placed:
+        directions = " ".join(["none", *axes] if is_first else [*axes, "none"])
+        head += ["space: LPS", f"space directions: {directions}", "space origin: (1,2,3)"]
+    else:
+        head += ["spacings: " + ("2.5 1 2 3" if is_first else "1 2 3 2.5")]
+        head += ["units: " + ('"s" "um" "um" "um"' if is_first else '"um" "um" "um" "s"')]
+    head += ["kinds:=time time", *(["data file: samples.bin"] if apart else []), "", ""]
+    data = gzip.compress(data) if packed else data
+    if apart:
+        (folder / "samples.bin").write_bytes(data)
+    path = folder / ("a.nhdr" if apart else "a.nrrd")
+    path.write_bytes("\n".join(head).encode() + (b"" if apart else data))
+    return path, {}, (0, 1, 2, 3) if placed else (0, 2.5, 5, 7.5), None if placed else "s"
+
+
+def nrrd_time_first(folder):
+    return nrrd(folder, "time domain domain domain", packed=True)
+
+
+def nrrd_time_last(folder):
+    return nrrd(folder, "space space space time", apart=True)
+
+
+def nrrd_with_units(folder):
+    return nrrd(folder, "time domain domain domain", placed=False, packed=True, apart=True)
+
+
+def nrrd_with_units_last(folder):
+    return nrrd(folder, "domain domain domain time", placed=False)
 
 
 def npy(folder):
@@ -121,7 +160,8 @@ def files(folder):
 
 
 FORMATS = [
-    nifti, nifti_gz, metaimage, nrrd_of_slicer, npy, npy_with_channels, raw, hdf5, ome_zarr, imagej, ome_tiff,
+    nifti, nifti_gz, metaimage, nrrd_of_slicer, nrrd_time_first, nrrd_time_last, nrrd_with_units, nrrd_with_units_last,
+     npy, npy_with_channels, raw, hdf5, ome_zarr, imagej, ome_tiff,
     packed_ome_tiff, dicom, files,
 ]  # fmt: skip
 
@@ -261,6 +301,11 @@ def test_series_of_volumes():
 def test_what_is_no_series(volumes, more, message):
     with pytest.raises(ArgumentError, match=message):
         ws.Series(volumes, **more)
+
+
+def test_what_wants_one_volume_says_how_to_take_it():
+    with pytest.raises(ArgumentError, match=r"volume is a Series of several times; give one of them, as series\[0\]"):
+        ws.slice(ws.Series([ws.Volume(SAMPLES[0])]))
 
 
 def test_arrays_become_volumes_by_hand():

@@ -1,15 +1,21 @@
 //! Several volumes in one picture, against the ray caster, which mixes media point by point.
 
 use glam::{DAffine3, DVec3};
+use wavesplat_compute::simd::Level;
 use wavesplat_core::{
     Camera, ColorNode, Crop, Gradient, Kernel, LabelLook, OpacityNode, Picture, Projection, RenderOptions, Shading,
     TransferFunction,
 };
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
+use wavesplat_splat::render::frame::draw_base_planes;
+use wavesplat_splat::render::piece::{draw_piece, finish_tile, tiles_of};
+use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::Slices;
-use wavesplat_splat::{Layer, Report, render_layers};
+use wavesplat_splat::{Layer, Report, render_layers, with_threads};
 use wavesplat_testkit::{Phantom, camera_towards, psnr_db};
 
 const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.08, rays_per_pixel: 9 };
@@ -156,6 +162,61 @@ fn four_layers_of_all_kinds() {
         assert!(psnr_db(&other_first.rgba, &want.rgba) >= 38.0);
         parts.swap(0, 2);
         parts.swap(1, 3);
+    }
+}
+
+/// Cuts by tiles and sheets, vectors of any width and any number of threads give the same bits.
+#[test]
+fn the_bits_do_not_depend_on_how_it_is_drawn() {
+    for nodes in [SOFT, HARD] {
+        let parts = two(&nodes);
+        let volumes: Vec<_> = parts.iter().map(|part| part.phantom.volume()).collect();
+        let slices: Vec<_> = volumes.iter().map(|volume| Slices::new(volume, Kernel::CatmullRom)).collect();
+        let slices: Vec<&Slices> = slices.iter().collect();
+        let cache = VisibilityCache::default();
+        let layers: Vec<Layer> = (0..parts.len())
+            .map(|k| Layer {
+                slices: slices[k],
+                transfer_function: &parts[k].tf,
+                shading: parts[k].shading.as_ref(),
+                labels: None,
+                cache: &cache,
+            })
+            .collect();
+        let options = RenderOptions { sheets_per_slice: 2.0, with_depth: true, ..fine() };
+        let bits = |pictures: &[BasePicture]| {
+            let texels = pictures.iter().flat_map(|picture| picture.texels()).flatten().map(f32::to_bits);
+            let depths = pictures.iter().flat_map(|picture| picture.w_half.iter()).map(|w| w.to_bits());
+            texels.chain(depths).collect::<Vec<u32>>()
+        };
+        for projection in [ORTHOGRAPHIC, PERSPECTIVE] {
+            let plan = |level| Plan::new(level, &layers, &camera(projection), &options).unwrap();
+            let whole_plan = plan(Level::best());
+            let want = bits(&draw_base_planes(&whole_plan, &slices, &()).unwrap().0);
+            assert!(want.len() > 10_000);
+            for level in Level::all() {
+                assert!(bits(&draw_base_planes(&plan(level), &slices, &()).unwrap().0) == want, "{}", level.name());
+            }
+            let draw = || with_threads(Some(1), || draw_base_planes(&whole_plan, &slices, &()));
+            assert!(bits(&draw().unwrap().0) == want);
+            let mut cut = Vec::new();
+            for (f, family) in whole_plan.families.iter().enumerate() {
+                let (tiles, n) = (tiles_of(&whole_plan, f), family.spacing.n_slabs);
+                let mut states = vec![None; tiles.len()];
+                for slabs in [0..n / 3, n / 3..n / 3 + 1, n / 3 + 1..n / 2, n / 2..n] {
+                    (states, _) = draw_piece(&whole_plan, f, &tiles, &slabs, &slices, &states);
+                }
+                let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
+                let mut picture = BasePicture::new(family.plane.clone(), true);
+                picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
+                    if let Some(state) = states[k].lock().unwrap().take() {
+                        finish_tile(&whole_plan, f, state, texels);
+                    }
+                });
+                cut.push(picture);
+            }
+            assert!(bits(&cut) == want, "cut, {projection:?}");
+        }
     }
 }
 

@@ -160,12 +160,21 @@ def layer_of(text: str) -> LayerText:
 def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Layer]:
     """The volumes of `--layer`, with their looks. `time`: which time point, of those that have several."""
     from wavesplat._looks.over_time import brightest
+    from wavesplat._readers.request import SeveralError
     from wavesplat._readers.time_points import open_series
     from wavesplat._scene.layer import Layer
+    from wavesplat._scene.opening import open_scene
 
-    layers = []
+    layers: list[Layer] = []
     for said in [layer_of(text) for text in texts or ()]:
-        series = open_series(said.path)
+        try:
+            series = open_series(said.path)
+            series[0]
+        except SeveralError as error:
+            if error.option != "channel" or not error.is_said or said.look is not None or said.window is not None:
+                raise
+            layers += open_scene(said.path, time=time).layers
+            continue
         has_many = len(series) > 1
         look = _look(brightest(series), said, quiet=quiet)
         layers.append(Layer(series if has_many else series[0], look, time=time if has_many else 0))

@@ -67,6 +67,8 @@ def _no_volume(thing: object, libraries: set[str]) -> str:
         return f"is {described(thing)}, the name of a file; open it first: wavesplat.open({fspath(thing)!r})"
     if isinstance(thing, list | tuple) and any(isinstance(part, Grid) for part in thing):
         return f"is a {type(thing).__name__} of {len(thing)}; give one of them"
+    if type(thing).__name__ == "Series":
+        return "is a Series of several times; give one of them, as series[0]"
     for name, mend in INSTEAD.items():
         if name in libraries:
             return f"is a {type(thing).__name__}; {mend}"

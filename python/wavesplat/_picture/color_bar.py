@@ -28,6 +28,8 @@ MOST_TICKS = 7
 SHORT = 5.0
 #: Operators that show a colour for a surface or mix colours along a ray; all others colour one number per ray.
 MIXING = ("over", "first-hit")
+#: Signs for "-0123456789".
+RAISED = "\u02c9\u00ba\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 #: Numbers from here on, and below the inverse of 1000, are written with a power of ten.
 LARGE, SMALL = 1e5, 1e-3
 #: Colours of a logarithmic map have at least so many nodes, over so many decades, as evenly as this.
@@ -155,7 +157,8 @@ def _power(exponent: int) -> str:
 
 
 def _raised(number: int) -> str:
-    return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    # The typeface has no raised minus and zero; a macron and an ordinal sign look like them.
+    return str(number).translate(str.maketrans("-0123456789", RAISED))
 
 
 def _window(curves: TransferFunction) -> tuple[float, float]:

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
-from wavesplat._model.facts import Channel, Facts
+from wavesplat._model.facts import Facts
 from wavesplat._readers.dicom_header import Frame, Header, header_of, is_dicom
 from wavesplat._readers.dicom_pixels import frames_in
 from wavesplat._readers.dicom_stack import N_NAMED, Stack, one_volume, stacked
-from wavesplat._readers.request import Grid, Request, SeveralError, choose, quiet, several
+from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, several
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["read"]
@@ -140,7 +140,7 @@ def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Re
         stack = _with_pixels_of_1(stack)
     samples = _samples(stack, pixels, {header.file: header for header in headers}, request)
     is_anatomical = first.is_of_patient and all(frame.is_placed() for frame in frames)
-    colors = tuple(Channel(name) for name in ("red", "green", "blue")) if first.n_samples == 3 else ()
+    colors = COLORS[:3] if first.n_samples == 3 else ()
     facts = Facts(
         unit="mm" if np.isfinite(first.frames[0].pixel_spacing).all() else None,
         is_anatomical=is_anatomical,

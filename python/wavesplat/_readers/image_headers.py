@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._model import units
 from wavesplat._model.facts import Facts
 from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT
+from wavesplat._readers.nrrd_times import is_time_axis
 from wavesplat.errors import FileError
 
 __all__ = ["Header", "inflated", "of_meta_image", "of_nrrd", "of_vtk"]
@@ -84,6 +85,9 @@ def of_nrrd(path: Path) -> Header:
         else:
             fields[name.strip().lower()] = value.strip()
     is_anatomical = fields.get("space", "").lower().removesuffix("-time") in ANATOMICAL_SPACES
+    kinds = fields.get("kinds", "").lower().split()
+    is_time = is_time_axis(fields)
+    axis = kinds.index("time") if is_time else kinds.index("list") if len(kinds) == 4 and "list" in kinds else None
     unit, world_factors = units.in_one_unit(_three_units(fields.get("space units", "")))
     index_factors = (1.0, 1.0, 1.0)
     if unit is None and "space directions" not in fields:
@@ -104,31 +108,40 @@ def of_nrrd(path: Path) -> Header:
         conventions=tuple(conventions),
         guesses=tuple(guesses),
     )
-    kinds = fields.get("kinds", "").lower().split()
-    is_list = len(kinds) == 4 and "list" in kinds
-    if is_list:
-        facts = replace(
-            facts, **_listed_times(kinds.index("list"), int(fields["sizes"].split()[kinds.index("list")]), keys)
-        )
-    return Header(fields, facts, index_factors, world_factors, keys, is_list)
+    if axis is not None:
+        facts = replace(facts, **_listed_times(axis, int(fields["sizes"].split()[axis]), fields, keys))
+    return Header(fields, facts, index_factors, world_factors, keys, axis is not None)
 
 
-def _listed_times(axis: int, count: int, keys: dict[str, str]) -> dict[str, Any]:
-    """Times of an axis of kind "list", as 3D Slicer writes them for its sequences and multi-volumes."""
+def _listed_times(axis: int, count: int, fields: dict[str, str], keys: dict[str, str]) -> dict[str, Any]:
+    """Times of an axis: as 3D Slicer writes them for sequences and multi-volumes, or by the axis' own spacing."""
     values = keys.get(f"axis {axis} index values", "").split() or keys.get("multivolume.framelabels", "").split(",")
+    times = _floats(values)
+    named = _quoted(fields.get("units", ""))
+    unit = keys.get("multivolume.frameidentifyingdicomtagunits") or (named[axis] if len(named) == 4 else None)
+    if len(times) == count:
+        return {"n_times": count, "times": tuple(times), "time_unit": unit or None}
+    steps = _floats(fields.get("spacings", "").split())
+    step = steps[axis] if len(steps) == 4 and np.isfinite(steps[axis]) and steps[axis] > 0 else None
+    return {"n_times": count, "time_step": step, "time_unit": (unit or None) if step else None}
+
+
+def _floats(texts: list[str]) -> list[float]:
     try:
-        times = [float(value) for value in values]
+        return [float(text) for text in texts]
     except ValueError:
-        times = []
-    if len(times) != count or not np.isfinite(times).all():
-        return {"n_times": count}
-    unit = keys.get("multivolume.frameidentifyingdicomtagunits", keys.get(f"axis {axis} index unit"))
-    return {"n_times": count, "times": tuple(times), "time_unit": unit or None}
+        return []
 
 
-def _three_units(text: str) -> tuple[str | None, str | None, str | None]:
-    """Of `"mm" "mm" "mm"`, the last three where there are more axes: those before are of vectors."""
-    named = [units.canonical(name) for name in re.findall(r'"((?:[^"\\]|\\.)*)"', text)]
+def _quoted(text: str) -> list[str]:
+    return re.findall(r'"((?:[^"\\]|\\.)*)"', text)
+
+
+def _three_units(text: str, without: int | None = None) -> tuple[str | None, str | None, str | None]:
+    """Of `"mm" "mm" "mm"`; where there are more axes, without the one of times, else the last: first are vectors'."""
+    named = [units.canonical(name) for name in _quoted(text)]
+    if without is not None and len(named) == 4:
+        del named[without]
     return (named[-3], named[-2], named[-1]) if len(named) >= 3 else (None, None, None)
 
 

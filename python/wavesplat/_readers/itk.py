@@ -20,6 +20,7 @@ from wavesplat._files.silence import silenced
 from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd, of_vtk
+from wavesplat._readers.nrrd_times import seen_as_list
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat._readers.vtk_legacy import check_samples
 from wavesplat.errors import FileError
@@ -37,39 +38,42 @@ def read(request: Request) -> Grid:
         reader.SetImageIO(_image_io(path))
         is_vtk = path.suffix.lower() == ".vtk"
         places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files)
-        reader.SetFileName(str(path))
-        reader.ReadImageInformation()
-        size = reader.GetSize()
-        dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
         header = _header(path)
-        n_components = reader.GetNumberOfComponents()
-        shape = (*size, n_components)
-        if is_vtk:
-            check_samples(path, shape, dtype)
-        else:
-            _check_payload(path, places, header.fields, shape, dtype)
-        # The last axis, or the components, may be times.
-        n_times = size[3] if len(size) == 4 else n_components if header.has_times_as_components else 1
-        n_channels = 1 if header.has_times_as_components else n_components
-        time = choose("time", n_times, request.time, path)
-        channel = choose("channel", n_channels, request.channel, path)
-        if len(size) == 4:
-            reader.SetExtractSize([*size[:3], 0])
-            reader.SetExtractIndex([0, 0, 0, time])
-        if _lacks_length(header):
-            whole = inflated(path, header, (*size[::-1], n_components))
-            samples = whole[time] if len(size) == 4 else whole
-            samples = samples[..., 0] if n_components == 1 else samples
-            place: Any = reader
-        else:
-            place = reader.Execute()
-            samples = sitk.GetArrayFromImage(place)
-        if n_components > 1:
-            samples = samples[..., time if header.has_times_as_components else channel]
-        step = float(reader.GetSpacing()[3]) if len(size) == 4 else 1.0
-        # 1 is what is written where nothing is known.
-        facts = replace(header.facts, n_times=n_times, time_step=step if step not in (0.0, 1.0) else None)
-        return Grid(samples, _world_from_index(place, header), facts)
+        with seen_as_list(path, header.fields) as seen:
+            reader.SetFileName(str(seen))
+            reader.ReadImageInformation()
+            size = reader.GetSize()
+            dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
+            n_components = reader.GetNumberOfComponents()
+            shape = (*size, n_components)
+            if is_vtk:
+                check_samples(path, shape, dtype)
+            else:
+                _check_payload(path, places, header.fields, shape, dtype)
+            # The last axis, or the components, may be times.
+            n_times = size[3] if len(size) == 4 else n_components if header.has_times_as_components else 1
+            n_channels = 1 if header.has_times_as_components else n_components
+            time = choose("time", n_times, request.time, path)
+            channel = choose("channel", n_channels, request.channel, path)
+            if len(size) == 4:
+                reader.SetExtractSize([*size[:3], 0])
+                reader.SetExtractIndex([0, 0, 0, time])
+            if _lacks_length(header):
+                whole = inflated(path, header, (*size[::-1], n_components))
+                samples = whole[time] if len(size) == 4 else whole
+                samples = samples[..., 0] if n_components == 1 else samples
+                place: Any = reader
+            else:
+                place = reader.Execute()
+                samples = sitk.GetArrayFromImage(place)
+            if n_components > 1:
+                samples = samples[..., time if header.has_times_as_components else channel]
+            facts = replace(header.facts, n_times=n_times)
+            if len(size) == 4:
+                step = float(reader.GetSpacing()[3])
+                # 1 is what is written where nothing is known.
+                facts = replace(facts, time_step=step if step not in (0.0, 1.0) else None)
+            return Grid(samples, _world_from_index(place, header), facts)
 
 
 def _image_io(path: Path) -> str:

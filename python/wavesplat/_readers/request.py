@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from wavesplat._files.places import expanded, printable
 from wavesplat._model import units
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Channel, Facts
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
 __all__ = [
+    "COLORS",
     "Grid",
     "Request",
     "SeveralError",
@@ -141,6 +142,13 @@ def quiet(library: str) -> Iterator[None]:
         logger.disabled = before
 
 
+#: Samples of three or four that are colours and their opacity, not channels of something else.
+COLORS = (
+    Channel("red", (1.0, 0.0, 0.0)),
+    Channel("green", (0.0, 1.0, 0.0)),
+    Channel("blue", (0.0, 0.0, 1.0)),
+    Channel("alpha", is_active=False),
+)
 WHAT = {"time": "time points", "channel": "channels"}
 
 

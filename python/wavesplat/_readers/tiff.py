@@ -22,7 +22,7 @@ from wavesplat._files.named_files import check_named_file
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
-from wavesplat._readers.request import Grid, Request, choose, quiet
+from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet
 from wavesplat._readers.tiff_facts import place_of
 from wavesplat.errors import FileError
 
@@ -53,10 +53,12 @@ def _read_file(path: Path, request: Request) -> Grid:
         one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
         _check_stored(tiff, path, one)
         place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
-        names = [channel.name for channel in place.facts.channels]
+        channels = place.facts.channels or _colors(series)
+        names = [channel.name for channel in channels]
         picked, order = _one_stack(series.axes, series.shape, request, names)
         samples = np.transpose(_picked_samples(tiff, picked, path), order)
-        facts = replace(place.facts, channel=_channel_of(place.facts, request), n_times=_n_times(series))
+        facts = replace(place.facts, channels=channels, n_times=_n_times(series))
+        facts = replace(facts, channel=_channel_of(facts, request))
         # A negative distance mirrors the axis.
         return Grid(samples, np.diag([*place.steps, 1.0]), facts)
 
@@ -64,6 +66,12 @@ def _read_file(path: Path, request: Request) -> Grid:
 def _channel_of(facts: Facts, request: Request) -> Channel | None:
     number = request.channel or 0
     return facts.channels[number] if number < len(facts.channels) else None
+
+
+def _colors(series: Any) -> tuple[Channel, ...]:
+    """Of pixels of three or four samples, which are colours."""
+    sizes = dict(zip(series.axes, series.shape, strict=True))
+    return COLORS[: sizes["S"]] if sizes.get("S") in (3, 4) and "C" not in sizes else ()
 
 
 def _n_times(series: Any) -> int:

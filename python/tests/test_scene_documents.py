@@ -226,6 +226,12 @@ def test_the_command_line_draws_again(wavesplat, folder):
     assert b.read_bytes() == a.read_bytes()
 
 
+def test_the_command_line_need_not_tell(wavesplat, folder):
+    done = wavesplat("render", folder / "noise.npy", "-o", folder / "a.png", "--size", "9x9", "--no-tell")
+    assert done.returncode == 0
+    assert text_in((folder / "a.png").read_bytes(), "wavesplat") is None
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -64,6 +64,9 @@ def render(
     lighting: LightOptions,
     bits: Bits = 8,
     figure: FigureOptions,
+    tells: Annotated[
+        bool, typer.Option("--tell/--no-tell", help="Whether a PNG file says how it was made, for --from.")
+    ] = True,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
@@ -103,6 +106,7 @@ def render(
         input,
         figure=figure,
         bits=bits,
+        tells=tells,
         quiet=quiet,
         size=size,
         composite=operator,
@@ -135,6 +139,7 @@ def _drawn_all(
     *,
     figure: FigureOptions,
     bits: int,
+    tells: bool,
     quiet: bool,
     **options: Any,
 ) -> list[dict[str, Any]]:
@@ -145,7 +150,7 @@ def _drawn_all(
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, quiet=quiet)
-        picture.save(path, bits=bits, dpi=figure.dpi)
+        picture.save(path, bits=bits, dpi=figure.dpi, scene=tells)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made
 

@@ -116,7 +116,7 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
         ([], "--output"),
         (["-o", "OUT"], "INPUT is missing"),
         (["IN"], "--output"),
-        (["IN", "-o", "OUT", "--size", "12"], "'12' is not WIDTHxHEIGHT"),
+        (["IN", "-o", "OUT", "--size", "12x"], "'12x' is not WIDTHxHEIGHT"),
         (["IN", "-o", "OUT", "--size", "0x5"], "width is 0"),
         (["IN", "-o", "OUT", "--size", "1000000x5"], "width is 1000000"),
         (["IN", "-o", "OUT", "--kernel", "cubic"], "'cubic' is not one of: linear"),

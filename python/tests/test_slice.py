@@ -385,7 +385,7 @@ def test_command_line(wavesplat, ramp_file, tmp_path):
         (["--title", "\U0001f9e0"], "--title has signs that the typeface does not"),
         (["--bar-length", "9 m"], "the scale bar is '9 m'"),
         (["--legend", "--size", "99x99"], "nothing for a legend"),
-        (["--size", "12"], "'12' is not WIDTHxHEIGHT"),
+        (["--size", "12x"], "'12x' is not WIDTHxHEIGHT"),
     ],
 )
 def test_command_line_mistakes(wavesplat, ramp_file, tmp_path, options, message):

@@ -13,6 +13,7 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, Clipping, checked_clip
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.options import Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
@@ -26,7 +27,7 @@ __all__ = ["raycast", "splat_literal"]
 
 @takes_its_types
 def raycast(
-    what: Volume | Scene,
+    what: VolumeLike | Scene,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
@@ -74,9 +75,9 @@ def raycast(
         if transfer_function is not None or labels is not None or checked_clip(clip) != checked_clip(()):
             raise ArgumentError("a scene has its own looks, labels and clipping; leave these arguments out")
     else:
-        _checked_samples(what)
-        look = arguments.chosen_look(transfer_function, what, "over")
-        scene = Scene(what, look, labels=labels, shading=shading, clip=clip)
+        volume = _checked_samples(what)
+        look = arguments.chosen_look(transfer_function, volume, "over")
+        scene = Scene(volume, look, labels=labels, shading=shading, clip=clip)
     shown = shown_layers(scene, "over")
     lights = [layer.look.shading if scene.shading == "look" else scene.shading for layer in shown.layers]
     if any(isinstance(light, Shading) and (light.ambient_occlusion > 0 or light.shadow > 0) for light in lights):
@@ -106,7 +107,7 @@ def raycast(
 
 @takes_its_types
 def splat_literal(
-    volume: Volume,
+    volume: VolumeLike,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
@@ -141,7 +142,7 @@ def splat_literal(
     >>> ws.reference.splat_literal(ws.examples.ripples(8), size=(8, 8)).rgba.shape
     (8, 8, 4)
     """
-    _checked_samples(volume)
+    volume = _checked_samples(volume)
     width, height = arguments.checked_size(size)
     look = arguments.chosen_look(transfer_function, volume, "over")
     rgba = _native.splat_literal(
@@ -158,7 +159,8 @@ def splat_literal(
     return Picture(rgba)
 
 
-def _checked_samples(volume: object) -> Volume:
+def _checked_samples(thing: object) -> Volume:
+    volume = as_volume(thing)
     if not isinstance(volume, Volume):
         raise ArgumentError(
             f"the reference draws a Volume, not a {type(volume).__name__}; of a WaveletVolume, give its to_volume()"

@@ -18,6 +18,7 @@ from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, checked_clip
 from wavesplat._model.cutting import without
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.options import Buffer, Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -163,7 +164,7 @@ def render(
 
 @takes_its_types
 def splat(
-    volume: Volume,
+    volume: VolumeLike,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
@@ -212,6 +213,7 @@ def splat(
     >>> ws.study.splat(ws.examples.ripples(8), ablation=without, size=(8, 8), sheets_per_slice=3).rgba.shape
     (8, 8, 4)
     """
+    volume = as_volume(volume)
     if not isinstance(volume, Volume):
         raise ArgumentError(
             f"the study draws a Volume, not a {type(volume).__name__}; of a WaveletVolume, give its to_volume()"
@@ -284,7 +286,7 @@ class StandardSplatting:
 
 @takes_its_types
 def standard(
-    volume: Volume | WaveletVolume,
+    volume: VolumeLike,
     transfer_function: TransferFunction | TransferFunction2D | Materials | str | None = None,
     camera: Camera | str | None = None,
     *,
@@ -345,6 +347,7 @@ def standard(
             f"standard is a {type(standard).__name__}; give a wavesplat.study.StandardSplatting(buffer=...)"
         )
     chosen = standard or StandardSplatting()
+    volume = as_volume(volume)
     width, height = arguments.checked_size(size)
     clipping = checked_clip(clip)
     look = arguments.chosen_look(transfer_function, volume, "over")

@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, movie, slice, info, presets, wavelet, mesh, demo, each in a file of its name.
+"""The command line: `wavesplat` render, movie, slice, info, presets, tf, wavelet, mesh, demo, in files of their names.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from wavesplat._cli import demo, info, mesh, movie, presets, render, slice, wavelet
+from wavesplat._cli import demo, info, mesh, movie, presets, render, slice, tf, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -48,6 +48,7 @@ for command in (
     slice.slice,
     info.info,
     presets.presets,
+    tf.tf,
     wavelet.wavelet,
     mesh.mesh,
     demo.demo,
@@ -97,6 +98,8 @@ def _explained(error: BaseException) -> tuple[str, int]:
     """What is said of an error, and the exit code."""
     if isinstance(error, WavesplatError):
         return str(error), EXIT_USAGE if isinstance(error, ArgumentError) else EXIT_FAILED
+    if isinstance(error, CommandLineError) and hasattr(error, "possibilities"):
+        return _of_unknown_option(error), EXIT_USAGE
     if isinstance(error, CommandLineError):
         return error.format_message().rstrip(".") + "; see wavesplat --help", EXIT_USAGE
     if isinstance(error, MemoryError):
@@ -105,3 +108,17 @@ def _explained(error: BaseException) -> tuple[str, int]:
         return f"{error.strerror or error}; check names, permissions and free space", EXIT_FAILED
     what = ": ".join(part for part in (type(error).__name__, str(error)) if part)
     return f"{what}; this is a mistake of wavesplat: report it, with the command and the volume", EXIT_FAILED
+
+
+def _of_unknown_option(error: Any) -> str:
+    """What is said of an option that there is not."""
+    from wavesplat._cli.option_hints import hint
+
+    context = error.ctx
+    if context.parent is None:
+        return f"no such option: {error.option_name}; see wavesplat --help"
+    options = {
+        name: {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
+        for name, command in context.parent.command.commands.items()
+    }
+    return f"no such option: {error.option_name}; {hint(error.option_name, context.info_name, options)}"

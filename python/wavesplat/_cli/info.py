@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Json
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["info"]
 
 
+@takes_several_inputs()
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""

@@ -12,11 +12,13 @@ from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Json, Quiet
 
 __all__ = ["mesh"]
 
 
+@takes_several_inputs(".ply")
 @takes_reader_options
 @takes_processing_options
 def mesh(

@@ -43,11 +43,12 @@ def one_of(names: Sequence[str]) -> Callable[[str], str]:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Width and height of "800x600"."""
+    """Width and height of "800x600"; "800" is a square."""
     try:
-        width, height = (int(part) for part in text.lower().split("x"))
+        parts = [int(part) for part in text.lower().split("x")]
+        width, height = parts if len(parts) > 1 else parts * 2
     except ValueError:
-        raise typer.BadParameter(f"{text!r} is not WIDTHxHEIGHT, such as 800x600") from None
+        raise typer.BadParameter(f"{text!r} is not WIDTHxHEIGHT, such as 800x600, or 800") from None
     if max(width, height) > MOST_PX:
         raise typer.BadParameter(f"{text[:60]!r} is too large; give at most 16384 pixels a side")
     return width, height

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
 
 __all__ = [
+    "collected",
     "is_terminal",
     "json_text",
     "message",
@@ -27,10 +28,30 @@ __all__ = [
     "warnings_as_notes",
 ]
 
+#: Facts of results that are printed together, at the end.
+_COLLECTED: list[list[dict[str, Any]]] = []
+
 
 def print_result(facts: dict[str, Any], text: object, *, as_json: bool, written: Path | None = None) -> None:
     """Print the facts as JSON, or the text that people read. `written`: the file that is there already."""
-    print_lines(json_text(facts) if as_json else text, written=written)
+    if as_json and _COLLECTED:
+        _COLLECTED[-1].append(facts)
+    else:
+        print_lines(json_text(facts) if as_json else text, written=written)
+
+
+@contextmanager
+def collected(*, as_json: bool) -> Iterator[None]:
+    """Print the facts of all results inside as one list, since several JSON texts are none."""
+    if not as_json:
+        yield
+        return
+    _COLLECTED.append([])
+    try:
+        yield
+    finally:
+        results = _COLLECTED.pop()
+    print_lines(json_text({"results": results}))
 
 
 def print_lines(text: object, *, written: Path | None = None) -> None:

@@ -19,6 +19,7 @@ from wavesplat._cli.processing_options import ProcessingOptions, takes_processin
 from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.sampling_options import SamplingOptions, drawing_arguments, takes_sampling_options
 from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chosen_scene, takes_scene_options
+from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Bits, Json, PictureOutput, Quiet, Size
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import ViewOptions, check_view_options, seen_from, takes_view_options
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["render"]
 
 
+@takes_several_inputs(".png")
 @takes_figure_options
 @takes_cut_options
 @takes_light_options

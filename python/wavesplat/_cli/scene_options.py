@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -19,14 +19,9 @@ from wavesplat._cli.printing import message
 from wavesplat._cli.processing_options import ProcessingOptions
 from wavesplat._cli.reader_options import ReaderOptions
 from wavesplat._cli.shared_options import Background, Family, Threshold
-from wavesplat._cli.transfer_function_options import (
-    ColorOptions,
-    TransferFunctionFile,
-    function_of_materials,
-    named_look,
-)
-from wavesplat._model.options import BY_VIEW, COMPOSITE_SYNONYMS, Composite
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
+from wavesplat._model.options import BY_VIEW, Composite
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
@@ -40,21 +35,9 @@ __all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene",
 
 
 @dataclass(frozen=True)
-class SceneOptions:
+class SceneOptions(LookOptions):
     """The look of a volume, its labels, operator, wavelets and background."""
 
-    preset: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
-    ] = None
-    tf: TransferFunctionFile = None
-    materials: Annotated[
-        str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
-    ] = None
-    surfaces: Annotated[
-        float | None,
-        typer.Option(metavar="0..1", help="How much of the materials' opacity only their boundaries have."),
-    ] = None
     labels: Annotated[
         str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
     ] = None
@@ -62,7 +45,6 @@ class SceneOptions:
         Path | None,
         typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
     ] = None
-    composite: Annotated[Any, parsers.choice((*get_args(Composite), *COMPOSITE_SYNONYMS))] = None
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None
     local_threshold: Annotated[
         float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
@@ -93,12 +75,6 @@ class SceneOptions:
     family: Family = "cdf97"
     background: Background = None
 
-    @property
-    def operator(self) -> Composite | None:
-        """Name of the operator; None leaves it to the look."""
-        name: Composite | None = COMPOSITE_SYNONYMS.get(self.composite, self.composite)
-        return name
-
 
 def takes_scene_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command these options on the command line, in the place of its parameter `showing`."""
@@ -115,13 +91,8 @@ class ChosenScene(NamedTuple):
 
 def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:
     """Refuse what cannot be, before anything is read."""
-    parsers.refuse_pairs(preset=showing.preset, tf=showing.tf)
-    parsers.refuse_pairs(preset=showing.preset, materials=showing.materials)
-    parsers.refuse_pairs(tf=showing.tf, materials=showing.materials)
-    parsers.refuse_pairs(cmap=colors.cmap, materials=showing.materials)
+    showing.check(colors)
     parsers.refuse_pairs(crop=cuts.crop, crop_index=cuts.crop_index)
-    if showing.surfaces is not None and showing.materials is None:
-        raise ArgumentError("--surfaces are those between materials; give it with --materials")
     if showing.operator is not None:
         _operator(showing.operator, showing)
 
@@ -152,7 +123,8 @@ def chosen_scene(
         shading: Any = chosen_shading(lighting, None) if given(lighting) else "look"
     else:
         volume = opened if isinstance(opened, Series) else _levels(opened, showing)
-        look = _look(brightest(volume) if isinstance(volume, Series) else volume, input, showing, colors, quiet=quiet)
+        brief = brightest(volume) if isinstance(volume, Series) else volume
+        look = showing.look(brief, input, colors, quiet=quiet)
         shading = chosen_shading(lighting, look.shading)
         if layering.layer:  # which have light of their own
             look, shading = replace(look, shading=shading), "look"
@@ -175,34 +147,12 @@ def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) ->
     """An error for options that make a look, or coefficients, of one volume."""
     for_one = ("preset", "tf", "materials", "threshold", "levels", "bands")
     names = [f"--{name}" for name in for_one if getattr(showing, name) is not None]
-    names += ["--cmap, --clim, --log, --opacity and --gamma"] if colors.are_given() else []
+    names += ["--cmap, --clim, --window, --log, --opacity and --gamma"] if colors.are_given() else []
     if names:
         raise ArgumentError(
             f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "
             "say how each is shown: --channel 0:green:100,900"
         )
-
-
-def _look(
-    volume: Volume | WaveletVolume, path: str, showing: SceneOptions, colors: ColorOptions, *, quiet: bool
-) -> Look:
-    """The look that is named, or the one that suits the data. `path`: where the volume came from, for messages."""
-    from wavesplat._looks.look import Look
-    from wavesplat._render.arguments import chosen_look
-
-    composite = showing.operator
-    if showing.materials is not None:
-        function = function_of_materials(volume, showing.materials, showing.surfaces)
-        return Look(transfer_function=function, composite=composite or "over")
-    opacity = 1.0 if composite not in (None, "over", "first-hit") else "linear"
-    named = named_look(volume, preset=showing.preset, tf=showing.tf, colors=colors, opacity=opacity, quiet=quiet)
-    if named is not None:
-        return chosen_look(named, volume, composite)
-    try:
-        return Look.auto(volume, composite)
-    except ArgumentError as error:
-        # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
-        raise FileError(f"{error}: {path}") from None
 
 
 def _labels(path: str | None, table: Path | None) -> Labels | None:

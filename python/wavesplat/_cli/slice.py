@@ -12,6 +12,7 @@ from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
 from wavesplat._cli.transfer_function_options import (
     ColorOptions,
@@ -26,6 +27,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["slice"]
 
 
+@takes_several_inputs(".png")
 @takes_figure_options
 @takes_reader_options
 @takes_color_options
@@ -73,14 +75,6 @@ def slice(
             help=f"What is kept across it: {', '.join(get_args(Slab))}.",
         ),
     ] = "maximum",
-    window: Annotated[
-        Any,
-        typer.Option(
-            metavar="NAME|LEVEL,WIDTH",
-            parser=parsers.window,
-            help="Greys: bone, lung, brain, abdomen, mediastinum, liver, stroke, ..., or level and width.",
-        ),
-    ] = None,
     preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
     tf: TransferFunctionFile = None,
     colors: ColorOptions,
@@ -105,9 +99,9 @@ def slice(
     check_bits(bits)
     check_figure(figure)
     volume = processed(input, reader, processing, quiet=quiet)
-    # A range alone is one of greys, as a window is.
-    clim = colors.clim if colors == ColorOptions(clim=colors.clim) else None
-    look = named_look(volume, preset=preset, tf=tf, colors=colors if clim is None else None, opacity=1.0, quiet=quiet)
+    # A window or a range alone is one of greys.
+    is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
+    look = named_look(volume, preset=preset, tf=tf, colors=None if is_grey else colors, opacity=1.0, quiet=quiet)
     transfer_function: Any = look and look.transfer_function
     if preset == "auto":
         transfer_function = function_of_histogram(volume, input)
@@ -122,8 +116,8 @@ def slice(
             kernel=kernel,
             thickness=thickness,
             slab=slab,
-            window=window,
-            clim=clim,
+            window=colors.window if is_grey else None,
+            clim=colors.clim if is_grey else None,
             transfer_function=transfer_function,
             background=background,
             threads=threads,

@@ -1,17 +1,18 @@
-"""The look that `--preset`, `--tf` or `--cmap` names, and the transfer function of `--materials`."""
+"""The look that `--preset`, `--tf`, `--cmap` or `--materials` name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.option_groups import with_options_of
 from wavesplat._cli.printing import warnings_as_notes
+from wavesplat._model.options import COMPOSITE_SYNONYMS, Composite
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -23,11 +24,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ColorOptions",
+    "LookOptions",
     "TransferFunctionFile",
     "function_of_histogram",
-    "function_of_materials",
     "named_look",
     "takes_color_options",
+    "takes_look_options",
 ]
 
 TransferFunctionFile = Annotated[
@@ -58,6 +60,15 @@ class ColorOptions:
             help="Values of the first and the last colour; those of the volume if not given.",
         ),
     ] = None
+    window: Annotated[
+        Any,
+        typer.Option(
+            metavar="NAME|LEVEL,WIDTH",
+            parser=parsers.window,
+            help="Instead, as radiologists say it: bone, lung, brain, abdomen, mediastinum, liver, ..., or level and "
+            "width.",
+        ),
+    ] = None
     log: Annotated[bool, typer.Option("--log", help="Colours even in the logarithm of the values.")] = False
     opacity: Annotated[
         Any,
@@ -77,17 +88,76 @@ class ColorOptions:
         """The map, grey if none is named. `opacity`: what is meant if nothing is said."""
         from wavesplat._looks.look import Look
         from wavesplat._looks.transfer_function import TransferFunction
+        from wavesplat._render.windows import limits
 
         name = self.cmap or "gray"
         function = TransferFunction.from_colormap(
             name,
             volume,
-            clim=self.clim,
+            clim=self.clim if self.window is None else limits(volume, self.window, self.clim),
             opacity=opacity if self.opacity is None else self.opacity,
             log=self.log,
             gamma=self.gamma,
         )
         return Look(transfer_function=function, name=name)
+
+
+@dataclass(frozen=True)
+class LookOptions:
+    """A look by name, from a file, or of materials."""
+
+    preset: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
+    ] = None
+    tf: TransferFunctionFile = None
+    materials: Annotated[
+        str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
+    ] = None
+    surfaces: Annotated[
+        float | None,
+        typer.Option(metavar="0..1", help="How much of the materials' opacity only their boundaries have."),
+    ] = None
+
+    composite: Annotated[Any, parsers.choice((*get_args(Composite), *COMPOSITE_SYNONYMS))] = None
+
+    @property
+    def operator(self) -> Composite | None:
+        """Name of the operator; None leaves it to the look."""
+        name: Composite | None = COMPOSITE_SYNONYMS.get(self.composite, self.composite)
+        return name
+
+    def check(self, colors: ColorOptions) -> None:
+        """Raise if two of them are given, or one beside colours."""
+        parsers.refuse_pairs(preset=self.preset, tf=self.tf)
+        parsers.refuse_pairs(preset=self.preset, materials=self.materials)
+        parsers.refuse_pairs(tf=self.tf, materials=self.materials)
+        parsers.refuse_pairs(cmap=colors.cmap, materials=self.materials)
+        if self.surfaces is not None and self.materials is None:
+            raise ArgumentError("--surfaces are those between materials; give it with --materials")
+
+    def look(self, volume: Volume | WaveletVolume, path: str, colors: ColorOptions, *, quiet: bool) -> Look:
+        """The look that is named, or the one that suits the data. `path`: where the volume came from, for messages."""
+        from wavesplat._looks.look import Look
+        from wavesplat._render.arguments import chosen_look
+
+        if self.materials is not None:
+            function = _function_of_materials(volume, self.materials, self.surfaces)
+            return Look(transfer_function=function, composite=self.operator or "over")
+        opacity = 1.0 if self.operator not in (None, "over", "first-hit") else "linear"
+        named = named_look(volume, preset=self.preset, tf=self.tf, colors=colors, opacity=opacity, quiet=quiet)
+        if named is not None:
+            return chosen_look(named, volume, self.operator)
+        try:
+            return Look.auto(volume, self.operator)
+        except ArgumentError as error:
+            # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
+            raise FileError(f"{error}: {path}") from None
+
+
+def takes_look_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `looks`."""
+    return with_options_of(LookOptions, "looks", command)
 
 
 def takes_color_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -111,7 +181,9 @@ def named_look(
     from wavesplat._looks.look import Look
 
     if colors is not None and colors.are_given() and (preset is not None or tf is not None):
-        raise ArgumentError("--cmap, --clim, --log, --opacity and --gamma belong together, without --preset and --tf")
+        raise ArgumentError(
+            "--cmap, --clim, --window, --log, --opacity and --gamma belong together, without --preset and --tf"
+        )
     with warnings_as_notes(quiet=quiet):
         if tf is not None:
             path, _, name = str(tf).rpartition("#") if not tf.exists() and "#" in str(tf) else (str(tf), "", None)
@@ -132,7 +204,7 @@ def function_of_histogram(volume: Volume | WaveletVolume, path: str) -> Transfer
         raise FileError(f"{error}: {path}") from None
 
 
-def function_of_materials(
+def _function_of_materials(
     volume: Volume | WaveletVolume, given: str, surfaces: float | None
 ) -> TransferFunction | TransferFunction2D:
     """The mixture of materials from a file, by name, or from the histogram; with their surfaces if a share is given."""

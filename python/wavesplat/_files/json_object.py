@@ -14,16 +14,32 @@ from wavesplat._files.output import write_atomically
 from wavesplat._files.places import read_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["check_fields", "check_list", "load", "names_in", "optional_number", "parse", "save", "write"]
+__all__ = ["check_fields", "check_list", "compact", "load", "names_in", "optional_number", "parse", "save", "write"]
 
 T = TypeVar("T")
 
 VERSION = 1
+#: Letters of a line that are still read at a glance.
+LINE = 100
 
 
 def write(fields: dict[str, Any]) -> str:
     """JSON text of an object with these fields and the version; numbers read back exactly."""
-    return json.dumps({"version": VERSION, **fields}, indent=2, ensure_ascii=False) + "\n"
+    return compact({"version": VERSION, **fields}) + "\n"
+
+
+def compact(value: Any, indent: str = "") -> str:
+    """JSON text to be read and edited by people: what fits into a line is one, as the nodes of a curve."""
+    line = json.dumps(value, ensure_ascii=False)
+    if not isinstance(value, dict | list | tuple) or not value or len(indent) + len(line) <= LINE:
+        return line
+    inner = indent + "  "
+    if isinstance(value, dict):
+        parts = [f"{json.dumps(key, ensure_ascii=False)}: {compact(part, inner)}" for key, part in value.items()]
+    else:
+        parts = [compact(part, inner) for part in value]
+    opening, closing = "{}" if isinstance(value, dict) else "[]"
+    return f"{opening}\n{inner}" + f",\n{inner}".join(parts) + f"\n{indent}{closing}"
 
 
 def save(path: str | PathLike[str], text: str) -> None:

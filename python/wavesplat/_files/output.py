@@ -30,13 +30,14 @@ __all__ = [
     "write_atomically",
 ]
 
-Kind: TypeAlias = Literal["pictures", "movies", "meshes", "volumes", "wavelet coefficients"]
+Kind: TypeAlias = Literal["pictures", "movies", "meshes", "looks", "volumes", "wavelet coefficients"]
 
 #: What each kind of result is written as; the suffix chooses the format.
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".svg", ".pdf"),
     "movies": (".mp4", ".webm", ".gif", ".webp"),
     "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
+    "looks": (".json",),
     "volumes": (".nii.gz", ".nii", ".nrrd"),
     "wavelet coefficients": (".wavelets",),
 }

@@ -272,7 +272,6 @@ class Picture:
         if not 1 <= quality <= 100:
             raise ArgumentError(f"quality is {quality}; give 1 to 100, 95 is good")
 
-        folder = Path(path).absolute().parent
         canvas = self._canvas or Canvas(*self.size, self.rgba)
         canvas = canvas if dpi is None else replace(canvas, dpi=dpi)
         dpi = canvas.dpi
@@ -280,6 +279,7 @@ class Picture:
         def write(part: Path) -> None:
             if suffix == ".png":
                 content = picture_files.png_bytes(self.rgba, bits, dpi)
+                folder = Path(path).absolute().parent
                 part.write_bytes(
                     picture_files.with_scene(content, self.report.get("scene"), folder) if scene else content
                 )

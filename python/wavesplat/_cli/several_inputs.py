@@ -1,0 +1,150 @@
+"""Commands of one INPUT for several: patterns in quotes are looked up, and each result has a name of its own.
+
+In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in, and
+{number} counts from 1. Other braces are left as they are.
+"""
+
+from __future__ import annotations
+
+import glob
+import inspect
+import os
+import re
+from collections.abc import Callable
+from contextlib import suppress
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from wavesplat._cli.printing import collected, message, print_lines
+from wavesplat.errors import ArgumentError, FileError, WavesplatError
+
+__all__ = ["takes_several_inputs"]
+
+_INPUTS = typer.Argument(
+    metavar="INPUT...",
+    help="Volumes: files, folders or URLs; with * and ? in quotes, all files that fit.",
+    show_default=False,
+)
+Inputs = Annotated[list[str], _INPUTS]
+InputsOrNone = Annotated[list[str] | None, _INPUTS]
+
+#: Suffixes before the last one that belong to it.
+DOUBLE = re.compile(r"\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
+PLACE = re.compile(r"\{(stem|name|folder|number)\}")
+
+
+def takes_several_inputs(suffix: str | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command of one `input` several of them, one after the other.
+
+    suffix : of results, where `output` is a folder; None of a command without.
+    """
+
+    def changed(command: Callable[..., None]) -> Callable[..., None]:
+        signature = inspect.signature(command, eval_str=True)
+
+        @wraps(command)
+        def with_several(*, input: list[str] | None = None, **options: Any) -> None:
+            if not input:
+                command(input=None, **options)
+                return
+            runs = _runs(_found(input), options, suffix)
+            if len(runs) == 1:
+                command(**runs[0])
+            else:
+                _run_all(command, runs, titled=suffix is None)
+
+        parameters = [
+            parameter.replace(annotation=Inputs if parameter.default is parameter.empty else InputsOrNone)
+            if parameter.name == "input"
+            else parameter
+            for parameter in signature.parameters.values()
+        ]
+        # Typer asks for both, depending on its release.
+        with_several.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        with_several.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+        return with_several
+
+    return changed
+
+
+def _found(given: list[str]) -> list[str]:
+    """The inputs, patterns looked up, each once."""
+    found: dict[str, None] = {}
+    for text in given:
+        pattern = os.path.expanduser(text)  # noqa: PTH111 - which lets nobody's home be
+        if not glob.has_magic(text) or "://" in text or os.path.lexists(pattern):
+            found[text] = None
+            continue
+        names = sorted(glob.glob(pattern, recursive=True))  # noqa: PTH207 - also of whole paths
+        if not names:
+            raise FileError(f"no file fits the pattern; check it: {text}")
+        found.update(dict.fromkeys(names))
+    return list(found)
+
+
+def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> list[dict[str, Any]]:
+    """What the command is called with for each input."""
+    runs = []
+    makers: dict[Path, str] = {}
+    for number, input in enumerate(inputs, 1):
+        places = _places(input, f"{number:0{len(str(len(inputs)))}}")
+        own = {option: _named(options[option], places) for option in ("output", "report") if options.get(option)}
+        if suffix is not None and "output" in own and _is_folder(own["output"]):
+            own["output"] /= f"{places['stem']}{suffix}"
+        for option, path in own.items():
+            if len(inputs) > 1 and path == options[option]:
+                raise ArgumentError(
+                    f"{len(inputs)} volumes, and --{option} names one file; write {{stem}} in its name, such as "
+                    f"{path.with_name('{stem}' + path.suffix)}, or name a folder that is there"
+                )
+            maker = makers.setdefault(path, input)
+            if maker != input:
+                raise ArgumentError(
+                    f"{maker} and {input} would be one file, {path}; write {{folder}} or {{number}} in its name"
+                )
+        runs.append({**options, **own, "input": input})
+    return runs
+
+
+def _places(input: str, number: str) -> dict[str, str]:
+    """What stands for the words in braces."""
+    path = Path(input) if "://" in input else Path(os.path.expanduser(input))  # noqa: PTH111
+    folder = path.parent.name
+    if not folder:
+        with suppress(OSError):  # of a working folder that is gone
+            folder = path.absolute().parent.name
+    stem = path.name if _is_folder(path) and path.suffix.lower() != ".zarr" else path.stem
+    return {"stem": DOUBLE.sub("", stem), "name": path.name, "folder": folder, "number": number}
+
+
+def _is_folder(path: Path) -> bool:
+    """No error for names that cannot be: what opens or writes them says it."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
+def _named(path: Path, places: dict[str, str]) -> Path:
+    return Path(PLACE.sub(lambda place: places[place[1]], str(path)))
+
+
+def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled: bool) -> None:
+    """One after the other; one that fails is told, and the others go on."""
+    n_failed = 0
+    with collected(as_json=bool(runs[0].get("json"))):
+        for number, run in enumerate(runs):
+            if titled and not run.get("json"):
+                print_lines(f"\n{run['input']}" if number > 0 else run["input"])
+            try:
+                command(**run)
+            except WavesplatError as error:
+                # What is wrong with the options is so with all inputs.
+                if isinstance(error, ArgumentError) and number == 0:
+                    raise
+                n_failed += 1
+                place = "" if run["input"] in str(error) else f": {run['input']}"
+                message(f"error: {' '.join(str(error).split())}{place}")
+    if n_failed:
+        message(f"{n_failed} of {len(runs)} inputs failed")
+        raise typer.Exit(1)

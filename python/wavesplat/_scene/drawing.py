@@ -198,18 +198,20 @@ def _in_one(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Cur
 
 def _added(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
     """Projections of several layers, their colours added as light."""
-    lights, covers, reports = [], [], []
+    light, covers, reports = np.zeros((frame.size[1], frame.size[0], 3)), [], []
     clear = replace(frame, background=None)
     for number, (layer, function) in enumerate(zip(layers, functions, strict=True)):
         options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
         result, report = _rendered(replace(clear, options=options), [layer], [function])
-        lights.append(layer.opacity * result["rgba"][..., :3])
-        covers.append(1 - layer.opacity * result["rgba"][..., 3:])
+        shown = np.float32(layer.opacity) * result["rgba"]
+        # In double precision sums of so few do not depend on their order.
+        light += shown[..., :3]
+        covers.append(1 - shown[..., 3].astype(np.float64))
         reports.append(report | _told(layer))
-    # In the order of size, so that the order of layers does not tell.
-    light = np.sort(lights, axis=0).sum(axis=0).clip(0, 1)
-    alpha = 1 - np.sort(covers, axis=0).prod(axis=0)
-    rgba = _over_background(np.concatenate([light, alpha], axis=2).astype(np.float32), frame.background)
+    # Products do, so that they are taken in the order of size.
+    alpha = 1 - (np.sort(covers, axis=0) if len(covers) > 2 else np.array(covers)).prod(axis=0)
+    rgba = np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
+    rgba = _over_background(rgba, frame.background)
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _told(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd")}
     report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}

@@ -324,7 +324,7 @@ class _Memory:
 
     def __init__(self, frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> None:
         self._is_wanted = frame.options.psnr is not None
-        self._kept = frame.scene._kept.measured
+        self._kept = frame.scene._kept
         shading = frame.scene.shading
         self._key: Any = (
             frame.operator,
@@ -341,9 +341,9 @@ class _Memory:
 
     def recalled(self) -> dict[str, Any] | None:
         """What the last one told; None where there was none, or it showed something else."""
-        if not self._is_wanted or self._key not in self._kept:
+        if not self._is_wanted or self._key not in self._kept.measured:
             return None
-        shown, told = self._kept[self._key]
+        shown, told = self._kept.measured[self._key]
         same = all(a is b for a, b in zip(shown[0], self._shown[0], strict=True)) and shown[1:] == self._shown[1:]
         measured: dict[str, Any] | None = told if same else None
         return measured
@@ -351,4 +351,4 @@ class _Memory:
     def remember(self, report: dict[str, Any]) -> None:
         """Keep what a picture told."""
         if self._is_wanted and report.get("measured") is not None:
-            self._kept[self._key] = self._shown, report["measured"]
+            self._kept.remember(self._key, self._shown, report["measured"])

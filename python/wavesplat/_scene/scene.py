@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,10 @@ __all__ = ["Kept", "Scene", "as_scene"]
 
 #: Layers of a scene, at most.
 MOST_LAYERS = 8
+#: Facts and looks that are kept: three for a layer. Kinds of pictures of which it is kept what they told.
+MOST_KEPT, MOST_MEASURED = 3 * MOST_LAYERS, 3
+
+T = TypeVar("T")
 
 
 @dataclass(eq=False)
@@ -45,6 +49,26 @@ class Kept:
     documents: dict[int, tuple[Any, Any]] = field(default_factory=dict)
     #: What the last pictures with a wanted PSNR told, with what they showed.
     measured: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
+
+    def found_out(self, key: Any, identity: object, find: Callable[[], T]) -> T:
+        """What `find` gives, found out once for the samples that `identity` stands for.
+
+        Whatever is kept holds samples, so that only a few are.
+        """
+        found = self.looks.get(key)
+        if found is None or found[0] is not identity:
+            if len(self.looks) >= MOST_KEPT:
+                self.looks.clear()
+            found = self.looks[key] = identity, find()
+        value: T = found[1]
+        return value
+
+    def remember(self, key: Any, shown: object, told: object) -> None:
+        """Keep what a picture told, and forget that of the oldest kind of picture."""
+        self.measured.pop(key, None)
+        self.measured[key] = shown, told
+        while len(self.measured) > MOST_MEASURED:
+            self.measured.pop(next(iter(self.measured)), None)
 
 
 @public

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
@@ -176,12 +177,7 @@ def _kept_look(scene: Scene, layer: Layer, composite: Composite | None) -> Look:
     if not (layer.look is None or isinstance(layer.look, str)):
         return chosen_look(layer.look, volume, composite)
     key = id(volume), layer.look, composite
-    found = scene._kept.looks.get(key)
-    identity = identity_of(volume)
-    if found is None or found[0] is not identity:
-        found = scene._kept.looks[key] = identity, chosen_look(layer.look, volume, composite)
-    look: Look = found[1]
-    return look
+    return scene._kept.found_out(key, identity_of(volume), lambda: chosen_look(layer.look, volume, composite))
 
 
 def _told_apart(
@@ -201,17 +197,16 @@ def _told_apart(
         color = _free_color(volume, taken)
         taken.append(color)
         key: Any = id(volume), "color", composite, color
-        found = scene._kept.looks.get(key)
-        identity = identity_of(volume)
-        if found is None or found[0] is not identity:
-            if composite in ("over", "first-hit"):
-                look = automatic(volume, composite, color)
-            else:
-                function = made[k].transfer_function
-                look = replace(made[k], transfer_function=tinted(function, color))
-            found = scene._kept.looks[key] = identity, look
-        made[k] = found[1]
+        find = partial(_colored, volume, made[k], composite, color)
+        made[k] = scene._kept.found_out(key, identity_of(volume), find)
     return made
+
+
+def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, color: Rgb) -> Look:
+    """The look that a volume has by itself, in a colour."""
+    if composite in ("over", "first-hit"):
+        return automatic(volume, composite, color)
+    return replace(look, transfer_function=tinted(look.transfer_function, color))
 
 
 def _free_color(volume: Volume | WaveletVolume, taken: Sequence[Rgb]) -> Rgb:

@@ -51,10 +51,7 @@ def facts_of_layers(
 
 def _unit(scene: Scene, layer: ShownLayer) -> str:
     """Found out once for all pictures of a scene."""
-    key: Any = id(layer.volume), "unit"
-    identity = identity_of(layer.volume)
-    found = scene._kept.looks.get(key)
-    if found is None or found[0] is not identity:
-        found = scene._kept.looks[key] = identity, unit_of_values(layer.volume)
-    unit: str = found[1]
-    return unit
+    # Of a series by one volume, which is kept anyway.
+    volume = layer.layer.looked_at
+    key: Any = id(volume), "unit"
+    return scene._kept.found_out(key, identity_of(volume), lambda: unit_of_values(volume))

@@ -58,7 +58,9 @@ def main() -> None:
         file = PICTURES / f"{one.name}.png"
         command = f"wavesplat render {one.command}"
         subprocess.run(  # noqa: S603 - our own
-            [*shlex.split(command), "--size", f"{SIZE_PX}x{SIZE_PX}", "-q", "-o", str(file)], cwd=DATA, check=True
+            [*shlex.split(command), "--size", f"{SIZE_PX}x{SIZE_PX}", "-q", "--no-tell", "-o", str(file)],
+            cwd=DATA,
+            check=True,
         )
         rows.append(f"| ![{one.shows}]({file.name}) | {one.shows}.<br>`{command}`<br>{one.source} |")
     head = (

@@ -7,7 +7,7 @@ import warnings
 import pages
 import pytest
 
-PAGES = ["movies.md", "channels_and_time.md"]
+PAGES = ["movies.md", "channels_and_time.md", "scenes.md"]
 
 
 @pytest.mark.parametrize("name", PAGES)

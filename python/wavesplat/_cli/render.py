@@ -66,6 +66,9 @@ def render(
     lighting: LightOptions,
     bits: Bits = 8,
     figure: FigureOptions,
+    tells: Annotated[
+        bool, typer.Option("--tell/--no-tell", help="Whether a PNG file says how it was made, for --from.")
+    ] = True,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
@@ -105,6 +108,7 @@ def render(
         input,
         figure=figure,
         bits=bits,
+        tells=tells,
         quiet=quiet,
         size=size,
         composite=operator,
@@ -137,6 +141,7 @@ def _drawn_all(
     *,
     figure: FigureOptions,
     bits: int,
+    tells: bool,
     quiet: bool,
     **options: Any,
 ) -> list[dict[str, Any]]:
@@ -147,7 +152,7 @@ def _drawn_all(
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, quiet=quiet)
-        picture.save(path, bits=bits, dpi=figure.dpi)
+        picture.save(path, bits=bits, dpi=figure.dpi, scene=tells)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made
 

@@ -149,7 +149,7 @@ picture = ws.render(layers, background="black", **view).annotated(scale_bar=True
     Entry("share", "From 2 percent of the wavelet coefficients", "Those below the threshold are dropped.",
           "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --threshold 12"),
     Entry("levels", "A coarser level", "At its own resolution, and as bright as the whole.",
-          "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --levels 6"),
+          "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --wavelet-level 2"),
 )  # fmt: skip
 
 

@@ -6,7 +6,6 @@ section; of ```sh every line is a command that begins with `wavesplat`. Other bl
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
@@ -55,13 +54,5 @@ def run(page: Path, blocks: list[Block], command: Callable[..., Any], folder: Pa
                 if not words:
                     continue
                 assert words[0] == "wavesplat", f"{where}: {line} is no command of ours"
-                arguments = [found for word in words[1:] for found in _expanded(word, folder)]
-                done = command(*arguments, cwd=folder)
+                done = command(*words[1:], cwd=folder)
                 assert done.returncode == 0, f"{where}: {line}\n{done.stderr}"
-
-
-def _expanded(word: str, folder: Path) -> list[str]:
-    """As a shell does it with patterns."""
-    if not re.search(r"[*?]", word):
-        return [word]
-    return sorted(str(path.relative_to(folder)) for path in folder.glob(word)) or [word]

@@ -207,7 +207,7 @@ def test_a_picture_without_room_for_a_scale_bar():
         (["--size", f"{'9' * 5000}x5"], "WIDTHxHEIGHT"),
         (["--threads", "99999999999999999999"], "threads is 99999999999999999999; give a whole number"),
         (["--crop", "1e999,0,0,1,1,1"], "crop"),
-        (["--levels", "99999999999999999999"], "--levels is 99999999999999999999"),
+        (["--wavelet-level", "99999999999999999999"], "--wavelet-level is 99999999999999999999"),
         (["--time", "99999999999999999999"], "time"),
     ],
 )

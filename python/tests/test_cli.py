@@ -269,7 +269,7 @@ def test_wavelets_are_made_told_of_and_drawn(wavesplat, ramp_file, tmp_path):
     assert told == {name: facts[name] for name in told} | {"name": told["name"]}
     out = tmp_path / "a.png"
     for source, options in [
-        (kept, ["--levels", "2", "--bands", "0.5,1"]),
+        (kept, ["--wavelet-level", "2", "--bands", "0.5,1"]),
         (ramp_file, ["--threshold", "3", "--family", "haar"]),
     ]:
         check(wavesplat("render", source, "-o", out, "--size", "16x16", *options), 0, stdout=f"{out}\n")
@@ -283,7 +283,10 @@ def test_wavelets_are_made_told_of_and_drawn(wavesplat, ramp_file, tmp_path):
             "--byte-order, --time say nothing about",
         ),
         (["render", "COEFFICIENTS", "-o", "OUT", "--threshold", "1"], "--threshold is for samples"),
-        (["render", "COEFFICIENTS", "-o", "OUT", "--levels", "9"], "--levels is 9; 'a' has 1, so give 0 to 1"),
+        (
+            ["render", "COEFFICIENTS", "-o", "OUT", "--wavelet-level", "9"],
+            "'a' has 1, so give 0 to 1",
+        ),
         (["wavelet", "COEFFICIENTS"], "load it with wavesplat.WaveletVolume.load"),
     ],
 )

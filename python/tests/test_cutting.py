@@ -338,7 +338,7 @@ def test_the_command_line_cuts_as_the_api_does(wavesplat, tmp_path):
     [
         (["--cut-out", "1,2,3"], "'1,2,3' is not 6 numbers"),
         (["--cut-out", "front"], "corner 'front' is unknown"),
-        (["--cut-out", "left", "--levels", "1"], "draw its to_volume()"),
+        (["--cut-out", "left", "--wavelet-level", "1"], "draw its to_volume()"),
         (["--clip", "1,2,3"], "'1,2,3' is not 6 numbers"),
         (["--clip", "1,2,3,0,0,0"], "normal"),
     ],

@@ -72,8 +72,12 @@ SCENES = {
         8,
         "--composite first-hit --iso-value 22 --azimuth 50 --elevation 15 --quality high --background transparent",
     ),
-    # The head has 8 levels.
-    "wavelets": ("mri_head", _wavelets, 8, "--preset mr-head --azimuth 50 --threshold 12 --levels 7 --no-shading"),
+    "wavelets": (
+        "mri_head",
+        _wavelets,
+        8,
+        "--preset mr-head --azimuth 50 --threshold 12 --wavelet-level 1 --no-shading",
+    ),
 }
 
 

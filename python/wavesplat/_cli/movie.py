@@ -120,6 +120,8 @@ def movie(
     along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=fps)
     n = along.frames if isinstance(along, Turn) else len(along)
     arguments = drawing_arguments(sampling)
+    if sampling.quality is None and sampling.sheets_per_slice is None and sampling.oversampling is None:
+        arguments["quality"] = None
     try:
         with progress.bar("drawing", shown=not quiet and is_terminal()) as told:
             make(

@@ -18,10 +18,17 @@ __all__ = ["SamplingOptions", "drawing_arguments", "takes_sampling_options"]
 
 @dataclass(frozen=True)
 class SamplingOptions:
-    """Kernel, quality and threads."""
+    """Kernel, quality and threads. No quality is the one that suits what is drawn: "normal" for pictures."""
 
     kernel: Kernel = "linear"
-    quality: Annotated[Any, parsers.choice(get_args(Quality))] = "normal"
+    quality: Annotated[
+        Any,
+        typer.Option(
+            metavar="NAME",
+            parser=parsers.one_of(get_args(Quality)),
+            help=f"{', '.join(get_args(Quality))}. Normal if not given; of movies between draft and normal.",
+        ),
+    ] = None
     sheets_per_slice: Annotated[float | None, typer.Option(metavar="N", help="Instead of what the quality says.")] = (
         None
     )
@@ -43,7 +50,7 @@ def drawing_arguments(sampling: SamplingOptions) -> dict[str, Any]:
 
     return {
         "kernel": sampling.kernel,
-        "quality": Sampling(sampling.sheets_per_slice, sampling.oversampling, sampling.quality),
+        "quality": Sampling(sampling.sheets_per_slice, sampling.oversampling, sampling.quality or "normal"),
         "psnr": sampling.psnr,
         "threads": sampling.threads,
     }

@@ -61,8 +61,11 @@ class SceneOptions(LookOptions):
         ),
     ] = None
     threshold: Threshold = None
-    levels: Annotated[
-        int | None, typer.Option(metavar="N", help="Draw the wavelets' N coarsest levels, at their own resolution.")
+    wavelet_level: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Leave out the wavelets' N finest levels, and draw at the resolution of the next."
+        ),
     ] = None
     bands: Annotated[
         Any,
@@ -145,8 +148,8 @@ def chosen_scene(
 
 def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) -> None:
     """An error for options that make a look, or coefficients, of one volume."""
-    for_one = ("preset", "tf", "materials", "threshold", "levels", "bands")
-    names = [f"--{name}" for name in for_one if getattr(showing, name) is not None]
+    for_one = ("preset", "tf", "materials", "threshold", "wavelet_level", "bands")
+    names = [f"--{name.replace('_', '-')}" for name in for_one if getattr(showing, name) is not None]
     names += ["--cmap, --clim, --window, --log, --opacity and --gamma"] if colors.are_given() else []
     if names:
         raise ArgumentError(
@@ -201,22 +204,22 @@ def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | W
     """What is drawn, as wavelets if any of these options asks for them, without what is left out."""
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    threshold, levels, bands = showing.threshold, showing.levels, showing.bands
+    threshold, level, bands = showing.threshold, showing.wavelet_level, showing.bands
     if isinstance(volume, WaveletVolume):
         if threshold is not None:
             raise ArgumentError(
                 "--threshold is for samples; the coefficients of this file were dropped when it was made"
             )
-    elif threshold is None and levels is None and bands is None:
+    elif threshold is None and level is None and bands is None:
         return volume
     else:
         volume = WaveletVolume.from_volume(volume, showing.family, threshold=threshold)
-    if levels is not None and not 0 <= levels <= volume.n_levels:
+    if level is not None and not 0 <= level <= volume.n_levels:
         raise ArgumentError(
-            f"--levels is {levels}; {volume.name!r} has {volume.n_levels}, so give 0 to {volume.n_levels}"
+            f"--wavelet-level is {level}; {volume.name!r} has {volume.n_levels}, so give 0 to {volume.n_levels}"
         )
     weighted = volume if bands is None else volume.bands(bands)
-    return weighted if levels is None else weighted.level(volume.n_levels - levels)
+    return weighted if level is None else weighted.level(level)
 
 
 def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:

@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.printing import collected, message, print_lines
+from wavesplat._files.natural_order import natural_key
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = ["takes_several_inputs"]
@@ -78,7 +79,7 @@ def _found(given: list[str]) -> list[str]:
         if not glob.has_magic(text) or "://" in text or os.path.lexists(pattern):
             found[text] = None
             continue
-        names = sorted(glob.glob(pattern, recursive=True))  # noqa: PTH207 - also of whole paths
+        names = sorted(glob.glob(pattern, recursive=True), key=natural_key)  # noqa: PTH207 - also of whole paths
         if not names:
             raise FileError(f"no file fits the pattern; check it: {text}")
         found.update(dict.fromkeys(names))

@@ -35,6 +35,9 @@ __all__ = ["Along", "check_movie", "movie"]
 #: Pixels of frames that are drawn at once, at most: each takes some hundred bytes meanwhile.
 MOST_PIXELS_AT_ONCE = 8_000_000
 
+#: What frames are drawn with where nothing is said: what is left out hardly shows in compressed frames that move.
+OF_MOVIES = Sampling(sheets_per_slice=1, oversampling=0.7)
+
 #: What a movie goes along.
 Along: TypeAlias = Turn | Sequence[Camera] | Sequence[KeyFrame]
 
@@ -49,7 +52,7 @@ def movie(
     *,
     fps: float = 30.0,
     size: tuple[int, int] = (512, 512),
-    quality: Quality | Sampling = "normal",
+    quality: Quality | Sampling | None = None,
     psnr: float | None = None,
     kernel: Kernel = "linear",
     composite: Operator | None = None,
@@ -77,7 +80,10 @@ def movie(
         Frames a second.
     size : (width, height), default (512, 512)
         Pixels. Videos have even sides: a row or column is repeated at an odd one.
-    quality, psnr, kernel, composite, threads
+    quality : str or Sampling, optional
+        As for `render`. None is one sheet a slice and 0.7 texels a pixel, which errs by less than compression does:
+        37 dB on the bundled CT, where "normal" has 39 in two and a half times as long.
+    psnr, kernel, composite, threads
         As for `render`. With `psnr` the first frame is measured, and later ones where the view differs much.
     background : colour, optional
         None is the scene's own, or black. Only PNG and WebP files can be transparent.
@@ -121,6 +127,8 @@ def movie(
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
     shots = _shots(scene, Turn() if along is None else along, fps, composite, (width, height))
+    if quality is None:
+        quality = OF_MOVIES if psnr is None else "normal"
     options: dict[str, Any] = {"quality": quality, "psnr": psnr, "kernel": kernel, "composite": composite}
     told = Progress(progress, len(shots))
     draw = _Drawing(shots, told, threads, size=(width, height), **options)

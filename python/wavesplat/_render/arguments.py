@@ -147,7 +147,7 @@ def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVo
         if boxes:
             raise ArgumentError(
                 f"CutOut takes samples out, and volume {volume.name!r} has wavelet coefficients; "
-                "draw its to_volume(), and on the command line leave out --threshold, --levels and --bands"
+                "draw its to_volume(), and on the command line leave out --threshold, --wavelet-level and --bands"
             )
         return volume
     return without(volume, boxes)

@@ -88,8 +88,8 @@ def _has_one_color(rgba: Floats) -> bool:
     flat = rgba.reshape(-1, 4)
     if len(flat) < LEAST_PIXELS:
         return False
-    # A few tell of nearly all pictures that they show something.
-    few = flat[:: max(1, len(flat) // 256)]
+    # A few tell of nearly all pictures that they show something: spread by the golden ratio, not down one column.
+    few = flat[np.arange(256) * int(0.618 * len(flat)) % len(flat)]
     return all(bool((np.ptp(pixels, axis=0) < STEP).all()) for pixels in (few, flat))
 
 

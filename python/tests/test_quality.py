@@ -161,7 +161,7 @@ def test_what_shows_something_else_is_measured_anew():
     first, second = spread(scene), spread(scene)
     assert first < second
     assert spread(scene.with_(background="white", clip=ws.Crop((0, 0, 0), (15, 15, 14)))) > first
-    for other in ({"composite": "maximum"}, {"kernel": "bspline3"}):
+    for other in ({"composite": "mean"}, {"kernel": "bspline3"}):
         assert spread(scene, **other) == spread(ws.Scene(scene.layers), **other)
     for changes in (
         {"shading": None},

@@ -152,7 +152,8 @@ def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
 
 def test_what_shows_something_else_is_measured_anew():
     """Another operator, kernel, look or light, and a scene of its own."""
-    scene = ws.Scene(ws.examples.ripples(16), "grey")
+    signs = ws.TransferFunction.diverging(300)
+    scene = ws.Scene(ws.examples.ripples(16), signs)
     draw = {"size": (24, 24), "psnr": 40}
 
     def spread(of, **options):
@@ -169,7 +170,7 @@ def test_what_shows_something_else_is_measured_anew():
     ):
         fresh = ws.Scene(changes.get("layers", scene.layers), shading=changes.get("shading", "look"))
         assert spread(scene.with_(**changes)) == spread(fresh)
-    assert spread(ws.Scene(ws.examples.ripples(16), "grey")) == first
+    assert spread(ws.Scene(ws.examples.ripples(16), signs)) == first
 
 
 def test_a_psnr_costs_nothing_where_nothing_is_seen_and_what_is_out_of_reach_is_said():

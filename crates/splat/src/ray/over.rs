@@ -338,17 +338,9 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
-            // Two at a time, where that pays for the code it takes.
-            if EXTRA {
-                for (chunk, is_alive) in [(first, one), (second, other)] {
-                    if is_alive {
-                        self.add_chunk(s, chunk, rays, slab);
-                    }
-                }
-                continue;
-            }
-            // Of a hard surface one of them often sees nothing.
-            let seen = if one && other && self.is_steep {
+            // Of a hard surface one of them often sees nothing; labels' own matter is looked for later.
+            let has_matter = EXTRA && self.extras.matter_field().is_some();
+            let seen = if one && other && self.is_steep && !has_matter {
                 self.see_slab(Pair(s), [first, second], rays, slab)
             } else {
                 [one, other]

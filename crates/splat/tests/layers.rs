@@ -185,7 +185,7 @@ fn the_bits_do_not_depend_on_how_it_is_drawn() {
             .collect();
         let options = RenderOptions { sheets_per_slice: 2.0, with_depth: true, ..fine() };
         let bits = |pictures: &[BasePicture]| {
-            let texels = pictures.iter().flat_map(|picture| picture.texels()).flatten().map(f32::to_bits);
+            let texels = pictures.iter().flat_map(BasePicture::texels).flatten().map(f32::to_bits);
             let depths = pictures.iter().flat_map(|picture| picture.w_half.iter()).map(|w| w.to_bits());
             texels.chain(depths).collect::<Vec<u32>>()
         };

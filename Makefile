@@ -24,7 +24,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -64,6 +64,9 @@ study-lod: $(STAMPS)/package ## leave out levels of details and measure the brig
 
 bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
+
+bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
+	python benches/layers.py
 
 scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCENES="--compare FILE" holds them to others
 	python benches/scene_hashes.py $(SCENES)

@@ -532,3 +532,12 @@ def test_files_that_are_refused(tmp_path, name):
     with pytest.raises(FileError, match=r"cannot write.*(use one of: \.nii\.gz, \.nii, \.nrrd|folder does not exist)"):
         VOLUMES["unknown"].save(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_open_takes_what_other_libraries_hold() -> None:
+    image = nibabel.Nifti1Image(np.arange(24, dtype=np.int16).reshape(2, 3, 4), np.diag([2.0, 3.0, 4.0, 1.0]))
+    same(ws.open(image), ws.Volume(image))
+    with pytest.raises(ws.errors.ArgumentError, match="level say how files are read, and path is a Nifti1Image"):
+        ws.open(image, level=1)
+    with pytest.raises(ws.errors.ArgumentError, match="path is 3"):
+        ws.open(3)

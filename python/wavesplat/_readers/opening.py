@@ -18,6 +18,7 @@ from wavesplat._files import payload
 from wavesplat._files.places import check_no_pipe, check_text, printable
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.request import Grid, Request, requested
@@ -86,7 +87,7 @@ KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 
 @public
 @takes_its_types
 def open(
-    path: str | PathLike[str],
+    path: str | PathLike[str] | VolumeLike,
     *,
     series: str | None = None,
     time: int | None = None,
@@ -109,7 +110,7 @@ def open(
     path : path or URL
         NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
         of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
-        under a URL).
+        under a URL). Or what another library holds, without options: the same as `Volume(it)`.
     series : str, optional
         DICOM: the Series Instance UID, if the folder holds several series.
     time, channel : int, optional
@@ -164,6 +165,11 @@ def open(
     >>> ws.open(path, shape=(2, 3, 4), dtype="uint8", spacing=(1, 1, 2)).shape
     (2, 3, 4)
     """
+    if not isinstance(path, str | PathLike):
+        options = Request(
+            ".", series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps
+        )
+        return _held(path, options)
     request = requested(
         path,
         series=series,
@@ -181,6 +187,19 @@ def open(
         external_files=external_files,
     )
     return opened(request, stacklevel=4)
+
+
+def _held(thing: VolumeLike, options: Request) -> Volume:
+    """The volume that an object of another library holds."""
+    volume = as_volume(thing, argument="path")
+    if not isinstance(volume, Volume):
+        raise ArgumentError("path is a WaveletVolume already; give a file, a folder or an array")
+    if given := options.given():
+        raise ArgumentError(
+            f"{', '.join(sorted(given))} say how files are read, and path is a {type(thing).__name__}; "
+            "choose from it first, or give wavesplat.Volume(array, spacing=...)"
+        )
+    return volume
 
 
 def opened(request: Request, *, stacklevel: int = 2) -> Volume:

@@ -74,7 +74,7 @@ def view(volume: ws.Volume) -> ws.Camera:
 
 def converged(scene: ws.Scene, camera: ws.Camera, *, is_hard: bool) -> ws.Picture:
     """With a hard step, rays that sample far apart meet surfaces late."""
-    step, rays = (0.02, 9) if is_hard else (0.1, 4)
+    step, rays = (0.03, 9) if is_hard else (0.1, 4)
     return ws.reference.raycast(scene, None, camera, size=SIZE, step=step, rays_per_pixel=rays)
 
 

@@ -81,7 +81,7 @@ def test_animations_keep_their_time(tmp_path, suffix, fps, total_ms):
 
 
 def test_single_frames_are_the_renders_to_the_byte(tmp_path):
-    pattern = ws.movie(VOLUME, tmp_path / "frames", TURN, **DRAW)
+    pattern = ws.movie(VOLUME, tmp_path / "frames", TURN, quality="normal", **DRAW)
     assert pattern == tmp_path / "frames" / "%04d.png"
     names = sorted(path.name for path in pattern.parent.iterdir())
     assert names == ["0000.png", "0001.png", "0002.png", "0003.png", "0004.png"]
@@ -227,9 +227,9 @@ def test_what_cannot_be(tmp_path, name, options, error, message):
 
 def test_a_movie_along_cameras_has_a_frame_of_each(tmp_path):
     keys = [ws.Camera.orbit(VOLUME, angle) for angle in (0, 90)]
-    pattern = ws.movie(VOLUME, tmp_path / "way", ws.Camera.interpolate(keys, 3), **DRAW)
+    pattern = ws.movie(VOLUME, tmp_path / "way", ws.Camera.interpolate(keys, 3), quality="high", **DRAW)
     assert len(list(pattern.parent.iterdir())) == 3
-    want = ws.render(VOLUME, LOOK, keys[1], size=SIZE, background="black")
+    want = ws.render(VOLUME, LOOK, keys[1], size=SIZE, quality="high", background="black")
     got = np.asarray(images.open(png_sequence.frame_path(pattern, 2)))
     np.testing.assert_array_equal(got, np.asarray(want))
 

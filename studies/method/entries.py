@@ -81,7 +81,7 @@ PLAIN = {"sheets_per_slice": 2.0, "oversampling": 1.0}
 
 def plain(label: str, *, sheets: float = 2.0, pre_integration: bool = False) -> Entry:
     """The method by itself, by the fast renderer: without an ablation it is the literal splatter to rounding."""
-    how = {"pre_integration": pre_integration, "early_ray_termination": False}
+    how: dict[str, Any] = {"pre_integration": pre_integration, "early_ray_termination": False}
     how |= {"quality": ws.Sampling(sheets, PLAIN["oversampling"])}
     return Entry("the method, plain", label, how, draws=ws.study.render)
 

@@ -226,6 +226,26 @@ def test_the_command_line_draws_again(wavesplat, folder):
     assert b.read_bytes() == a.read_bytes()
 
 
+def test_a_figure_is_drawn_again_with_what_is_on_it(wavesplat, folder):
+    a, b, report = (folder / name for name in ("a.png", "b.png", "a.json"))
+    figure = ["--scale-bar", "--axes", "--colorbar", "--title", "Noise", "--unit", "um", "--ink", "0.2,0.4,0.9"]
+    options = ["--size", "220x180", "--report", report, *figure]
+    done = wavesplat("render", folder / "noise.npy", "-o", a, *options)
+    assert done.returncode == 0, done.stderr
+    for source in (report, a):
+        done = wavesplat("render", "--from", source, "-o", b)
+        assert done.returncode == 0, done.stderr
+        assert b.read_bytes() == a.read_bytes()
+    document = json.loads(report.read_text())["report"]["scene"]
+    assert document["figure"]["title"] == "Noise"
+    with pytest.raises(ArgumentError, match="figure: unknown field 'titel'"):
+        ws.Scene.from_json(json.dumps(document | {"figure": {"titel": "Noise"}}))
+    # Another figure of the same picture.
+    done = wavesplat("render", "--from", a, "-o", b, "--title", "Other")
+    assert done.returncode == 0
+    assert b.read_bytes() != a.read_bytes()
+
+
 def test_the_command_line_need_not_tell(wavesplat, folder):
     done = wavesplat("render", folder / "noise.npy", "-o", folder / "a.png", "--size", "9x9", "--no-tell")
     assert done.returncode == 0

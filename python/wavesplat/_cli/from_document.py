@@ -48,6 +48,8 @@ def draw_from(
     picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
     if not quiet:
         print_notes(picture)
+    if document.figure and figure == FigureOptions():
+        picture = picture.annotated(**document.figure)
     annotated(picture, figure, quiet=quiet).save(output, bits=bits, dpi=figure.dpi)
     facts = {"picture": str(output), "size": list(picture.size), "input": str(path), "report": picture.report}
     if report is not None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import ceil, isfinite
 from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias, get_args
@@ -60,6 +60,17 @@ class Figure:
     orientation_at: Corner = "lower right"
     colorbar_at: Side = "beside"
     legend_at: Side = "beside"
+
+    def as_json(self) -> dict[str, Any]:
+        """What is not as usual, in what JSON has: arguments of `Picture.annotated`."""
+        changed = {field.name: getattr(self, field.name) for field in fields(self)}
+        changed = {name: value for name, value in changed.items() if value != getattr(type(self), name)}
+        for name, value in changed.items():
+            if isinstance(value, PathLike):
+                changed[name] = fspath(value)
+            elif not isinstance(value, str | float | int | bool):
+                changed[name] = list(value)
+        return changed
 
 
 def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figure) -> tuple[Canvas, dict[str, Any]]:

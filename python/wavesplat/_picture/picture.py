@@ -210,6 +210,9 @@ class Picture:
             legend_at=legend_at,
         )
         canvas, told = annotating.annotated(self.rgba, self.report, wanted)
+        if isinstance(self.report.get("scene"), dict):
+            # So that the document of the picture has the figure too.
+            told = told | {"scene": self.report["scene"] | {"figure": wanted.as_json()}}
         made = Picture(raster.drawn(canvas), report=self.report | told)
         object.__setattr__(made, "_canvas", canvas)
         return made

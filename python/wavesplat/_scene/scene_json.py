@@ -9,7 +9,8 @@
 
 A volume is a file and the options that it is opened with, or an example, and what is done to it then. A look is an
 object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `camera` and `render` may be
-left out; the documents in reports and PNG files have them. Relative paths start from the document's folder.
+left out; the documents in reports and PNG files have them, and `figure`, the arguments of `Picture.annotated`, where
+something was drawn on the picture. Relative paths start from the document's folder.
 """
 
 from __future__ import annotations
@@ -57,17 +58,19 @@ KIND, VERSION = "scene", 1
 WHAT = "scene"
 LAYER = ("volume", "name", "look", "visible", "opacity", "time")
 SCENE = ("layers", "labels", "shading", "clip", "background")
+KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure")
 RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth")
 OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum, DepthShadedMaximum, XRay)}
 
 
 @dataclass(frozen=True)
 class Document:
-    """What a document holds: a scene and, if it has them, the camera and the options of `Scene.render`."""
+    """What a document holds: a scene and, if it has them, camera, options of `Scene.render` and of a figure."""
 
     scene: Scene
     camera: Camera | None
     options: dict[str, Any]
+    figure: dict[str, Any]
 
 
 # Writing
@@ -194,7 +197,7 @@ def _inside(found: Any) -> dict[str, Any]:
 def _document(document: dict[str, Any]) -> Document:
     from wavesplat._scene.scene import Scene
 
-    _check(document, WHAT, needed=("version", "layers"), known=("wavesplat", "version", *SCENE, "camera", "render"))
+    _check(document, WHAT, needed=("version", "layers"), known=KNOWN)
     version = document["version"]
     if version != VERSION:
         raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
@@ -219,7 +222,15 @@ def _document(document: dict[str, Any]) -> Document:
     if not isinstance(camera, dict | None):
         raise ArgumentError(f"{WHAT}: field 'camera' is {described(camera)}; it must be an object")
     eye = None if camera is None else _made(WHAT, lambda: camera_json.build(camera))
-    return Document(scene, eye, _options(document.get("render") or {}))
+    figure = document.get("figure") or {}
+    _check(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
+    return Document(scene, eye, _options(document.get("render") or {}), figure)
+
+
+def _names_of_figures() -> list[str]:
+    from wavesplat._picture.annotating import Figure
+
+    return [field.name for field in fields(Figure)]
 
 
 def _layer(layer: Any, what: str) -> Layer:

@@ -77,7 +77,7 @@ def test_importing_loads_no_heavy_library():
     heavy = ["SimpleITK", "nibabel", "tifffile", "h5py", "zarr", "fsspec", "OpenEXR", "rich", "typer", "PIL"]
     heavy += ["skimage", "trimesh", "sklearn", "cmap", "scipy", "matplotlib"]
     modules = (
-        "wavesplat._scene.rendering, wavesplat._render.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
+        "wavesplat._scene.rendering, wavesplat._scene.slicing, wavesplat._readers.opening, wavesplat._mesh.meshing, "
         "wavesplat._looks.largest_body, wavesplat._readers.time_points"
     )
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"

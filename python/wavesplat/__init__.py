@@ -46,11 +46,11 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
     from wavesplat._readers.time_points import open_series
-    from wavesplat._render.slicing import slice
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.opening import open_scene
     from wavesplat._scene.rendering import render
     from wavesplat._scene.scene import Scene
+    from wavesplat._scene.slicing import slice
 
 __all__ = [
     "Camera",
@@ -136,7 +136,7 @@ _HOMES = {
     "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",
     "render": "_scene.rendering",
-    "slice": "_render.slicing",
+    "slice": "_scene.slicing",
 }
 _MODULES = {"errors", "examples", "reference", "study"}
 

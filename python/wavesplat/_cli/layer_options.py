@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CHANNEL",
     "ChannelText",
+    "FurtherLayers",
     "LayerOptions",
     "LayerText",
     "channel_of",
@@ -42,6 +43,17 @@ TIMES = "all|N,N,...|FIRST:END[:STEP]"
 PLACE_OF_NUMBER = "{time}"
 
 
+#: Of `render`, `movie` and `slice`.
+FurtherLayers = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar=LAYER,
+        help="Another volume in the same picture, such as pet.nii.gz:hot:2,8. LOOK: a colour map, a colour or a "
+        "preset; may be repeated.",
+    ),
+]
+
+
 @dataclass(frozen=True)
 class LayerOptions:
     """Channels, further volumes and times."""
@@ -54,14 +66,7 @@ class LayerOptions:
             "repeated; all if not given.",
         ),
     ] = None
-    layer: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=LAYER,
-            help="Another volume in the same picture, such as pet.nii.gz:hot:2,8. LOOK: a colour map, a colour or a "
-            "preset; may be repeated.",
-        ),
-    ] = None
+    layer: FurtherLayers = None
     times: Annotated[
         str | None,
         typer.Option(

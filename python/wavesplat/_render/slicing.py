@@ -22,18 +22,17 @@ from wavesplat._looks.kinds import unit_of_values
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine
-from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.argument_types import described
 from wavesplat._model.camera import check_place
-from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, check_magnitude, vector
+from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report_facts import shown_layer
-from wavesplat._public import public
 from wavesplat._render import windows
 from wavesplat._render.arguments import (
     check_picture_memory,
@@ -44,7 +43,7 @@ from wavesplat._render.arguments import (
 from wavesplat._render.notes import notes_on_slice
 from wavesplat.errors import ArgumentError
 
-__all__ = ["slice"]
+__all__ = ["Planes", "sliced"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -56,93 +55,24 @@ PIXEL_BYTES = 140
 ON_SAMPLE = 1e-6
 
 
-@public
-@takes_its_types
-def slice(
-    volume: VolumeLike,
-    plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
-    position: float | None = None,
+def sliced(
+    volume: Volume | WaveletVolume,
+    plane: Plane | tuple[Iterable[float], Iterable[float]],
+    position: float | None,
     *,
-    size: tuple[int, int] | None = None,
-    zoom: float = 1.0,
-    center: Iterable[float] | None = None,
-    kernel: Kernel = "linear",
-    thickness: float = 0.0,
-    slab: Slab = "maximum",
-    window: str | tuple[float, float] | None = None,
-    clim: tuple[float, float] | None = None,
-    transfer_function: TransferFunction | str | None = None,
-    background: str | Sequence[float] | None = "black",
-    threads: int | None = None,
-) -> Picture:
-    """A picture of a plane through the volume, or of a slab around it.
-
-    Parameters
-    ----------
-    volume : Volume, WaveletVolume, array, or what else `Volume` takes
-        What to cut.
-    plane : str or (point, normal), default "axial"
-        "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
-    position : float, optional
-        Where the plane crosses that axis, world units; None is the middle of the volume. Of (point, normal): how far
-        to move from the point along the normal; None is not at all.
-    size : (width, height), optional
-        Pixels, into which the volume fits; None gives square pixels of the volume's finest spacing, on its samples
-        where these lie along the picture.
-    zoom : float, default 1
-        Magnification about `center`.
-    center : three numbers (x, y, z), optional
-        World position in the middle of the picture, moved at right angles onto the plane; None is the middle of the
-        volume's box.
-    kernel : str
-        Reconstruction between samples, as for `render`.
-    thickness : float, default 0
-        Of a slab with the plane in its middle, world units. Two planes for every sample across it, and both its faces.
-    slab : str
-        "maximum", "minimum" or "mean" of the values across the slab.
-    window : (level, width) or str, optional
-        As radiologists say it: black is level - width / 2, white is level + width / 2. Or a name, for Hounsfield units:
-        "abdomen", "angio", "bone", "brain", "liver", "lung", "mediastinum", "soft-tissue", "spine", "stroke",
-        "subdural" or "temporal-bone".
-    clim : (low, high), optional
-        Instead of a window: the values shown as black and as white. Without both these are the ones that count as the
-        volume's smallest and largest.
-    transfer_function : TransferFunction or str, optional
-        Instead of a window: the colours, opaque, of all values that are not transparent.
-    background : colour, optional
-        As for `render`; shows where there are no values.
-    threads : int, optional
-        Worker threads; None uses all cores.
-
-    Returns
-    -------
-    Picture
-        `value` holds the values, float32, shape (height, width), NaN outside the volume.
-        `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
-        `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
-        (low, high), and what was done to the samples (`Facts.processing`). `Picture.annotated` writes on it: letters, a
-        scale bar, the colours of the values.
-
-    Raises
-    ------
-    ArgumentError
-        If an argument cannot work, or the plane lies outside the volume (the message has the range).
-
-    Warns
-    -----
-    WavesplatWarning
-        If a window for Hounsfield units is named and the volume's values do not look like them.
-
-    Examples
-    --------
-    >>> import wavesplat as ws
-    >>> volume = ws.examples.ripples(16)
-    >>> ws.slice(volume, "coronal").value.shape
-    (16, 16)
-    >>> ws.slice(volume, ((0, 0, 0), (1, 0, 1)), thickness=0.2, size=(64, 48)).size
-    (64, 48)
-    """
-    volume = as_volume(volume)
+    size: tuple[int, int] | None,
+    zoom: float,
+    center: Iterable[float] | None,
+    kernel: Kernel,
+    thickness: float,
+    slab: Slab,
+    window: str | tuple[float, float] | None,
+    clim: tuple[float, float] | None,
+    transfer_function: TransferFunction | str | None,
+    background: str | Sequence[float] | None,
+    threads: int | None,
+) -> tuple[Picture, Planes]:
+    """The slice of one volume, as `wavesplat.slice` describes it, and where it lies."""
     check_place(volume)
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
@@ -153,22 +83,8 @@ def slice(
     if (window is not None or clim is not None) and transfer_function is not None:
         raise ArgumentError("window or clim and transfer_function both say how values look; give one of them")
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
-    drawn = volume._decoded(volume.left_out) if isinstance(volume, WaveletVolume) else volume._core
-    first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
-    with drawing(volume):
-        values = _native.plane(
-            drawn,
-            origin=_triple(frame.origin + first * cut.normal),
-            across=_triple(frame.pixel * cut.right),
-            down=_triple(-frame.pixel * cut.up),
-            width=frame.size[0],
-            height=frame.size[1],
-            kernel=kernel,
-            slab=slab,
-            n_planes=len(offsets),
-            step=_triple(step * cut.normal),
-            threads=chosen_threads(threads),
-        )
+    planes = Planes(cut, frame, offsets)
+    values = planes.values_of(volume, kernel, slab, threads)
     report: dict[str, Any] = {
         "position": cut.position,
         "normal": cut.normal.tolist(),
@@ -200,7 +116,7 @@ def slice(
     picture = _on_background(rgb, shown, background)
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
-    return Picture(picture, value=values, report=report)
+    return Picture(picture, value=values, report=report), planes
 
 
 @dataclass(frozen=True)
@@ -221,6 +137,38 @@ class _Frame:
     origin: Array
     pixel: float
     size: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Planes:
+    """The planes of a slice, and their pixels, in the world."""
+
+    cut: _Cut
+    frame: _Frame
+    #: Along the normal, from the plane in the middle.
+    offsets: Array
+
+    def values_of(
+        self, volume: Volume | WaveletVolume, kernel: Kernel, slab: Slab, threads: int | None
+    ) -> NDArray[np.float32]:
+        """The values of any volume there, shape (height, width); NaN outside of it."""
+        cut, frame, offsets = self.cut, self.frame, self.offsets
+        drawn = volume._decoded(volume.left_out) if isinstance(volume, WaveletVolume) else volume._core
+        first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
+        with drawing(volume):
+            return _native.plane(
+                drawn,
+                origin=_triple(frame.origin + first * cut.normal),
+                across=_triple(frame.pixel * cut.right),
+                down=_triple(-frame.pixel * cut.up),
+                width=frame.size[0],
+                height=frame.size[1],
+                kernel=kernel,
+                slab=slab,
+                n_planes=len(offsets),
+                step=_triple(step * cut.normal),
+                threads=chosen_threads(threads),
+            )
 
 
 def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]], position: float | None) -> _Cut:

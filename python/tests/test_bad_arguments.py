@@ -31,7 +31,7 @@ CALLS = {
     "Sampling": (ws.Sampling, {}),
     "ClipPlane": (ws.ClipPlane, {"point": (0, 0, 0), "normal": (0, 0, 1)}),
     "CutOut": (ws.CutOut, {"crop": ws.Crop((0, 0, 0), (3, 3, 3))}),
-    "slice": (ws.slice, SMALL),
+    "slice": (ws.slice, SCENE),
     "mesh": (ws.mesh, {"volume": VOLUME, "iso_value": 127.5}),
     "Camera": (ws.Camera, {"position": (0, 5, 0), "focal_point": (0, 0, 0), "view_up": (0, 0, 1), "parallel_scale": 3}),
     "orbit": (ws.Camera.orbit, {"volume": VOLUME, "view_angle": 30}),

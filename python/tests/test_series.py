@@ -305,7 +305,7 @@ def test_what_is_no_series(volumes, more, message):
 
 def test_what_wants_one_volume_says_how_to_take_it():
     with pytest.raises(ArgumentError, match=r"volume is a Series of several times; give one of them, as series\[0\]"):
-        ws.slice(ws.Series([ws.Volume(SAMPLES[0])]))
+        ws.mesh(ws.Series([ws.Volume(SAMPLES[0])]), 1)
 
 
 def test_arrays_become_volumes_by_hand():

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 from wavesplat._files import payload
 from wavesplat._files.places import check_no_pipe, check_text, printable
 from wavesplat._model import affine, sources
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -191,6 +191,8 @@ def open(
 
 def _held(thing: VolumeLike, options: Request) -> Volume:
     """The volume that an object of another library holds."""
+    if type(thing).__module__ == "builtins":
+        raise ArgumentError(f"path is {described(thing)}; give the name of a file or folder, or an image or array")
     volume = as_volume(thing, argument="path")
     if not isinstance(volume, Volume):
         raise ArgumentError("path is a WaveletVolume already; give a file, a folder or an array")

@@ -238,8 +238,8 @@ def test_a_figure_is_drawn_again_with_what_is_on_it(wavesplat, folder):
         assert b.read_bytes() == a.read_bytes()
     document = json.loads(report.read_text())["report"]["scene"]
     assert document["figure"]["title"] == "Noise"
-    with pytest.raises(ArgumentError, match="figure: unknown field 'titel'"):
-        ws.Scene.from_json(json.dumps(document | {"figure": {"titel": "Noise"}}))
+    with pytest.raises(ArgumentError, match="figure: unknown field 'caption'"):
+        ws.Scene.from_json(json.dumps(document | {"figure": {"caption": "Noise"}}))
     # Another figure of the same picture.
     done = wavesplat("render", "--from", a, "-o", b, "--title", "Other")
     assert done.returncode == 0

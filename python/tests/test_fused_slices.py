@@ -211,6 +211,12 @@ def test_notes_say_why_a_layer_does_not_show():
     assert np.array_equal(picture.rgba, ws.slice(SCAN, size=(40, 30)).rgba)
 
 
+def test_bars_and_legend_of_several_layers_stand_in_one_column():
+    picture = ws.slice([ws.Layer(SCAN, name="CT"), ws.Layer(uptake(), HOT, name="uptake of the day")], size=(300, 300))
+    legend, both = (picture.annotated(legend=True, colorbar=colorbar).size for colorbar in (False, True))
+    assert both == legend
+
+
 def test_what_cannot_be():
     microns = ws.Volume(uptake().samples, world_from_index=uptake().world_from_index, unit="um", name="cells")
     with pytest.raises(ArgumentError, match="are in mm, those of 'cells' in um; open one of them with"):

@@ -93,15 +93,17 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
         sheet.put(scale_bar.block(bar, on_picture), figure.scale_bar_at, "a scale bar")
     if figure.orientation is not None:
         _orient(sheet, figure, report, on_picture)
+    taken = 0.0
     if figure.legend is not False:
         swatches = _named(figure, report)
         lettering.check_letters("".join(name for name, _ in swatches), font, "a name of the legend")
         beside = figure.legend_at == "beside"
         block = legend.block(swatches, height - 2 * margin, style if beside else on_picture)
         sheet.put(block, figure.legend_at, "the legend")
+        taken = block.height + 2 * GAP * style.size if beside and figure.colorbar_at == "beside" else 0.0
     if figure.colorbar is not False:
         beside = figure.colorbar_at == "beside"
-        for block in _color_bars(figure, report, height, style if beside else on_picture, behind):
+        for block in _color_bars(figure, report, height, style if beside else on_picture, behind, taken=taken):
             sheet.put(block, figure.colorbar_at, "the colour bar")
     return sheet.canvas(rgba, background, style, figure), told
 
@@ -289,14 +291,20 @@ def _plain(name: str) -> str:
     return re.sub(r"(?<=.)(\.(nii|ome))?\.[A-Za-z][A-Za-z0-9]{1,5}$", "", name)
 
 
-def _color_bars(figure: Figure, report: Mapping[str, Any], height: int, style: Style, behind: Color) -> list[Block]:
-    """One above the other, as long as there is room for all of them."""
+def _color_bars(
+    figure: Figure, report: Mapping[str, Any], height: int, style: Style, behind: Color, *, taken: float
+) -> list[Block]:
+    """One above the other, as long as there is room for all of them. `taken`: of the height, by what stands above."""
     colored = _colored(figure, report)
     scales = [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
     for scale in scales:
         lettering.check_letters(scale.title, style.font, "the name of a layer")
     room = height - 2 * MARGIN * style.size - 2 * (len(scales) - 1) * GAP * style.size
-    long = max(min(room / len(scales), BAR_SHARE * height), LEAST_BAR * style.size)
+    least = LEAST_BAR * style.size
+    # Else they stand in columns of their own.
+    if len(scales) > 1 and (room - taken) / len(scales) >= least:
+        room -= taken
+    long = max(min(room / len(scales), BAR_SHARE * height), least)
     return [color_bar.block(scale, long, style, behind) for scale in scales]
 
 

@@ -77,13 +77,13 @@ def sliced(
     cut = _cut(volume, plane, position)
     frame = _frame(volume, cut, size, zoom, center)
     check_picture_memory(frame.size, PIXEL_BYTES)
-    offsets = _offsets(volume, cut, float(thickness))
+    planes = Planes(cut, frame, float(thickness))
+    n_planes = len(planes.offsets_in(volume))  # or an error
     if slab not in get_args(Slab):
         raise ArgumentError(f"slab is {described(slab)}; use one of: {', '.join(get_args(Slab))}")
     if (window is not None or clim is not None) and transfer_function is not None:
         raise ArgumentError("window or clim and transfer_function both say how values look; give one of them")
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
-    planes = Planes(cut, frame, offsets)
     values = planes.values_of(volume, kernel, slab, threads)
     report: dict[str, Any] = {
         "position": cut.position,
@@ -96,7 +96,7 @@ def sliced(
         "anatomical": volume.is_anatomical,
         "background": colors.parse(background),
         "letters": orientation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
-        "n_planes": len(offsets),
+        "n_planes": n_planes,
         "kernel": kernel,
         "processing": list(volume.facts.processing),
     }
@@ -141,18 +141,23 @@ class _Frame:
 
 @dataclass(frozen=True)
 class Planes:
-    """The planes of a slice, and their pixels, in the world."""
+    """The plane of a slice, its pixels in the world, and how thick the slab around it is."""
 
     cut: _Cut
     frame: _Frame
-    #: Along the normal, from the plane in the middle.
-    offsets: Array
+    thickness: float
+
+    def offsets_in(self, volume: Grid) -> Array:
+        """Where the planes of the slab lie along the normal, from the middle one: as close as a volume's samples."""
+        return _offsets(volume, self.cut, self.thickness)
 
     def values_of(
         self, volume: Volume | WaveletVolume, kernel: Kernel, slab: Slab, threads: int | None
     ) -> NDArray[np.float32]:
         """The values of any volume there, shape (height, width); NaN outside of it."""
-        cut, frame, offsets = self.cut, self.frame, self.offsets
+        cut, frame, offsets = self.cut, self.frame, self.offsets_in(volume)
+        if not len(offsets):
+            return np.full(frame.size[::-1], np.nan, np.float32)
         drawn = volume._decoded(volume.left_out) if isinstance(volume, WaveletVolume) else volume._core
         first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
         with drawing(volume):
@@ -280,7 +285,8 @@ def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
     # Beyond the volume there is nothing; thinner than a millionth of a sample it is a plane.
     sample_step = _sample_step(volume, cut.normal)
     least, most = _extent(volume, cut.normal)
-    thickness = min(thickness, 2 * (most - least) + sample_step)
+    farthest = max(most - least, abs(least - cut.offset), abs(most - cut.offset))
+    thickness = min(thickness, 2 * farthest + sample_step)
     if thickness < ON_SAMPLE * sample_step:
         return np.zeros(1)
     n_steps = max(1, ceil(PLANES_PER_SAMPLE / 2 * thickness / sample_step - ON_SAMPLE))

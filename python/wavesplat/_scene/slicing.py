@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import cycle, pairwise
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.kinds import unit_of_values
+from wavesplat._looks import colors
+from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
@@ -16,13 +18,24 @@ from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
+from wavesplat._render import windows
 from wavesplat._render.arguments import chosen_look
-from wavesplat._render.slicing import Planes, sliced
+from wavesplat._render.slicing import sliced
 from wavesplat._scene.layer import Layer
+from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import as_scene
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
+
+Floats: TypeAlias = NDArray[np.float32]
+
+#: Kinds of data whose automatic looks are for surfaces, or are greys, which over other greys say nothing; and the
+#: colour maps that these get instead, in turn.
+MAPPED_KINDS = ("CT", "MR", "PET", "ultrasound", "EM", "field", "scan")
+OVERLAY_MAPS = ("hot", "winter", "summer", "cool")
+#: So that mixing them, in float64, takes little memory.
+PIXELS_AT_ONCE = 1 << 18
 
 
 @public
@@ -49,10 +62,12 @@ def slice(
     Parameters
     ----------
     what : Volume, WaveletVolume, array or what else `Volume` takes, Scene, Layer, or several in a list
-        What to cut. The first volume decides plane, pixels and values; the others lie over it at the same places, as
-        PET over CT does: in the colours of their looks, as opaque as these make the value, by their strongest, times
-        `Layer.opacity`. Where a look is transparent, and outside of its volume, a layer does not show. Clips and labels
-        of a scene are for pictures in space.
+        What to cut. The first volume decides plane, pixels and values, also where it is not visible. The others lie
+        over it at the same places, in their order, as PET over CT does; of a series the volume of its time.
+        Their colours are those of their looks, or of a map such as "hot" where they have none. `Layer.opacity` is how
+        opaque a layer is where the opacity of its look is greatest; elsewhere it is less in proportion. Below the low
+        end of its look, where it is transparent and outside of its volume a layer does not show.
+        Clips, labels and the background of a scene are for pictures in space.
     plane : str or (point, normal), default "axial"
         "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
     position : float, optional
@@ -93,13 +108,15 @@ def slice(
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
         `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
         `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
-        (low, high), and what was done to the samples (`Facts.processing`). `Picture.annotated` writes on it: letters, a
+        (low, high), what was done to the samples (`Facts.processing`), and in `layers` name, opacity, time and
+        processing of each layer. `notes` say why a layer does not show. `Picture.annotated` writes on it: letters, a
         scale bar, the colours of the values.
 
     Raises
     ------
     ArgumentError
-        If an argument cannot work, or the plane lies outside the volume (the message has the range).
+        If an argument cannot work, the plane lies outside the first volume (the message has the range), or lengths of
+        layers are in different units.
 
     Warns
     -----
@@ -119,7 +136,8 @@ def slice(
     'ripples(16)'
     """
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
-    first, *others = [layer for layer in scene.layers if layer.is_shown] or scene.layers[:1]
+    first, *others = scene.layers
+    check_units([layer.drawn for layer in scene.layers])
     picture, planes = sliced(
         first.drawn,
         plane,
@@ -136,31 +154,102 @@ def slice(
         background=background,
         threads=threads,
     )
-    if not others:
-        return picture
-    rgba = picture.rgba.astype(np.float64)
+    report = picture.report
+    report["layers"] = [_facts_of(layer) for layer in scene.layers]
+    notes: list[str] = report.pop("notes", [])
+    rgba = picture.rgba
+    if not first.is_shown:
+        report["shown"], notes = [], []
+        rgba = np.broadcast_to(_associated(background), rgba.shape)
+    elif first.opacity < 1:
+        rgba = first.opacity * rgba + (1 - first.opacity) * _associated(background)
+    report["shown"] = [{**shown, "name": first.name} for shown in report["shown"]]
+    automatic = iter(cycle(OVERLAY_MAPS))
     for layer in others:
-        over, shown = _laid_over(layer, planes, kernel, slab, threads)
-        rgba = over + (1 - over[..., 3:]) * rgba
-        picture.report["shown"].append(shown)
-    return Picture(rgba.astype(np.float32), value=picture.value, report=picture.report)
+        if layer.is_shown:
+            curves = _curves_of(layer, automatic)
+            values = planes.values_of(layer.drawn, kernel, slab, threads)
+            rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
+            report["shown"].append(shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn)))
+            if not is_seen:
+                notes.append(_why_not_seen(layer, values, curves))
+    left_out = [name for name, given in (("labels", scene.labels), ("clip", scene.clip)) if given]
+    if left_out:
+        notes.append(f"left out of the slice, since for pictures in space: the scene's {' and '.join(left_out)}")
+    if notes:
+        report["notes"] = notes
+    return Picture(rgba, value=picture.value, report=report)
 
 
-def _laid_over(
-    layer: Layer, planes: Planes, kernel: Kernel, slab: Slab, threads: int | None
-) -> tuple[NDArray[np.float64], dict[str, Any]]:
-    """A layer's colours in the places of a slice, associated, and what a colour bar needs of them."""
-    volume = layer.drawn
-    name = layer.name or volume.name
-    curves = chosen_look(layer.look, layer.looked_at, "over").transfer_function
+def _facts_of(layer: Layer) -> dict[str, Any]:
+    """What the report says of a layer beside its colours."""
+    return {
+        "name": _name_of(layer),
+        "opacity": layer.opacity if layer.visible else 0.0,
+        "time": layer.time,
+        "processing": list(layer.drawn.facts.processing),
+    }
+
+
+def _name_of(layer: Layer) -> str:
+    return layer.name or layer.drawn.name
+
+
+def _associated(background: str | Sequence[float] | None) -> Floats:
+    red, green, blue, alpha = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
+    return np.array([red * alpha, green * alpha, blue * alpha, alpha], np.float32)
+
+
+def _curves_of(layer: Layer, automatic: Iterator[str]) -> TransferFunction:
+    """The colours of a layer that lies over another one; `automatic`: colour maps for those without a look."""
+    volume = layer.looked_at
+    has_look = not (layer.look is None or (isinstance(layer.look, str) and layer.look.lower() == "auto"))
+    if not has_look and kind_of(volume) in MAPPED_KINDS:
+        clim = windows.limits(volume, None, None)
+        return TransferFunction.from_colormap(next(automatic), clim=clim, opacity="linear")
+    curves = chosen_look(layer.look, volume, "over").transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(
-            f"a slice shows values, not gradients; give the layer {name!r} a TransferFunction, as from_colormap makes"
+            f"a slice shows values, not gradients; give the layer {_name_of(layer)!r} a TransferFunction, as "
+            "from_colormap makes"
         )
-    values = planes.values_of(volume, kernel, slab, threads)
-    rgba = curves(values.ravel()).reshape(*values.shape, 4)
+    return curves
+
+
+def _laid_over(rgba: Floats, values: Floats, curves: TransferFunction, opacity: float) -> tuple[Floats, bool]:
+    """The colours of values over a picture, and whether they show anywhere."""
     most = max(alpha for _, alpha in curves.opacity)
-    share = layer.opacity * rgba[..., 3] / most if most > 0 else np.zeros(values.shape)
-    alpha = np.where(np.isfinite(values), share, 0.0)[..., None]
-    rgb = np.where(alpha > 0, rgba[..., :3], 0.0)
-    return np.concatenate([rgb * alpha, alpha], axis=2), shown_layer(name, "over", curves, unit_of_values(volume))
+    mixed, is_seen = np.array(rgba), False
+    if most == 0:
+        return mixed, False
+    lowest = _clear_below(curves)
+    rows = max(1, PIXELS_AT_ONCE // values.shape[1])
+    for start in range(0, len(values), rows):
+        part, below = values[start : start + rows], mixed[start : start + rows]
+        over = curves(part.ravel()).reshape(*part.shape, 4)
+        seen = np.isfinite(part) & (part >= lowest) & (over[..., 3] > 0)
+        alpha = np.where(seen, opacity * over[..., 3] / most, 0.0)[..., None]
+        over[..., 3] = 1.0
+        below[:] = np.where(seen[..., None], over * alpha + (1 - alpha) * below, below)
+        is_seen = is_seen or bool(seen.any())
+    return mixed, is_seen
+
+
+def _clear_below(curves: TransferFunction) -> float:
+    """The value below which nothing shows: the low end, unless less is more there, as in maps of two signs."""
+    alphas = [alpha for _, alpha in curves.opacity]
+    if any(low > high for low, high in pairwise(alphas)):
+        return -np.inf
+    return min(node[0] for node in (*curves.opacity, *curves.color))
+
+
+def _why_not_seen(layer: Layer, values: Floats, curves: TransferFunction) -> str:
+    what = f"the layer {_name_of(layer)!r} does not show"
+    inside = values[np.isfinite(values)]
+    if not inside.size:
+        (x, y, z), (to_x, to_y, to_z) = layer.drawn.bounds.tolist()
+        where = f"x {x:g} to {to_x:g}, y {y:g} to {to_y:g}, z {z:g} to {to_z:g}"
+        return f"{what}: no part of it lies in the picture; it lies at {where}"
+    nodes = sorted(value for value, alpha in curves.opacity if alpha > 0)
+    begins = f", which show from {_clear_below(curves):g} on" if nodes and np.isfinite(_clear_below(curves)) else ""
+    return f"{what}: its values there, {inside.min():g} to {inside.max():g}, are transparent in its colours{begins}"

@@ -3,8 +3,8 @@
 use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, ColorNode, Crop, Gradient, Kernel, LabelLook, OpacityNode, Picture, Projection, RenderOptions, Shading,
-    TransferFunction,
+    Camera, ColorNode, Crop, Gradient, GradientNode, Kernel, LabelLook, OpacityNode, Picture, Projection,
+    RenderOptions, Shading, TransferFunction, TransferFunction2D,
 };
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
@@ -34,10 +34,7 @@ fn function(nodes: &[(f64, f64)], rgb: [f64; 3]) -> TransferFunction {
 
 /// A soft ball in the world, on a grid.
 fn ball(size: [usize; 3], world_from_index: DAffine3, centre: DVec3, radius: f64) -> Phantom {
-    Phantom::sample(size, world_from_index, move |index| {
-        let p = world_from_index.transform_point3(index);
-        (120.0 + 25.0 * (radius - p.distance(centre))).clamp(0.0, 250.0)
-    })
+    Phantom::sample(size, world_from_index, |p| (120.0 + 25.0 * (radius - p.distance(centre))).clamp(0.0, 250.0))
 }
 
 fn placed(spacing: DVec3, origin: DVec3) -> DAffine3 {
@@ -162,6 +159,37 @@ fn four_layers_of_all_kinds() {
         assert!(psnr_db(&other_first.rgba, &want.rgba) >= 38.0);
         parts.swap(0, 2);
         parts.swap(1, 3);
+    }
+}
+
+/// What few layers have: gradient opacity, a function of values and gradients beside a hard one, and holes.
+#[test]
+fn gradients_decide_and_holes_are_empty_in_layers_too() {
+    let row = |rgb: [f64; 3], most: f64| [0.0, most, most, 0.0].map(|a| [rgb[0], rgb[1], rgb[2], a]);
+    let rgba = [row([1.0, 0.2, 0.1], 0.02), row([0.9, 0.8, 0.2], 0.1), row([0.1, 0.3, 1.0], 0.3)].concat();
+    let joint = TransferFunction2D::new(vec![60.0, 110.0, 170.0, 230.0], vec![0.0, 10.0, 30.0], rgba).unwrap();
+    let nodes = [(0.0, 0.0), (30.0, 1.0)].map(|(magnitude, factor)| GradientNode { magnitude, factor });
+    let by_gradient = two(&SOFT)[0].tf.clone().with_gradient_opacity(nodes.to_vec()).unwrap();
+    let options = RenderOptions { sheets_per_slice: 8.0, ..fine() };
+    for (name, tf, least_db) in [
+        ("two dimensions", TransferFunction::two_dimensional(joint, Some(1.0)).unwrap(), 38.0),
+        ("gradient opacity", by_gradient, 38.0),
+    ] {
+        for other in [&SOFT, &HARD] {
+            let mut parts = two(other);
+            parts[0].tf = tf.clone();
+            let n = parts[1].phantom.size;
+            for z in 4..9 {
+                parts[1].phantom.samples[(z * n[1] + 6) * n[0] + 5] = f32::NAN;
+            }
+            let camera = camera(ORTHOGRAPHIC);
+            let want = cast(&parts, None, &camera, &options);
+            let db = psnr_db(&draw(&parts, None, &camera, &options).0.rgba, &want.rgba);
+            println!("{name}: {db:.1} dB");
+            assert!(db >= least_db, "{name}: {db}");
+            parts[0].tf = two(&SOFT).swap_remove(0).tf;
+            assert!(psnr_db(&draw(&parts, None, &camera, &options).0.rgba, &want.rgba) < db - 5.0, "{name}");
+        }
     }
 }
 

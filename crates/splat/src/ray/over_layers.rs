@@ -11,8 +11,9 @@
 use wavesplat_compute::simd::{Simd, Wide};
 
 use crate::optics::classify::{Classifier, one_minus_exp_neg};
+use crate::optics::gradient_opacity::GradientOpacity;
 use crate::optics::modifiers::Modifiers;
-use crate::optics::preintegrate::N_CUTS;
+use crate::optics::preintegrate::{N_CUTS, PartOpacities};
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::{Compositor, Slab, Texels};
@@ -112,24 +113,27 @@ impl<'a> OverLayers<'a> {
         }
     }
 
-    /// Reads what of the fields the labels' own matter needs on a sheet; whether there is any of it.
+    /// Whether any ray that is not done can see labels' own matter on a sheet.
     #[inline(always)]
-    fn read_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
-        let modifiers = self.media[0].modifiers;
-        let Some(field) = modifiers.matter_field() else { return false };
+    fn see_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
+        let Some(field) = self.media[0].modifiers.matter_field() else { return false };
         let from = (slab.field_geometries, slab.field_panels);
         slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
         let depth = self.here[which].value(w, field);
-        if self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
-            return false;
-        }
+        self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) != [false; 2]
+    }
+
+    /// Reads the rest of what the labels' own matter needs on a sheet, after [`OverLayers::see_matter`].
+    #[inline(always)]
+    fn read_matter<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize) {
+        let modifiers = self.media[0].modifiers;
+        let from = (slab.field_geometries, slab.field_panels);
         for field in modifiers.fields(false, true) {
             slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
         }
-        if modifiers.label_shader.is_some() {
+        if let (Some(field), true) = (modifiers.matter_field(), modifiers.label_shader.is_some()) {
             slab.fields[which].read_gradient(w, from, field, chunks, &mut self.here[which]);
         }
-        true
     }
 
     /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
@@ -181,7 +185,8 @@ impl<'a> OverLayers<'a> {
                 mixture.add(w, rgb, w.mul(depth, length));
                 any = true;
             }
-            if layer == 0 && self.read_matter(w, chunks, rays, slab, which) {
+            if layer == 0 && self.see_matter(w, chunks, rays, slab, which) {
+                self.read_matter(w, chunks, slab, which);
                 let point = FieldPoint::on(&self.here[which]);
                 if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
                     mixture.add(w, rgb, w.mul(depth, length));
@@ -205,8 +210,8 @@ impl<'a> OverLayers<'a> {
         let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
         let (zero, one) = (w.splat(0.0), w.splat(1.0));
         let mut parts: [MediaSum<W>; N_PARTS] = std::array::from_fn(|_| MediaSum::none(w));
-        let mut n_seen = 0;
-        let mut only = Fragment { rgb: [zero; 3], alpha: zero, from: w.splat(s_front), extent: zero };
+        // What is seen of the only medium that is, as it mostly is; there is nothing to mix then.
+        let (mut only, mut mixes) = (None, false);
         for layer in 0..self.media.len() {
             let own = sheets(slab, layer);
             if !own.has(block) {
@@ -243,29 +248,12 @@ impl<'a> OverLayers<'a> {
                 for which in 0..2 {
                     self.read_fields(w, chunks, slab, which, layer);
                 }
-                let joint = medium.modifiers.by_gradient.as_ref().filter(|by_gradient| by_gradient.decides_color());
                 let half = w.splat(0.5);
-                let (first, last, mut depths, mut joint_rgb) =
-                    if let Some((joint, [g_front, g_back])) = joint.zip(gradients) {
-                        // A function of two dimensions has no integral: its values on both sheets, linear in between.
-                        let unknown = [zero; 4];
-                        let on_front = joint.classify(w, front, g_front, unknown);
-                        let on_back = joint.classify(w, back, g_back, unknown);
-                        let mut depths = [zero; N_PARTS];
-                        for k in 0..N_PARTS {
-                            let middle = w.mul(w.add(cuts[k], cuts[k + 1]), half);
-                            let depth = w.add_mul(on_front[3], middle, w.sub(on_back[3], on_front[3]));
-                            depths[k] = w.mul(depth, w.sub(cuts[k + 1], cuts[k]));
-                        }
-                        let sum = w.max(w.add(on_front[3], on_back[3]), w.splat(LEAST_DEPTH));
-                        let share = w.div(on_back[3], sum);
-                        let [r, g, b, _] = on_front;
-                        let [r2, g2, b2, _] = on_back;
-                        (begin, end, depths, Some(between(w, [r, g, b], [r2, g2, b2], share)))
-                    } else {
-                        let passage = medium.classifier.preintegrate_parts(w, front, back, cuts);
-                        (passage.first, passage.last, passage.depths, None)
-                    };
+                let joint = medium.modifiers.by_gradient.as_ref().filter(|by_gradient| by_gradient.decides_color());
+                let (PartOpacities { first, last, mut depths }, joint_rgb) = match joint.zip(gradients) {
+                    Some((joint, gradients)) => joint_parts(w, joint, [front, back], gradients, cuts),
+                    None => (medium.classifier.preintegrate_parts(w, front, back, cuts), None),
+                };
                 // What holds in the middle of what is visible.
                 let middle = w.mul(w.add(first, last), half);
                 let mut length =
@@ -287,22 +275,21 @@ impl<'a> OverLayers<'a> {
                     alpha = w.add(alpha, share);
                 }
                 let at = w.select(w.lt(zero, alpha), w.div(moment, alpha), middle);
-                let rgb = joint_rgb
-                    .take()
-                    .unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
+                let rgb =
+                    joint_rgb.unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
                 let gradient = gradients.map(|[front, back]| between(w, front, back, at));
                 let rgb = shaded(w, &medium, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at));
                 for k in 0..N_PARTS {
                     parts[k].add(w, rgb, depths[k]);
                 }
-                n_seen += 1;
-                (only.rgb, only.alpha, only.extent) = (rgb, alpha, w.mul(at, w.splat(2.0 * (s_back - s_front))));
+                let extent = w.mul(at, w.splat(2.0 * (s_back - s_front)));
+                mixes |= only.replace(Fragment { rgb, alpha, from: w.splat(s_front), extent }).is_some();
             }
             if layer == 0 {
-                let on_front = self.read_matter(w, chunks, rays, slab, 0);
-                let on_back = self.read_matter(w, chunks, rays, slab, 1);
+                let on_front = self.see_matter(w, chunks, rays, slab, 0);
+                let on_back = self.see_matter(w, chunks, rays, slab, 1);
                 if on_front || on_back {
-                    self.complete_matter(w, chunks, slab);
+                    (0..2).for_each(|which| self.read_matter(w, chunks, slab, which));
                     let middle = w.mul(w.add(begin, end), w.splat(0.5));
                     let point = FieldPoint::between(&self.here, middle);
                     if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
@@ -310,13 +297,13 @@ impl<'a> OverLayers<'a> {
                             let share = w.sub(cuts[k + 1], cuts[k]);
                             parts[k].add(w, rgb, w.mul(w.mul(depth, share), length));
                         }
-                        n_seen += 2;
+                        mixes = true;
                     }
                 }
             }
         }
-        if n_seen < 2 {
-            if n_seen == 1 {
+        if !mixes {
+            if let Some(only) = only {
                 self.so_far.add_fragment(w, chunks, rays, &only);
             }
             return;
@@ -340,21 +327,30 @@ impl<'a> OverLayers<'a> {
         let from = w.splat(s_front);
         self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
+}
 
-    /// Reads all that the labels' own matter needs on both sheets.
-    #[inline(always)]
-    fn complete_matter<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab) {
-        let modifiers = self.media[0].modifiers;
-        let from = (slab.field_geometries, slab.field_panels);
-        for which in 0..2 {
-            for field in modifiers.fields(false, true) {
-                slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
-            }
-            if let (Some(field), true) = (modifiers.matter_field(), modifiers.label_shader.is_some()) {
-                slab.fields[which].read_gradient(w, from, field, chunks, &mut self.here[which]);
-            }
-        }
+/// Parts of the way between two sheets by a function of two dimensions, and its colour there: it has no integral, so what it
+/// is on both sheets counts, linear in between.
+#[inline(always)]
+fn joint_parts<W: Wide>(
+    w: W,
+    joint: &GradientOpacity,
+    [front, back]: [W::F; 2],
+    [on_front, on_back]: [[W::F; 3]; 2],
+    cuts: [W::F; N_CUTS],
+) -> (PartOpacities<W>, Option<[W::F; 3]>) {
+    let unknown = [w.splat(0.0); 4];
+    let [r, g, b, depth] = joint.classify(w, front, on_front, unknown);
+    let [r2, g2, b2, depth2] = joint.classify(w, back, on_back, unknown);
+    let mut depths = [w.splat(0.0); N_CUTS - 1];
+    for k in 0..N_CUTS - 1 {
+        let middle = w.mul(w.add(cuts[k], cuts[k + 1]), w.splat(0.5));
+        let there = w.add_mul(depth, middle, w.sub(depth2, depth));
+        depths[k] = w.mul(there, w.sub(cuts[k + 1], cuts[k]));
     }
+    let share = w.div(depth2, w.max(w.add(depth, depth2), w.splat(LEAST_DEPTH)));
+    let parts = PartOpacities { first: cuts[0], last: cuts[N_CUTS - 1], depths };
+    (parts, Some(between(w, [r, g, b], [r2, g2, b2], share)))
 }
 
 /// A medium's colour in the light that gets to a point.

@@ -61,11 +61,6 @@ impl<'a> SheetGeometry<'a> {
         (own - origin) / per_w
     }
 
-    /// Whether positions among the samples rise with those of the base plane, along w.
-    pub fn rises(&self) -> bool {
-        self.from_index[2].1 > 0.0
-    }
-
     /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
     pub fn has_weights_of(&self, other: &Self) -> bool {
         let is_alike = |a: &Axis, b: &Axis| {

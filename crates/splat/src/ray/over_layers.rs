@@ -45,6 +45,7 @@ pub struct OverLayers<'a> {
 }
 
 /// Sums over layers: extinction times colour, and extinction.
+#[derive(Clone, Copy)]
 struct MediaSum<W: Wide>([W::F; 3], W::F);
 
 /// An optical depth that is opaque, whatever it is multiplied with.
@@ -54,6 +55,7 @@ const MOST_DEPTH: f32 = 1e30;
 const LEAST_DEPTH: f32 = 1e-20;
 
 impl<W: Wide> MediaSum<W> {
+    #[inline(always)]
     fn none(w: W) -> Self {
         Self([w.splat(0.0); 3], w.splat(0.0))
     }
@@ -209,7 +211,7 @@ impl<'a> OverLayers<'a> {
         let [s_front, s_back] = slab.s;
         let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
         let (zero, one) = (w.splat(0.0), w.splat(1.0));
-        let mut parts: [MediaSum<W>; N_PARTS] = std::array::from_fn(|_| MediaSum::none(w));
+        let mut parts = [MediaSum::none(w); N_PARTS];
         // What is seen of the only medium that is, as it mostly is; there is nothing to mix then.
         let (mut only, mut mixes) = (None, false);
         for layer in 0..self.media.len() {
@@ -289,7 +291,9 @@ impl<'a> OverLayers<'a> {
                 let on_front = self.see_matter(w, chunks, rays, slab, 0);
                 let on_back = self.see_matter(w, chunks, rays, slab, 1);
                 if on_front || on_back {
-                    (0..2).for_each(|which| self.read_matter(w, chunks, slab, which));
+                    for which in 0..2 {
+                        self.read_matter(w, chunks, slab, which);
+                    }
                     let middle = w.mul(w.add(begin, end), w.splat(0.5));
                     let point = FieldPoint::between(&self.here, middle);
                     if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {

@@ -1,0 +1,159 @@
+// What draws the pictures, as the page sees it. There is one so far, `RemoteEngine`; one in the page may follow.
+
+import type { Operation } from "../state/patch.ts";
+import type { Camera, Look, Vec3, ViewName, ViewerState } from "../state/state.ts";
+import type { Stop } from "../state/store.ts";
+
+export interface VolumeInfo {
+  readonly name: string;
+  /** Samples along x, y, z. */
+  readonly shape: Vec3;
+  readonly spacing: Vec3;
+  /** Of lengths: "mm", "um", ...; null where the file says none. */
+  readonly unit: string | null;
+  /** Of values: "HU", ...; "" where unknown. */
+  readonly value_unit: string;
+  readonly kind: string;
+  /** Smallest and largest value, and those between which values count. */
+  readonly range: readonly [number, number];
+  readonly robust_range: readonly [number, number];
+  /** World box: lower and upper corner. */
+  readonly bounds: readonly [Vec3, Vec3];
+  /** Whether directions are those of a body, so that letters may be shown. */
+  readonly is_anatomical: boolean;
+  readonly n_times: number;
+  /** 4 x 4, rows: index (x, y, z) to world. */
+  readonly affine: readonly (readonly number[])[];
+}
+
+export interface PresetInfo {
+  readonly name: string;
+  readonly description: string;
+  /** A kind of data, as `wavesplat presets` groups them. */
+  readonly kind: string;
+  readonly fits: boolean;
+}
+
+export interface Welcome {
+  readonly protocol: 1;
+  readonly program: string;
+  readonly state: ViewerState;
+  readonly volumes: readonly VolumeInfo[];
+  /** World box around all layers. */
+  readonly bounds: readonly [Vec3, Vec3];
+  readonly presets: readonly PresetInfo[];
+  readonly composites: readonly string[];
+  readonly kernels: readonly string[];
+  readonly window_names: Readonly<Record<string, readonly [number, number]>>;
+  /** Cameras of "front", "back", "left", "right", "top", "bottom", fitted. */
+  readonly standard_views: Readonly<Record<string, Camera>>;
+  /** Six letters or words at the ends of -x, +x, -y, +y, -z, +z. */
+  readonly axis_ends: readonly string[];
+  /** Of the data, for links. */
+  readonly fingerprint: string;
+}
+
+/** Where the pixels of a slice lie in the world: `origin` is the centre of the first one. */
+export interface SliceGeometry {
+  readonly origin: Vec3;
+  readonly right: Vec3;
+  readonly down: Vec3;
+  readonly normal: Vec3;
+  readonly pixel: number;
+  readonly position: number;
+  /** How far the crosshair can move along `normal`, world units from the origin of the world. */
+  readonly range: readonly [number, number];
+  readonly letters: { readonly left: string; readonly right: string; readonly top: string; readonly bottom: string } | null;
+  /** [level, width] and [low, high] of the greys. */
+  readonly window: readonly [number, number];
+}
+
+export interface Frame {
+  readonly view: ViewName;
+  readonly number: number;
+  /** The last change of this page that the picture shows. */
+  readonly seq: number;
+  readonly width: number;
+  readonly height: number;
+  readonly format: "jpeg" | "png";
+  /** Whether it is the picture at rest. */
+  readonly at_rest: boolean;
+  readonly camera?: Camera;
+  readonly slice?: SliceGeometry;
+  /** World units per pixel of the picture; in perspective at the focal point. */
+  readonly pixel: number;
+  readonly settings: Readonly<Record<string, unknown>>;
+  /** Against the picture at rest; null where nothing is promised. */
+  readonly expected_psnr_db: number | null;
+  readonly ms: { readonly wait: number; readonly render: number; readonly encode: number };
+  readonly notes: readonly string[];
+  readonly bytes: Uint8Array<ArrayBuffer>;
+}
+
+export interface Problem {
+  readonly code: string;
+  readonly message: string;
+  readonly field?: string;
+  /** How to mend it. */
+  readonly remedy?: string;
+}
+
+export type Connection =
+  | { readonly kind: "connecting"; readonly text: string; readonly part?: number }
+  | { readonly kind: "open" }
+  | { readonly kind: "busy"; readonly text: string }
+  | { readonly kind: "lost"; readonly problem: Problem; readonly retries: boolean };
+
+/** Questions and their answers; files come as bytes. */
+export interface Questions {
+  histogram: {
+    question: { layer: number; bins: number; low: number; high: number };
+    answer: { counts: number[]; low: number; high: number };
+  };
+  /** Values of the layers, null outside, and label and index there. */
+  probe: {
+    question: { point: Vec3 };
+    answer: { values: (number | null)[]; label: { number: number; name: string } | null; index: Vec3 };
+  };
+  /** The world point that is seen at a pixel of the 3-D view (fractions 0..1 from the top left), or null. */
+  pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null } };
+  preset: { question: { layer: number; name: string }; answer: { look: Look } };
+  /** The first layer with a preset from where the camera is; PNG. */
+  preset_picture: { question: { layer: number; name: string; size: number }; answer: { bytes: Uint8Array<ArrayBuffer> } };
+  /** The camera that shows everything from the direction of the one now. */
+  fitted: { question: { camera: Camera; width: number; height: number }; answer: { camera: Camera } };
+  /** The picture at rest quality or better, PNG; `annotated` writes the overlays on it. */
+  picture: {
+    question: { width: number; height: number; quality: string; transparent: boolean; annotated: boolean };
+    answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[] };
+  };
+  /** Text: a Python program, a shell command, the file for `--state`, or a page. */
+  code: { question: { as: "python" | "command" | "state" | "html"; width: number; height: number }; answer: { text: string; name: string } };
+  /** Takes the text of a state file; the answer is the state, which also becomes the state of this page. */
+  open_state: { question: { text: string }; answer: { state: ViewerState } };
+}
+
+export type Question = keyof Questions;
+
+export interface Engine {
+  /** Resolves when the volume is open. */
+  readonly welcome: Promise<Welcome>;
+  /** Sends a change; `moving`: more follow at once. Gives its number. */
+  patch(operations: readonly Operation[], moving: boolean): number;
+  /** The size of a view in device pixels, or null: it is not shown. Every change of the state redraws it. */
+  show(view: ViewName, size: { readonly width: number; readonly height: number } | null): void;
+  /** Says that a frame is on the screen, which makes place for the next one. */
+  shown(frame: Frame): void;
+  onFrame(listener: (frame: Frame) => void): Stop;
+  /** Changes by others (Python, another window), or the whole state where ours was refused. */
+  onState(listener: (operations: readonly Operation[]) => void): Stop;
+  onConnection(listener: (connection: Connection) => void): Stop;
+  onProblem(listener: (problem: Problem) => void): Stop;
+  ask<Q extends Question>(
+    name: Q,
+    question: Questions[Q]["question"],
+    progress?: (part: number) => void,
+    signal?: AbortSignal,
+  ): Promise<Questions[Q]["answer"]>;
+  close(): void;
+}

@@ -1,0 +1,160 @@
+// The state of the viewer: one JSON document, a scene as `wavesplat.Scene.save` writes it with one field more, `view`.
+// `python/wavesplat/_viewer/state.py` is the twin of `parse.ts`; both agree on the fixtures in `web/schema`.
+
+export type Vec3 = readonly [number, number, number];
+export type Color = string | readonly number[];
+
+/** One curve of a transfer function: [value, opacity 0..1] points, ascending. */
+export type OpacityPoint = readonly [number, number];
+/** [value, red, green, blue] points, ascending; colours 0..1. */
+export type ColorPoint = readonly [number, number, number, number];
+/** [gradient magnitude, factor 0..1] points. */
+export type GradientPoint = readonly [number, number];
+
+export interface TransferFunction {
+  readonly opacity_unit: number | null;
+  readonly opacity: readonly OpacityPoint[];
+  readonly color: readonly ColorPoint[];
+  readonly gradient_opacity?: readonly GradientPoint[];
+}
+
+/** A function of value and gradient magnitude: a table, which the page shows but cannot edit. */
+export interface TransferFunction2D {
+  readonly rgba: unknown;
+  readonly [field: string]: unknown;
+}
+
+export interface Light {
+  readonly direction: Vec3;
+  readonly [field: string]: unknown;
+}
+
+/** Phong coefficients and what holds light off; null where there is none. */
+export interface Shading {
+  readonly ambient: number;
+  readonly diffuse: number;
+  readonly specular: number;
+  readonly specular_power: number;
+  readonly gradient_smoothing: number;
+  readonly gradient_offset: number;
+  readonly unoriented: number;
+  readonly shoulder: number | null;
+  readonly exposure: number;
+  readonly lights: readonly Light[];
+  readonly ambient_occlusion: number;
+  readonly occlusion_radius: number | null;
+  readonly shadow: number;
+}
+
+/** In the state every look is written out; presets by name are resolved by the server. */
+export interface Look {
+  readonly name: string;
+  readonly description: string;
+  readonly transfer_function: TransferFunction | TransferFunction2D;
+  readonly shading: Shading | null;
+  readonly composite: string;
+  readonly view: string | null;
+  readonly background: string | null;
+}
+
+export interface Layer {
+  /** Which volume: the page can neither name files nor change this. */
+  readonly volume: { readonly path: null; readonly name: string };
+  readonly name: string;
+  readonly look: Look;
+  readonly visible: boolean;
+  readonly opacity: number;
+  readonly time: number;
+}
+
+export interface LabelLook {
+  readonly color: Color;
+  readonly opacity?: number;
+  readonly name?: string;
+  readonly scan?: number;
+  readonly tint?: number;
+}
+
+export interface Labels {
+  readonly volume: { readonly path: null; readonly name?: string };
+  readonly labels: Readonly<Record<string, LabelLook>>;
+  readonly smooth: boolean;
+}
+
+export interface Box {
+  readonly lower: Vec3;
+  readonly upper: Vec3;
+  readonly space?: "world" | "index";
+}
+
+export type Clip =
+  | { readonly keep: Box }
+  | { readonly cut_out: Box }
+  | { readonly plane: { readonly point: Vec3; readonly normal: Vec3 } };
+
+/** World units; `parallel_scale` (half the height of the picture) or, in perspective, `view_angle` in degrees. */
+export interface Camera {
+  readonly version: 1;
+  readonly position: Vec3;
+  readonly focal_point: Vec3;
+  readonly view_up: Vec3;
+  readonly parallel_scale?: number;
+  readonly view_angle?: number;
+}
+
+export type Composite = string | Readonly<Record<string, Readonly<Record<string, number | null>>>>;
+
+/** How the picture at rest is drawn; its size is the view's. */
+export interface Render {
+  readonly quality: "draft" | "normal" | "high";
+  readonly kernel: string;
+  readonly composite: Composite;
+}
+
+export const PANES = ["axial", "coronal", "sagittal"] as const;
+export type Pane = (typeof PANES)[number];
+export type ViewName = "3d" | Pane;
+
+/** What only the viewer has. */
+export interface View {
+  readonly layout: { readonly name: "3d" | "one-and-three" | "two-by-two" | "single"; readonly main: ViewName };
+  readonly slices: {
+    /** World position where the three planes meet. */
+    readonly crosshair: Vec3;
+    /** Unit normals of planes that were tilted; the others are at right angles to the world's axes. */
+    readonly normals?: Readonly<Partial<Record<Pane, Vec3>>>;
+    /** [level, width]; absent: the values that count as smallest and largest. */
+    readonly window?: readonly [number, number];
+    /** World units; 0 is a plane. */
+    readonly thickness: number;
+    readonly slab: "maximum" | "minimum" | "mean";
+    readonly zoom: number;
+  };
+  readonly measures: readonly Measure[];
+  readonly overlays: Readonly<Record<Overlay, boolean>>;
+  /** While moving: "smooth" holds the frame rate, "balanced" a better picture, "exact" never draws less than at rest. */
+  readonly quality: { readonly moving: "smooth" | "balanced" | "exact" };
+  readonly interface: { readonly theme: "system" | "dark" | "light"; readonly panels: readonly string[] };
+}
+
+export const OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"] as const;
+export type Overlay = (typeof OVERLAYS)[number];
+
+/** World points: two for a distance; three for an angle, whose vertex is the second. */
+export interface Measure {
+  readonly kind: "distance" | "angle";
+  readonly points: readonly Vec3[];
+}
+
+export interface ViewerState {
+  readonly wavesplat: "scene";
+  readonly version: 1;
+  readonly layers: readonly Layer[];
+  readonly labels: Labels | null;
+  readonly shading: "look" | null | Shading;
+  readonly clip: readonly Clip[];
+  readonly background: Color | null;
+  readonly camera: Camera;
+  readonly render: Render;
+  readonly view: View;
+}

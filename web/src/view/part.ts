@@ -1,0 +1,37 @@
+// What every part of the interface is given.
+
+import type { Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
+import type { Vec3, ViewName } from "../state/state.ts";
+import type { Store } from "../state/store.ts";
+
+/** What a drag with the left button does in the views. */
+export type Tool = "turn" | "distance" | "angle" | "window";
+
+/** What is shown and done in this page alone, and is no part of the state. */
+export interface Ui {
+  readonly root: ShadowRoot | HTMLElement;
+  /** The frames that are on the screen now. */
+  readonly frames: Readonly<Partial<Record<ViewName, Frame>>>;
+  readonly tool: Tool;
+  setTool(tool: Tool): void;
+  /** The world point under the pointer, as far as it is known. */
+  readonly probe: Vec3 | null;
+  setProbe(point: Vec3 | null): void;
+  /** Said to screen readers, politely. */
+  announce(text: string): void;
+  /** Shows what failed, why, and how to mend it. */
+  problem(problem: Problem): void;
+  download(name: string, content: Uint8Array<ArrayBuffer> | string, type: string): void;
+}
+
+export interface PartProps {
+  readonly store: Store;
+  readonly engine: Engine;
+  readonly welcome: Welcome;
+  readonly ui: Ui;
+}
+
+export interface CssSize {
+  readonly width: number;
+  readonly height: number;
+}

@@ -22,8 +22,10 @@ __all__ = [
     "raycast",
     "render",
     "render_standard",
+    "rgb_bytes",
     "splat_ablated",
     "splat_literal",
+    "straight_bytes",
 ]
 
 __version__: str
@@ -288,3 +290,5 @@ def quality_settings(
     height: int,
 ) -> tuple[float, float]: ...
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...
+def straight_bytes(rgba: NDArray[np.float32]) -> bytes: ...
+def rgb_bytes(rgba: NDArray[np.float32], paper: Sequence[float]) -> bytes: ...

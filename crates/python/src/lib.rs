@@ -24,7 +24,7 @@ mod _native {
     #[pymodule_export]
     use crate::reference::{raycast, splat_literal};
     #[pymodule_export]
-    use crate::rendering::{encode_png, plane, quality_settings, render};
+    use crate::rendering::{encode_png, plane, quality_settings, render, rgb_bytes, straight_bytes};
     #[pymodule_export]
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]

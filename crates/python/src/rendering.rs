@@ -267,9 +267,7 @@ fn seconds() -> f64 {
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
 pub fn encode_png<'py>(py: Python<'py>, rgba: PyReadonlyArray3<'py, f32>, bits: u32) -> PyResult<Bound<'py, PyBytes>> {
-    let [height, width, 4] = *rgba.shape() else {
-        return Err(PyTypeError::new_err("rgba must have the shape [height, width, 4]"));
-    };
+    let [height, width] = size_of(&rgba)?;
     let bits = match bits {
         8 => PngBits::Eight,
         16 => PngBits::Sixteen,
@@ -277,4 +275,34 @@ pub fn encode_png<'py>(py: Python<'py>, rgba: PyReadonlyArray3<'py, f32>, bits: 
     };
     let pixels = rgba.as_slice()?;
     Ok(PyBytes::new(py, &py.detach(|| png_of_rgba(pixels, width, height, bits))))
+}
+
+/// Associated float RGBA as bytes of unassociated RGBA.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn straight_bytes<'py>(py: Python<'py>, rgba: PyReadonlyArray3<'py, f32>) -> PyResult<Bound<'py, PyBytes>> {
+    size_of(&rgba)?;
+    let pixels = rgba.as_slice()?;
+    Ok(PyBytes::new(py, &py.detach(|| wavesplat::straight_bytes(pixels))))
+}
+
+/// Associated float RGBA over an opaque colour, as bytes of RGB.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn rgb_bytes<'py>(
+    py: Python<'py>,
+    rgba: PyReadonlyArray3<'py, f32>,
+    paper: [f32; 3],
+) -> PyResult<Bound<'py, PyBytes>> {
+    size_of(&rgba)?;
+    let pixels = rgba.as_slice()?;
+    Ok(PyBytes::new(py, &py.detach(|| wavesplat::rgb_bytes(pixels, paper))))
+}
+
+/// Height and width of a picture.
+fn size_of(rgba: &PyReadonlyArray3<f32>) -> PyResult<[usize; 2]> {
+    match *rgba.shape() {
+        [height, width, 4] => Ok([height, width]),
+        _ => Err(PyTypeError::new_err("rgba must have the shape [height, width, 4]")),
+    }
 }

@@ -54,6 +54,7 @@
 //! Stability: this crate's items are public; those of the crates that it stands on are not, apart from what is passed on
 //! here.
 
+mod bytes;
 mod error;
 mod frame;
 mod level_volume;
@@ -62,6 +63,7 @@ mod quality;
 mod scene;
 mod volume_cache;
 
+pub use bytes::{rgb_bytes, straight_bytes};
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
 pub use level_volume::LevelVolume;

@@ -2,6 +2,8 @@
 
 use wavesplat_core::Picture;
 
+use crate::bytes::straight_bytes;
+
 /// Bits of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PngBits {
@@ -24,25 +26,31 @@ pub fn encode_png(picture: &Picture, bits: PngBits) -> Vec<u8> {
 pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBits) -> Vec<u8> {
     assert_eq!(rgba.len(), 4 * width_px * height_px, "four numbers for each of {width_px} x {height_px} pixels");
     let is_eight = bits == PngBits::Eight;
-    let top = if is_eight { 255.0 } else { 65535.0 };
-    let mut data = Vec::with_capacity(rgba.len() * if is_eight { 1 } else { 2 });
+    let data = if is_eight { straight_bytes(rgba) } else { straight_words(rgba) };
+    let mut bytes = Vec::new();
+    write(&mut bytes, &data, [width_px, height_px], is_eight).expect("writing to memory does not fail");
+    bytes
+}
+
+/// The levels of 16 bits, the high byte first.
+fn straight_words(rgba: &[f32]) -> Vec<u8> {
+    let mut data = Vec::with_capacity(2 * rgba.len());
     for pixel in rgba.chunks_exact(4) {
         let alpha = pixel[3].clamp(0.0, 1.0);
         let straight = |c: f32| if alpha > 0.0 { (c / alpha).clamp(0.0, 1.0) } else { 0.0 };
         for c in [straight(pixel[0]), straight(pixel[1]), straight(pixel[2]), alpha] {
-            let level = (c * top).round() as u16;
-            if is_eight { data.push(level as u8) } else { data.extend(level.to_be_bytes()) }
+            data.extend(((c * 65535.0).round() as u16).to_be_bytes());
         }
     }
-    let mut bytes = Vec::new();
-    write(&mut bytes, &data, [width_px, height_px], is_eight).expect("writing to memory does not fail");
-    bytes
+    data
 }
 
 fn write(bytes: &mut Vec<u8>, data: &[u8], size_px: [usize; 2], is_eight: bool) -> Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(bytes, size_px[0] as u32, size_px[1] as u32);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(if is_eight { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
+    // 3 % larger than the balanced compression and 20 times as fast, on pictures of volumes.
+    encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(data)?;

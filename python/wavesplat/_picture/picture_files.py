@@ -22,7 +22,16 @@ from wavesplat._picture.png_text import KEYWORD, with_text
 if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
 
-__all__ = ["image", "png_bytes", "straight_bytes", "with_scene", "write_bytes_of", "write_exr", "write_tiff"]
+__all__ = [
+    "image",
+    "png_bytes",
+    "rgb_image",
+    "straight_bytes",
+    "with_scene",
+    "write_bytes_of",
+    "write_exr",
+    "write_tiff",
+]
 
 #: Behind transparent pixels of formats that have none.
 PAPER = 1.0
@@ -31,11 +40,8 @@ METRES_PER_INCH = 0.0254
 
 def straight_bytes(rgba: NDArray[np.float32]) -> NDArray[np.uint8]:
     """Associated floats as bytes of colour, not multiplied by opacity, and opacity."""
-    alpha = np.clip(rgba[..., 3:], 0, 1)
-    color = np.divide(rgba[..., :3], alpha, out=np.zeros_like(rgba[..., :3]), where=alpha > 0)
-    levels = np.concatenate([np.clip(color, 0, 1), alpha], axis=2) * np.float32(255)
-    # Halves go up, as in the PNG encoder; in float64, where half more is exact.
-    return np.floor(levels.astype(np.float64) + 0.5).astype(np.uint8)
+    levels = _native.straight_bytes(np.ascontiguousarray(rgba, dtype=np.float32))
+    return np.frombuffer(levels, np.uint8).reshape(rgba.shape).copy()
 
 
 def image(rgba: NDArray[np.float32]) -> Any:
@@ -43,6 +49,14 @@ def image(rgba: NDArray[np.float32]) -> Any:
     from PIL import Image
 
     return Image.fromarray(straight_bytes(rgba))
+
+
+def rgb_image(rgba: NDArray[np.float32], paper: tuple[float, float, float]) -> Any:
+    """A `PIL.Image.Image` without alpha, over an opaque colour."""
+    from PIL import Image
+
+    levels = _native.rgb_bytes(np.ascontiguousarray(rgba, dtype=np.float32), paper)
+    return Image.frombuffer("RGB", (rgba.shape[1], rgba.shape[0]), levels, "raw", "RGB", 0, 1)
 
 
 def png_bytes(rgba: NDArray[np.float32], bits: int, dpi: float | None = None) -> bytes:
@@ -72,11 +86,9 @@ def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: 
     if path.suffix.lower() == ".webp":
         image(picture.rgba).save(content, "webp", quality=quality, lossless=quality == 100, method=4)
     else:
-        rgb = picture.rgba[..., :3] + (1 - np.clip(picture.rgba[..., 3:], 0, 1)) * np.float32(PAPER)
-        opaque = np.concatenate([rgb, np.ones_like(rgb[..., :1])], axis=2)
         options: dict[str, Any] = {} if dpi is None else {"dpi": (dpi, dpi)}
         # Without subsampling: thin coloured lines stay sharp.
-        image(opaque).convert("RGB").save(content, "jpeg", quality=quality, subsampling=0, **options)
+        rgb_image(picture.rgba, (PAPER,) * 3).save(content, "jpeg", quality=quality, subsampling=0, **options)
     path.write_bytes(content.getvalue())
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
+from wavesplat._cli.label_options import LabelsFile, LabelTable, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
 from wavesplat._cli.light_options import LightOptions, chosen_shading
 from wavesplat._cli.opened_layers import Channels, opened_layers
@@ -24,7 +24,6 @@ from wavesplat._model.options import BY_VIEW, Composite
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._looks.labels import Labels
     from wavesplat._looks.look import Look
     from wavesplat._model.composites import Operator
     from wavesplat._model.volume import Volume
@@ -38,13 +37,8 @@ __all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene",
 class SceneOptions(LookOptions):
     """The look of a volume, its labels, operator, wavelets and background."""
 
-    labels: Annotated[
-        str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
-    ] = None
-    label_table: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
-    ] = None
+    labels: LabelsFile = None
+    label_table: LabelTable = None
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None
     local_threshold: Annotated[
         float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
@@ -136,7 +130,7 @@ def chosen_scene(
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
         [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet)],
-        labels=_labels(showing.labels, showing.label_table),
+        labels=opened_labels(showing.labels, showing.label_table),
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",
@@ -156,16 +150,6 @@ def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) ->
             f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "
             "say how each is shown: --channel 0:green:100,900"
         )
-
-
-def _labels(path: str | None, table: Path | None) -> Labels | None:
-    from wavesplat._looks.labels import Labels
-
-    if path is None:
-        if table is not None:
-            raise ArgumentError("--label-table names the labels of a segmentation; give it with --labels")
-        return None
-    return Labels.open(path, table=table)
 
 
 #: The option that each operator takes a number from.

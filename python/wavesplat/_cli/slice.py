@@ -8,6 +8,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
+from wavesplat._cli.label_options import LabelsFile, LabelTable, opened_labels
 from wavesplat._cli.layer_options import FurtherLayers, further_layers
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
@@ -79,6 +80,8 @@ def slice(
     preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
     tf: TransferFunctionFile = None,
     layer: FurtherLayers = None,
+    labels: LabelsFile = None,
+    label_table: LabelTable = None,
     colors: ColorOptions,
     figure: FigureOptions,
     background: Background = "black",
@@ -96,6 +99,7 @@ def slice(
         raise ArgumentError("--point and --normal belong together; give both, or a --plane")
     check_outputs(input, output, "pictures")
     from wavesplat._picture.picture import check_bits
+    from wavesplat._scene.scene import Scene
     from wavesplat._scene.slicing import slice as cut
 
     check_bits(bits)
@@ -109,7 +113,10 @@ def slice(
         transfer_function = function_of_histogram(volume, input)
     with warnings_as_notes(quiet=quiet):
         picture = cut(
-            [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
+            Scene(
+                [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
+                labels=opened_labels(labels, label_table),
+            ),
             (plane or "axial") if normal is None else (point, normal),
             position,
             size=size,

@@ -21,9 +21,11 @@ from wavesplat._public import public
 from wavesplat._render import windows
 from wavesplat._render.arguments import chosen_look
 from wavesplat._render.slicing import sliced
+from wavesplat._scene import label_slices
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import as_scene
+from wavesplat._scene.telling import names_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -67,7 +69,8 @@ def slice(
         Their colours are those of their looks, or of a map such as "hot" where they have none. `Layer.opacity` is how
         opaque a layer is where the opacity of its look is greatest; elsewhere it is less in proportion. Below the low
         end of its look, where it is transparent and outside of its volume a layer does not show.
-        Clips, labels and the background of a scene are for pictures in space.
+        The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
+        middle plane. Clips and the background of a scene are for pictures in space.
     plane : str or (point, normal), default "axial"
         "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
     position : float, optional
@@ -173,9 +176,11 @@ def slice(
             report["shown"].append(shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn)))
             if not is_seen:
                 notes.append(_why_not_seen(layer, values, curves))
-    left_out = [name for name, given in (("labels", scene.labels), ("clip", scene.clip)) if given]
-    if left_out:
-        notes.append(f"left out of the slice, since for pictures in space: the scene's {' and '.join(left_out)}")
+    if scene.labels is not None:
+        rgba = label_slices.laid_over(rgba, planes, scene.labels, first.drawn)
+        report["labels"] = names_of(scene.labels)
+    if scene.clip:
+        notes.append("left out of the slice, since for pictures in space: the scene's clip")
     if notes:
         report["notes"] = notes
     return Picture(rgba, value=picture.value, report=report)

@@ -15,7 +15,7 @@ from wavesplat._picture.report_facts import facts_of_view, shown_layer
 from wavesplat._scene.scene import Scene
 from wavesplat._scene.shown import ShownLayer, identity_of
 
-__all__ = ["facts_of_layers", "facts_of_picture"]
+__all__ = ["facts_of_layers", "facts_of_picture", "names_of"]
 
 
 def facts_of_picture(
@@ -24,13 +24,17 @@ def facts_of_picture(
     """Where it was taken from, what its pixels are, what lies behind, and the names of what is coloured."""
     facts = [layer.drawn.facts for layer in scene.layers]
     view = facts_of_view(camera, size, next((one for one in facts if one.unit is not None), facts[0]))
+    return {**view, "background": background, "labels": names_of(labels)}
+
+
+def names_of(labels: Labels | None) -> list[dict[str, Any]]:
+    """Names and colours of the labels that have a colour in the picture."""
     looks = {} if labels is None else labels.labels
-    named = [
+    return [
         {"name": look.name or str(number), "color": list(look.color)}
         for number, look in looks.items()
         if look.opacity or look.tint
     ]
-    return {**view, "background": background, "labels": named}
 
 
 def facts_of_layers(

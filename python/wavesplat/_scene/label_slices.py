@@ -1,0 +1,57 @@
+"""A segmentation over a slice: every label's colour, faint inside and full along its outline."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.labels import Labels
+from wavesplat._model.grid import Grid
+from wavesplat._render.slicing import Planes
+
+__all__ = ["laid_over"]
+
+#: How opaque the inside of a label is, as a share of its outline: the scan shows through.
+FILL = 0.4
+#: So that positions, in float64, take little memory.
+PIXELS_AT_ONCE = 1 << 18
+
+
+def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels, scan: Grid) -> NDArray[np.float32]:
+    """A slice with the labels of the samples next to its middle plane; outlines are as opaque as labels in space."""
+    labels.check_beside(scan)
+    codes = _codes_at(planes, labels, scan)
+    looks = [labels.labels.get(number) for number in labels.numbers]
+    # The last row is for pixels outside.
+    shares = np.array([0.0 if look is None else max(look.opacity, look.tint) for look in looks] + [0.0])
+    colors = np.array([(0.0,) * 3 if look is None else look.color for look in looks] + [(0.0,) * 3])
+    edge = np.zeros(codes.shape, bool)
+    for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        differs = codes[one] != codes[other]
+        edge[one] |= differs
+        edge[other] |= differs
+    alpha = (shares[codes] * np.where(edge, 1.0, FILL))[..., None]
+    over = np.concatenate([colors[codes], np.ones((*codes.shape, 1))], axis=2)
+    mixed: NDArray[np.float32] = (over * alpha + (1 - alpha) * rgba).astype(np.float32)
+    return mixed
+
+
+def _codes_at(planes: Planes, labels: Labels, scan: Grid) -> NDArray[np.intp]:
+    """The place of the label's number in `Labels.numbers` for every pixel; one more than the last outside the scan."""
+    cut, frame = planes.cut, planes.frame
+    to_index = np.linalg.inv(scan.world_from_index)
+    first = to_index[:3, :3] @ frame.origin + to_index[:3, 3]
+    across, down = (to_index[:3, :3] @ (frame.pixel * way) for way in (cut.right, -cut.up))
+    width, height = frame.size
+    codes = np.full((height, width), len(labels.numbers), np.intp)
+    rows_at_once = max(1, PIXELS_AT_ONCE // width)
+    for start in range(0, height, rows_at_once):
+        rows = np.arange(start, min(start + rows_at_once, height))[:, None]
+        columns = np.arange(width)[None, :]
+        x, y, z = (np.rint(first[a] + columns * across[a] + rows * down[a]).astype(np.intp) for a in range(3))
+        n_z, n_y, n_x = labels.shape
+        inside = (x >= 0) & (x < n_x) & (y >= 0) & (y < n_y) & (z >= 0) & (z < n_z)
+        codes[rows[:, 0]] = np.where(
+            inside, labels._codes[z.clip(0, n_z - 1), y.clip(0, n_y - 1), x.clip(0, n_x - 1)], len(labels.numbers)
+        )
+    return codes

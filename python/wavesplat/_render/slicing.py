@@ -102,7 +102,7 @@ def sliced(
     }
     if transfer_function is None:
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
-        rgb = np.repeat(np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None], 3, axis=2)
+        rgb = np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None]
         colored = TransferFunction([(low, 1), (high, 1)], [(low, 0, 0, 0), (high, 1, 1, 1)])
         shown = np.isfinite(values)
     else:
@@ -304,6 +304,8 @@ def _on_background(
     rgb: NDArray[np.float64], shown: NDArray[np.bool_], background: str | Sequence[float] | None
 ) -> NDArray[np.float32]:
     red, green, blue, alpha = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
-    below = np.array([red * alpha, green * alpha, blue * alpha, alpha])
-    opaque = np.concatenate([rgb, np.ones((*shown.shape, 1))], axis=2)
-    return np.where(shown[..., None], opaque, below).astype(np.float32)
+    picture = np.empty((*shown.shape, 4), np.float32)
+    picture[..., :3] = rgb  # of greys one channel for all
+    picture[..., 3] = 1
+    picture[~shown] = red * alpha, green * alpha, blue * alpha, alpha
+    return picture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from itertools import cycle, pairwise
 from typing import Any, TypeAlias
 
@@ -24,7 +25,8 @@ from wavesplat._render.slicing import sliced
 from wavesplat._scene import label_slices
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
-from wavesplat._scene.scene import as_scene
+from wavesplat._scene.scene import Scene, as_scene
+from wavesplat._scene.shown import identity_of
 from wavesplat._scene.telling import names_of
 from wavesplat.errors import ArgumentError
 
@@ -141,6 +143,10 @@ def slice(
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
     first, *others = scene.layers
     check_units([layer.drawn for layer in scene.layers])
+    if window is None and clim is None and transfer_function is None:
+        clim = scene._kept.found_out(
+            (id(first.drawn), "limits"), identity_of(first.drawn), lambda: windows.limits(first.drawn, None, None)
+        )
     picture, planes = sliced(
         first.drawn,
         plane,
@@ -170,7 +176,7 @@ def slice(
     automatic = iter(cycle(OVERLAY_MAPS))
     for layer in others:
         if layer.is_shown:
-            curves = _curves_of(layer, automatic)
+            curves = _curves_of(scene, layer, automatic)
             values = planes.values_of(layer.drawn, kernel, slab, threads)
             rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
             report["shown"].append(shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn)))
@@ -205,13 +211,23 @@ def _associated(background: str | Sequence[float] | None) -> Floats:
     return np.array([red * alpha, green * alpha, blue * alpha, alpha], np.float32)
 
 
-def _curves_of(layer: Layer, automatic: Iterator[str]) -> TransferFunction:
+def _curves_of(scene: Scene, layer: Layer, automatic: Iterator[str]) -> TransferFunction:
     """The colours of a layer that lies over another one; `automatic`: colour maps for those without a look."""
     volume = layer.looked_at
-    has_look = not (layer.look is None or (isinstance(layer.look, str) and layer.look.lower() == "auto"))
-    if not has_look and kind_of(volume) in MAPPED_KINDS:
+    name = layer.look if isinstance(layer.look, str) else None
+    has_look = not (layer.look is None or (name is not None and name.lower() == "auto"))
+    find = partial(_found_curves, layer, next(automatic) if not has_look and kind_of(volume) in MAPPED_KINDS else None)
+    if has_look and name is None:
+        return find()
+    key = (id(volume), "over a slice", name, find.args[1])
+    return scene._kept.found_out(key, identity_of(volume), find)
+
+
+def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
+    volume = layer.looked_at
+    if colormap is not None:
         clim = windows.limits(volume, None, None)
-        return TransferFunction.from_colormap(next(automatic), clim=clim, opacity="linear")
+        return TransferFunction.from_colormap(colormap, clim=clim, opacity="linear")
     curves = chosen_look(layer.look, volume, "over").transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(

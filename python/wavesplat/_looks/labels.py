@@ -268,6 +268,30 @@ class Labels:
             self._cuts[key] = cut
         return self._cuts[key]
 
+    def with_looks(self, labels: Mapping[int, Label], *, smooth: bool | None = None) -> Labels:
+        """The same segmentation with other looks.
+
+        Raises
+        ------
+        ArgumentError
+            If a label is in no sample.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> labels = ws.Labels(np.eye(4, dtype=np.uint8).reshape(1, 4, 4))
+        >>> labels.with_looks({1: ws.Label("red")}).labels[1].color
+        (1.0, 0.0, 0.0)
+        """
+        changed = object.__new__(Labels)
+        for name in self.__dataclass_fields__:
+            object.__setattr__(changed, name, getattr(self, name))
+        object.__setattr__(changed, "labels", _checked_looks(labels, self.numbers))
+        object.__setattr__(changed, "smooth", self.smooth if smooth is None else bool(smooth))
+        object.__setattr__(changed, "_cores", {})
+        object.__setattr__(changed, "_cuts", {})
+        return changed
+
     def __repr__(self) -> str:
         n_z, n_y, n_x = self.shape
         named = [

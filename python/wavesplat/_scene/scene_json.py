@@ -56,9 +56,10 @@ T = TypeVar("T")
 
 KIND, VERSION = "scene", 1
 WHAT = "scene"
+LABELS = ("volume", "labels", "smooth")
 LAYER = ("volume", "name", "look", "visible", "opacity", "time")
 SCENE = ("layers", "labels", "shading", "clip", "background")
-KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure")
+KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
 RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth")
 OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum, DepthShadedMaximum, XRay)}
 
@@ -203,28 +204,25 @@ def _document(document: dict[str, Any]) -> Document:
         raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
     layers = _list(document, "layers", WHAT)
     built = [_layer(layer, f"{WHAT}: layers[{number}]") for number, layer in enumerate(layers)]
-    clips = [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_list(document, "clip", WHAT))]
+    clips = clips_of(document)
     background = document.get("background")
     if not isinstance(background, str | list | None):
         raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
-    shading = document.get("shading", "look")
+    shading = shading_of(document.get("shading", "look"))
     scene = _made(
         f"{WHAT}",
         lambda: Scene(
             built,
             labels=_labels(document.get("labels"), f"{WHAT}: labels"),
-            shading=shading if shading == "look" else _shading(shading),
+            shading=shading,
             clip=clips,
             background=background,
         ),
     )
-    camera = document.get("camera")
-    if not isinstance(camera, dict | None):
-        raise ArgumentError(f"{WHAT}: field 'camera' is {described(camera)}; it must be an object")
-    eye = None if camera is None else _made(WHAT, lambda: camera_json.build(camera))
+    eye = camera_of(document.get("camera"))
     figure = document.get("figure") or {}
     _check(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
-    return Document(scene, eye, _options(document.get("render") or {}), figure)
+    return Document(scene, eye, options_of(document.get("render") or {}), figure)
 
 
 def _names_of_figures() -> list[str]:
@@ -235,7 +233,12 @@ def _names_of_figures() -> list[str]:
 
 def _layer(layer: Any, what: str) -> Layer:
     _check(layer, what, needed=("volume",), known=LAYER)
-    volume = opened(layer["volume"], f"{what}.volume")
+    return layer_of(layer, what, opened(layer["volume"], f"{what}.volume"))
+
+
+def layer_of(layer: Any, what: str, volume: Any) -> Layer:
+    """The layer that fields describe, of a volume that is open."""
+    _check(layer, what, needed=("volume",), known=LAYER)
     look = layer.get("look")
     if isinstance(look, dict):
         fields_of_look = {"version": 1, **look}
@@ -252,13 +255,19 @@ def _layer(layer: Any, what: str) -> Layer:
 def _labels(labels: Any, what: str) -> Labels | None:
     if labels is None:
         return None
-    _check(labels, what, needed=("volume",), known=("volume", "labels", "smooth"))
+    _check(labels, what, needed=("volume",), known=LABELS)
     segmentation = opened(labels["volume"], f"{what}.volume")
+    chosen = looks_of_labels(labels, what)
+    return _made(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
+
+
+def looks_of_labels(labels: Any, what: str) -> dict[int, Label] | None:
+    """The looks by number that fields of labels describe; None: they say none."""
+    _check(labels, what, needed=("volume",), known=LABELS)
     looks = labels.get("labels")
     if not isinstance(looks, dict | None) or not all(isinstance(look, dict) for look in (looks or {}).values()):
         raise ArgumentError(f"{what}: field 'labels' is {described(looks)}; it must be an object of objects, by number")
-    chosen = None if looks is None else {_number(number, what): _label(look, what) for number, look in looks.items()}
-    return _made(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
+    return None if looks is None else {_number(number, what): _label(look, what) for number, look in looks.items()}
 
 
 def _label(look: dict[str, Any], what: str) -> Label:
@@ -270,6 +279,23 @@ def _number(text: str, what: str) -> int:
         return int(text)
     except ValueError:
         raise ArgumentError(f"{what}: {text!r} in field 'labels' is no whole number") from None
+
+
+def camera_of(camera: Any) -> Camera | None:
+    """The camera that fields describe, if there are any."""
+    if not isinstance(camera, dict | None):
+        raise ArgumentError(f"{WHAT}: field 'camera' is {described(camera)}; it must be an object")
+    return None if camera is None else _made(WHAT, lambda: camera_json.build(camera))
+
+
+def clips_of(document: dict[str, Any]) -> list[Clip]:
+    """What the scene is cut by."""
+    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_list(document, "clip", WHAT))]
+
+
+def shading_of(shading: Any) -> Any:
+    """The light of a scene: "look", or what fields describe."""
+    return shading if isinstance(shading, str) and shading == "look" else _shading(shading)
 
 
 def _clip(clip: Any, what: str) -> Clip:
@@ -289,7 +315,8 @@ def _shading(shading: Any) -> Shading | None:
     return _made(WHAT, lambda: look_json.build_shading(shading))
 
 
-def _options(render: Any) -> dict[str, Any]:
+def options_of(render: Any) -> dict[str, Any]:
+    """Arguments of `Scene.render` that the field `render` describes."""
     what = f"{WHAT}: render"
     _check(render, what, needed=(), known=RENDER)
     options = {name: value for name, value in render.items() if value is not None}

@@ -1,0 +1,270 @@
+"""The state of a viewer: a scene's document with the field `view`, and the scene, camera and options that it stands for.
+
+States are never changed in place. What a change does not touch is shared by the states before and after, down to the
+scene: a turn of the camera makes a new camera and nothing else.
+The page knows no paths: its documents name volumes only, and the sources are put back in for files.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from wavesplat._looks.labels import Labels
+from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera
+from wavesplat._scene import scene_json
+from wavesplat._scene.layer import Layer
+from wavesplat._scene.scene import Scene
+from wavesplat._viewer import view_json
+from wavesplat._viewer.patches import patched
+from wavesplat.errors import ArgumentError
+
+__all__ = ["ViewerState", "changes_picture", "changes_slices"]
+
+WHAT = scene_json.WHAT
+#: Pixels of the picture that finds out what is not given: looks, operator, camera.
+FIRST_SIZE = (64, 48)
+#: Fields that change the picture in space.
+PICTURE = ("layers", "labels", "shading", "clip", "background", "camera", "render")
+KNOWN = ("wavesplat", "version", *PICTURE, "view")
+
+
+@dataclass(frozen=True, eq=False)
+class ViewerState:
+    """What is shown.
+
+    document : the JSON document, as the page has it.
+    scene, camera, options : what `Scene.render` is called with; options are quality, kernel and composite.
+    view : the field `view`, complete.
+    """
+
+    document: dict[str, Any]
+    scene: Scene
+    camera: Camera
+    options: dict[str, Any]
+    #: Of volumes, and of the labels; None where they come from no file.
+    sources: tuple[dict[str, Any], ...]
+    label_source: dict[str, Any] | None
+
+    @property
+    def view(self) -> dict[str, Any]:
+        """What only the viewer has."""
+        view: dict[str, Any] = self.document["view"]
+        return view
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        camera: Camera | str | None = None,
+        options: Mapping[str, Any] | None = None,
+        view: Mapping[str, Any] | None = None,
+    ) -> ViewerState:
+        """The state of a scene; looks, operator and camera that are not given are found out by drawing a small picture.
+
+        Raises
+        ------
+        ArgumentError
+            If an argument cannot work.
+        """
+        given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
+        picture = scene.render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
+        document = picture.report["scene"]
+        if not scene.shading == "look" and any(layer["look"] is None for layer in document["layers"]):
+            document["shading"] = scene_json.document_of(scene, strict=False)["shading"]
+        sources = tuple(layer["volume"] for layer in document["layers"])
+        labels = document["labels"]
+        label_source = None if labels is None else labels["volume"]
+        for layer, source in zip(document["layers"], scene.layers, strict=True):
+            layer["volume"] = {"path": None, "name": source.volume.name}
+            layer["name"] = layer["name"] or source.volume.name
+        if labels is not None:
+            labels["volume"] = {"path": None}
+        document["background"] = document["background"] or "black"
+        quality = given.get("quality", "normal")
+        document["render"] = {
+            "quality": quality if isinstance(quality, str) else scene_json.fields_of_sampling(quality),
+            "kernel": document["render"]["kernel"],
+            "composite": document["render"]["composite"],
+        }
+        document["view"] = view_json.checked(view or {}, _middle(scene))
+        first = cls({}, scene, Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1), {}, sources, label_source)
+        # As the page gives it back: lists for tuples.
+        return first._with(json.loads(json.dumps(document)))
+
+    def patched(self, operations: Sequence[Mapping[str, Any]]) -> ViewerState:
+        """The state after some changes (JSON Patch).
+
+        Raises
+        ------
+        ArgumentError
+            If there cannot be such a state; the message names the field.
+        """
+        return self._with(patched(self.document, operations))
+
+    def replaced(self, document: Mapping[str, Any]) -> ViewerState:
+        """The state that another document describes; the volumes stay."""
+        return self._with(dict(document))
+
+    def with_scene(self, scene: Scene) -> ViewerState:
+        """The state of another scene, seen by the same camera; what it leaves open is found out."""
+        view = {name: value for name, value in self.view.items() if name != "slices"}
+        return ViewerState.of(scene, self.camera, self.options, view)
+
+    def with_camera(self, camera: Camera) -> ViewerState:
+        """The state seen by another camera."""
+        return replace(self, camera=camera, document={**self.document, "camera": camera.as_json()})
+
+    def file_document(self, size: tuple[int, int] | None = None) -> dict[str, Any]:
+        """The document with the sources of volumes and labels, for files; `size`: of the picture, pixels."""
+        layers = [
+            {**layer, "volume": source} for layer, source in zip(self.document["layers"], self.sources, strict=True)
+        ]
+        document = {**self.document, "layers": layers}
+        if self.document["labels"] is not None:
+            document["labels"] = {**self.document["labels"], "volume": self.label_source}
+        if size is not None:
+            document["render"] = {"size": list(size), **self.document["render"]}
+        return document
+
+    def _with(self, document: Any) -> ViewerState:
+        if document is self.document:
+            return self
+        _check_document(document)
+        before = self.document
+        changes: dict[str, Any] = {}
+        # Volumes are those that are open, whatever the document says of them.
+        layers = _layers(document["layers"], before.get("layers"), self.scene)
+        if any(new is not old for new, old in zip(layers, self.scene.layers, strict=True)):
+            changes["layers"] = layers
+        if not _same(document, before, "labels"):
+            changes["labels"] = _labels(document["labels"], self.scene)
+        if not _same(document, before, "shading"):
+            changes["shading"] = scene_json.shading_of(document["shading"])
+        if not _same(document, before, "clip"):
+            changes["clip"] = scene_json.clips_of(document)
+        if not _same(document, before, "background"):
+            changes["background"] = _background(document["background"])
+        camera = self.camera
+        if not _same(document, before, "camera"):
+            found = scene_json.camera_of(document["camera"])
+            if found is None:
+                raise ArgumentError(f"{WHAT}: field 'camera' is null; it must be an object")
+            camera = found
+        options = self.options
+        if not _same(document, before, "render"):
+            options = _options(document["render"])
+        if not _same(document, before, "view"):
+            document = {**document, "view": view_json.checked(document["view"], _middle(self.scene))}
+        scene = self.scene.with_(**changes) if changes else self.scene
+        return ViewerState(document, scene, camera, options, self.sources, self.label_source)
+
+
+def changes_picture(before: ViewerState, after: ViewerState) -> bool:
+    """Whether the picture in space may be another one."""
+    return any(before.document[name] is not after.document[name] for name in PICTURE)
+
+
+def changes_slices(before: ViewerState, after: ViewerState) -> bool:
+    """Whether slices may be others."""
+    old, new = before.document, after.document
+    same = old["layers"] is new["layers"] and old["labels"] is new["labels"]
+    return not (same and old["view"]["slices"] == new["view"]["slices"])
+
+
+def _same(document: Mapping[str, Any], before: Mapping[str, Any], name: str) -> bool:
+    """Whether a field is as before, mostly told by its being the same object."""
+    if name not in before:
+        return False
+    return document[name] is before[name] or bool(document[name] == before[name])
+
+
+def _check_document(document: Any) -> None:
+    if not isinstance(document, Mapping):
+        raise ArgumentError(f"{WHAT} is {described(document)}; it must be an object")
+    unknown = sorted(set(document) - set(KNOWN))
+    if unknown:
+        raise ArgumentError(f"{WHAT}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(KNOWN))}")
+    for name in KNOWN:
+        if name not in document:
+            raise ArgumentError(f"{WHAT}: field {name!r} is missing")
+    if document["wavesplat"] != scene_json.KIND:
+        raise ArgumentError(f"{WHAT}: field 'wavesplat' is {described(document['wavesplat'])}; it must be 'scene'")
+    version = document["version"]
+    if version != scene_json.VERSION or isinstance(version, bool):
+        raise ArgumentError(
+            f"{WHAT}: field 'version' is {described(version)}; this release reads version {scene_json.VERSION}"
+        )
+
+
+def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
+    if not isinstance(fields, list) or len(fields) != len(scene.layers):
+        raise ArgumentError(
+            f"{WHAT}: field 'layers' is {described(fields)}; it must be a list of {len(scene.layers)}, as volumes are open"
+        )
+    layers = []
+    for number, (new, layer) in enumerate(zip(fields, scene.layers, strict=True)):
+        old = None if before is None else before[number]
+        if old is not None and (new is old or new == old):
+            layers.append(layer)
+            continue
+        what = f"{WHAT}: layers[{number}]"
+        if not isinstance(new, Mapping):
+            raise ArgumentError(f"{what} is {described(new)}; it must be an object")
+        if old is not None and new.get("volume") != old["volume"]:
+            raise ArgumentError(f"{what}: field 'volume' cannot be changed here; open another file with `wavesplat view`")
+        made = scene_json.layer_of(new, what, layer.volume)
+        if old is not None and new.get("look") == old["look"]:
+            # Kept for what is known of it.
+            made = replace(made, look=layer.look)
+        if made.look is None or isinstance(made.look, str):
+            raise ArgumentError(f"{what}: field 'look' is {described(new.get('look'))}; here it must be written out")
+        _ = made.drawn  # or an error, for times
+        layers.append(made)
+    return layers
+
+
+def _labels(fields: Any, scene: Scene) -> Labels | None:
+    if (fields is None) != (scene.labels is None):
+        raise ArgumentError(f"{WHAT}: field 'labels' cannot be {described(fields)}; the segmentation stays as it was opened")
+    if fields is None or scene.labels is None:
+        return None
+    what = f"{WHAT}: labels"
+    looks = scene_json.looks_of_labels(fields, what)
+    smooth = fields.get("smooth", True)
+    if not isinstance(smooth, bool):
+        raise ArgumentError(f"{what}: field 'smooth' is {described(smooth)}; it must be true or false")
+    try:
+        return scene.labels.with_looks(looks or {}, smooth=smooth)
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from None
+
+
+def _background(background: Any) -> Any:
+    if not isinstance(background, str | list | None):
+        raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
+    return background
+
+
+def _options(render: Any) -> dict[str, Any]:
+    if isinstance(render, Mapping):
+        # The size is that of the view.
+        render = {name: value for name, value in render.items() if name != "size"}
+    options = scene_json.options_of(render)
+    for name in ("psnr", "depth"):
+        if name in options:
+            raise ArgumentError(f"{WHAT}: render: a viewer's state has no {name!r}; it says what the picture at rest is")
+    quality = options.get("quality", "normal")
+    if isinstance(quality, str) and quality not in ("draft", "normal", "high"):
+        raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, high")
+    return {"quality": "normal", "kernel": "linear", "composite": None, **options}
+
+
+def _middle(scene: Scene) -> list[float]:
+    middle: list[float] = np.mean(scene.layers[0].drawn.bounds, axis=0).tolist()
+    return middle

@@ -1,0 +1,53 @@
+// A channel through a widget's own comm, as Jupyter, VS Code, Colab and marimo have it: no second port.
+
+import type { Stop } from "../state/store.ts";
+import type { Channel } from "./channel.ts";
+
+/** The part of anywidget's model that is needed (https://anywidget.dev/en/afm/). */
+export interface WidgetModel {
+  send(content: unknown, callbacks?: unknown, buffers?: ArrayBuffer[] | ArrayBufferView[]): void;
+  on(event: "msg:custom", listener: (content: unknown, buffers: unknown[]) => void): void;
+  off(event: "msg:custom", listener: (content: unknown, buffers: unknown[]) => void): void;
+  get(name: string): unknown;
+}
+
+/** Bytes of a buffer, which hosts give as a view, as an array buffer or, some, as base64. */
+export function bytesOf(buffer: unknown): Uint8Array<ArrayBuffer> {
+  if (buffer instanceof ArrayBuffer) return new Uint8Array(buffer);
+  if (ArrayBuffer.isView(buffer)) {
+    return new Uint8Array(new Uint8Array(buffer.buffer, buffer.byteOffset, buffer.byteLength));
+  }
+  if (typeof buffer === "string") {
+    const text = atob(buffer);
+    return Uint8Array.from(text, (letter) => letter.charCodeAt(0));
+  }
+  throw new TypeError("the host gave a buffer of an unknown kind");
+}
+
+/** `page`: tells this page's messages from those for other pages of the same widget. */
+export function commChannel(model: WidgetModel, page: string): Channel {
+  const listeners = new Set<(header: Record<string, unknown>, payload: Uint8Array<ArrayBuffer>) => void>();
+  const receive = (content: unknown, buffers: unknown[]): void => {
+    if (typeof content !== "object" || content === null) return;
+    const header = content as Record<string, unknown>;
+    if (header["page"] !== page) return;
+    const first = buffers?.[0];
+    const payload = first === undefined ? new Uint8Array() : bytesOf(first);
+    for (const listener of listeners) listener(header, payload);
+  };
+  model.on("msg:custom", receive);
+  return {
+    send(header, payload) {
+      model.send({ ...header, page }, undefined, payload === undefined ? [] : [payload]);
+    },
+    onMessage(listener): Stop {
+      listeners.add(listener);
+      return () => listeners.delete(listener);
+    },
+    close() {
+      model.send({ type: "bye", page }, undefined, []);
+      model.off("msg:custom", receive);
+      listeners.clear();
+    },
+  };
+}

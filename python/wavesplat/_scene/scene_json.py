@@ -179,10 +179,10 @@ def parse(text: str, folder: Path | None) -> Document:
         found = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise ArgumentError(f"{WHAT}: not JSON: {error}") from None
-    return _document(sources.found_from(_inside(found), folder or Path.cwd()))
+    return _document(sources.found_from(inside(found), folder or Path.cwd()))
 
 
-def _inside(found: Any) -> dict[str, Any]:
+def inside(found: Any) -> dict[str, Any]:
     """The document itself; of a report, and of what `--json` prints, the one that is in it."""
     for _ in range(3):
         if isinstance(found, dict) and found.get("wavesplat") == KIND:

@@ -1,0 +1,148 @@
+"""The Python program and the shell command that draw the viewer's picture at rest, to the byte."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from wavesplat._looks import look_json, presets
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
+from wavesplat._looks.shading import Shading
+from wavesplat._model.clips import Clip, ClipPlane, CutOut
+from wavesplat._scene import scene_json
+from wavesplat._scene.layer import Layer
+from wavesplat._viewer.state import ViewerState
+
+__all__ = ["command_of", "python_of"]
+
+OUTPUT = "picture.png"
+#: How volumes are changed, by the step in their source: as a method, or as a function of `wavesplat`.
+FUNCTIONS = {"largest_body": "ws.largest_body", "wavelets": "ws.WaveletVolume.from_volume"}
+
+
+def command_of(state: ViewerState, size: tuple[int, int]) -> str:
+    """A shell command, with the state in it."""
+    text = scene_json.write(state.file_document(size))
+    note = "" if _has_sources(state) else "# A volume comes from no file: name one in the field \"path\".\n"
+    return f"{note}wavesplat render --from - -o {OUTPUT} <<'END'\n{text}END\n"
+
+
+def python_of(state: ViewerState, size: tuple[int, int]) -> str:
+    """A program."""
+    scene = state.scene
+    lines = ["import wavesplat as ws", ""]
+    names = []
+    for number, (layer, source) in enumerate(zip(scene.layers, state.sources, strict=True)):
+        name = "volume" if len(scene.layers) == 1 else f"volume_{number}"
+        lines.append(f"{name} = {_volume(source, layer.volume.name)}")
+        names.append(name)
+    arguments = [_layer(name, layer, state.document["layers"][n]) for n, (name, layer) in enumerate(zip(names, scene.layers, strict=True))]
+    lines += ["scene = ws.Scene(", "    ["]
+    lines += [f"        {argument}," for argument in arguments]
+    lines.append("    ],")
+    if scene.labels is not None:
+        lines.append(f"    labels={_labels(scene.labels, state.label_source)},")
+    if not (isinstance(scene.shading, str) and scene.shading == "look"):
+        lines.append(f"    shading={_shading(scene.shading)},")
+    if scene.clip:
+        lines.append(f"    clip=[{', '.join(map(_clip, scene.clip))}],")
+    lines.append(f"    background={scene.background!r},")
+    lines.append(")")
+    camera = state.camera
+    lens = f"parallel_scale={camera.parallel_scale!r}" if camera.view_angle is None else f"view_angle={camera.view_angle!r}"
+    lines.append(f"camera = ws.Camera({camera.position!r}, {camera.focal_point!r}, {camera.view_up!r}, {lens})")
+    options = [f"size={size!r}", *(f"{name}={_option(value)}" for name, value in state.options.items())]
+    lines.append(f"picture = scene.render(camera, {', '.join(options)})")
+    lines.append(f'picture.save("{OUTPUT}")')
+    return "\n".join(lines) + "\n"
+
+
+def _has_sources(state: ViewerState) -> bool:
+    return all(source.get("path") is not None or "example" in source for source in state.sources)
+
+
+def _volume(source: dict[str, Any], name: str) -> str:
+    options = dict(source)
+    steps = options.pop("then", [])
+    if "example" in options:
+        made = f"ws.examples.{options.pop('example')}({_given(options)})"
+    elif options.get("path") is None:
+        made = f"...  # give the volume {name!r} here: it comes from no file"
+        return made
+    else:
+        path = options.pop("path")
+        is_series = options.pop("series_of_times", False)
+        is_wavelets = isinstance(path, str) and path.lower().endswith(".wavelets")
+        opener = "ws.open_series" if is_series else "ws.WaveletVolume.load" if is_wavelets else "ws.open"
+        made = f"{opener}({', '.join(filter(None, (repr(path), _given(options))))})"
+    for step in steps:
+        ((what, arguments),) = step.items()
+        if what == "times":
+            bounds = [arguments.get(end) for end in ("start", "stop", "step")]
+            made += f"[{':'.join('' if bound is None else str(bound) for bound in bounds)}]"
+        elif what in FUNCTIONS:
+            made = f"{FUNCTIONS[what]}({', '.join(filter(None, (made, _given(arguments))))})"
+        else:
+            made += f".{what}({_given(arguments)})"
+    return made
+
+
+def _given(options: dict[str, Any]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in options.items())
+
+
+def _layer(name: str, layer: Layer, fields: dict[str, Any]) -> str:
+    given = {"name": layer.name} if layer.name not in (None, layer.volume.name) else {}
+    given |= {} if layer.visible else {"visible": False}
+    given |= {} if layer.opacity == 1 else {"opacity": layer.opacity}
+    given |= {} if layer.time == 0 else {"time": layer.time}
+    parts = [name, _look(name, layer, fields["look"]), _given(given)]
+    return f"ws.Layer({', '.join(filter(None, parts))})"
+
+
+def _look(name: str, layer: Layer, fields: dict[str, Any]) -> str:
+    known = str(fields.get("name", ""))
+    if known in presets.catalogue() and layer.time == 0:
+        preset = json.loads(json.dumps(look_json.fields_of(Look.preset(known, layer.looked_at))))
+        if preset == fields:
+            return f"ws.Look.preset({known!r}, {name})"
+    return f"ws.Look.from_json({json.dumps({'version': 1, **fields})!r})"
+
+
+def _labels(labels: Labels, source: dict[str, Any] | None) -> str:
+    looks = ", ".join(
+        f"{number}: ws.Label({look.color!r}, {look.opacity!r}, name={look.name!r}, scan={look.scan!r}, tint={look.tint!r})"
+        for number, look in sorted(labels.labels.items())
+    )
+    smooth = "" if labels.smooth else ", smooth=False"
+    volume = "..." if source is None else _volume(source, "labels")
+    return f"ws.Labels({volume}, {{{looks}}}{smooth})"
+
+
+def _shading(shading: Shading | None) -> str:
+    return "None" if shading is None else _call("ws.Shading", look_json.fields_of_shading(shading))
+
+
+def _call(name: str, fields: dict[str, Any]) -> str:
+    lights = fields.pop("lights", None)
+    if lights:
+        made = ", ".join(f"ws.Light({_given(light)})" for light in lights)
+        return f"{name}({_given(fields)}, lights=[{made}])"
+    return f"{name}({_given(fields)})"
+
+
+def _clip(clip: Clip) -> str:
+    if isinstance(clip, ClipPlane):
+        return f"ws.ClipPlane({clip.point!r}, {clip.normal!r})"
+    box = clip.crop if isinstance(clip, CutOut) else clip
+    made = f"ws.Crop({tuple(box.lower)!r}, {tuple(box.upper)!r}, space={box.space!r})"
+    return f"ws.CutOut({made})" if isinstance(clip, CutOut) else made
+
+
+def _option(value: Any) -> str:
+    if value is None or isinstance(value, str):
+        return repr(value)
+    return f"ws.{value!r}"
+
+

@@ -1,0 +1,47 @@
+"""Messages of the viewer's protocol as bytes: the length of the header (u32, little-endian), the header (JSON), payload.
+
+`web/src/engine/framing.ts` is the twin. In the widget header and payload travel as content and buffer of a comm message.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+from wavesplat.errors import ArgumentError
+
+__all__ = ["MOST_BYTES", "PROTOCOL", "packed", "unpacked"]
+
+PROTOCOL = 1
+#: A message to the server, at most: a state with a large table of colours, or a file of one.
+MOST_BYTES = 1 << 20
+LENGTH = struct.Struct("<I")
+
+
+def packed(header: dict[str, Any], payload: bytes = b"") -> bytes:
+    """A message as bytes."""
+    text = json.dumps(header, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    return LENGTH.pack(len(text)) + text + payload
+
+
+def unpacked(message: bytes) -> tuple[dict[str, Any], bytes]:
+    """Header and payload.
+
+    Raises
+    ------
+    ArgumentError
+        If the bytes are no message.
+    """
+    if len(message) < LENGTH.size:
+        raise ArgumentError(f"message: {len(message)} bytes are less than the length of a header")
+    (length,) = LENGTH.unpack_from(message)
+    if length > len(message) - LENGTH.size:
+        raise ArgumentError(f"message: the header has {length} bytes, and {len(message) - LENGTH.size} came")
+    try:
+        header = json.loads(message[LENGTH.size : LENGTH.size + length])
+    except (ValueError, RecursionError) as error:
+        raise ArgumentError(f"message: the header is not JSON: {error}") from None
+    if not isinstance(header, dict):
+        raise ArgumentError("message: the header must be an object")
+    return header, message[LENGTH.size + length :]

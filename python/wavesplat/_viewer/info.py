@@ -1,0 +1,94 @@
+"""What the page is told at first: volumes, presets, operators, standard views."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any, get_args
+
+import numpy as np
+
+from wavesplat import _native
+from wavesplat._looks import presets
+from wavesplat._looks.histogram import robust_range
+from wavesplat._looks.kinds import kind_of, unit_of_values
+from wavesplat._model.camera import Camera
+from wavesplat._model.options import Composite, Kernel
+from wavesplat._model.series import Series
+from wavesplat._model.volume import Volume
+from wavesplat._render.windows import CT_WINDOWS
+from wavesplat._scene.layer import Layer
+from wavesplat._scene.scene import Scene
+from wavesplat._viewer.framing import PROTOCOL
+from wavesplat._viewer.state import ViewerState
+
+__all__ = ["fingerprint_of", "welcome_of"]
+
+VIEWS = ("front", "back", "left", "right", "top", "bottom")
+#: At the ends of -x, +x, -y, +y, -z, +z: of bodies, and of other data.
+BODY_ENDS = ("L", "R", "P", "A", "I", "S")
+AXIS_ENDS = ("-x", "+x", "-y", "+y", "-z", "+z")
+#: Samples that a fingerprint looks at.
+N_SAMPLES = 4096
+
+
+def welcome_of(state: ViewerState) -> dict[str, Any]:
+    """The fields of `Welcome` in `web/src/engine/engine.ts`."""
+    scene = state.scene
+    first = scene.layers[0].drawn
+    names = [preset.name for preset in presets.fitting(first)]
+    return {
+        "protocol": PROTOCOL,
+        "program": f"wavesplat {_native.__version__}",
+        "state": state.document,
+        "volumes": [_volume(layer) for layer in scene.layers],
+        "bounds": scene.bounds.tolist(),
+        "presets": [
+            {"name": one.name, "description": one.description, "kind": one.kind, "fits": one.name in names}
+            for one in sorted(presets.catalogue().values(), key=lambda one: one.name not in names)
+        ],
+        "composites": list(get_args(Composite)),
+        "kernels": list(get_args(Kernel)),
+        "window_names": {name: list(window) for name, window in CT_WINDOWS.items()},
+        "standard_views": {
+            name: Camera.view(scene, name, view_angle=state.camera.view_angle).as_json() for name in VIEWS
+        },
+        "axis_ends": list(BODY_ENDS if first.is_anatomical else AXIS_ENDS),
+        "fingerprint": fingerprint_of(scene),
+    }
+
+
+def fingerprint_of(scene: Scene) -> str:
+    """What tells data apart: shapes, places and some samples of the volumes."""
+    digest = hashlib.sha256()
+    for layer in scene.layers:
+        volume = layer.drawn
+        digest.update(repr((volume.shape, volume.world_from_index.tolist())).encode())
+        if isinstance(volume, Volume):
+            samples = volume.samples.reshape(-1) if volume.samples.flags.c_contiguous else volume.samples.flat
+            step = max(1, volume.samples.size // N_SAMPLES)
+            digest.update(np.asarray(samples[::step]).tobytes())
+    return f"sha256:{digest.hexdigest()}"
+
+
+def _volume(layer: Layer) -> dict[str, Any]:
+    volume = layer.drawn
+    low, high = robust_range(volume)
+    least, most = (low, high)
+    if isinstance(volume, Volume):
+        finite = volume.samples[np.isfinite(volume.samples)] if volume.n_nonfinite else volume.samples
+        if finite.size:
+            least, most = float(finite.min()), float(finite.max())
+    return {
+        "name": layer.name or volume.name,
+        "shape": list(reversed(volume.shape)),
+        "spacing": list(volume.spacing),
+        "unit": volume.unit,
+        "value_unit": unit_of_values(volume) or "",
+        "kind": kind_of(volume),
+        "range": [least, most],
+        "robust_range": [low, high],
+        "bounds": volume.bounds.tolist(),
+        "is_anatomical": volume.is_anatomical,
+        "n_times": len(layer.volume) if isinstance(layer.volume, Series) else 1,
+        "affine": volume.world_from_index.tolist(),
+    }

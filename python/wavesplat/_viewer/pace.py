@@ -1,0 +1,111 @@
+"""How well frames are drawn while something moves, so that they come in time.
+
+Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer pixels.
+Frames that take longer than the budget move to cheaper ones at once; five that take less than 70 % of it move back, where
+what was measured there fits. What is learnt is kept for each look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+
+__all__ = ["BUDGETS_MS", "Pace", "Settings", "rungs_of"]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a frame is drawn; `psnr` None is as at rest, `scale` a share of the view's width and height."""
+
+    psnr: float | None
+    scale: float = 1.0
+
+
+#: For 30 frames a second, less what the line and the page take; and for 15.
+BUDGETS_MS = {"smooth": 28.0, "balanced": 60.0}
+RUNGS = {
+    "smooth": (
+        Settings(None),
+        Settings(45.0),
+        Settings(40.0),
+        Settings(35.0),
+        Settings(30.0),
+        Settings(30.0, 0.75),
+        Settings(30.0, 0.5),
+    ),
+    "balanced": (Settings(None), Settings(45.0), Settings(40.0), Settings(35.0)),
+    "exact": (Settings(None),),
+}
+#: Slices have no wanted PSNR.
+SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
+#: Where a look begins that was never drawn, in dB; and after how many quick frames better ones are tried.
+FIRST_PSNR = 35.0
+QUICK_FRAMES, QUICK_SHARE = 5, 0.7
+#: Looks that are remembered; and how fast a measured time is forgotten, so that it is tried again.
+MOST_LOOKS, FORGOTTEN = 64, 0.97
+
+
+def rungs_of(moving: str, *, is_slice: bool) -> tuple[Settings, ...]:
+    """The settings that may be used, from the best; `moving` is the field of the state."""
+    return (SLICE_RUNGS if moving != "exact" else SLICE_RUNGS[:1]) if is_slice else RUNGS[moving]
+
+
+@dataclass
+class _Learnt:
+    place: int
+    n_quick: int = 0
+    #: Milliseconds per pixel of the view, by settings.
+    ms_per_px: dict[Settings, float] = field(default_factory=dict)
+
+
+class Pace:
+    """What was learnt of the times of frames."""
+
+    def __init__(self) -> None:
+        self._looks: dict[Hashable, _Learnt] = {}
+        self._last: _Learnt | None = None
+
+    def chosen(self, look: Hashable, rungs: tuple[Settings, ...]) -> Settings:
+        """How the next frame of a look is to be drawn."""
+        return rungs[min(self._learnt(look, rungs).place, len(rungs) - 1)]
+
+    def took(
+        self, look: Hashable, rungs: tuple[Settings, ...], settings: Settings, ms: float, n_px: int, budget_ms: float
+    ) -> None:
+        """A frame with these settings took so long; `n_px`: pixels of the whole view."""
+        learnt = self._learnt(look, rungs)
+        if settings not in rungs:
+            return
+        place = rungs.index(settings)
+        before = learnt.ms_per_px.get(settings)
+        learnt.ms_per_px[settings] = ms / n_px if before is None else 0.5 * (before + ms / n_px)
+        for other in rungs:
+            if other != settings and other in learnt.ms_per_px:
+                learnt.ms_per_px[other] *= FORGOTTEN
+        if ms > budget_ms and (learnt.ms_per_px[settings] * n_px > budget_ms or ms > 2 * budget_ms):
+            learnt.n_quick = 0
+            learnt.place = min(place + 1, len(rungs) - 1)
+        elif ms < QUICK_SHARE * budget_ms:
+            learnt.n_quick += 1
+            if learnt.n_quick >= QUICK_FRAMES and place > 0:
+                learnt.n_quick = 0
+                known = learnt.ms_per_px.get(rungs[place - 1])
+                if known is None or known * n_px <= budget_ms:
+                    learnt.place = place - 1
+        else:
+            learnt.n_quick = 0
+
+    def expected_ms(self, look: Hashable, settings: Settings, n_px: int) -> float | None:
+        """How long a frame will take, if that is known."""
+        learnt = self._looks.get(look)
+        per_px = None if learnt is None else learnt.ms_per_px.get(settings)
+        return None if per_px is None else per_px * n_px
+
+    def _learnt(self, look: Hashable, rungs: tuple[Settings, ...]) -> _Learnt:
+        learnt = self._looks.get(look)
+        if learnt is None:
+            if len(self._looks) >= MOST_LOOKS:
+                self._looks.pop(next(iter(self._looks)))
+            first = next((n for n, one in enumerate(rungs) if one.psnr == FIRST_PSNR), 0)
+            learnt = self._looks[look] = _Learnt(first)
+        return learnt

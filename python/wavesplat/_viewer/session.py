@@ -1,0 +1,514 @@
+"""A session: one state, the pages that show it, and the thread that draws for them.
+
+Latest wins. Every view of every page has room for one request, which a newer one replaces, and at most two frames are on
+their way; pages confirm those that they have shown. Frames that were begun while something moves are finished, pictures at
+rest are given up when something changes. A session knows no sockets: pages are functions that take messages.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from wavesplat._model.argument_types import described
+from wavesplat._model.sampling import Sampling
+from wavesplat._picture.picture import Picture
+from wavesplat._viewer import encoding, questions
+from wavesplat._viewer.info import welcome_of
+from wavesplat._viewer.pace import BUDGETS_MS, Pace, Settings, rungs_of
+from wavesplat._viewer.picturing import picture_of
+from wavesplat._viewer.slice_view import geometry_of
+from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
+from wavesplat._viewer.view_json import VIEWS
+from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
+
+__all__ = ["Client", "Session"]
+
+#: Takes header and payload to a page; called from any thread, and must not wait.
+Send = Callable[[dict[str, Any], bytes], None]
+
+#: Seconds without a change after which a picture is at rest, where the page does not say so before.
+REST_S = 0.12
+#: Frames on their way to a page, for each view.
+MOST_IN_FLIGHT = 2
+#: Milliseconds at rest from which on a quick frame goes before.
+SLOW_MS = 100.0
+#: Pixels of a view, along a side and in all; pages; questions that wait.
+MOST_SIDE, MOST_PIXELS, MOST_CLIENTS, MOST_QUESTIONS = 8192, 1 << 24, 8, 64
+#: JPEG quality, and whether colours have half the resolution, by how long a frame takes to be confirmed, in ms.
+LINKS = ((120.0, 90, False), (400.0, 80, True), (float("inf"), 60, True))
+#: Coarse settings until the error is known.
+GUESS = Sampling(sheets_per_slice=1.0, oversampling=0.75)
+
+
+@dataclass
+class _Pane:
+    """A view of a page."""
+
+    size: tuple[int, int]
+    number: int = 0
+    in_flight: dict[int, float] = field(default_factory=dict)
+    #: Whether the newest state was not drawn, and not drawn at rest.
+    is_stale: bool = True
+    wants_rest: bool = True
+    #: When its newest change came; counts up, so that drawing can tell whether there was another one.
+    changed_s: float = 0.0
+    n_changes: int = 0
+
+
+class Client:
+    """A page of a session."""
+
+    def __init__(self, session: Session, send: Send) -> None:
+        self._session, self._send = session, send
+        self.panes: dict[str, _Pane] = {}
+        self.seq = 0
+        self.is_moving = False
+        #: Milliseconds from sending a frame to its confirmation.
+        self.delay_ms = 0.0
+        self.is_open = True
+        self.cancelled: set[int] = set()
+
+    def send(self, header: dict[str, Any], payload: bytes = b"") -> None:
+        """A message to the page, if it is still there."""
+        if self.is_open:
+            self._send(header, payload)
+
+    def welcome(self, **more: Any) -> None:
+        """What a page is told at first."""
+        self.send({"type": "welcome", **more, **welcome_of(self._session.state)})
+
+    def receive(self, header: Mapping[str, Any]) -> None:
+        """A message from the page.
+
+        Raises
+        ------
+        ArgumentError
+            If it is none; the page is broken, or is not ours.
+        """
+        self._session._receive(self, header)
+
+    def close(self) -> None:
+        """The page has gone."""
+        self._session._leave(self)
+
+
+class Session:
+    """One state and its pages.
+
+    on_change : called with each new state and its cause ("page" or "python"), in the thread of the change.
+    """
+
+    def __init__(self, state: ViewerState, on_change: Callable[[ViewerState, str], object] | None = None) -> None:
+        self._state = state
+        self._on_change = on_change
+        self._clients: list[Client] = []
+        self._changed = threading.Condition(threading.RLock())
+        self._asked: deque[tuple[Client, int, str, Any]] = deque()
+        self._pace = Pace()
+        #: The scene whose error is known for a wanted PSNR, and the sampling that the last such picture had.
+        self._measured_scene: Any = None
+        self._last_sampling = GUESS
+        self._is_open = True
+        self._threads = [
+            threading.Thread(target=self._draw_all, name="wavesplat-viewer-drawing", daemon=True),
+            threading.Thread(target=self._answer_all, name="wavesplat-viewer-answers", daemon=True),
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    # What others call
+
+    @property
+    def state(self) -> ViewerState:
+        """The newest state."""
+        return self._state
+
+    @property
+    def n_clients(self) -> int:
+        """Pages that show it."""
+        return len(self._clients)
+
+    def connect(self, send: Send) -> Client:
+        """A new page.
+
+        Raises
+        ------
+        ArgumentError
+            If there are too many.
+        """
+        with self._changed:
+            if not self._is_open:
+                raise ArgumentError("the viewer is closed; open it again")
+            if len(self._clients) >= MOST_CLIENTS:
+                raise ArgumentError(f"{MOST_CLIENTS} pages show this viewer, and no more can; close one of them")
+            client = Client(self, send)
+            self._clients.append(client)
+            return client
+
+    def change(self, state: ViewerState) -> None:
+        """Another state, by Python; pages follow."""
+        self._become(state, None, "python")
+
+    def close(self) -> None:
+        """No page is answered any more; threads end."""
+        with self._changed:
+            self._is_open = False
+            for client in self._clients:
+                client.is_open = False
+            self._clients.clear()
+            self._changed.notify_all()
+        for thread in self._threads:
+            if thread is not threading.current_thread():
+                thread.join(timeout=5)
+
+    # Messages of pages
+
+    def _receive(self, client: Client, header: Mapping[str, Any]) -> None:
+        kind = header.get("type")
+        if kind == "patch":
+            self._patch(client, header)
+        elif kind == "view":
+            self._show(client, header)
+        elif kind == "shown":
+            self._shown(client, header)
+        elif kind == "ask":
+            self._ask(client, header)
+        elif kind == "cancel":
+            with self._changed:
+                client.cancelled.add(_whole(header, "id"))
+        else:
+            raise ArgumentError(f"message: type is {described(kind)}; use patch, view, shown, ask or cancel")
+
+    def _patch(self, client: Client, header: Mapping[str, Any]) -> None:
+        seq, operations, moving = _whole(header, "seq"), header.get("operations"), header.get("moving", False)
+        if not isinstance(operations, list):
+            raise ArgumentError(f"message: operations is {described(operations)}; it must be a list")
+        with self._changed:
+            client.is_moving = bool(moving)
+            client.seq = seq
+            try:
+                state = self._state.patched(operations)
+            except WavesplatError as error:
+                client.send({"type": "failed", "id": None, "seq": seq, "code": "refused", "message": str(error)})
+                whole = [{"op": "replace", "path": "", "value": self._state.document}]
+                client.send({"type": "patch", "operations": whole, "cause": "refused"})
+                return
+            if operations:
+                self._become(state, client, "page", operations)
+            # The end of a gesture: what moves no more is drawn at rest at once.
+            for pane in client.panes.values():
+                if not moving and pane.wants_rest:
+                    pane.changed_s = 0.0
+            self._changed.notify_all()
+
+    def _show(self, client: Client, header: Mapping[str, Any]) -> None:
+        view, size = header.get("view"), header.get("size")
+        if view not in VIEWS:
+            raise ArgumentError(f"message: view is {described(view)}; use one of: {', '.join(VIEWS)}")
+        with self._changed:
+            if size is None:
+                client.panes.pop(view, None)
+                return
+            if not (isinstance(size, list) and len(size) == 2 and all(_is_side(n) for n in size)):
+                raise ArgumentError(f"message: size is {described(size)}; it must be [width, height], up to {MOST_SIDE}")
+            width, height = size
+            if width * height > MOST_PIXELS:
+                raise ArgumentError(f"message: {width} x {height} are more than {MOST_PIXELS} pixels")
+            before = client.panes.get(view)
+            if before is None or before.size != (width, height):
+                pane = _Pane((width, height)) if before is None else before
+                pane.size = (width, height)
+                client.panes[view] = pane
+                self._touch(pane)
+            self._changed.notify_all()
+
+    def _shown(self, client: Client, header: Mapping[str, Any]) -> None:
+        with self._changed:
+            pane = client.panes.get(str(header.get("view")))
+            sent = None if pane is None else pane.in_flight.pop(_whole(header, "frame"), None)
+            if sent is not None:
+                delay = (time.monotonic() - sent) * 1e3
+                client.delay_ms = delay if client.delay_ms == 0 else 0.8 * client.delay_ms + 0.2 * delay
+            self._changed.notify_all()
+
+    def _ask(self, client: Client, header: Mapping[str, Any]) -> None:
+        number, question = _whole(header, "id"), header.get("question")
+        with self._changed:
+            if len(self._asked) >= MOST_QUESTIONS:
+                message = "too many questions wait for an answer; ask again"
+                client.send({"type": "failed", "id": number, "code": "busy", "message": message})
+                return
+            self._asked.append((client, number, str(question), header.get("arguments", {})))
+            self._changed.notify_all()
+
+    def _leave(self, client: Client) -> None:
+        with self._changed:
+            client.is_open = False
+            client.panes.clear()
+            if client in self._clients:
+                self._clients.remove(client)
+            self._changed.notify_all()
+
+    # The state
+
+    def _become(
+        self, state: ViewerState, client: Client | None, cause: str, operations: Sequence[Any] | None = None
+    ) -> None:
+        with self._changed:
+            before, self._state = self._state, state
+            picture, slices = changes_picture(before, state), changes_slices(before, state)
+            for one in self._clients:
+                for view, pane in one.panes.items():
+                    if picture if view == "3d" else slices:
+                        self._touch(pane)
+                if one is not client:
+                    told = operations or [{"op": "replace", "path": "", "value": state.document}]
+                    one.send({"type": "patch", "operations": list(told), "cause": "python" if client is None else "other view"})
+            self._changed.notify_all()
+        if self._on_change is not None:
+            self._on_change(state, cause)
+
+    @staticmethod
+    def _touch(pane: _Pane) -> None:
+        pane.is_stale = pane.wants_rest = True
+        pane.changed_s = time.monotonic()
+        pane.n_changes += 1
+
+    # Drawing
+
+    def _draw_all(self) -> None:
+        while True:
+            with self._changed:
+                task = None
+                while self._is_open and (task := self._next()) is None:
+                    self._changed.wait(self._until_rest())
+                if not self._is_open or task is None:
+                    return
+            client, view, pane, at_rest = task
+            if client is None:
+                self._measure()
+            else:
+                self._draw(client, view, pane, at_rest)
+
+    def _next(self) -> tuple[Client | None, str, _Pane, bool] | None:
+        """What is drawn next: first what moves, then pictures at rest; then errors are measured for the next move."""
+        ready = [
+            (client, view, pane)
+            for client in self._clients
+            for view, pane in client.panes.items()
+            if len(pane.in_flight) < MOST_IN_FLIGHT
+        ]
+        # The oldest change first, so that every view gets its turn.
+        for client, view, pane in sorted(ready, key=lambda one: one[2].changed_s):
+            if pane.is_stale and (client.is_moving or self._is_slow(view, pane)):
+                return client, view, pane, False
+        now = time.monotonic()
+        for client, view, pane in sorted(ready, key=lambda one: one[1] != "3d"):
+            if pane.wants_rest and (not client.is_moving or now - pane.changed_s >= REST_S):
+                return client, view, pane, True
+        if self._should_measure(ready):
+            return None, "3d", _Pane((1, 1)), False
+        return None
+
+    def _is_slow(self, view: str, pane: _Pane) -> bool:
+        """Whether the picture at rest takes so long that a quick one goes before."""
+        expected = self._pace.expected_ms(self._look(view), Settings(None), pane.size[0] * pane.size[1])
+        return expected is not None and expected > SLOW_MS
+
+    def _until_rest(self) -> float | None:
+        """Seconds until a picture is at rest; None if none waits for that."""
+        due = [
+            pane.changed_s + REST_S - time.monotonic()
+            for client in self._clients
+            for pane in client.panes.values()
+            if pane.wants_rest and len(pane.in_flight) < MOST_IN_FLIGHT
+        ]
+        return max(min(due), 0.001) if due else None
+
+    def _look(self, view: str) -> tuple[Any, ...]:
+        """What the time of a frame depends on, besides pixels."""
+        state = self._state
+        looks = tuple(str(layer["look"]["name"]) for layer in state.document["layers"] if layer["visible"])
+        return "3d" if view == "3d" else "slice", looks, str(state.options["composite"]), state.options["kernel"]
+
+    def _draw(self, client: Client, view: str, pane: _Pane, at_rest: bool) -> None:
+        with self._changed:
+            state, seq, size, n_changes = self._state, client.seq, pane.size, pane.n_changes
+            waited_ms = (time.monotonic() - pane.changed_s) * 1e3 if pane.changed_s else 0.0
+            pane.is_stale = False
+            moving = state.view["quality"]["moving"]
+            rungs = rungs_of(moving, is_slice=view != "3d")
+            look = self._look(view)
+            settings = Settings(None) if at_rest else self._pace.chosen(look, rungs)
+        begun = time.monotonic()
+
+        def goes_on(_: float) -> bool:
+            # What is drawn at rest is given up for what comes next.
+            return not at_rest or (pane.n_changes == n_changes and client.is_open and self._is_open)
+
+        try:
+            picture = self._picture(state, view, size, settings, goes_on)
+        except CancelledError:
+            return
+        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
+            with self._changed:
+                pane.wants_rest = pane.n_changes != n_changes and pane.wants_rest
+            self._tell(client, error, seq)
+            return
+        drawn = time.monotonic()
+        fmt, payload = self._encoded(client, picture, at_rest)
+        encoded = time.monotonic()
+        n_px, ms = size[0] * size[1], (encoded - begun) * 1e3
+        with self._changed:
+            self._pace.took(look, rungs, settings, ms, n_px, BUDGETS_MS.get(moving, 1e9) if not at_rest else 1e9)
+            if pane.n_changes == n_changes and at_rest:
+                pane.wants_rest = False
+            if not client.is_open or client.panes.get(view) is not pane:
+                return
+            pane.number += 1
+            pane.in_flight[pane.number] = time.monotonic()
+            header = {
+                "type": "frame",
+                "view": view,
+                "number": pane.number,
+                "seq": seq,
+                "width": picture.size[0],
+                "height": picture.size[1],
+                "format": fmt,
+                "at_rest": at_rest and size == picture.size,
+                **_place(state, view, picture),
+                "settings": _settings(picture, settings),
+                "expected_psnr_db": None if at_rest else picture.report.get("expected_psnr_db"),
+                "ms": {
+                    "wait": round(waited_ms, 2),
+                    "render": round((drawn - begun) * 1e3, 2),
+                    "encode": round((encoded - drawn) * 1e3, 2),
+                },
+                "notes": list(picture.report.get("notes", [])) if at_rest else [],
+            }
+        client.send(header, payload)
+
+    def _picture(
+        self, state: ViewerState, view: str, size: tuple[int, int], settings: Settings, goes_on: Callable[[float], bool]
+    ) -> Picture:
+        if view != "3d" or settings.psnr is None:
+            return picture_of(state, view, size, scale=settings.scale, progress=goes_on)
+        if self._measured_scene is state.scene and settings.scale > 0.7:
+            picture = picture_of(state, view, size, psnr=settings.psnr, scale=settings.scale)
+            self._last_sampling = Sampling(
+                sheets_per_slice=picture.report["sheets_per_slice"], oversampling=picture.report["oversampling"]
+            )
+            return picture
+        # While a look is changed its error is not known: as the last picture was drawn whose error was.
+        return picture_of(state, view, size, sampling=self._last_sampling, scale=settings.scale)
+
+    def _should_measure(self, ready: Sequence[tuple[Client, str, _Pane]]) -> bool:
+        if self._measured_scene is self._state.scene or self._state.view["quality"]["moving"] == "exact":
+            return False
+        return any(view == "3d" and not client.is_moving for client, view, _ in ready)
+
+    def _measure(self) -> None:
+        """Draw once with a wanted PSNR, which finds out and keeps what errors the scene's pictures have."""
+        with self._changed:
+            state = self._state
+            pane = next(
+                (client.panes["3d"] for client in self._clients if "3d" in client.panes), None
+            )
+            if pane is None:
+                return
+            n_changes = pane.n_changes
+
+        def goes_on(_: float) -> bool:
+            return pane.n_changes == n_changes and self._is_open
+
+        try:
+            picture = picture_of(state, "3d", pane.size, psnr=35.0, progress=goes_on)
+        except CancelledError:
+            return
+        except Exception:  # noqa: BLE001 - the next frame will tell what is wrong
+            self._measured_scene = state.scene
+            return
+        self._last_sampling = Sampling(
+            sheets_per_slice=picture.report["sheets_per_slice"], oversampling=picture.report["oversampling"]
+        )
+        self._measured_scene = state.scene
+
+    def _encoded(self, client: Client, picture: Picture, at_rest: bool) -> tuple[str, bytes]:
+        if at_rest:
+            return "png", encoding.png_bytes(picture.rgba)
+        _, quality, subsampled = next(link for link in LINKS if client.delay_ms <= link[0])
+        return "jpeg", encoding.jpeg_bytes(picture.rgba, quality, subsampled=subsampled)
+
+    # Questions
+
+    def _answer_all(self) -> None:
+        while True:
+            with self._changed:
+                while self._is_open and not self._asked:
+                    self._changed.wait()
+                if not self._is_open:
+                    return
+                client, number, question, arguments = self._asked.popleft()
+                state = self._state
+            if not client.is_open or number in client.cancelled:
+                client.cancelled.discard(number)
+                continue
+            self._answer(client, number, question, arguments, state)
+
+    def _answer(self, client: Client, number: int, question: str, arguments: Any, state: ViewerState) -> None:
+        told = [0.0]
+
+        def progress(part: float) -> bool:
+            if time.monotonic() - told[0] > 0.1:
+                told[0] = time.monotonic()
+                client.send({"type": "progress", "id": number, "part": part, "text": ""})
+            return client.is_open and self._is_open and number not in client.cancelled
+
+        try:
+            answer, payload = questions.answer(state, question, arguments, progress)
+        except CancelledError:
+            client.send({"type": "failed", "id": number, "code": "cancelled", "message": "it was cancelled"})
+            return
+        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
+            self._tell(client, error, None, number)
+            return
+        finally:
+            client.cancelled.discard(number)
+        if question == "open_state":
+            self._become(questions.state_from_text(self._state, arguments["text"]), None, "page")
+        client.send({"type": "answer", "id": number, **answer}, payload)
+
+    @staticmethod
+    def _tell(client: Client, error: Exception, seq: int | None, number: int | None = None) -> None:
+        is_ours = isinstance(error, WavesplatError | MemoryError)
+        message = str(error) if is_ours else f"the renderer failed: {type(error).__name__}: {error}"
+        header = {"type": "failed", "id": number, "code": "failed", "message": message or type(error).__name__}
+        client.send(header if seq is None else {**header, "seq": seq})
+
+
+def _place(state: ViewerState, view: str, picture: Picture) -> dict[str, Any]:
+    if view != "3d":
+        geometry = geometry_of(state, view, picture)
+        return {"slice": geometry, "pixel": geometry["pixel"]}
+    return {"camera": state.document["camera"], "pixel": picture.report["pixel"]}
+
+
+def _settings(picture: Picture, settings: Settings) -> dict[str, Any]:
+    names = ("sheets_per_slice", "oversampling")
+    return {"scale": settings.scale, "psnr": settings.psnr, **{n: picture.report[n] for n in names if n in picture.report}}
+
+
+def _whole(header: Mapping[str, Any], name: str) -> int:
+    value = header.get(name)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 1 << 53:
+        raise ArgumentError(f"message: {name} is {described(value)}; it must be a whole number")
+    return value
+
+
+def _is_side(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= MOST_SIDE

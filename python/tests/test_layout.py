@@ -25,6 +25,7 @@ ROOMS = {
         "_scene",
         "_movie",
         "_mesh",
+        "_viewer",
         "reference",
         "study",
         "_cli",

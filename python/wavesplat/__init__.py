@@ -12,7 +12,7 @@ public names are defined in included: import `wavesplat.Volume`, from nowhere el
 public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`examples`, `_render`, `_scene`, `_movie`, `_mesh`, `reference`, `study`, `_cli`.
+`examples`, `_render`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.rendering import render
     from wavesplat._scene.scene import Scene
     from wavesplat._scene.slicing import slice
+    from wavesplat._viewer.viewer import Viewer, view
 
 __all__ = [
     "Camera",
@@ -79,6 +80,7 @@ __all__ = [
     "TransferFunction",
     "TransferFunction2D",
     "Turn",
+    "Viewer",
     "Volume",
     "WaveletVolume",
     "XRay",
@@ -95,6 +97,7 @@ __all__ = [
     "render",
     "slice",
     "study",
+    "view",
 ]
 
 #: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
@@ -125,6 +128,7 @@ _HOMES = {
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
     "Turn": "_movie.turn",
+    "Viewer": "_viewer.viewer",
     "Volume": "_model.volume",
     "WaveletVolume": "_model.wavelet_volume",
     "XRay": "_model.composites",
@@ -137,6 +141,7 @@ _HOMES = {
     "open_series": "_readers.time_points",
     "render": "_scene.rendering",
     "slice": "_scene.slicing",
+    "view": "_viewer.viewer",
 }
 _MODULES = {"errors", "examples", "reference", "study"}
 

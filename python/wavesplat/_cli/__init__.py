@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, movie, slice, info, presets, tf, wavelet, mesh, demo, in files of their names.
+"""The command line: `wavesplat` render, view, movie, slice, info, presets, tf, wavelet, mesh, demo, in files of their names.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from wavesplat._cli import demo, info, mesh, movie, presets, render, slice, tf, wavelet
+from wavesplat._cli import demo, info, mesh, movie, presets, render, slice, tf, view, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -44,6 +44,7 @@ app = typer.Typer(
 
 for command in (
     render.render,
+    view.view,
     movie.movie,
     slice.slice,
     info.info,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -31,16 +32,16 @@ def draw_from(
     json: bool,
     quiet: bool,
 ) -> None:
-    """Draw the picture of the document in a file: a scene, the report of a picture, or a PNG file."""
+    """Draw the picture of the document in a file: a scene, a report, or a PNG file; "-" is the standard input."""
     from wavesplat._cli import progress
     from wavesplat._picture.picture import check_bits
-    from wavesplat._scene import scene_files
+    from wavesplat._scene import scene_files, scene_json
 
     _refuse_others(context)
     check_outputs(str(path), output, "pictures", report)
     check_bits(bits)
     check_figure(figure)
-    document = scene_files.load(path)
+    document = scene_json.parse(sys.stdin.read(), Path.cwd()) if str(path) == "-" else scene_files.load(path)
 
     def draw(told: Any) -> Any:
         return document.scene.render(document.camera, threads=threads, progress=told, **document.options)

@@ -10,7 +10,8 @@
 A volume is a file and the options that it is opened with, or an example, and what is done to it then. A look is an
 object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `camera` and `render` may be
 left out; the documents in reports and PNG files have them, and `figure`, the arguments of `Picture.annotated`, where
-something was drawn on the picture. Relative paths start from the document's folder.
+something was drawn on the picture, and those of the viewer `view`, which only it reads. Relative paths start from the
+document's folder.
 """
 
 from __future__ import annotations
@@ -66,12 +67,13 @@ OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum
 
 @dataclass(frozen=True)
 class Document:
-    """What a document holds: a scene and, if it has them, camera, options of `Scene.render` and of a figure."""
+    """What a document holds: a scene and, if it has them, camera, options of `Scene.render`, of a figure and a viewer."""
 
     scene: Scene
     camera: Camera | None
     options: dict[str, Any]
     figure: dict[str, Any]
+    view: dict[str, Any]
 
 
 # Writing
@@ -222,7 +224,10 @@ def _document(document: dict[str, Any]) -> Document:
     eye = camera_of(document.get("camera"))
     figure = document.get("figure") or {}
     _check(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
-    return Document(scene, eye, options_of(document.get("render") or {}), figure)
+    view = document.get("view") or {}
+    if not isinstance(view, dict):
+        raise ArgumentError(f"{WHAT}: field 'view' is {described(view)}; it must be an object")
+    return Document(scene, eye, options_of(document.get("render") or {}), figure, view)
 
 
 def _names_of_figures() -> list[str]:

@@ -24,7 +24,7 @@ FUNCTIONS = {"largest_body": "ws.largest_body", "wavelets": "ws.WaveletVolume.fr
 def command_of(state: ViewerState, size: tuple[int, int]) -> str:
     """A shell command, with the state in it."""
     text = scene_json.write(state.file_document(size))
-    note = "" if _has_sources(state) else "# A volume comes from no file: name one in the field \"path\".\n"
+    note = "" if _has_sources(state) else '# A volume comes from no file: name one in the field "path".\n'
     return f"{note}wavesplat render --from - -o {OUTPUT} <<'END'\n{text}END\n"
 
 
@@ -37,7 +37,10 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
         name = "volume" if len(scene.layers) == 1 else f"volume_{number}"
         lines.append(f"{name} = {_volume(source, layer.volume.name)}")
         names.append(name)
-    arguments = [_layer(name, layer, state.document["layers"][n]) for n, (name, layer) in enumerate(zip(names, scene.layers, strict=True))]
+    arguments = [
+        _layer(name, layer, state.document["layers"][n])
+        for n, (name, layer) in enumerate(zip(names, scene.layers, strict=True))
+    ]
     lines += ["scene = ws.Scene(", "    ["]
     lines += [f"        {argument}," for argument in arguments]
     lines.append("    ],")
@@ -50,7 +53,11 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
     lines.append(f"    background={scene.background!r},")
     lines.append(")")
     camera = state.camera
-    lens = f"parallel_scale={camera.parallel_scale!r}" if camera.view_angle is None else f"view_angle={camera.view_angle!r}"
+    lens = (
+        f"parallel_scale={camera.parallel_scale!r}"
+        if camera.view_angle is None
+        else f"view_angle={camera.view_angle!r}"
+    )
     lines.append(f"camera = ws.Camera({camera.position!r}, {camera.focal_point!r}, {camera.view_up!r}, {lens})")
     options = [f"size={size!r}", *(f"{name}={_option(value)}" for name, value in state.options.items())]
     lines.append(f"picture = scene.render(camera, {', '.join(options)})")
@@ -93,7 +100,7 @@ def _given(options: dict[str, Any]) -> str:
 
 
 def _layer(name: str, layer: Layer, fields: dict[str, Any]) -> str:
-    given = {"name": layer.name} if layer.name not in (None, layer.volume.name) else {}
+    given: dict[str, Any] = {"name": layer.name} if layer.name not in (None, layer.volume.name) else {}
     given |= {} if layer.visible else {"visible": False}
     given |= {} if layer.opacity == 1 else {"opacity": layer.opacity}
     given |= {} if layer.time == 0 else {"time": layer.time}
@@ -144,5 +151,3 @@ def _option(value: Any) -> str:
     if value is None or isinstance(value, str):
         return repr(value)
     return f"ws.{value!r}"
-
-

@@ -5,7 +5,7 @@ Nothing is changed in place: what a patch does not touch is shared by the docume
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from wavesplat._model.argument_types import described
@@ -17,7 +17,7 @@ __all__ = ["patched"]
 MOST_STEPS = 16
 
 
-def patched(document: Any, operations: Sequence[Mapping[str, Any]]) -> Any:
+def patched(document: Any, operations: Any) -> Any:
     """The document with all operations done, in their order.
 
     Raises
@@ -25,7 +25,7 @@ def patched(document: Any, operations: Sequence[Mapping[str, Any]]) -> Any:
     ArgumentError
         If an operation is none, or its path leads nowhere; the message names both.
     """
-    if not isinstance(operations, Sequence) or isinstance(operations, str):
+    if not isinstance(operations, list | tuple):
         raise ArgumentError(f"patch: the operations are {described(operations)}; give a list of objects")
     for number, operation in enumerate(operations):
         what = f"patch: operations[{number}]"

@@ -89,7 +89,16 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
         whole["labels"] = {**whole["labels"], "volume": open_now["labels"]["volume"]}
     else:
         whole["labels"] = open_now["labels"]
-    return state.replaced({**open_now, **{name: value for name, value in whole.items() if value is not None or name in ("labels", "shading", "background")}})
+    return state.replaced(
+        {
+            **open_now,
+            **{
+                name: value
+                for name, value in whole.items()
+                if value is not None or name in ("labels", "shading", "background")
+            },
+        }
+    )
 
 
 def _look(state: ViewerState, number: int, layer: dict[str, Any]) -> Any:
@@ -178,9 +187,7 @@ def _around(
     if camera.view_angle is None:
         assert camera.parallel_scale is not None
         shift = camera.parallel_scale * (across * right + upward * up)
-        small = Camera(
-            eye + shift, focal + shift, camera.view_up, parallel_scale=camera.parallel_scale * share
-        )
+        small = Camera(eye + shift, focal + shift, camera.view_up, parallel_scale=camera.parallel_scale * share)
         origin, direction = eye + shift, -back
     else:
         half = np.tan(np.radians(camera.view_angle) / 2)

@@ -215,7 +215,9 @@ class Session:
                 client.panes.pop(view, None)
                 return
             if not (isinstance(size, list) and len(size) == 2 and all(_is_side(n) for n in size)):
-                raise ArgumentError(f"message: size is {described(size)}; it must be [width, height], up to {MOST_SIDE}")
+                raise ArgumentError(
+                    f"message: size is {described(size)}; it must be [width, height], up to {MOST_SIDE}"
+                )
             width, height = size
             if width * height > MOST_PIXELS:
                 raise ArgumentError(f"message: {width} x {height} are more than {MOST_PIXELS} pixels")
@@ -268,7 +270,13 @@ class Session:
                         self._touch(pane)
                 if one is not client:
                     told = operations or [{"op": "replace", "path": "", "value": state.document}]
-                    one.send({"type": "patch", "operations": list(told), "cause": "python" if client is None else "other view"})
+                    one.send(
+                        {
+                            "type": "patch",
+                            "operations": list(told),
+                            "cause": "python" if client is None else "other view",
+                        }
+                    )
             self._changed.notify_all()
         if self._on_change is not None:
             self._on_change(state, cause)
@@ -416,9 +424,7 @@ class Session:
         """Draw once with a wanted PSNR, which finds out and keeps what errors the scene's pictures have."""
         with self._changed:
             state = self._state
-            pane = next(
-                (client.panes["3d"] for client in self._clients if "3d" in client.panes), None
-            )
+            pane = next((client.panes["3d"] for client in self._clients if "3d" in client.panes), None)
             if pane is None:
                 return
             n_changes = pane.n_changes
@@ -500,7 +506,11 @@ def _place(state: ViewerState, view: str, picture: Picture) -> dict[str, Any]:
 
 def _settings(picture: Picture, settings: Settings) -> dict[str, Any]:
     names = ("sheets_per_slice", "oversampling")
-    return {"scale": settings.scale, "psnr": settings.psnr, **{n: picture.report[n] for n in names if n in picture.report}}
+    return {
+        "scale": settings.scale,
+        "psnr": settings.psnr,
+        **{n: picture.report[n] for n in names if n in picture.report},
+    }
 
 
 def _whole(header: Mapping[str, Any], name: str) -> int:

@@ -217,7 +217,9 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
         if not isinstance(new, Mapping):
             raise ArgumentError(f"{what} is {described(new)}; it must be an object")
         if old is not None and new.get("volume") != old["volume"]:
-            raise ArgumentError(f"{what}: field 'volume' cannot be changed here; open another file with `wavesplat view`")
+            raise ArgumentError(
+                f"{what}: field 'volume' cannot be changed here; open another file with `wavesplat view`"
+            )
         made = scene_json.layer_of(new, what, layer.volume)
         if old is not None and new.get("look") == old["look"]:
             # Kept for what is known of it.
@@ -231,7 +233,9 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
 
 def _labels(fields: Any, scene: Scene) -> Labels | None:
     if (fields is None) != (scene.labels is None):
-        raise ArgumentError(f"{WHAT}: field 'labels' cannot be {described(fields)}; the segmentation stays as it was opened")
+        raise ArgumentError(
+            f"{WHAT}: field 'labels' cannot be {described(fields)}; the segmentation stays as it was opened"
+        )
     if fields is None or scene.labels is None:
         return None
     what = f"{WHAT}: labels"
@@ -258,7 +262,9 @@ def _options(render: Any) -> dict[str, Any]:
     options = scene_json.options_of(render)
     for name in ("psnr", "depth"):
         if name in options:
-            raise ArgumentError(f"{WHAT}: render: a viewer's state has no {name!r}; it says what the picture at rest is")
+            raise ArgumentError(
+                f"{WHAT}: render: a viewer's state has no {name!r}; it says what the picture at rest is"
+            )
     quality = options.get("quality", "normal")
     if isinstance(quality, str) and quality not in ("draft", "normal", "high"):
         raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, high")

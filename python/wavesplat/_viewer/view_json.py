@@ -70,7 +70,7 @@ def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
         for name in ("layout", "overlays", "quality", "interface")
     }
     slices = _object(given.get("slices", {}), f"{WHAT}.slices", {**known["slices"], "window": 0, "normals": 0})
-    merged = {name: {**known[name], **fields} for name, fields in found.items()}
+    merged: dict[str, Any] = {name: {**known[name], **fields} for name, fields in found.items()}
     merged["slices"] = {**known["slices"], **slices}
     _one_of(merged["layout"]["name"], LAYOUTS, "layout.name")
     _one_of(merged["layout"]["main"], VIEWS, "layout.main")
@@ -84,7 +84,8 @@ def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
     for number, panel in enumerate(panels):
         if not isinstance(panel, str):
             raise ArgumentError(f"{WHAT}.interface.panels[{number}] is {described(panel)}; it must be a name")
-    merged["measures"] = [_measure(one, n) for n, one in enumerate(_list(given.get("measures", []), "measures", MOST_MEASURES))]
+    measures = _list(given.get("measures", []), "measures", MOST_MEASURES)
+    merged["measures"] = [_measure(one, number) for number, one in enumerate(measures)]
     return {name: merged[name] for name in known}
 
 

@@ -1,0 +1,198 @@
+"""`wavesplat view`."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, get_args
+
+import typer
+
+from wavesplat._cli import parsers
+from wavesplat._cli.crop_options import CutOptions, takes_cut_options
+from wavesplat._cli.layer_options import LayerOptions, takes_layer_options
+from wavesplat._cli.light_options import LightOptions, takes_light_options
+from wavesplat._cli.printing import message, print_lines
+from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
+from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
+from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chosen_scene, takes_scene_options
+from wavesplat._cli.shared_options import Kernel, Quiet
+from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
+from wavesplat._cli.view_options import ViewOptions, check_view_options, seen_from, takes_view_options
+from wavesplat._model.options import Quality
+from wavesplat.errors import ArgumentError, WavesplatError
+
+if TYPE_CHECKING:
+    from wavesplat._viewer.state import ViewerState
+
+__all__ = ["view"]
+
+#: Of the window in which the first view must fit.
+FIRST_SIZE = (1024, 768)
+EXAMPLES = ("ct_pelvis", "mri_head", "ripples")
+
+
+@takes_cut_options
+@takes_light_options
+@takes_reader_options_but_channel
+@takes_layer_options
+@takes_color_options
+@takes_processing_options
+@takes_scene_options
+@takes_view_options
+def view(
+    input: InputOrNone = None,
+    *,
+    state: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.json", help="What the viewer saved, or a scene, instead of INPUT and its options."),
+    ] = None,
+    example: Annotated[
+        Any,
+        typer.Option(
+            metavar="NAME", parser=parsers.one_of(EXAMPLES), help=f"Instead of INPUT one of {', '.join(EXAMPLES)}."
+        ),
+    ] = None,
+    layering: LayerOptions,
+    showing: SceneOptions,
+    colors: ColorOptions,
+    viewing: ViewOptions,
+    quality: Annotated[
+        Any, typer.Option(metavar="NAME", parser=parsers.one_of(get_args(Quality)), help="Of the picture at rest.")
+    ] = "normal",
+    kernel: Kernel = "linear",
+    cuts: CutOptions,
+    lighting: LightOptions,
+    reader: ReaderOptions,
+    processing: ProcessingOptions,
+    port: Annotated[
+        int, typer.Option(metavar="N", min=0, max=65535, help="Port of this machine; 0: one that is free.")
+    ] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
+    quiet: Quiet = False,
+) -> None:
+    """Look at a volume and turn it, in the browser; Ctrl-C ends."""
+    given = [
+        name for name, value in (("INPUT", input), ("--state", state), ("--example", example)) if value is not None
+    ]
+    if len(given) != 1:
+        raise ArgumentError(
+            f"{' and '.join(given) or 'INPUT'}: name one: a volume, --state FILE.json or --example NAME"
+        )
+    check_scene_options(showing, colors, cuts)
+    check_view_options(viewing)
+    if input is not None and not _is_address(input) and not Path(input).expanduser().exists():
+        # Before a page opens.
+        from wavesplat._files.payload import check_readable
+
+        check_readable(Path(input).expanduser())
+    from wavesplat._viewer.server import Server
+
+    server = Server(port)
+    print_lines(server.link)
+    if not quiet:
+        _tell_how_to_reach(server.port)
+    if browser:
+        webbrowser.open(server.link)
+    try:
+        server.tell(f"Opening {_name(input, state, example)}")
+        try:
+            first = _opened(
+                input,
+                state,
+                example,
+                options={"quality": quality, "kernel": kernel},
+                showing=showing,
+                viewing=viewing,
+                colors=colors,
+                layering=layering,
+                cuts=cuts,
+                lighting=lighting,
+                reader=reader,
+                processing=processing,
+                quiet=quiet,
+            )
+        except WavesplatError as error:
+            server.fail(str(error))
+            # So that the page gets it.
+            threading.Event().wait(0.3)
+            raise
+        _serve(server, first)
+    except KeyboardInterrupt:
+        if not quiet:
+            message("the viewer has ended")
+    finally:
+        server.close()
+
+
+def _serve(server: Any, first: ViewerState) -> None:
+    from wavesplat._viewer.session import Session
+
+    session = Session(first)
+    try:
+        server.show(session)
+        ended = threading.Event()
+        while True:
+            # Ctrl-C gets through between.
+            ended.wait(3600)
+    finally:
+        session.close()
+
+
+def _opened(
+    input: str | None,
+    state: Path | None,
+    example: str | None,
+    *,
+    options: dict[str, Any],
+    showing: SceneOptions,
+    viewing: ViewOptions,
+    colors: ColorOptions,
+    **others: Any,
+) -> ViewerState:
+    from wavesplat._viewer.state import ViewerState
+
+    if state is not None:
+        from wavesplat._scene import scene_files
+
+        document = scene_files.load(state)
+        shown = {name: value for name, value in document.options.items() if name in ("quality", "kernel", "composite")}
+        return ViewerState.of(document.scene, document.camera, shown, document.view)
+    if example is not None:
+        return _of_example(example, showing, viewing, colors, options)
+    chosen = chosen_scene(str(input), showing, colors=colors, **others)
+    camera = seen_from([chosen.scene], chosen.look, viewing, FIRST_SIZE)
+    return ViewerState.of(chosen.scene, camera, {**options, "composite": chosen.operator})
+
+
+def _of_example(
+    name: str, showing: SceneOptions, viewing: ViewOptions, colors: ColorOptions, options: dict[str, Any]
+) -> ViewerState:
+    from wavesplat import examples
+    from wavesplat._scene.scene import Scene
+    from wavesplat._viewer.state import ViewerState
+
+    volume = getattr(examples, name)()
+    look = showing.look(volume, name, colors, quiet=True)
+    scene = Scene(volume, look, background=showing.background or look.background or "black")
+    camera = seen_from([scene], look, viewing, FIRST_SIZE)
+    return ViewerState.of(scene, camera, {**options, "composite": showing.operator or look.composite})
+
+
+def _name(input: str | None, state: Path | None, example: str | None) -> str:
+    if input is not None:
+        return input.rstrip("/").rpartition("/")[2] or input
+    return state.name if state is not None else str(example)
+
+
+def _is_address(input: str) -> bool:
+    return "://" in input
+
+
+def _tell_how_to_reach(port: int) -> None:
+    if os.environ.get("SSH_CONNECTION") and not (os.environ.get("DISPLAY") or sys.platform in ("win32", "darwin")):
+        message(f"on the machine before you: ssh -N -L {port}:127.0.0.1:{port} THIS_MACHINE, then open the link there")
+    message("Ctrl-C ends the viewer")

@@ -1,0 +1,115 @@
+"""The viewer as a widget of a notebook. Messages travel through the widget's own channel, so that no port is needed.
+
+They are what the socket carries (`framing`), header as content and payload as buffer, with the field `page`: a cell may
+show the widget more than once, and a notebook may be open in two windows.
+"""
+
+from __future__ import annotations
+
+import base64
+import threading
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+from wavesplat._files.libraries import library
+from wavesplat._viewer import encoding
+from wavesplat._viewer.framing import PROTOCOL
+from wavesplat._viewer.picturing import picture_of
+from wavesplat._viewer.session import Client, Session
+from wavesplat.errors import WavesplatError
+
+if TYPE_CHECKING:
+    from wavesplat._viewer.viewer import Viewer
+
+__all__ = ["bundle_of", "check", "widget_of"]
+
+#: Pixels of the picture that a saved notebook shows.
+STILL_SIZE = (640, 480)
+#: Pages whose widget is gone without a word, at most.
+MOST_PAGES = 8
+
+
+def check() -> None:
+    """A `LibraryError` where notebooks cannot be served."""
+    library("anywidget", extra="notebook")
+
+
+def bundle_of(viewer: Viewer, **options: Any) -> Any:
+    """What a cell shows: the widget, and a still picture for where notebooks are only read."""
+    if viewer._widget is None:
+        viewer._widget = widget_of(viewer._session)
+    found = viewer._widget._repr_mimebundle_(**options)
+    data, metadata = found if isinstance(found, tuple) else (found, {})
+    still = encoding.png_bytes(picture_of(viewer._session.state, "3d", STILL_SIZE).rgba)
+    return {**data, "text/plain": repr(viewer), "image/png": base64.b64encode(still).decode()}, metadata
+
+
+def widget_of(session: Session) -> Any:
+    """A widget that shows a session."""
+    anywidget = library("anywidget", extra="notebook")
+    kind = _widget_class(anywidget)
+    widget = kind()
+    _Pages(session, widget)
+    return widget
+
+
+_CLASSES: dict[str, Any] = {}
+
+
+def _widget_class(anywidget: Any) -> Any:
+    """The class, made when the first one is needed, since the library may be missing."""
+    if "viewer" not in _CLASSES:
+        source = (files("wavesplat") / "_viewer" / "client" / "viewer.js").read_text(encoding="utf-8")
+        _CLASSES["viewer"] = type("ViewerWidget", (anywidget.AnyWidget,), {"_esm": source, "__module__": __name__})
+    return _CLASSES["viewer"]
+
+
+class _Pages:
+    """The pages of a widget, by the name that each gives itself."""
+
+    def __init__(self, session: Session, widget: Any) -> None:
+        self._session, self._widget = session, widget
+        self._clients: dict[str, Client] = {}
+        # Handlers may run in several threads.
+        self._lock = threading.RLock()
+        widget.on_msg(self._receive)
+
+    def _receive(self, _widget: Any, content: Any, buffers: Any) -> None:
+        if not isinstance(content, Mapping) or not isinstance(content.get("page"), str):
+            return
+        page = content["page"][:64]
+        with self._lock:
+            kind = content.get("type")
+            client = self._clients.get(page)
+            try:
+                if kind == "bye":
+                    if client is not None:
+                        self._clients.pop(page).close()
+                elif kind == "hello":
+                    self._hello(page, client, content)
+                elif client is not None:
+                    client.receive(content)
+                else:
+                    self._send(
+                        page, {"type": "failed", "id": None, "code": "unknown", "message": "say hello first"}, b""
+                    )
+            except WavesplatError as error:
+                self._send(page, {"type": "failed", "id": None, "code": "message", "message": str(error)}, b"")
+
+    def _hello(self, page: str, client: Client | None, content: Mapping[str, Any]) -> None:
+        if content.get("protocol") != PROTOCOL:
+            message = f"this kernel speaks protocol {PROTOCOL} of the viewer; run the cell again"
+            self._send(page, {"type": "failed", "id": None, "code": "protocol", "message": message}, b"")
+            return
+        if client is None:
+            # Pages that went without a word make place.
+            while len(self._clients) >= MOST_PAGES:
+                self._clients.pop(next(iter(self._clients))).close()
+            client = self._clients[page] = self._session.connect(
+                lambda header, payload: self._send(page, header, payload)
+            )
+        client.welcome(session="")
+
+    def _send(self, page: str, header: dict[str, Any], payload: bytes) -> None:
+        self._widget.send({**header, "page": page}, [payload] if payload else [])

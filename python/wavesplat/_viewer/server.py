@@ -1,0 +1,299 @@
+"""The viewer's server on this machine: the page's files, and one WebSocket for its session.
+
+It listens on the loopback interface alone. Host and Origin must be its own, so that no page from elsewhere gets in, also
+by a name that resolves to this machine; the token stands in the link's fragment, which browsers send nobody.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+import tornado.httpserver
+import tornado.netutil
+import tornado.web
+import tornado.websocket
+
+from wavesplat._viewer.framing import MOST_BYTES, PROTOCOL, packed, unpacked
+from wavesplat._viewer.session import Client, Session
+from wavesplat._viewer.tokens import Tokens
+from wavesplat.errors import ArgumentError, WavesplatError
+
+__all__ = ["Server"]
+
+HOST = "127.0.0.1"
+#: All that is served.
+FILES = {
+    "/": ("index.html", "text/html; charset=utf-8"),
+    "/page.js": ("page.js", "text/javascript; charset=utf-8"),
+    "/viewer.js": ("viewer.js", "text/javascript; charset=utf-8"),
+    "/favicon.svg": ("favicon.svg", "image/svg+xml"),
+}
+#: Seconds in which a page must say who it is; patches a second that are taken from one.
+HELLO_S, MOST_PATCHES_PER_S = 5.0, 240
+#: Sockets that may be open.
+MOST_SOCKETS = 16
+
+
+class Server:
+    """A server for one session, in a thread of its own.
+
+    port : 0 is any that is free.
+    """
+
+    def __init__(self, port: int = 0) -> None:
+        self.tokens = Tokens()
+        self._session: Session | None = None
+        self._failure: str | None = None
+        self._progress: dict[str, Any] | None = None
+        self._sockets: set[_Socket] = set()
+        try:
+            listening = tornado.netutil.bind_sockets(port, HOST)
+        except OSError as error:
+            raise ArgumentError(
+                f"port {port} of this machine cannot be used: {error.strerror}; choose another one, or leave it out"
+            ) from None
+        self.port: int = listening[0].getsockname()[1]
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(
+            target=self._run, args=(listening,), name="wavesplat-viewer-server", daemon=True
+        )
+        self._thread.start()
+
+    @property
+    def link(self) -> str:
+        """A link that lets one page in."""
+        return f"http://{HOST}:{self.port}/#token={self.tokens.new()}"
+
+    def is_own(self, host: str) -> bool:
+        """Whether a Host is this server's."""
+        return host in {f"{name}:{self.port}" for name in (HOST, "localhost", "[::1]")}
+
+    def show(self, session: Session) -> None:
+        """Show a session to the pages that wait and to those that come."""
+        self._session = session
+        self._later(lambda: self._each(lambda socket: socket.join()))
+
+    def tell(self, text: str, part: float | None = None) -> None:
+        """Tell pages how far the volume is open."""
+        self._progress = {"type": "progress", "id": None, "part": part, "text": text}
+        self._later(lambda: self._each(lambda socket: socket.tell(self._progress)))
+
+    def fail(self, message: str) -> None:
+        """Tell pages that the volume could not be opened."""
+        self._failure = message
+        self._later(lambda: self._each(lambda socket: socket.fail(message)))
+
+    def close(self) -> None:
+        """Answer nobody any more."""
+        if self._loop.is_closed():
+            return
+
+        def stop() -> None:
+            for socket in tuple(self._sockets):
+                socket.close(1001, "the viewer was closed")
+            self._loop.call_later(0.05, self._loop.stop)
+
+        self._later(stop)
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=5)
+
+    def _each(self, tell: Callable[[_Socket], None]) -> None:
+        for socket in tuple(self._sockets):
+            tell(socket)
+
+    def _later(self, call: Callable[[], object]) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(call)
+
+    def _run(self, listening: list[Any]) -> None:
+        asyncio.set_event_loop(self._loop)
+        routes: list[Any] = [(path, _File, {"server": self, "file": file}) for path, file in FILES.items()]
+        application = tornado.web.Application(
+            [*routes, ("/socket", _Socket, {"server": self})],
+            default_handler_class=_Nothing,
+            default_handler_args={"server": self},
+            websocket_max_message_size=MOST_BYTES,
+            websocket_ping_interval=20,
+            log_function=lambda handler: None,
+            compress_response=False,
+        )
+        http = tornado.httpserver.HTTPServer(application, max_header_size=1 << 14, max_body_size=0)
+        http.add_sockets(listening)
+        try:
+            self._loop.run_forever()
+        finally:
+            http.stop()
+            self._loop.run_until_complete(http.close_all_connections())
+            self._loop.close()
+
+
+class _Guarded(tornado.web.RequestHandler):
+    """What all answers have in common."""
+
+    def initialize(self, server: Server) -> None:
+        self._server = server
+
+    def set_default_headers(self) -> None:
+        port = getattr(self, "_server", None) and self._server.port
+        # No names of programs, nothing from elsewhere, in no frame.
+        self.clear_header("Server")
+        policy = (
+            "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; "
+            f"connect-src 'self' ws://127.0.0.1:{port} ws://localhost:{port}; worker-src 'self' blob:; base-uri 'none'; "
+            "form-action 'none'; frame-ancestors 'none'"
+        )
+        self.set_header("Content-Security-Policy", policy)
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cross-Origin-Opener-Policy", "same-origin")
+        self.set_header("Cross-Origin-Embedder-Policy", "require-corp")
+        self.set_header("Cross-Origin-Resource-Policy", "same-origin")
+        self.set_header("Cache-Control", "no-store")
+
+    def prepare(self) -> None:
+        if not self._server.is_own(self.request.host):
+            raise tornado.web.HTTPError(403, reason="this is not the host that was asked for")
+        if self.request.method != "GET":
+            raise tornado.web.HTTPError(405)
+
+    def write_error(self, status_code: int, **_: Any) -> None:
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code}: {self._reason}\n")
+
+
+class _File(_Guarded):
+    def initialize(self, server: Server, file: tuple[str, str]) -> None:  # type: ignore[override]
+        super().initialize(server)
+        self._file = file
+
+    def get(self) -> None:
+        """The content of the file."""
+        name, kind = self._file
+        self.set_header("Content-Type", kind)
+        self.finish((files("wavesplat") / "_viewer" / "client" / name).read_bytes())
+
+
+class _Nothing(_Guarded):
+    def prepare(self) -> None:
+        super().prepare()
+        raise tornado.web.HTTPError(404)
+
+
+class _Socket(tornado.websocket.WebSocketHandler):
+    """A page."""
+
+    def initialize(self, server: Server) -> None:
+        self._server = server
+        self._client: Client | None = None
+        self._key: str | None = None
+        self._deadline: Any = None
+        self._n_patches, self._second = 0, 0
+
+    def prepare(self) -> None:
+        if not self._server.is_own(self.request.host):
+            raise tornado.web.HTTPError(403, reason="this is not the host that was asked for")
+        if len(self._server._sockets) >= MOST_SOCKETS:
+            raise tornado.web.HTTPError(503, reason="too many pages are open")
+
+    def check_origin(self, origin: str) -> bool:
+        """Only pages of this very server."""
+        scheme, _, host = origin.partition("://")
+        return scheme == "http" and host == self.request.host and self._server.is_own(host)
+
+    async def get(self, *args: Any, **kwargs: Any) -> None:
+        """The upgrade; programs without an Origin are refused too."""
+        if "Origin" not in self.request.headers:
+            raise tornado.web.HTTPError(403, reason="there is no Origin")
+        await super().get(*args, **kwargs)
+
+    def open(self, *_: Any, **__: Any) -> None:
+        """The socket is there; the page has to say who it is."""
+        self._server._sockets.add(self)
+        self.set_nodelay(True)
+        self._deadline = self._server._loop.call_later(HELLO_S, self._refuse, 4401, "no hello came")
+
+    def on_message(self, message: str | bytes) -> None:
+        """A message of the page."""
+        if isinstance(message, str):
+            self._refuse(4400, "messages are binary")
+            return
+        try:
+            header, _payload = unpacked(message)
+            if self._key is None:
+                self._hello(header)
+            elif self._client is not None:
+                if header.get("type") == "patch" and self._is_too_fast():
+                    raise ArgumentError(f"more than {MOST_PATCHES_PER_S} patches a second")
+                self._client.receive(header)
+        except WavesplatError as error:
+            self._refuse(4400, str(error))
+
+    def on_close(self) -> None:
+        """The page has gone."""
+        self._server._sockets.discard(self)
+        if self._deadline is not None:
+            self._deadline.cancel()
+        if self._client is not None:
+            self._client.close()
+            self._client = None
+
+    def join(self) -> None:
+        """Show the session, as soon as both are there."""
+        session = self._server._session
+        if self._key is None or self._client is not None or session is None:
+            return
+        try:
+            self._client = session.connect(self._send)
+        except ArgumentError as error:
+            self.fail(str(error))
+            return
+        self._client.welcome(session=self._key)
+
+    def tell(self, message: dict[str, Any] | None) -> None:
+        """How far the volume is open."""
+        if self._key is not None and self._client is None and message is not None:
+            self._write(packed(message))
+
+    def fail(self, message: str) -> None:
+        """The volume could not be opened."""
+        if self._key is not None:
+            self._write(packed({"type": "failed", "id": None, "code": "open", "message": message}))
+
+    def _hello(self, header: dict[str, Any]) -> None:
+        if header.get("type") != "hello":
+            raise ArgumentError("the first message must be a hello")
+        if header.get("protocol") != PROTOCOL:
+            raise ArgumentError(f"this server speaks protocol {PROTOCOL}; load the page again")
+        self._key = self._server.tokens.key_for(header.get("token"), header.get("session"))
+        if self._key is None:
+            self._refuse(4401, "the link was used or is not of this viewer; copy a new one from the page that is open")
+            return
+        self._deadline.cancel()
+        if self._server._failure is not None:
+            self.fail(self._server._failure)
+        self.tell(self._server._progress)
+        self.join()
+
+    def _is_too_fast(self) -> bool:
+        second = int(self._server._loop.time())
+        self._n_patches = self._n_patches + 1 if second == self._second else 1
+        self._second = second
+        return self._n_patches > MOST_PATCHES_PER_S
+
+    def _send(self, header: dict[str, Any], payload: bytes) -> None:
+        """From any thread."""
+        message = packed(header, payload)
+        self._server._later(lambda: self._write(message))
+
+    def _write(self, message: bytes) -> None:
+        with contextlib.suppress(tornado.websocket.WebSocketClosedError):
+            self.write_message(message, binary=True)
+
+    def _refuse(self, code: int, reason: str) -> None:
+        # A reason may have 123 bytes.
+        self.close(code, reason.encode()[:120].decode(errors="ignore"))

@@ -1,0 +1,135 @@
+// The ramp of colours under the curve, with a handle for each colour point.
+
+import { useId, useRef } from "preact/hooks";
+import type { ColorPoint } from "../../state/state.ts";
+import { keyStep, numberText, outOfSight, rounded } from "./axis.ts";
+import { Fill, Handle, MARGIN, useWidth } from "./curve_plot.tsx";
+import { hexOf, withMoved, withPointOn, withPointBeside, without, type Curve, type Range } from "./curves.ts";
+
+const TEXT = {
+  label: "Colours of the values",
+  keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
+  hidden: (n: number) => `${n} ${n === 1 ? "colour lies" : "colours lie"} outside; show all points`,
+};
+const RAMP_PX = 16;
+const HEIGHT_PX = 44;
+
+export interface ColorStripProps {
+  readonly seen: Range;
+  readonly unit: string;
+  readonly curve: Curve<ColorPoint>;
+  readonly selected: number | null;
+  onSelect(index: number): void;
+  onCurve(curve: Curve<ColorPoint>, index: number | null): void;
+  onDone(): void;
+  onType(): void;
+  onShowPoints(): void;
+}
+
+export function ColorStrip(props: ColorStripProps) {
+  const { seen, unit, curve, selected } = props;
+  const [svg, width] = useWidth<SVGSVGElement>();
+  const drag = useRef<{ readonly index: number; readonly x: number } | null>(null);
+  const fill = useId();
+  const inner = width - MARGIN.left - MARGIN.right;
+  const xOf = (value: number): number => MARGIN.left + ((value - seen[0]) / (seen[1] - seen[0])) * inner;
+  const valueAt = (x: number): number => seen[0] + ((x - MARGIN.left) / inner) * (seen[1] - seen[0]);
+  const inside = (event: MouseEvent): number => event.clientX - (svg.current?.getBoundingClientRect().left ?? 0);
+  const move = (index: number, value: number): void => {
+    const point = curve[index];
+    if (point !== undefined) props.onCurve(withMoved(curve, index, [value, point[1], point[2], point[3]]), index);
+  };
+  const onUp = (): void => {
+    if (drag.current !== null) props.onDone();
+    drag.current = null;
+  };
+  const onKeyDown = (event: KeyboardEvent, index: number): void => {
+    const value = curve[index]?.[0] ?? 0;
+    const fine = keyStep(seen, true) * (event.shiftKey ? 0.2 : 1);
+    const steps: Partial<Record<string, number>> = {
+      ArrowLeft: -fine,
+      ArrowDown: -fine,
+      ArrowRight: fine,
+      ArrowUp: fine,
+      PageDown: -keyStep(seen, false),
+      PageUp: keyStep(seen, false),
+    };
+    const step = steps[event.key];
+    if (step !== undefined) move(index, value + step);
+    else if (event.key === "Delete" || event.key === "Backspace") {
+      if (curve.length === 1) return;
+      props.onCurve(without(curve, index), Math.min(index, curve.length - 2));
+      props.onDone();
+    } else if (event.key === "Insert") {
+      const added = withPointBeside(curve, index, seen);
+      props.onCurve(added.curve, added.index);
+      props.onDone();
+    } else if (event.key === "Enter") props.onType();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  const { below, above } = outOfSight(curve, seen);
+  const only = curve[0];
+  const isPlain = curve.length === 1 && only !== undefined;
+  return (
+    <>
+      <svg
+        ref={svg}
+        class="look-plot"
+        height={HEIGHT_PX}
+        role="group"
+        aria-label={TEXT.label}
+        onDblClick={(event) => {
+          const added = withPointOn(curve, rounded(valueAt(inside(event)), seen[1] - seen[0]));
+          props.onCurve(added.curve, added.index);
+          props.onDone();
+        }}
+        onPointerMove={(event) => {
+          const begun = drag.current;
+          if (begun !== null) move(begun.index, rounded(valueAt(inside(event) - begun.x), seen[1] - seen[0]));
+        }}
+        onPointerUp={onUp}
+        onPointerCancel={onUp}
+      >
+        <Fill id={fill} colors={curve} xOf={xOf} />
+        <rect
+          class="look-ramp"
+          x={MARGIN.left}
+          y={1}
+          width={Math.max(0, inner)}
+          height={RAMP_PX}
+          fill={isPlain ? hexOf(only) : `url(#${fill})`}
+        />
+        {curve.map((point, index) =>
+          point[0] < seen[0] || point[0] > seen[1] ? null : (
+            <Handle
+              key={index}
+              x={xOf(point[0])}
+              y={RAMP_PX + 13}
+              isSelected={index === selected}
+              color={hexOf(point)}
+              label={`Colour ${index + 1} of ${curve.length}`}
+              keys={TEXT.keys}
+              value={point[0]}
+              range={seen}
+              text={`${hexOf(point)} at ${numberText(point[0])}${unit && ` ${unit}`}`}
+              onSelect={() => props.onSelect(index)}
+              onKeyDown={(event) => onKeyDown(event, index)}
+              onKeyUp={() => props.onDone()}
+              onGrab={(event) => {
+                svg.current?.setPointerCapture(event.pointerId);
+                drag.current = { index, x: inside(event) - xOf(point[0]) };
+              }}
+            />
+          ),
+        )}
+      </svg>
+      {below + above > 0 && (
+        <button type="button" class="button" onClick={() => props.onShowPoints()}>
+          {TEXT.hidden(below + above)}
+        </button>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,50 @@
+// Operators along a ray: their names for people, and the numbers that some of them have.
+
+import type { Composite } from "../../state/state.ts";
+
+export const COMPOSITE_NAMES: Readonly<Record<string, string>> = {
+  over: "Volume rendering (over)",
+  maximum: "Maximum intensity (MIP)",
+  "depth-shaded-maximum": "Maximum, dimmed by depth",
+  "local-maximum": "First local maximum (LMIP)",
+  minimum: "Minimum intensity (MinIP)",
+  mean: "Mean",
+  sum: "Sum",
+  "x-ray": "X-ray",
+  "first-hit": "Isosurface (first hit)",
+};
+
+export const KERNEL_NAMES: Readonly<Record<string, string>> = {
+  linear: "Linear",
+  "catmull-rom": "Catmull-Rom (sharp)",
+  bspline2: "Quadratic B-spline (smooth)",
+  bspline3: "Cubic B-spline (smoother)",
+  gaussian: "Gaussian",
+};
+
+/** Strength of dimming where none is said, as `wavesplat.DepthShadedMaximum`. */
+export const DIMMING = 0.6;
+
+/** The operators in which surfaces have shading. */
+export const SHADED: readonly string[] = ["over", "first-hit"];
+
+export function nameOf(composite: Composite): string {
+  return typeof composite === "string" ? composite : (Object.keys(composite)[0] ?? "over");
+}
+
+/** A number of an operator; null where it is left to the program. */
+export function numberOf(composite: Composite, field: string): number | null {
+  return typeof composite === "string" ? null : (composite[nameOf(composite)]?.[field] ?? null);
+}
+
+/** The operator with a number. */
+export function withNumber(composite: Composite, field: string, value: number | null): Composite {
+  const name = nameOf(composite);
+  const before = typeof composite === "string" ? {} : (composite[name] ?? {});
+  return { [name]: { ...before, [field]: value } };
+}
+
+/** An operator to begin with; only the isosurface cannot be without its number. */
+export function compositeNamed(name: string, isoValue: number): Composite {
+  return name === "first-hit" ? { "first-hit": { iso_value: isoValue } } : name;
+}

@@ -1,0 +1,327 @@
+// The transfer function of the chosen layer: an editor over the histogram, and sliders that change it as a whole.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Problem, VolumeInfo } from "../../engine/engine.ts";
+import { set } from "../../state/patch.ts";
+import type { ColorPoint, Look, OpacityPoint, TransferFunction } from "../../state/state.ts";
+import type { PartProps } from "../part.ts";
+import { around, heights, wholeOf, within, zoomed } from "./axis.ts";
+import { ColorStrip } from "./color_strip.tsx";
+import { CurvePlot, type Histogram } from "./curve_plot.tsx";
+import {
+  isEditable,
+  middle,
+  mirrored,
+  shifted,
+  spanOf,
+  spanOfFunction,
+  widened,
+  withOpacities,
+  withPointBeside,
+  type Curve,
+  type Range,
+} from "./curves.ts";
+import { Button, CheckField, NumberField, RelativeSlider, SelectField, SliderField } from "./fields.tsx";
+import { GradientEditor } from "./gradient_editor.tsx";
+import { lookAsChosen } from "./looks.ts";
+import { PointFields } from "./point_fields.tsx";
+
+const TEXT = {
+  layer: "Layer",
+  curve: "Opacity over the values",
+  opacity: "opacity",
+  log: "Log counts",
+  magnified: "Magnify low opacities",
+  from: "From",
+  to: "To",
+  nearer: "Nearer",
+  farther: "Farther",
+  all: "All values",
+  points: "Points",
+  usual: "Usual values",
+  addOpacity: "Add opacity point",
+  addColor: "Add colour",
+  shift: "Shift",
+  width: "Width",
+  opacities: "Opacities ×",
+  global: "Layer opacity",
+  mirrorOpacity: "Mirror opacities",
+  mirrorColor: "Mirror colours",
+  reset: (name: string) => (name === "" ? "Reset" : `Reset to ${name}`),
+  gone: "The look as it was chosen is not known any more.",
+  table:
+    "This function is a table of value and gradient: its colours depend on both, so it has no single curve to edit. " +
+    "Choose a preset to get one, or build another table in Python with wavesplat.TransferFunction2D.",
+  hint: "Double click adds a point. Wheel zooms while a point has the focus, and with Ctrl.",
+};
+const BINS = 256;
+const PLOT_PX = 190;
+/** The histogram is asked for when the axis has been still for so long. */
+const STILL_MS = 120;
+/** At the ends of the sliders: opacities by this factor, widths by that. */
+const MOST_OPACITY = 10;
+const MOST_WIDTH = 4;
+
+export interface Selected {
+  readonly kind: "opacity" | "color" | "gradient";
+  readonly index: number;
+}
+
+export function FunctionPanel(props: PartProps) {
+  const { store, ui, welcome } = props;
+  const layer = store.state.layers[ui.layer];
+  const volume = welcome.volumes[ui.layer];
+  if (layer === undefined || volume === undefined) return null;
+  const curves = layer.look.transfer_function;
+  return (
+    <div class="look-panel">
+      <LayerChoice {...props} />
+      {isEditable(curves) ? (
+        <Editor key={ui.layer} {...props} curves={curves} look={layer.look} volume={volume} />
+      ) : (
+        <>
+          <p>{TEXT.table}</p>
+          <GlobalOpacity {...props} />
+        </>
+      )}
+    </div>
+  );
+}
+
+/** Which layer the panels of the look are about, where there are several. */
+export function LayerChoice({ store, ui }: PartProps) {
+  const { layers } = store.state;
+  if (layers.length < 2) return null;
+  return (
+    <SelectField
+      label={TEXT.layer}
+      value={String(ui.layer)}
+      options={layers.map(({ name }, index) => ({ value: String(index), text: name }))}
+      onChoice={(value) => ui.setLayer(Number(value))}
+    />
+  );
+}
+
+interface EditorProps extends PartProps {
+  readonly curves: TransferFunction;
+  readonly look: Look;
+  readonly volume: VolumeInfo;
+}
+
+function Editor(props: EditorProps) {
+  const { store, engine, ui, welcome, curves, look, volume } = props;
+  const span = spanOfFunction(curves);
+  const whole = wholeOf(volume.range, span);
+  const usual = wholeOf(volume.robust_range, span);
+  const [zoom, setZoom] = useState<Range>(usual);
+  const [selected, setSelected] = useState<Selected | null>(null);
+  const [isLog, setLog] = useState(true);
+  const [isMagnified, setMagnified] = useState(false);
+  const base = useRef<TransferFunction | null>(null);
+  const value = useRef<HTMLDivElement>(null);
+  const seen = within(zoom, whole);
+  const histogram = useHistogram(props, seen, isLog);
+  const unit = volume.value_unit;
+  const path = ["layers", ui.layer, "look", "transfer_function"] as const;
+  const done = (): void => {
+    base.current = null;
+    store.settle();
+  };
+  const setOpacity = (curve: Curve<OpacityPoint>, index: number | null): void => {
+    store.change([set(curve, ...path, "opacity")], "opacity curve");
+    if (index !== null) setSelected({ kind: "opacity", index });
+  };
+  const setColor = (curve: Curve<ColorPoint>, index: number | null): void => {
+    store.change([set(curve, ...path, "color")], "colours");
+    if (index !== null) setSelected({ kind: "color", index });
+  };
+  const setAll = (change: (before: TransferFunction) => TransferFunction, gesture: string): void => {
+    base.current ??= curves;
+    store.change([set(change(base.current), ...path)], gesture);
+  };
+  const once = (change: (before: TransferFunction) => TransferFunction): void => {
+    store.change([set(change(curves), ...path)]);
+  };
+  const showPoints = (): void => setZoom(around(spanOf(curves.opacity, curves.color), whole));
+  const typeValue = (): void => value.current?.querySelector<HTMLInputElement>("input[type=number]")?.select();
+  const chosenIndex = (kind: Selected["kind"], length: number): number | null =>
+    selected?.kind === kind && selected.index < length ? selected.index : null;
+  const opacityIndex = chosenIndex("opacity", curves.opacity.length);
+  const colorIndex = chosenIndex("color", curves.color.length);
+
+  const reset = async (): Promise<void> => {
+    try {
+      const first = await lookAsChosen(engine, welcome, ui.layer, look.name);
+      if (first === null) ui.announce(TEXT.gone);
+      else store.change([set(first.transfer_function, ...path)]);
+    } catch (problem) {
+      ui.problem(problem as Problem);
+    }
+  };
+
+  return (
+    <>
+      <CurvePlot
+        label={TEXT.curve}
+        what={TEXT.opacity}
+        height={PLOT_PX}
+        seen={seen}
+        whole={whole}
+        unit={unit}
+        curve={curves.opacity}
+        colors={curves.color}
+        histogram={histogram}
+        isMagnified={isMagnified}
+        selected={opacityIndex}
+        onSelect={(index) => setSelected({ kind: "opacity", index })}
+        onCurve={setOpacity}
+        onDone={done}
+        onSeen={setZoom}
+        onShowPoints={showPoints}
+        onType={typeValue}
+      />
+      <ColorStrip
+        seen={seen}
+        unit={unit}
+        curve={curves.color}
+        selected={colorIndex}
+        onSelect={(index) => setSelected({ kind: "color", index })}
+        onCurve={setColor}
+        onDone={done}
+        onType={typeValue}
+        onShowPoints={showPoints}
+      />
+      <div ref={value}>
+        <PointFields
+          curves={curves}
+          selected={selected}
+          unit={unit}
+          onOpacity={setOpacity}
+          onColor={setColor}
+          onDone={done}
+          onSelect={setSelected}
+        />
+      </div>
+      <div class="row">
+        <Button
+          onClick={() => {
+            const added = withPointBeside(curves.opacity, opacityIndex ?? widestGap(curves.opacity), seen);
+            setOpacity(added.curve, added.index);
+            done();
+          }}
+        >
+          {TEXT.addOpacity}
+        </Button>
+        <Button
+          onClick={() => {
+            const added = withPointBeside(curves.color, colorIndex ?? widestGap(curves.color), seen);
+            setColor(added.curve, added.index);
+            done();
+          }}
+        >
+          {TEXT.addColor}
+        </Button>
+      </div>
+      <div class="row">
+        <NumberField label={TEXT.from} unit={unit} value={seen[0]} onValue={(low) => low < seen[1] && setZoom([low, seen[1]])} onDone={() => {}} />
+        <span aria-hidden="true">–</span>
+        <NumberField label={TEXT.to} unit={unit} value={seen[1]} onValue={(high) => high > seen[0] && setZoom([seen[0], high])} onDone={() => {}} />
+        <span class="dim">{unit}</span>
+        <Button label={TEXT.nearer} onClick={() => setZoom(zoomed(seen, 1.5, middle(seen), whole))}>
+          +
+        </Button>
+        <Button label={TEXT.farther} onClick={() => setZoom(zoomed(seen, 1 / 1.5, middle(seen), whole))}>
+          −
+        </Button>
+      </div>
+      <div class="row">
+        <Button onClick={() => setZoom(usual)}>{TEXT.usual}</Button>
+        <Button onClick={() => setZoom(whole)}>{TEXT.all}</Button>
+        <Button onClick={showPoints}>{TEXT.points}</Button>
+      </div>
+      <div class="row">
+        <CheckField label={TEXT.log} checked={isLog} onCheck={setLog} />
+        <CheckField label={TEXT.magnified} checked={isMagnified} onCheck={setMagnified} />
+      </div>
+      <p class="dim look-small">{TEXT.hint}</p>
+      <RelativeSlider
+        label={TEXT.shift}
+        unit={unit}
+        neutral={0}
+        amount={(position) => position * (volume.robust_range[1] - volume.robust_range[0])}
+        position={(amount) => amount / (volume.robust_range[1] - volume.robust_range[0])}
+        onAmount={(amount) => setAll((before) => shifted(before, amount), "shift")}
+        onDone={done}
+      />
+      <RelativeSlider
+        label={`${TEXT.width} ×`}
+        neutral={1}
+        amount={(position) => MOST_WIDTH ** position}
+        position={(amount) => Math.log(amount) / Math.log(MOST_WIDTH)}
+        onAmount={(amount) => amount > 0 && setAll((before) => widened(before, amount), "width")}
+        onDone={done}
+      />
+      <RelativeSlider
+        label={TEXT.opacities}
+        neutral={1}
+        amount={(position) => MOST_OPACITY ** position}
+        position={(amount) => Math.log(amount) / Math.log(MOST_OPACITY)}
+        onAmount={(amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities")}
+        onDone={done}
+      />
+      <GlobalOpacity {...props} />
+      <div class="row">
+        <Button onClick={() => once((before) => ({ ...before, opacity: mirrored(before.opacity) }))}>{TEXT.mirrorOpacity}</Button>
+        <Button onClick={() => once((before) => ({ ...before, color: mirrored(before.color) }))}>{TEXT.mirrorColor}</Button>
+        <Button onClick={() => void reset()}>{TEXT.reset(look.name)}</Button>
+      </div>
+      <GradientEditor {...props} />
+    </>
+  );
+}
+
+function GlobalOpacity({ store, ui }: PartProps) {
+  const opacity = store.state.layers[ui.layer]?.opacity ?? 1;
+  return (
+    <SliderField
+      label={TEXT.global}
+      min={0}
+      max={1}
+      step={0.01}
+      value={opacity}
+      onValue={(value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity")}
+      onDone={() => store.settle()}
+    />
+  );
+}
+
+/** The histogram of what is seen; while it is on its way the one before stays, in its place. */
+function useHistogram({ engine, store, ui }: PartProps, seen: Range, isLog: boolean): Histogram | null {
+  const [found, setFound] = useState<{ readonly counts: readonly number[]; readonly range: Range } | null>(null);
+  const time = store.state.layers[ui.layer]?.time;
+  useEffect(() => {
+    let isStale = false;
+    const timer = setTimeout(() => {
+      const [low, high] = seen;
+      engine.ask("histogram", { layer: ui.layer, bins: BINS, low, high }).then(
+        (answer) => {
+          if (!isStale) setFound({ counts: answer.counts, range: [answer.low, answer.high] });
+        },
+        (problem: Problem) => {
+          if (!isStale) ui.problem(problem);
+        },
+      );
+    }, STILL_MS);
+    return () => {
+      isStale = true;
+      clearTimeout(timer);
+    };
+  }, [engine, ui.layer, time, seen[0], seen[1]]);
+  return found === null ? null : { heights: heights(found.counts, isLog), range: found.range };
+}
+
+/** The point before the widest gap. */
+function widestGap(curve: Curve): number {
+  const gaps = curve.slice(1).map((point, k) => (point[0] ?? 0) - (curve[k]?.[0] ?? 0));
+  return gaps.length === 0 ? 0 : gaps.indexOf(Math.max(...gaps));
+}

@@ -1,0 +1,124 @@
+// The curve that makes opacity depend on how steep the values are: boundaries stand out, even matter fades.
+
+import { useState } from "preact/hooks";
+import type { VolumeInfo } from "../../engine/engine.ts";
+import { set } from "../../state/patch.ts";
+import type { OpacityPoint, TransferFunction } from "../../state/state.ts";
+import type { PartProps } from "../part.ts";
+import { around, within } from "./axis.ts";
+import { CurvePlot } from "./curve_plot.tsx";
+import { firstGradientCurve, spanOf, withMoved, without, withPointBeside, type Curve, type Range } from "./curves.ts";
+import { Button, NumberField } from "./fields.tsx";
+
+const TEXT = {
+  title: "Gradient opacity",
+  none: "Opacity does not depend on the gradient.",
+  add: "Make boundaries stand out",
+  remove: "Remove gradient opacity",
+  label: "Factor of the opacity over the gradient",
+  what: "factor",
+  gradient: "Gradient",
+  factor: "Factor",
+  addPoint: "Add point",
+  delete: "Delete point",
+};
+const PLOT_PX = 130;
+
+export function GradientEditor({ store, ui, curves, volume }: PartProps & { curves: TransferFunction; volume: VolumeInfo }) {
+  const curve = curves.gradient_opacity ?? [];
+  const scale = strongGradient(volume);
+  const least = spanOf([[0], [scale]], curve);
+  const whole: Range = [0, 1.1 * least[1]];
+  const [zoom, setZoom] = useState<Range | null>(null);
+  const [chosen, setChosen] = useState<number>(0);
+  const path = ["layers", ui.layer, "look", "transfer_function", "gradient_opacity"] as const;
+  const index = Math.min(chosen, curve.length - 1);
+  const point = curve[index];
+  const change = (next: Curve<OpacityPoint>, at: number | null): void => {
+    store.change([set(next, ...path)], "gradient opacity");
+    if (at !== null) setChosen(at);
+  };
+  const done = (): void => store.settle();
+  const unit = [volume.value_unit, volume.unit].every((one) => one) ? `${volume.value_unit}/${volume.unit}` : "";
+  if (point === undefined) {
+    return (
+      <details class="look-details">
+        <summary>{TEXT.title}</summary>
+        <p class="dim">{TEXT.none}</p>
+        <Button onClick={() => store.change([set(firstGradientCurve(scale), ...path)])}>{TEXT.add}</Button>
+      </details>
+    );
+  }
+  return (
+    <details class="look-details" open>
+      <summary>{TEXT.title}</summary>
+      <CurvePlot
+        label={TEXT.label}
+        what={TEXT.what}
+        height={PLOT_PX}
+        seen={within(zoom ?? whole, whole)}
+        whole={whole}
+        unit={unit}
+        least={0}
+        curve={curve}
+        colors={null}
+        histogram={null}
+        isMagnified={false}
+        selected={index}
+        onSelect={setChosen}
+        onCurve={change}
+        onDone={done}
+        onSeen={setZoom}
+        onShowPoints={() => setZoom(around(spanOf(curve), whole))}
+        onType={() => {}}
+      />
+      <div class="row">
+        <NumberField
+          label={TEXT.gradient}
+          unit={unit}
+          min={0}
+          value={point[0]}
+          onValue={(value) => change(withMoved(curve, index, [value, point[1]]), index)}
+          onDone={done}
+        />
+        <span class="dim">{unit}</span>
+        <NumberField
+          label={TEXT.factor}
+          min={0}
+          max={1}
+          step={0.01}
+          value={point[1]}
+          onValue={(factor) => change(withMoved(curve, index, [point[0], factor]), index)}
+          onDone={done}
+        />
+      </div>
+      <div class="row">
+        <Button
+          onClick={() => {
+            const added = withPointBeside(curve, index, whole);
+            change(added.curve, added.index);
+            done();
+          }}
+        >
+          {TEXT.addPoint}
+        </Button>
+        <Button
+          disabled={curve.length === 1}
+          onClick={() => {
+            change(without(curve, index), Math.max(0, index - 1));
+            done();
+          }}
+        >
+          {TEXT.delete}
+        </Button>
+        <Button onClick={() => store.change([{ op: "remove", path: `/${path.join("/")}` }])}>{TEXT.remove}</Button>
+      </div>
+    </details>
+  );
+}
+
+/** A gradient that is strong in this volume: half of the usual values within one voxel. */
+function strongGradient(volume: VolumeInfo): number {
+  const [low, high] = volume.robust_range;
+  return (0.5 * (high - low || 1)) / Math.min(...volume.spacing);
+}

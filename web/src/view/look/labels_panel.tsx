@@ -1,0 +1,106 @@
+// The legend of the segmentation: names, colours, opacities, and what is shown.
+
+import { useMemo, useState } from "preact/hooks";
+import { set } from "../../state/patch.ts";
+import type { PartProps } from "../part.ts";
+import { Button, CheckField, ColorField, SliderField } from "./fields.tsx";
+import { isSoloLabel, labelRows, shownLabels, type Hidden } from "./layers.ts";
+import { hexColor, namedColor } from "./looks.ts";
+
+const TEXT = {
+  none: "There is no segmentation. Open one with --labels FILE, or in Python with labels=.",
+  filter: "Filter",
+  showAll: "Show all",
+  hideAll: "Hide all",
+  smooth: "Smooth outlines",
+  count: (shown: number, all: number) => `${shown} of ${all} shown`,
+  more: (n: number) => `${n} more; filter by name or number to see them.`,
+  empty: "No label has this name or number.",
+  shown: (name: string) => `Show ${name}`,
+  color: (name: string) => `Colour of ${name}`,
+  opacity: (name: string) => `Opacity of ${name}`,
+  solo: "Solo",
+  soloThis: (name: string) => `Show ${name} alone, or all again`,
+};
+/** A longer list is filtered, not scrolled. */
+const MOST_ROWS = 150;
+/** From so many labels on there is a filter. */
+const FILTERED_FROM = 9;
+
+export function LabelsPanel({ store }: PartProps) {
+  const [filter, setFilter] = useState("");
+  const hidden = useMemo((): Hidden => new Map(), [store]);
+  const labels = store.state.labels;
+  if (labels === null) return <p class="dim">{TEXT.none}</p>;
+  const all = labelRows(labels.labels);
+  const rows = labelRows(labels.labels, filter);
+  const show = (isShown: (number: string) => boolean): void => store.change(shownLabels(labels.labels, isShown, hidden));
+  const inRows = new Set(rows.map(({ number }) => number));
+  const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
+  const others = (number: string): boolean => isOnShown.get(number) ?? false;
+  return (
+    <div class="look-panel">
+      {all.length >= FILTERED_FROM && (
+        <label class="field">
+          <span>{TEXT.filter}</span>
+          <input
+            type="search"
+            class="look-grow"
+            value={filter}
+            onInput={(event) => setFilter(event.currentTarget.value)}
+            onKeyDown={(event) => event.stopPropagation()}
+          />
+        </label>
+      )}
+      <div class="row">
+        <Button onClick={() => show((number) => inRows.has(number) || others(number))}>{TEXT.showAll}</Button>
+        <Button onClick={() => show((number) => !inRows.has(number) && others(number))}>{TEXT.hideAll}</Button>
+        <span class="dim">{TEXT.count(all.filter(({ isShown }) => isShown).length, all.length)}</span>
+      </div>
+      {rows.length === 0 && <p class="dim">{TEXT.empty}</p>}
+      <ul class="look-list" aria-label="Labels">
+        {rows.slice(0, MOST_ROWS).map(({ number, name, look, opacity, isShown }) => (
+          <li key={number} class="look-label">
+            <input
+              type="checkbox"
+              aria-label={TEXT.shown(name)}
+              checked={isShown}
+              onChange={(event) => {
+                const on = event.currentTarget.checked;
+                show((other) => (other === number ? on : others(other)));
+              }}
+            />
+            <ColorField
+              label={TEXT.color(name)}
+              value={hexColor(look.color, namedColor)}
+              onColor={(hex) => store.change([set(hex, "labels", "labels", number, "color")], `colour of label ${number}`)}
+              onDone={() => store.settle()}
+            />
+            <span class="look-grow look-name" title={`${name} (${number})`}>
+              {name}
+            </span>
+            <Button
+              label={TEXT.soloThis(name)}
+              pressed={all.length > 1 && isSoloLabel(all, number)}
+              onClick={() => show((other) => isSoloLabel(all, number) || other === number)}
+            >
+              {TEXT.solo}
+            </Button>
+            <SliderField
+              label={TEXT.opacity(name)}
+              shown=""
+              min={0}
+              max={1}
+              step={0.01}
+              value={opacity}
+              onValue={(value) => store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`)}
+              onDone={() => store.settle()}
+            />
+          </li>
+        ))}
+      </ul>
+      {rows.length > MOST_ROWS && <p class="dim">{TEXT.more(rows.length - MOST_ROWS)}</p>}
+      <CheckField label={TEXT.smooth} checked={labels.smooth} onCheck={(on) => store.change([set(on, "labels", "smooth")])} />
+    </div>
+  );
+}

@@ -1,0 +1,70 @@
+// What toggles of layers and labels change.
+
+import { set, type Operation } from "../../state/patch.ts";
+import type { LabelLook, Layer } from "../../state/state.ts";
+
+/** A label without an opacity of its own has this one: as `wavesplat.Label`. */
+export const LABEL_OPACITY = 0.8;
+
+/** Only one layer is shown. */
+export function isSolo(layers: readonly Layer[], index: number): boolean {
+  return layers.every((layer, k) => layer.visible === (k === index));
+}
+
+/** Shows one layer alone, or all if it is alone already. */
+export function soloLayer(layers: readonly Layer[], index: number): Operation[] {
+  const all = isSolo(layers, index);
+  return layers.map((_, k) => set(all || k === index, "layers", k, "visible"));
+}
+
+export interface LabelRow {
+  readonly number: string;
+  readonly name: string;
+  readonly look: LabelLook;
+  readonly opacity: number;
+  readonly isShown: boolean;
+}
+
+/** Labels in order of their numbers, those whose name or number has the text. */
+export function labelRows(labels: Readonly<Record<string, LabelLook>>, filter = ""): LabelRow[] {
+  const wanted = filter.trim().toLowerCase();
+  return Object.entries(labels)
+    .sort(([a], [b]) => Number(a) - Number(b))
+    .map(([number, look]) => {
+      const opacity = look.opacity ?? LABEL_OPACITY;
+      return { number, look, name: look.name || `Label ${number}`, opacity, isShown: opacity > 0 || (look.tint ?? 0) > 0 };
+    })
+    .filter(({ number, name }) => wanted === "" || number === wanted || name.toLowerCase().includes(wanted));
+}
+
+/** What a label had when it was hidden, by number. */
+export type Hidden = Map<string, { readonly opacity: number; readonly tint: number }>;
+
+/**
+ * Shows and hides labels. What hides one, opacity and tint 0, loses both; `hidden` remembers them for showing it again.
+ */
+export function shownLabels(
+  labels: Readonly<Record<string, LabelLook>>,
+  isShown: (number: string) => boolean,
+  hidden: Hidden,
+): Operation[] {
+  return labelRows(labels).flatMap(({ number, look, opacity, isShown: before }) => {
+    if (before === isShown(number)) return [];
+    if (before) {
+      hidden.set(number, { opacity, tint: look.tint ?? 0 });
+      return [
+        set(0, "labels", "labels", number, "opacity"),
+        ...((look.tint ?? 0) > 0 ? [set(0, "labels", "labels", number, "tint")] : []),
+      ];
+    }
+    const kept = hidden.get(number) ?? { opacity: LABEL_OPACITY, tint: 0 };
+    return [
+      set(kept.opacity, "labels", "labels", number, "opacity"),
+      ...(kept.tint > 0 ? [set(kept.tint, "labels", "labels", number, "tint")] : []),
+    ];
+  });
+}
+
+export function isSoloLabel(rows: readonly LabelRow[], number: string): boolean {
+  return rows.every((row) => row.isShown === (row.number === number));
+}

@@ -1,0 +1,94 @@
+// The volumes of the scene: which are shown, how strongly, and which one the panels of the look are about.
+
+import { set } from "../../state/patch.ts";
+import type { Layer } from "../../state/state.ts";
+import type { PartProps } from "../part.ts";
+import { hexOf, isEditable, spanOf } from "./curves.ts";
+import { Button, SliderField } from "./fields.tsx";
+import { isSolo, soloLayer } from "./layers.ts";
+
+const TEXT = {
+  edit: "Edit the look",
+  editThis: (name: string) => `Edit the look of ${name}`,
+  name: (index: number) => `Name of layer ${index + 1}`,
+  shown: (name: string) => `Show ${name}`,
+  opacity: "Opacity",
+  opacityOf: (name: string) => `Opacity of ${name}`,
+  solo: "Solo",
+  soloThis: (name: string) => `Show ${name} alone, or all again`,
+  look: (look: string) => `look: ${look || "of its own"}`,
+};
+
+export function LayersPanel({ store, ui }: PartProps) {
+  const { layers } = store.state;
+  return (
+    <ul class="look-list" aria-label="Layers">
+      {layers.map((layer, index) => (
+        <li key={index} class="look-layer" data-chosen={index === ui.layer && layers.length > 1}>
+          <div class="row look-nowrap">
+            <input
+              type="checkbox"
+              aria-label={TEXT.shown(layer.name)}
+              title={TEXT.shown(layer.name)}
+              checked={layer.visible}
+              onChange={(event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])}
+            />
+            <Ramp layer={layer} />
+            <input
+              type="text"
+              class="look-grow"
+              aria-label={TEXT.name(index)}
+              value={layer.name}
+              maxLength={200}
+              onChange={(event) => {
+                const name = event.currentTarget.value.trim();
+                if (name === "") event.currentTarget.value = layer.name;
+                else store.change([set(name, "layers", index, "name")]);
+              }}
+              onKeyDown={(event) => event.stopPropagation()}
+            />
+            {layers.length > 1 && (
+              <Button label={TEXT.soloThis(layer.name)} pressed={isSolo(layers, index)} onClick={() => store.change(soloLayer(layers, index))}>
+                {TEXT.solo}
+              </Button>
+            )}
+          </div>
+          <SliderField
+            label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
+            shown={TEXT.opacity}
+            min={0}
+            max={1}
+            step={0.01}
+            value={layer.opacity}
+            onValue={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
+            onDone={() => store.settle()}
+          />
+          {layers.length > 1 && (
+            <label class="row look-check">
+              <input
+                type="radio"
+                name="look-layer"
+                aria-label={TEXT.editThis(layer.name)}
+                checked={index === ui.layer}
+                onChange={() => ui.setLayer(index)}
+              />
+              <span>{TEXT.edit}</span>
+              <span class="dim">{TEXT.look(layer.look.name)}</span>
+            </label>
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** The colours of a layer, from its lowest to its highest value. */
+function Ramp({ layer }: { readonly layer: Layer }) {
+  const curves = layer.look.transfer_function;
+  if (!isEditable(curves)) return <span class="chip" />;
+  const [low, high] = spanOf(curves.color);
+  const stops = curves.color.map((point) => `${hexOf(point)} ${(100 * (point[0] - low)) / (high - low || 1)}%`);
+  const first = curves.color[0];
+  const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
+  return <span class="chip look-chip" style={{ background }} />;
+}

@@ -1,0 +1,118 @@
+// Where the first light comes from: a ball seen from the front, on which the bright spot is moved.
+
+import { useRef } from "preact/hooks";
+import type { Vec3 } from "../../state/state.ts";
+import { NumberField } from "./fields.tsx";
+import { anglesOf, directionOf } from "./looks.ts";
+
+const TEXT = {
+  pad: "Direction of the light",
+  keys: "Arrows turn the light, with Page up and down far",
+  azimuth: "From the right",
+  elevation: "From above",
+  degrees: "°",
+  text: (azimuth: number, elevation: number) =>
+    `${Math.abs(Math.round(azimuth))}° from the ${azimuth < 0 ? "left" : "right"}, ` +
+    `${Math.abs(Math.round(elevation))}° from ${elevation < 0 ? "below" : "above"}`,
+};
+const SIZE_PX = 96;
+const RADIUS_PX = 40;
+
+export interface LightPadProps {
+  readonly direction: Vec3;
+  onDirection(direction: Vec3): void;
+  onDone(): void;
+}
+
+export function LightPad({ direction, onDirection, onDone }: LightPadProps) {
+  const isDragging = useRef(false);
+  const [azimuth, elevation] = anglesOf(direction);
+  const length = Math.hypot(...direction) || 1;
+  const spot = { x: (direction[0] / length) * RADIUS_PX, y: (-direction[1] / length) * RADIUS_PX };
+  const turn = (by: number, up: number): void =>
+    onDirection(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
+  const point = (event: PointerEvent & { readonly currentTarget: SVGSVGElement }): void => {
+    const box = event.currentTarget.getBoundingClientRect();
+    const x = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;
+    const y = -(event.clientY - box.top - SIZE_PX / 2) / RADIUS_PX;
+    const share = Math.max(1, Math.hypot(x, y));
+    const [a, b] = [x / share, y / share];
+    const front = Math.sqrt(Math.max(0, 1 - a * a - b * b));
+    onDirection([a, b, front].map((part) => Number(part.toFixed(3))) as unknown as Vec3);
+  };
+  const stop = (): void => {
+    if (isDragging.current) onDone();
+    isDragging.current = false;
+  };
+  return (
+    <div class="row look-nowrap">
+      <svg
+        class="look-pad"
+        width={SIZE_PX}
+        height={SIZE_PX}
+        viewBox={`${-SIZE_PX / 2} ${-SIZE_PX / 2} ${SIZE_PX} ${SIZE_PX}`}
+        role="slider"
+        tabIndex={0}
+        aria-label={TEXT.pad}
+        aria-valuemin={-180}
+        aria-valuemax={180}
+        aria-valuenow={Math.round(azimuth)}
+        aria-valuetext={TEXT.text(azimuth, elevation)}
+        aria-description={TEXT.keys}
+        onPointerDown={(event) => {
+          event.currentTarget.setPointerCapture(event.pointerId);
+          isDragging.current = true;
+          point(event);
+        }}
+        onPointerMove={(event) => {
+          if (isDragging.current) point(event);
+        }}
+        onPointerUp={stop}
+        onPointerCancel={stop}
+        onKeyUp={onDone}
+        onKeyDown={(event) => {
+          const steps: Partial<Record<string, readonly [number, number]>> = {
+            ArrowLeft: [-2, 0],
+            ArrowRight: [2, 0],
+            ArrowUp: [0, 2],
+            ArrowDown: [0, -2],
+            PageUp: [0, 15],
+            PageDown: [0, -15],
+            Home: [-15, 0],
+            End: [15, 0],
+          };
+          const step = steps[event.key];
+          if (step === undefined) return;
+          event.preventDefault();
+          event.stopPropagation();
+          turn(...step);
+        }}
+      >
+        <circle class="look-ball" r={RADIUS_PX} />
+        <path class="look-grid" d={`M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}`} />
+        {/* Hollow: behind the ball. */}
+        <circle class="look-spot" cx={spot.x} cy={spot.y} r={6} data-behind={direction[2] < 0} />
+      </svg>
+      <div class="look-grow look-angles">
+        <Angle label={TEXT.azimuth} value={azimuth} most={180} onValue={(angle) => onDirection(directionOf([angle, elevation]))} onDone={onDone} />
+        <Angle label={TEXT.elevation} value={elevation} most={90} onValue={(angle) => onDirection(directionOf([azimuth, angle]))} onDone={onDone} />
+      </div>
+    </div>
+  );
+}
+
+function Angle(props: { label: string; value: number; most: number; onValue(angle: number): void; onDone(): void }) {
+  const { label, value, most, onValue, onDone } = props;
+  return (
+    <div class="row">
+      <span aria-hidden="true">{label}</span>
+      <NumberField label={label} unit="degrees" min={-most} max={most} step={1} value={Math.round(10 * value) / 10} onValue={onValue} onDone={onDone} />
+      <span aria-hidden="true">{TEXT.degrees}</span>
+    </div>
+  );
+}
+
+/** -180 to 180. */
+function wrapped(degrees: number): number {
+  return ((((degrees + 180) % 360) + 360) % 360) - 180;
+}

@@ -1,0 +1,237 @@
+// How rays become colours: the operator with its numbers, light, and the kernel of reconstruction.
+
+import { useRef } from "preact/hooks";
+import type { Problem } from "../../engine/engine.ts";
+import { set } from "../../state/patch.ts";
+import type { Light, Shading, Vec3 } from "../../state/state.ts";
+import type { PartProps } from "../part.ts";
+import { DIMMING, COMPOSITE_NAMES, compositeNamed, KERNEL_NAMES, nameOf, numberOf, SHADED, withNumber } from "./composites.ts";
+import { surfaceValue } from "./curves.ts";
+import { Button, CheckField, ColorField, SelectField, SliderField } from "./fields.tsx";
+import { LayerChoice } from "./function_panel.tsx";
+import { LightPad } from "./light_pad.tsx";
+import { DEFAULT_LIGHTS, DEFAULT_SHADING, hexColor, lookAsChosen, namedColor, shadingOf } from "./looks.ts";
+
+const TEXT = {
+  composite: "Rays show",
+  overOnly: "Several layers, and labels, are drawn by volume rendering alone.",
+  iso: "Surface at",
+  threshold: "Threshold",
+  automatic: (what: string) => `${what}: chosen by the program`,
+  strength: "Dimming",
+  clear: "Clear below",
+  attenuation: "Attenuation",
+  kernel: "Kernel",
+  background: "Background",
+  shading: "Shading",
+  all: "This light is that of all layers.",
+  unshaded: "This operator has no shading: light changes nothing here.",
+  ambient: "Ambient",
+  diffuse: "Diffuse",
+  specular: "Specular",
+  power: "Shininess",
+  exposure: "Exposure",
+  shoulder: "Soft highlights from",
+  occlusion: "Occlusion",
+  radius: "Occlusion radius",
+  shadow: "Shadow",
+  smoothing: "Smooth normals",
+  smoothingOn: "Smooth normals by the kernel of gradients",
+  offset: "Normal width",
+  world: "The light stands still in the world.",
+  reset: "Reset light to the look's",
+};
+/** Deviations of the smoothing of gradients, voxels, as `wavesplat.Shading` takes them. */
+const SMOOTHING: readonly [number, number] = [0.5, 1.25];
+const SMOOTH = 0.8;
+/** Of Hounsfield units and millimetres: water at 60 keV, as `wavesplat.XRay`. */
+const WATER = 2.059e-5;
+
+export function LightPanel(props: PartProps) {
+  return (
+    <div class="look-panel">
+      <Operator {...props} />
+      <LayerChoice {...props} />
+      <LightFields {...props} />
+      <Rest {...props} />
+    </div>
+  );
+}
+
+function Operator({ store, ui, welcome }: PartProps) {
+  const { render, layers, labels } = store.state;
+  const volume = welcome.volumes[ui.layer];
+  const name = nameOf(render.composite);
+  const isOverOnly = layers.filter((layer) => layer.visible).length > 1 || labels !== null;
+  const look = layers[ui.layer]?.look;
+  const [low, high] = volume?.range ?? [0, 1];
+  const surface = (): number => (look === undefined ? (low + high) / 2 : surfaceValue(look.transfer_function, volume?.robust_range ?? [0, 1]));
+  const number = (field: string, value: number | null, gesture?: string): void =>
+    store.change([set(withNumber(render.composite, field, value), "render", "composite")], gesture);
+  const slider = (label: string, field: string, value: number, min: number, max: number, unit = "", beyond: object = {}) => (
+    <SliderField
+      label={label}
+      unit={unit}
+      min={min}
+      max={max}
+      value={value}
+      {...beyond}
+      onValue={(next) => number(field, next, `${name} ${field}`)}
+      onDone={() => store.settle()}
+    />
+  );
+  /** A number that the program chooses until it is set. */
+  const optional = (label: string, field: string, first: number, min: number, max: number, unit = "") => {
+    const value = numberOf(render.composite, field);
+    return (
+      <>
+        <CheckField label={TEXT.automatic(label)} checked={value === null} onCheck={(on) => number(field, on ? null : first)} />
+        {value !== null && slider(label, field, value, min, max, unit, { least: -Infinity, most: Infinity })}
+      </>
+    );
+  };
+  const unit = volume?.value_unit ?? "";
+  // Through the whole volume of usual values little light comes.
+  const attenuation = unit === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume?.bounds));
+  return (
+    <>
+      <SelectField
+        label={TEXT.composite}
+        value={name}
+        options={welcome.composites.map((value) => ({
+          value,
+          text: COMPOSITE_NAMES[value] ?? value,
+          disabled: isOverOnly && value !== "over" && value !== name,
+        }))}
+        onChoice={(value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])}
+      />
+      {isOverOnly && <p class="dim look-small">{TEXT.overOnly}</p>}
+      {name === "first-hit" && slider(TEXT.iso, "iso_value", numberOf(render.composite, "iso_value") ?? surface(), low, high, unit)}
+      {name === "local-maximum" && optional(TEXT.threshold, "threshold", surface(), low, high, unit)}
+      {name === "depth-shaded-maximum" && slider(TEXT.strength, "strength", numberOf(render.composite, "strength") ?? DIMMING, 0, 1)}
+      {name === "x-ray" && optional(TEXT.clear, "clear", low, low, high, unit)}
+      {name === "x-ray" && optional(TEXT.attenuation, "attenuation", attenuation, attenuation / 100, 5 * attenuation)}
+    </>
+  );
+}
+
+function LightFields({ store, engine, ui, welcome }: PartProps) {
+  const { state } = store;
+  const { shading, path } = shadingOf(state, ui.layer);
+  const look = state.layers[ui.layer]?.look;
+  const kept = useRef<Shading | null>(null);
+  if (shading !== null) kept.current = shading;
+  const name = nameOf(state.render.composite);
+  const isShaded = SHADED.includes(name);
+
+  const reset = async (): Promise<void> => {
+    try {
+      const first = look === undefined ? null : await lookAsChosen(engine, welcome, ui.layer, look.name);
+      const operations = state.shading === "look" ? [] : [set("look", "shading")];
+      if (first !== null) store.change([...operations, set(first.shading, "layers", ui.layer, "look", "shading")]);
+    } catch (problem) {
+      ui.problem(problem as Problem);
+    }
+  };
+  const toggle = (on: boolean): void => store.change([set(on ? (kept.current ?? DEFAULT_SHADING) : null, ...path)]);
+  const resetButton = <Button onClick={() => void reset()}>{TEXT.reset}</Button>;
+  const head = (
+    <>
+      <CheckField label={TEXT.shading} checked={shading !== null} onCheck={toggle} />
+      {!isShaded && <p class="dim look-small">{TEXT.unshaded}</p>}
+      {state.shading !== "look" && state.layers.length > 1 && <p class="dim look-small">{TEXT.all}</p>}
+    </>
+  );
+  if (shading === null) {
+    return (
+      <>
+        {head}
+        {resetButton}
+      </>
+    );
+  }
+
+  const change = (field: keyof Shading, value: unknown): void => store.change([set(value, ...path, field)], `light ${field}`);
+  const done = (): void => store.settle();
+  const slider = (label: string, field: keyof Shading, min: number, max: number, more: object = {}) => (
+    <SliderField
+      key={field}
+      label={label}
+      min={min}
+      max={max}
+      value={(shading[field] as number | null) ?? min}
+      {...more}
+      onValue={(value) => change(field, value)}
+      onDone={done}
+    />
+  );
+  const lights = shading.lights.length > 0 ? shading.lights : DEFAULT_LIGHTS;
+  const first = lights[0] as Light;
+  const setDirection = (direction: Vec3): void => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
+  const isSmooth = shading.gradient_smoothing > 0;
+  const side = longestSide(welcome.volumes[ui.layer]?.bounds);
+  return (
+    <>
+      {head}
+      {slider(TEXT.exposure, "exposure", 0, 3, { most: 100, step: 0.01 })}
+      {slider(TEXT.ambient, "ambient", 0, 1, { most: 10, step: 0.01 })}
+      {slider(TEXT.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 })}
+      {slider(TEXT.specular, "specular", 0, 1, { most: 10, step: 0.01 })}
+      {slider(TEXT.power, "specular_power", 1, 100, { most: 1000, step: 1 })}
+      {slider(TEXT.shoulder, "shoulder", 0, 1, { step: 0.01 })}
+      {slider(TEXT.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 })}
+      {shading.ambient_occlusion > 0 && (
+        <>
+          <CheckField
+            label={TEXT.automatic(TEXT.radius)}
+            checked={shading.occlusion_radius === null}
+            onCheck={(on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])}
+          />
+          {shading.occlusion_radius !== null &&
+            slider(TEXT.radius, "occlusion_radius", side / 500, side / 2, { unit: welcome.volumes[ui.layer]?.unit ?? "" })}
+        </>
+      )}
+      {slider(TEXT.shadow, "shadow", 0, 1, { step: 0.01 })}
+      {first["frame"] === "world" && <p class="dim look-small">{TEXT.world}</p>}
+      <LightPad direction={first.direction} onDirection={setDirection} onDone={done} />
+      <CheckField
+        label={TEXT.smoothingOn}
+        checked={isSmooth}
+        onCheck={(on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])}
+      />
+      {isSmooth
+        ? slider(TEXT.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 })
+        : slider(TEXT.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 })}
+      {resetButton}
+    </>
+  );
+}
+
+function Rest({ store, welcome }: PartProps) {
+  const { render, background } = store.state;
+  return (
+    <>
+      <SelectField
+        label={TEXT.kernel}
+        value={render.kernel}
+        options={welcome.kernels.map((value) => ({ value, text: KERNEL_NAMES[value] ?? value }))}
+        onChoice={(value) => store.change([set(value, "render", "kernel")])}
+      />
+      <div class="field">
+        <span aria-hidden="true">{TEXT.background}</span>
+        <ColorField
+          label={TEXT.background}
+          value={hexColor(background, namedColor)}
+          onColor={(hex) => store.change([set(hex, "background")], "background")}
+          onDone={() => store.settle()}
+        />
+      </div>
+    </>
+  );
+}
+
+function longestSide(bounds: readonly [Vec3, Vec3] | undefined): number {
+  if (bounds === undefined) return 1;
+  const [lower, upper] = bounds;
+  return Math.max(...upper.map((end, axis) => end - (lower[axis] ?? 0)));
+}

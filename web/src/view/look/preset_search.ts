@@ -1,0 +1,12 @@
+// Which presets a search finds.
+
+/** Those that have all words, in their name before others; else in the order given. */
+export function matching<T extends { readonly name: string; readonly description: string }>(
+  presets: readonly T[],
+  search: string,
+): T[] {
+  const words = search.toLowerCase().split(/[\s_-]+/).filter((word) => word !== "");
+  const has = (text: string): boolean => words.every((word) => text.toLowerCase().includes(word));
+  const found = presets.filter(({ name, description }) => has(`${name} ${description}`));
+  return words.length === 0 ? found : [...found.filter(({ name }) => has(name)), ...found.filter(({ name }) => !has(name))];
+}

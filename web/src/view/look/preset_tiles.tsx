@@ -1,0 +1,85 @@
+// A list of presets as tiles, one of which is chosen. Arrows go from tile to tile, Enter and Space choose.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { PresetPictures } from "./preset_pictures.ts";
+
+export interface Tile {
+  readonly name: string;
+  readonly description: string;
+  /** Where it is not drawn by the engine. */
+  readonly picture?: string;
+}
+
+export interface PresetTilesProps {
+  readonly label: string;
+  readonly tiles: readonly Tile[];
+  readonly selected: string;
+  readonly pictures: PresetPictures;
+  onChoose(name: string): void;
+}
+
+export function PresetTiles({ label, tiles, selected, pictures, onChoose }: PresetTilesProps) {
+  const list = useRef<HTMLDivElement>(null);
+  const [focused, setFocused] = useState<string | null>(null);
+  // One tile is in the tab order: the one that had the focus, the chosen one, or the first.
+  const entry = [focused, selected].find((name) => tiles.some((tile) => tile.name === name)) ?? tiles[0]?.name;
+  const names = tiles.map(({ name }) => name).join("\n");
+  useEffect(() => {
+    const seen = new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) {
+        const name = (target as HTMLElement).dataset["name"] ?? "";
+        if (isIntersecting) pictures.want(name);
+        else pictures.leave(name);
+      }
+    });
+    list.current?.querySelectorAll("[data-drawn]").forEach((tile) => seen.observe(tile));
+    return () => seen.disconnect();
+  }, [pictures, names]);
+
+  const onKeyDown = (event: KeyboardEvent, index: number): void => {
+    const all = [...(list.current?.querySelectorAll<HTMLElement>("[role=option]") ?? [])];
+    const columns = Math.max(1, all.findIndex((tile) => tile.offsetTop > (all[0]?.offsetTop ?? 0)));
+    const row = all.length > columns ? columns : 1;
+    const steps: Partial<Record<string, number>> = {
+      ArrowLeft: index - 1,
+      ArrowRight: index + 1,
+      ArrowUp: index - row,
+      ArrowDown: index + row,
+      Home: 0,
+      End: all.length - 1,
+    };
+    const target = steps[event.key];
+    if (event.key === "Enter" || event.key === " ") onChoose(tiles[index]?.name ?? "");
+    else if (target !== undefined) all[Math.max(0, Math.min(all.length - 1, target))]?.focus();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
+
+  return (
+    <div class="look-tiles" role="listbox" aria-label={label} ref={list}>
+      {tiles.map(({ name, description, picture }, index) => {
+        const address = picture ?? pictures.get(name);
+        return (
+          <div
+            key={name}
+            class="look-tile"
+            role="option"
+            aria-selected={name === selected}
+            aria-label={`${name}: ${description}`}
+            title={description}
+            tabIndex={name === entry ? 0 : -1}
+            data-name={name}
+            data-drawn={picture === undefined ? true : undefined}
+            onClick={() => onChoose(name)}
+            onFocus={() => setFocused(name)}
+            onKeyDown={(event) => onKeyDown(event, index)}
+          >
+            {address ? <img src={address} alt="" width={96} height={96} /> : <span class="look-blank" />}
+            <span class="look-name">{name}</span>
+          </div>
+        );
+      })}
+    </div>
+  );
+}

@@ -1,0 +1,125 @@
+// Presets as small pictures of this volume; those that fit first, then all; the user's own with their names.
+
+import { useEffect, useMemo, useReducer, useRef, useState } from "preact/hooks";
+import type { Problem } from "../../engine/engine.ts";
+import type { Look } from "../../state/state.ts";
+import type { PartProps } from "../part.ts";
+import { Button } from "./fields.tsx";
+import { LayerChoice } from "./function_panel.tsx";
+import { chosen } from "./looks.ts";
+import { OwnPresets } from "./own_presets_fields.tsx";
+import { ownPresets } from "./own_presets.ts";
+import { PresetPictures } from "./preset_pictures.ts";
+import { PresetTiles, type Tile } from "./preset_tiles.tsx";
+import { matching } from "./preset_search.ts";
+
+const TEXT = {
+  search: "Search",
+  fitting: "Presets that fit",
+  own: "Your own",
+  all: (n: number) => `All presets (${n} more)`,
+  none: "No preset has this in its name or description.",
+  auto: "By the kind of data, from its histogram.",
+  redraw: "Draw the pictures anew",
+  old: "The camera or the time is another one than in these pictures.",
+  chosen: (name: string) => `Look ${name}`,
+  ownPreset: "Saved by you",
+};
+
+export function PresetsPanel(props: PartProps) {
+  const { store, engine, ui, welcome } = props;
+  const layer = store.state.layers[ui.layer];
+  const [search, setSearch] = useState("");
+  const [showsAll, setShowsAll] = useState(false);
+  const [own, setOwn] = useState(() => ownPresets());
+  const [, redraw] = useReducer((count: number) => count + 1, 0);
+  const problem = useRef(ui.problem);
+  problem.current = ui.problem;
+  const pictures = useMemo(
+    () => new PresetPictures(engine, ui.layer, () => redraw(null as never), (found) => problem.current(found)),
+    [engine, ui.layer],
+  );
+  useEffect(() => () => pictures.close(), [pictures]);
+  useEffect(() => store.subscribe(() => pictures.pause()), [store, pictures]);
+  const drawn = useRef({ camera: store.state.camera, time: layer?.time });
+  if (layer === undefined) return null;
+
+  const isOld = drawn.current.camera !== store.state.camera || drawn.current.time !== layer.time;
+  const drawAnew = (): void => {
+    drawn.current = { camera: store.state.camera, time: layer.time };
+    pictures.clear().forEach((name) => pictures.want(name));
+    redraw(null as never);
+  };
+  const take = (look: Look): void => {
+    store.change(chosen(store.state, ui.layer, look));
+    ui.announce(TEXT.chosen(look.name));
+  };
+  const choose = async (name: string): Promise<void> => {
+    try {
+      take((await engine.ask("preset", { layer: ui.layer, name })).look);
+    } catch (found) {
+      ui.problem(found as Problem);
+    }
+  };
+  const tiles: readonly (Tile & { fits: boolean })[] = [
+    { name: "auto", description: TEXT.auto, fits: true },
+    ...welcome.presets.map(({ name, description, fits }) => ({ name, description, fits })),
+  ];
+  const found = matching(tiles, search);
+  const fitting = found.filter(({ fits }) => fits);
+  const rest = found.filter(({ fits }) => !fits);
+  const ownTiles = matching(
+    own.map(({ name, look, picture }) => ({ name, description: look.description || TEXT.ownPreset, picture })),
+    search,
+  );
+  const grid = { selected: layer.look.name, pictures, onChoose: (name: string) => void choose(name) };
+  return (
+    <div class="look-panel">
+      <LayerChoice {...props} />
+      <label class="field">
+        <span>{TEXT.search}</span>
+        <input
+          type="search"
+          class="look-grow"
+          value={search}
+          onInput={(event) => setSearch(event.currentTarget.value)}
+          onKeyDown={(event) => event.stopPropagation()}
+        />
+      </label>
+      {ownTiles.length > 0 && (
+        <>
+          <h3>{TEXT.own}</h3>
+          <PresetTiles
+            {...grid}
+            label={TEXT.own}
+            tiles={ownTiles}
+            onChoose={(name) => {
+              const preset = own.find((one) => one.name === name);
+              if (preset !== undefined) take(preset.look);
+            }}
+          />
+        </>
+      )}
+      {fitting.length > 0 && <PresetTiles {...grid} label={TEXT.fitting} tiles={fitting} />}
+      {rest.length > 0 && (
+        <details
+          class="look-details"
+          open={showsAll || search !== ""}
+          onToggle={(event) => search === "" && setShowsAll(event.currentTarget.open)}
+        >
+          <summary>{TEXT.all(rest.length)}</summary>
+          {(showsAll || search !== "") && <PresetTiles {...grid} label={TEXT.all(rest.length)} tiles={rest} />}
+        </details>
+      )}
+      {found.length + ownTiles.length === 0 && <p class="dim">{TEXT.none}</p>}
+      {isOld && (
+        <div class="row">
+          <Button label={TEXT.old} onClick={drawAnew}>
+            {TEXT.redraw}
+          </Button>
+        </div>
+      )}
+      <OwnPresets {...props} own={own} onOwn={setOwn} onTake={take} />
+    </div>
+  );
+}

@@ -1,0 +1,105 @@
+// The times of a series: a slider, steps, and play, which waits for each picture.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import { set } from "../../state/patch.ts";
+import type { PartProps } from "../part.ts";
+import { Button, CheckField, NumberField } from "./fields.tsx";
+import { nextTime, waitFor } from "./time_steps.ts";
+
+const TEXT = {
+  title: "Time",
+  of: (time: number, count: number) => `${time + 1} of ${count}`,
+  before: "Time before",
+  next: "Next time",
+  play: "Play",
+  pause: "Pause",
+  rate: "Frames a second",
+  perSecond: "a second",
+  repeat: "Repeat",
+};
+const MOST_RATE = 60;
+const GESTURE = "time";
+
+export function TimeBar({ store, ui, welcome }: PartProps) {
+  const { layers } = store.state;
+  const count = Math.max(1, ...welcome.volumes.map((volume) => volume.n_times));
+  const series = welcome.volumes.flatMap((volume, index) => (volume.n_times > 1 ? [index] : []));
+  const time = Math.max(0, ...series.map((index) => layers[index]?.time ?? 0));
+  const [isPlaying, setPlaying] = useState(false);
+  const [rate, setRate] = useState(10);
+  const [repeats, setRepeats] = useState(true);
+  const last = useRef<{ at: number; seq: number }>({ at: 0, seq: 0 });
+
+  const go = (next: number): void => {
+    const operations = series.map((index) => set(Math.min(next, (welcome.volumes[index]?.n_times ?? 1) - 1), "layers", index, "time"));
+    store.change(operations, GESTURE);
+    last.current = { at: performance.now(), seq: store.seq };
+  };
+  const step = (by: number): void => {
+    go((time + by + count) % count);
+    store.settle();
+  };
+  const stop = (): void => {
+    setPlaying(false);
+    store.settle();
+  };
+  const toggle = (): void => {
+    if (isPlaying) stop();
+    else {
+      if (time === count - 1 && !repeats) go(0);
+      setPlaying(true);
+    }
+  };
+
+  // Views that are shown all have to be there; the slowest leads.
+  const frames = Object.values(ui.frames);
+  const isShown = frames.every((frame) => frame.seq >= last.current.seq);
+  useEffect(() => {
+    if (!isPlaying) return undefined;
+    const wait = waitFor(performance.now(), { at: last.current.at, isShown }, rate);
+    if (wait === null) return undefined;
+    const timer = setTimeout(() => {
+      const next = nextTime(time, count, repeats);
+      if (next === null) stop();
+      else go(next);
+    }, wait);
+    return () => clearTimeout(timer);
+  }, [isPlaying, isShown, time, rate, repeats]);
+
+  if (count < 2) return null;
+  return (
+    <div class="look-time" role="group" aria-label={TEXT.title}>
+      <Button label={TEXT.before} onClick={() => step(-1)}>
+        ‹
+      </Button>
+      <Button pressed={isPlaying} onClick={toggle}>
+        {isPlaying ? TEXT.pause : TEXT.play}
+      </Button>
+      <Button label={TEXT.next} onClick={() => step(1)}>
+        ›
+      </Button>
+      <input
+        type="range"
+        aria-label={TEXT.title}
+        aria-valuetext={TEXT.of(time, count)}
+        min={0}
+        max={count - 1}
+        step={1}
+        value={time}
+        onInput={(event) => {
+          setPlaying(false);
+          go(event.currentTarget.valueAsNumber);
+        }}
+        onChange={() => store.settle()}
+      />
+      <output class="look-count">{TEXT.of(time, count)}</output>
+      <label class="row">
+        <NumberField label={TEXT.rate} min={0.2} max={MOST_RATE} step={1} value={rate} onValue={setRate} onDone={() => {}} />
+        <span class="dim" aria-hidden="true">
+          {TEXT.perSecond}
+        </span>
+      </label>
+      <CheckField label={TEXT.repeat} checked={repeats} onCheck={setRepeats} />
+    </div>
+  );
+}

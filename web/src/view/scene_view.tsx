@@ -48,7 +48,7 @@ export function SceneView(props: PartProps) {
     }
     if (gesture.phase === "start") return;
     const { what, dx, dy } = gesture;
-    if (what === "window" || (what === "main" && ui.tool === "window")) windowDrag(props, dx, dy, size);
+    if (what === "window" || (what === "main" && ui.tool === "window")) windowDrag(props, dx, dy);
     else if (what === "pan") move(cameras.panned(camera(), dx, dy, size.height), "pan");
     else if (what === "zoom") move(cameras.zoomed(camera(), Math.exp((-2 * dy) / size.height)), "zoom");
     else if (what === "roll") move(cameras.rolled(camera(), (Math.PI * dx) / size.width), "roll");

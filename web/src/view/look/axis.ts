@@ -1,0 +1,95 @@
+// The axis of values under a histogram: what part of it is seen, its ticks, and numbers for people.
+
+import { clamped, middle, type Curve, type Range } from "./curves.ts";
+
+/** No closer than this share of the whole. */
+const CLOSEST = 1e-4;
+
+/** The whole axis: all values of the data, and all points of the curves, with a little room. */
+export function wholeOf(data: Range, points: Range): Range {
+  const [low, high] = [Math.min(data[0], points[0]), Math.max(data[1], points[1])];
+  const room = 0.02 * (high > low ? high - low : Math.abs(low) || 1);
+  return [low - room, high + room];
+}
+
+/** Nearer by a factor above 1, the value at `centre` staying in its place; never beyond the whole. */
+export function zoomed(seen: Range, factor: number, centre: number, whole: Range): Range {
+  const most = whole[1] - whole[0];
+  const width = clamped((seen[1] - seen[0]) / factor, CLOSEST * most, most);
+  const share = clamped((centre - seen[0]) / (seen[1] - seen[0]), 0, 1);
+  return within([centre - share * width, centre + (1 - share) * width], whole);
+}
+
+/** Moved back inside, as wide as it is or as the whole. */
+export function within([low, high]: Range, whole: Range): Range {
+  const width = Math.min(high - low, whole[1] - whole[0]);
+  const start = clamped(low, whole[0], whole[1] - width);
+  return [start, start + width];
+}
+
+/** Round values along a range, about as many as asked. */
+export function ticks([low, high]: Range, n = 5): number[] {
+  const step = roundStep((high - low) / n);
+  const first = Math.ceil(low / step);
+  const count = Math.floor(high / step) - first + 1;
+  return Array.from({ length: Math.max(0, Math.min(count, 50)) }, (_, k) => tidy((first + k) * step, step));
+}
+
+/** The value as people write it where `span` is what is seen: no more digits than a thousandth of it. */
+export function rounded(value: number, span: number): number {
+  const step = 10 ** Math.floor(Math.log10(Math.max(Math.abs(span), Number.MIN_VALUE) / 1000));
+  return Number.isFinite(step) && step > 0 ? tidy(Math.round(value / step) * step, step) : value;
+}
+
+/** Text of a number: real numbers, at most six digits, no exponent where it can be helped. */
+export function numberText(value: number): string {
+  const size = Math.abs(value);
+  if (size !== 0 && (size >= 1e7 || size < 1e-4)) return value.toExponential(2).replace(/\.?0+e/, "e");
+  return String(Number(value.toPrecision(6)));
+}
+
+/** How many points lie below and above what is seen. */
+export function outOfSight(curve: Curve, [low, high]: Range): { readonly below: number; readonly above: number } {
+  const values = curve.map(([value]) => value ?? 0);
+  return { below: values.filter((value) => value < low).length, above: values.filter((value) => value > high).length };
+}
+
+/** A range around the points, with room to move them. */
+export function around(points: Range, whole: Range): Range {
+  const width = points[1] - points[0];
+  const room = width > 0 ? 0.15 * width : 0.05 * (whole[1] - whole[0]);
+  return within([points[0] - room, points[1] + room], whole);
+}
+
+/** Heights 0..1 of the bars of a histogram. */
+export function heights(counts: readonly number[], isLog: boolean): number[] {
+  const most = Math.max(1, ...counts);
+  return counts.map((count) => (isLog ? Math.log1p(count) / Math.log1p(most) : count / most));
+}
+
+/** A step for arrow keys: `fine` a two-hundredth, else a twentieth of what is seen, round. */
+export function keyStep([low, high]: Range, fine: boolean): number {
+  return roundStep((high - low) / (fine ? 200 : 20));
+}
+
+/** 1, 2 or 5 times a power of ten, not less than what is asked. */
+export function roundStep(least: number): number {
+  if (!(least > 0) || !Number.isFinite(least)) return 1;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const factor = [1, 2, 5, 10].find((one) => one * power >= least * (1 - 1e-9)) ?? 10;
+  return factor * power;
+}
+
+export function isSeen(value: number, seen: Range): boolean {
+  return value >= seen[0] && value <= seen[1];
+}
+
+export function centreOf(seen: Range): number {
+  return middle(seen);
+}
+
+/** Without the last bits that multiplying by a step leaves. */
+function tidy(value: number, step: number): number {
+  const places = Math.max(0, Math.min(12, 1 - Math.floor(Math.log10(step))));
+  return Number(value.toFixed(places)) + 0;
+}

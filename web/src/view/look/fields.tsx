@@ -1,0 +1,235 @@
+// Rows of the panels: a label, a slider, a number. All events of one gesture have one name and one step of undo.
+
+import type { ComponentChildren } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import { clamped } from "./curves.ts";
+import { numberText } from "./axis.ts";
+
+export interface NumberFieldProps {
+  readonly label: string;
+  readonly value: number;
+  readonly min?: number;
+  readonly max?: number;
+  readonly step?: number | "any";
+  readonly unit?: string;
+  readonly disabled?: boolean;
+  readonly id?: string;
+  /** Each number while it is typed or stepped. */
+  onValue(value: number): void;
+  /** The end of the gesture. */
+  onDone(): void;
+}
+
+/** A number alone, named for screen readers. What is typed stays as typed until the field is left. */
+export function NumberField(props: NumberFieldProps) {
+  const { label, value, min, max, step = "any", unit = "", disabled = false, id } = props;
+  const [typed, setTyped] = useState<string | null>(null);
+  const done = (): void => {
+    setTyped(null);
+    props.onDone();
+  };
+  return (
+    <input
+      type="number"
+      id={id}
+      aria-label={unit === "" ? label : `${label}, ${unit}`}
+      value={typed ?? numberText(value)}
+      min={min}
+      max={max}
+      step={step}
+      disabled={disabled}
+      onInput={(event) => {
+        const field = event.currentTarget;
+        setTyped(field.value);
+        const number = field.valueAsNumber;
+        if (Number.isFinite(number)) props.onValue(clamped(number, min ?? -Infinity, max ?? Infinity));
+      }}
+      onChange={done}
+      onBlur={done}
+      onKeyDown={(event) => {
+        event.stopPropagation();
+        if (event.key === "Enter") done();
+      }}
+    />
+  );
+}
+
+export interface SliderFieldProps extends NumberFieldProps {
+  readonly min: number;
+  readonly max: number;
+  /** Numbers that may be typed beyond the slider. */
+  readonly least?: number;
+  readonly most?: number;
+}
+
+/** A slider and its number. */
+export function SliderField(props: SliderFieldProps) {
+  const { label, value, min, max, step = (max - min) / 200, unit = "", disabled = false, least, most } = props;
+  return (
+    <div class="field look-slider">
+      <span aria-hidden="true">{label}</span>
+      <input
+        type="range"
+        aria-label={label}
+        aria-valuetext={`${numberText(value)}${unit && ` ${unit}`}`}
+        value={value}
+        min={min}
+        max={max}
+        step={step}
+        disabled={disabled}
+        onInput={(event) => props.onValue(event.currentTarget.valueAsNumber)}
+        onChange={() => props.onDone()}
+      />
+      <NumberField {...props} min={least ?? min} max={most ?? max} step="any" label={`${label}, number`} />
+    </div>
+  );
+}
+
+export interface RelativeSliderProps {
+  readonly label: string;
+  /** At the ends of the slider, which are at -1 and 1; `value` is what the number field is for. */
+  amount(position: number): number;
+  position(amount: number): number;
+  /** No change. */
+  readonly neutral: number;
+  readonly unit?: string;
+  readonly disabled?: boolean;
+  /** By how much against the state at the begin of the gesture. */
+  onAmount(amount: number): void;
+  onDone(): void;
+}
+
+/** A slider that goes back to its middle after each gesture, so that there is no end to run out of. */
+export function RelativeSlider(props: RelativeSliderProps) {
+  const { label, neutral, unit = "", disabled = false } = props;
+  const [amount, setAmount] = useState<number | null>(null);
+  const [typed, setTyped] = useState("");
+  const done = (): void => {
+    setAmount(null);
+    props.onDone();
+  };
+  const apply = (): void => {
+    const number = Number(typed);
+    setTyped("");
+    if (typed.trim() === "" || !Number.isFinite(number)) return;
+    props.onAmount(number);
+    done();
+  };
+  const shown = numberText(amount ?? neutral);
+  return (
+    <div class="field look-slider">
+      <span aria-hidden="true">{label}</span>
+      <input
+        type="range"
+        aria-label={label}
+        aria-valuetext={`${shown}${unit && ` ${unit}`}`}
+        min={-1}
+        max={1}
+        step={0.01}
+        value={amount === null ? 0 : props.position(amount)}
+        disabled={disabled}
+        onInput={(event) => {
+          const next = props.amount(event.currentTarget.valueAsNumber);
+          setAmount(next);
+          props.onAmount(next);
+        }}
+        onChange={done}
+      />
+      <input
+        type="number"
+        step="any"
+        aria-label={`${label}, number${unit && `, ${unit}`}`}
+        value={amount === null ? typed : Number(amount.toPrecision(3))}
+        placeholder={numberText(neutral)}
+        disabled={disabled}
+        onInput={(event) => setTyped(event.currentTarget.value)}
+        onBlur={apply}
+        onKeyDown={(event) => {
+          event.stopPropagation();
+          if (event.key === "Enter") apply();
+        }}
+      />
+    </div>
+  );
+}
+
+export interface SelectFieldProps {
+  readonly label: string;
+  readonly value: string;
+  readonly options: readonly { readonly value: string; readonly text: string; readonly disabled?: boolean }[];
+  onChoice(value: string): void;
+}
+
+export function SelectField({ label, value, options, onChoice }: SelectFieldProps) {
+  return (
+    <label class="field">
+      <span>{label}</span>
+      <select class="look-grow" value={value} onChange={(event) => onChoice(event.currentTarget.value)}>
+        {options.map((option) => (
+          <option key={option.value} value={option.value} disabled={option.disabled ?? false}>
+            {option.text}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+export function CheckField({ label, checked, onCheck }: { label: string; checked: boolean; onCheck(on: boolean): void }) {
+  return (
+    <label class="row look-check">
+      <input type="checkbox" checked={checked} onChange={(event) => onCheck(event.currentTarget.checked)} />
+      <span>{label}</span>
+    </label>
+  );
+}
+
+export interface ColorFieldProps {
+  readonly label: string;
+  /** #rrggbb */
+  readonly value: string;
+  onColor(hex: string): void;
+  onDone(): void;
+}
+
+/** The browser's colour picker. Preact sets the value anew on each render, which some pickers take as a choice. */
+export function ColorField({ label, value, onColor, onDone }: ColorFieldProps) {
+  const [picked, setPicked] = useState<string | null>(null);
+  useEffect(() => setPicked(null), [value]);
+  return (
+    <input
+      type="color"
+      aria-label={label}
+      value={picked ?? value}
+      onInput={(event) => {
+        setPicked(event.currentTarget.value);
+        onColor(event.currentTarget.value);
+      }}
+      onChange={onDone}
+      onBlur={onDone}
+    />
+  );
+}
+
+/** A button of a few words. */
+export function Button(props: {
+  readonly children: ComponentChildren;
+  readonly label?: string;
+  readonly pressed?: boolean;
+  readonly disabled?: boolean;
+  onClick(): void;
+}) {
+  return (
+    <button
+      type="button"
+      class="button"
+      aria-label={props.label}
+      title={props.label}
+      aria-pressed={props.pressed}
+      disabled={props.disabled ?? false}
+      onClick={() => props.onClick()}
+    >
+      {props.children}
+    </button>
+  );
+}

@@ -137,9 +137,10 @@ class _Guarded(tornado.web.RequestHandler):
 
     def initialize(self, server: Server) -> None:
         self._server = server
+        self._guard()
 
-    def set_default_headers(self) -> None:
-        port = getattr(self, "_server", None) and self._server.port
+    def _guard(self) -> None:
+        port = self._server.port
         # No names of programs, nothing from elsewhere, in no frame.
         self.clear_header("Server")
         policy = (
@@ -162,6 +163,7 @@ class _Guarded(tornado.web.RequestHandler):
             raise tornado.web.HTTPError(405)
 
     def write_error(self, status_code: int, **_: Any) -> None:
+        self._guard()  # errors begin with a clean slate
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish(f"{status_code}: {self._reason}\n")
 

@@ -1,7 +1,8 @@
 // A channel through a widget's own comm, as Jupyter, VS Code, Colab and marimo have it: no second port.
 
 import type { Stop } from "../state/store.ts";
-import type { Channel } from "./channel.ts";
+import type { Channel, ChannelState } from "./channel.ts";
+import type { Header, Payload } from "./framing.ts";
 
 /** The part of anywidget's model that is needed (https://anywidget.dev/en/afm/). */
 export interface WidgetModel {
@@ -26,16 +27,20 @@ export function bytesOf(buffer: unknown): Uint8Array<ArrayBuffer> {
 
 /** `page`: tells this page's messages from those for other pages of the same widget. */
 export function commChannel(model: WidgetModel, page: string): Channel {
-  const listeners = new Set<(header: Record<string, unknown>, payload: Uint8Array<ArrayBuffer>) => void>();
+  const listeners = new Set<(header: Header, payload: Payload) => void>();
+  const states = new Set<(state: ChannelState) => void>();
+  const open = (): void => states.forEach((listener) => listener({ kind: "open" }));
   const receive = (content: unknown, buffers: unknown[]): void => {
     if (typeof content !== "object" || content === null) return;
-    const header = content as Record<string, unknown>;
+    const header = content as Header;
     if (header["page"] !== page) return;
     const first = buffers?.[0];
     const payload = first === undefined ? new Uint8Array() : bytesOf(first);
     for (const listener of listeners) listener(header, payload);
   };
   model.on("msg:custom", receive);
+  // Listeners come first.
+  queueMicrotask(open);
   return {
     send(header, payload) {
       model.send({ ...header, page }, undefined, payload === undefined ? [] : [payload]);
@@ -44,6 +49,11 @@ export function commChannel(model: WidgetModel, page: string): Channel {
       listeners.add(listener);
       return () => listeners.delete(listener);
     },
+    onState(listener): Stop {
+      states.add(listener);
+      return () => states.delete(listener);
+    },
+    retry: open,
     close() {
       model.send({ type: "bye", page }, undefined, []);
       model.off("msg:custom", receive);

@@ -155,5 +155,7 @@ export interface Engine {
     progress?: (part: number) => void,
     signal?: AbortSignal,
   ): Promise<Questions[Q]["answer"]>;
+  /** Tries to connect again, now. */
+  retry(): void;
   close(): void;
 }

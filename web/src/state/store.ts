@@ -1,6 +1,7 @@
 // The state in the page, what was undone, and the road to the engine.
 
-import type { Operation } from "./patch.ts";
+import type { Engine } from "../engine/engine.ts";
+import { patched, type Operation } from "./patch.ts";
 import type { ViewerState } from "./state.ts";
 
 export type Stop = () => void;
@@ -8,7 +9,9 @@ export type Stop = () => void;
 export interface Store {
   /** The newest state: what was changed here is in it at once. */
   readonly state: ViewerState;
-  /** Changes the state. All changes with one `gesture` name until `settle` are one step of undo. */
+  /** The number of the newest change, as frames carry it. */
+  readonly seq: number;
+  /** Changes the state. All changes with one `gesture` name until `settle` are one step of undo, and the picture moves. */
   change(operations: readonly Operation[], gesture?: string): void;
   /** Ends the gesture under way: the picture at rest follows. */
   settle(): void;
@@ -17,4 +20,87 @@ export interface Store {
   readonly canUndo: boolean;
   readonly canRedo: boolean;
   subscribe(listener: () => void): Stop;
+}
+
+/** Steps that can be undone. */
+const MOST_STEPS = 200;
+
+/** Fields of the state that are no steps of undo: how the page looks. */
+const INTERFACE = ["/view/interface", "/view/layout"];
+
+export function createStore(initial: ViewerState, engine: Engine): Store {
+  let state = initial;
+  let seq = 0;
+  let gesture: string | null = null;
+  let past: ViewerState[] = [];
+  let future: ViewerState[] = [];
+  const listeners = new Set<() => void>();
+  const tell = (): void => listeners.forEach((listener) => listener());
+
+  const remember = (before: ViewerState): void => {
+    past = [...past.slice(1 - MOST_STEPS), before];
+    future = [];
+  };
+
+  /** Goes to another state of the past or future; the interface stays as it is. */
+  const go = (target: ViewerState): void => {
+    const { layout, interface: shown } = state.view;
+    state = { ...target, view: { ...target.view, layout, interface: shown } };
+    gesture = null;
+    seq = engine.patch([{ op: "replace", path: "", value: state }], false);
+    tell();
+  };
+
+  engine.onState((operations) => {
+    // By others, or as it is after a change that was refused: no step of ours.
+    state = patched(state, operations);
+    tell();
+  });
+
+  return {
+    get state() {
+      return state;
+    },
+    get seq() {
+      return seq;
+    },
+    change(operations, name) {
+      const before = state;
+      state = patched(state, operations);
+      const isStep = operations.some(({ path }) => !INTERFACE.some((start) => path.startsWith(start)));
+      if (isStep && (name === undefined || name !== gesture)) remember(before);
+      if (isStep) gesture = name ?? null;
+      seq = engine.patch(operations, name !== undefined);
+      tell();
+    },
+    settle() {
+      if (gesture === null) return;
+      gesture = null;
+      seq = engine.patch([], false);
+    },
+    undo() {
+      const target = past.at(-1);
+      if (target === undefined) return;
+      past = past.slice(0, -1);
+      future = [...future, state];
+      go(target);
+    },
+    redo() {
+      const target = future.at(-1);
+      if (target === undefined) return;
+      future = future.slice(0, -1);
+      past = [...past, state];
+      go(target);
+    },
+    get canUndo() {
+      return past.length > 0;
+    },
+    get canRedo() {
+      return future.length > 0;
+    },
+    subscribe(listener) {
+      listeners.add(listener);
+      return () => listeners.delete(listener);
+    },
+  };
 }

@@ -1,6 +1,7 @@
 // What every part of the interface is given.
 
-import type { Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
+import type { Engine, Frame, Problem, Questions, Welcome } from "../engine/engine.ts";
+import type { FrameStatistics } from "./frame_statistics.ts";
 import type { Vec3, ViewName } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 
@@ -10,13 +11,24 @@ export type Tool = "turn" | "distance" | "angle" | "window";
 /** What is shown and done in this page alone, and is no part of the state. */
 export interface Ui {
   readonly root: ShadowRoot | HTMLElement;
+  readonly host: "page" | "widget";
+  readonly statistics: FrameStatistics;
+  /** A frame is on the screen. */
+  frameShown(frame: Frame): void;
   /** The frames that are on the screen now. */
   readonly frames: Readonly<Partial<Record<ViewName, Frame>>>;
   readonly tool: Tool;
   setTool(tool: Tool): void;
+  /** The layer that the panels of the look are about. */
+  readonly layer: number;
+  setLayer(layer: number): void;
   /** The world point under the pointer, as far as it is known. */
   readonly probe: Vec3 | null;
-  setProbe(point: Vec3 | null): void;
+  readonly probed: Questions["probe"]["answer"] | null;
+  setProbe(point: Vec3 | null, found: Questions["probe"]["answer"] | null): void;
+  /** A point for the measure under way; with its last one it is done. */
+  addPoint(point: Vec3): void;
+  readonly points: readonly Vec3[];
   /** Said to screen readers, politely. */
   announce(text: string): void;
   /** Shows what failed, why, and how to mend it. */

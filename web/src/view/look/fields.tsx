@@ -47,7 +47,6 @@ export function NumberField(props: NumberFieldProps) {
       onChange={done}
       onBlur={done}
       onKeyDown={(event) => {
-        event.stopPropagation();
         if (event.key === "Enter") done();
       }}
     />
@@ -148,7 +147,6 @@ export function RelativeSlider(props: RelativeSliderProps) {
         onInput={(event) => setTyped(event.currentTarget.value)}
         onBlur={apply}
         onKeyDown={(event) => {
-          event.stopPropagation();
           if (event.key === "Enter") apply();
         }}
       />

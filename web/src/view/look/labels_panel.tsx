@@ -48,7 +48,6 @@ export function LabelsPanel({ store }: PartProps) {
             class="look-grow"
             value={filter}
             onInput={(event) => setFilter(event.currentTarget.value)}
-            onKeyDown={(event) => event.stopPropagation()}
           />
         </label>
       )}

@@ -45,7 +45,6 @@ export function LayersPanel({ store, ui }: PartProps) {
                 if (name === "") event.currentTarget.value = layer.name;
                 else store.change([set(name, "layers", index, "name")]);
               }}
-              onKeyDown={(event) => event.stopPropagation()}
             />
             {layers.length > 1 && (
               <Button label={TEXT.soloThis(layer.name)} pressed={isSolo(layers, index)} onClick={() => store.change(soloLayer(layers, index))}>

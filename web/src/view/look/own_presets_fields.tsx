@@ -103,7 +103,6 @@ export function OwnPresets({ store, ui, welcome, own, onOwn, onTake }: OwnPreset
               setName(event.currentTarget.value);
               setWhy("");
             }}
-            onKeyDown={(event) => event.stopPropagation()}
           />
         </label>
         {why !== "" && (

@@ -83,7 +83,6 @@ export function PresetsPanel(props: PartProps) {
           class="look-grow"
           value={search}
           onInput={(event) => setSearch(event.currentTarget.value)}
-          onKeyDown={(event) => event.stopPropagation()}
         />
       </label>
       {ownTiles.length > 0 && (

@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
 import type { PartProps } from "../part.ts";
 import { Button, CheckField, NumberField } from "./fields.tsx";
-import { nextTime, waitFor } from "./time_steps.ts";
+import { nextTime, shownViews, waitFor } from "./time_steps.ts";
 
 const TEXT = {
   title: "Time",
@@ -51,9 +51,8 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
     }
   };
 
-  // Views that are shown all have to be there; the slowest leads.
-  const frames = Object.values(ui.frames);
-  const isShown = frames.every((frame) => frame.seq >= last.current.seq);
+  // The slowest of the views that are shown leads. One without a frame yet is not waited for.
+  const isShown = shownViews(store.state.view.layout).every((view) => (ui.frames[view]?.seq ?? Infinity) >= last.current.seq);
   useEffect(() => {
     if (!isPlaying) return undefined;
     const wait = waitFor(performance.now(), { at: last.current.at, isShown }, rate);

@@ -1,5 +1,13 @@
 // When playing a series goes on: at a set rate, and never before the frame of the step before is on the screen.
 
+import { PANES, type View, type ViewName } from "../../state/state.ts";
+
+/** The views of a layout. */
+export function shownViews({ name, main }: View["layout"]): readonly ViewName[] {
+  if (name === "single") return [main];
+  return name === "3d" ? ["3d"] : ["3d", ...PANES];
+}
+
 /** The next time, or null at the end of a series that is not repeated. */
 export function nextTime(time: number, count: number, repeats: boolean): number | null {
   if (time + 1 < count) return time + 1;

@@ -1,0 +1,18 @@
+// How messages get to the session and back: a WebSocket, or the comm of a notebook's widget.
+
+import type { Stop } from "../state/store.ts";
+import type { Header, Payload } from "./framing.ts";
+
+export type ChannelState =
+  | { readonly kind: "open" }
+  | { readonly kind: "closed"; readonly reason: string; readonly retries: boolean };
+
+export interface Channel {
+  send(header: Header, payload?: Payload): void;
+  onMessage(listener: (header: Header, payload: Payload) => void): Stop;
+  /** `open` each time that a hello is due. */
+  onState(listener: (state: ChannelState) => void): Stop;
+  /** Tries again now. */
+  retry(): void;
+  close(): void;
+}

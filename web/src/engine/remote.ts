@@ -1,0 +1,252 @@
+// The engine behind a channel: the session in Python. Changes are merged, one message in an animation frame.
+
+import { patched, type Operation } from "../state/patch.ts";
+import type { ViewName, ViewerState } from "../state/state.ts";
+import type { Stop } from "../state/store.ts";
+import type { Channel } from "./channel.ts";
+import type { Connection, Engine, Frame, Problem, Question, Questions, Welcome } from "./engine.ts";
+import type { Header, Payload } from "./framing.ts";
+
+export interface RemoteOptions {
+  /** What the hello says beside the protocol: a token or the key of the session. */
+  readonly hello: () => Header;
+  /** Called with the key by which the page gets in again. */
+  readonly onSession?: (key: string) => void;
+  /** Calls back in the next animation frame. */
+  readonly nextFrame?: (callback: () => void) => void;
+  /** Milliseconds after which a hello without an answer is said again; 0: never, as sockets lose nothing. */
+  readonly repeatHelloMs?: number;
+}
+
+interface Waiting {
+  resolve(answer: unknown): void;
+  reject(problem: Problem): void;
+  readonly progress: ((part: number) => void) | undefined;
+}
+
+/** After so many milliseconds without an answer the kernel is busy, or the line is. */
+const BUSY_MS = 600;
+
+export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
+  const frames = new Set<(frame: Frame) => void>();
+  const states = new Set<(operations: readonly Operation[]) => void>();
+  const connections = new Set<(connection: Connection) => void>();
+  const problems = new Set<(problem: Problem) => void>();
+  const waiting = new Map<number, Waiting>();
+  const sizes = new Map<ViewName, { readonly width: number; readonly height: number }>();
+  const nextFrame = options.nextFrame ?? ((callback) => void requestAnimationFrame(callback));
+
+  let welcomed: (welcome: Welcome) => void = () => undefined;
+  let failed: (problem: Problem) => void = () => undefined;
+  const welcome = new Promise<Welcome>((resolve, reject) => {
+    welcomed = resolve;
+    failed = reject;
+  });
+  welcome.catch(() => undefined);
+
+  let state: ViewerState | null = null;
+  let seq = 0;
+  let nextId = 1;
+  let outgoing: Operation[] = [];
+  let isMoving = false;
+  let isScheduled = false;
+  let isOpen = false;
+  let helloTimer: ReturnType<typeof setInterval> | undefined;
+  let busyTimer: ReturnType<typeof setTimeout> | undefined;
+  let isBusy = false;
+
+  const tell = (connection: Connection): void => connections.forEach((listener) => listener(connection));
+
+  const heard = (): void => {
+    clearTimeout(busyTimer);
+    busyTimer = undefined;
+    if (isBusy) {
+      isBusy = false;
+      tell({ kind: "open" });
+    }
+  };
+
+  const expect = (): void => {
+    busyTimer ??= setTimeout(() => {
+      busyTimer = undefined;
+      if (!isOpen) return;
+      isBusy = true;
+      tell({ kind: "busy", text: "No answer yet: what draws is busy" });
+    }, BUSY_MS);
+  };
+
+  const flush = (): void => {
+    isScheduled = false;
+    if (!isOpen) return;
+    channel.send({ type: "patch", seq, operations: outgoing, moving: isMoving });
+    if (outgoing.length > 0 && sizes.size > 0) expect();
+    outgoing = [];
+  };
+
+  const sayHello = (): void => channel.send({ type: "hello", protocol: 1, ...options.hello() });
+
+  const start = (header: Header): void => {
+    clearInterval(helloTimer);
+    if (typeof header["session"] === "string") options.onSession?.(header["session"]);
+    const isFirst = state === null;
+    isOpen = true;
+    if (isFirst) {
+      state = (header as unknown as Welcome).state;
+      welcomed(header as unknown as Welcome);
+    }
+    for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
+    if (!isFirst && state !== null) {
+      // What was changed while nobody listened.
+      outgoing = [{ op: "replace", path: "", value: state }];
+      isMoving = false;
+      flush();
+    }
+    tell({ kind: "open" });
+  };
+
+  const fail = (header: Header): void => {
+    const problem: Problem = {
+      code: String(header["code"] ?? "failed"),
+      message: String(header["message"] ?? "it failed without a reason"),
+      ...(typeof header["field"] === "string" ? { field: header["field"] } : {}),
+      ...(typeof header["remedy"] === "string" ? { remedy: header["remedy"] } : {}),
+    };
+    const id = header["id"];
+    if (typeof id === "number") {
+      waiting.get(id)?.reject(problem);
+      waiting.delete(id);
+      return;
+    }
+    if (state === null) {
+      failed(problem);
+      tell({ kind: "lost", problem, retries: false });
+      return;
+    }
+    problems.forEach((listener) => listener(problem));
+  };
+
+  const receive = (header: Header, payload: Payload): void => {
+    heard();
+    switch (header["type"]) {
+      case "welcome":
+        start(header);
+        return;
+      case "progress": {
+        const part = typeof header["part"] === "number" ? header["part"] : undefined;
+        if (typeof header["id"] === "number") waiting.get(header["id"])?.progress?.(part ?? 0);
+        else {
+          const text = String(header["text"] ?? "");
+          tell(part === undefined ? { kind: "connecting", text } : { kind: "connecting", text, part });
+        }
+        return;
+      }
+      case "patch": {
+        const operations = header["operations"] as readonly Operation[];
+        if (state !== null) state = patched(state, operations);
+        states.forEach((listener) => listener(operations));
+        return;
+      }
+      case "frame":
+        frames.forEach((listener) => listener({ ...(header as unknown as Frame), bytes: payload }));
+        return;
+      case "answer": {
+        const one = waiting.get(Number(header["id"]));
+        waiting.delete(Number(header["id"]));
+        one?.resolve(payload.length > 0 ? { ...header, bytes: payload } : header);
+        return;
+      }
+      case "failed":
+        fail(header);
+        return;
+      default:
+    }
+  };
+
+  channel.onMessage(receive);
+  channel.onState((next) => {
+    if (next.kind === "open") {
+      if (state === null) tell({ kind: "connecting", text: "Opening" });
+      sayHello();
+      clearInterval(helloTimer);
+      if (options.repeatHelloMs) helloTimer = setInterval(sayHello, options.repeatHelloMs);
+      return;
+    }
+    isOpen = false;
+    heard();
+    clearInterval(helloTimer);
+    for (const one of waiting.values()) one.reject({ code: "lost", message: "the connection was lost" });
+    waiting.clear();
+    const problem: Problem = next.retries
+      ? {
+          code: "lost",
+          message: "The connection to the program that draws is lost",
+          remedy: "If it was stopped, start it again with the same --port; what you changed here is kept.",
+        }
+      : {
+          code: "refused",
+          message: next.reason || "The program that draws refused this page",
+          remedy: "Open the link that the command has printed, or a new one.",
+        };
+    if (!next.retries && state === null) failed(problem);
+    tell({ kind: "lost", problem, retries: next.retries });
+  });
+
+  return {
+    welcome,
+    patch(operations, moving) {
+      if (state !== null) state = patched(state, operations);
+      seq += 1;
+      outgoing.push(...operations);
+      isMoving = moving;
+      if (!isScheduled) {
+        isScheduled = true;
+        nextFrame(flush);
+      }
+      return seq;
+    },
+    show(view, size) {
+      if (size === null) sizes.delete(view);
+      else sizes.set(view, size);
+      if (isOpen) channel.send({ type: "view", view, size: size === null ? null : [size.width, size.height] });
+    },
+    shown(frame) {
+      channel.send({ type: "shown", view: frame.view, frame: frame.number });
+    },
+    onFrame: (listener) => added(frames, listener),
+    onState: (listener) => added(states, listener),
+    onConnection: (listener) => added(connections, listener),
+    onProblem: (listener) => added(problems, listener),
+    ask<Q extends Question>(
+      name: Q,
+      question: Questions[Q]["question"],
+      progress?: (part: number) => void,
+      signal?: AbortSignal,
+    ) {
+      const id = nextId;
+      nextId += 1;
+      return new Promise<Questions[Q]["answer"]>((resolve, reject) => {
+        waiting.set(id, { resolve: resolve as (answer: unknown) => void, reject, progress });
+        signal?.addEventListener("abort", () => {
+          channel.send({ type: "cancel", id });
+        });
+        if (!isOpen) {
+          waiting.delete(id);
+          reject({ code: "lost", message: "the connection was lost" } satisfies Problem);
+          return;
+        }
+        channel.send({ type: "ask", id, question: name, arguments: question as unknown as Header });
+      });
+    },
+    retry: () => channel.retry(),
+    close() {
+      clearInterval(helloTimer);
+      clearTimeout(busyTimer);
+      channel.close();
+    },
+  };
+}
+
+function added<T>(listeners: Set<T>, listener: T): Stop {
+  listeners.add(listener);
+  return () => listeners.delete(listener);
+}

@@ -1,0 +1,22 @@
+// The viewer as a widget of a notebook, as anywidget wants it (https://anywidget.dev/en/afm/).
+
+import { commChannel, type WidgetModel } from "../engine/channel_comm.ts";
+import { remoteEngine } from "../engine/remote.ts";
+import { mountApp } from "../view/app.tsx";
+
+/** Messages that were sent before the kernel listened are lost: a hello is said again until it is answered. */
+const REPEAT_MS = 500;
+const HEIGHT_PX = 520;
+
+export function render({ model, el }: { readonly model: WidgetModel; readonly el: HTMLElement }): () => void {
+  const page = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16)).join("");
+  const box = document.createElement("div");
+  box.style.cssText = `display:block;height:${HEIGHT_PX}px;resize:vertical;overflow:hidden`;
+  el.append(box);
+  const engine = remoteEngine(commChannel(model, page), { hello: () => ({}), repeatHelloMs: REPEAT_MS });
+  const close = mountApp(box, engine, { kind: "widget" });
+  return () => {
+    close();
+    box.remove();
+  };
+}

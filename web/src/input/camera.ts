@@ -1,0 +1,114 @@
+// The camera in the page: turning, panning, zooming, projecting. World units; pixels of CSS, from the top left.
+// Conventions are those of `python/wavesplat/_model/camera.py`: `parallel_scale` is half the height of the picture.
+
+import type { Camera, Vec3 } from "../state/state.ts";
+import type { CssSize } from "../view/part.ts";
+
+/** Degrees that a drag across the height of the view turns by. */
+const TURN_DEG = 180;
+const LEAST_ANGLE_DEG = 0.01;
+const MOST_ANGLE_DEG = 170;
+
+export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+export const sub = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+export const scaled = (a: Vec3, factor: number): Vec3 => [a[0] * factor, a[1] * factor, a[2] * factor];
+export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = (a: Vec3, b: Vec3): Vec3 => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+export const length = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
+export const unit = (a: Vec3): Vec3 => scaled(a, 1 / length(a));
+
+/** Unit vectors of the picture: to the right, up, and towards the eye. */
+export function axesOf(camera: Camera): { right: Vec3; up: Vec3; back: Vec3 } {
+  const back = unit(sub(camera.position, camera.focal_point));
+  const right = unit(cross(camera.view_up, back));
+  return { right, up: cross(back, right), back };
+}
+
+/** A vector turned about a unit axis, by the right hand. */
+export function turnedAbout(vector: Vec3, axis: Vec3, angle: number): Vec3 {
+  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+  return add(
+    add(scaled(vector, cos), scaled(cross(axis, vector), sin)),
+    scaled(axis, dot(axis, vector) * (1 - cos)),
+  );
+}
+
+/** Turned as if the object followed the pointer: a drag to the right shows more of its left side. */
+export function turned(camera: Camera, dx: number, dy: number, height: number): Camera {
+  const radians = (TURN_DEG * Math.PI) / 180 / height;
+  const { right, up } = axesOf(camera);
+  const about = (vector: Vec3): Vec3 => turnedAbout(turnedAbout(vector, up, -dx * radians), right, -dy * radians);
+  return {
+    ...camera,
+    position: add(camera.focal_point, about(sub(camera.position, camera.focal_point))),
+    view_up: about(up),
+  };
+}
+
+/** Turned about the line of sight; `angle` in radians, the picture turns clockwise. */
+export function rolled(camera: Camera, angle: number): Camera {
+  const { back, up } = axesOf(camera);
+  return { ...camera, view_up: turnedAbout(up, back, angle) };
+}
+
+/** World units per pixel at a distance before the eye; in parallel projection everywhere. */
+export function unitsPerPixel(camera: Camera, height: number, distance?: number): number {
+  if (camera.parallel_scale !== undefined) return (2 * camera.parallel_scale) / height;
+  const away = distance ?? length(sub(camera.position, camera.focal_point));
+  return (2 * away * Math.tan((((camera.view_angle ?? 30) / 2) * Math.PI) / 180)) / height;
+}
+
+/** Moved so that the object at the focal point follows the pointer. */
+export function panned(camera: Camera, dx: number, dy: number, height: number): Camera {
+  const { right, up } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, height);
+  const way = add(scaled(right, -dx * pixel), scaled(up, dy * pixel));
+  return { ...camera, position: add(camera.position, way), focal_point: add(camera.focal_point, way) };
+}
+
+/** Magnified by a factor: by the scale, or in perspective by coming nearer. */
+export function zoomed(camera: Camera, factor: number): Camera {
+  if (camera.parallel_scale !== undefined) return { ...camera, parallel_scale: camera.parallel_scale / factor };
+  const away = sub(camera.position, camera.focal_point);
+  return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
+}
+
+/** The same view by the other kind of lens; `angle` in degrees, undefined is parallel. */
+export function withLens(camera: Camera, angle: number | undefined): Camera {
+  const { parallel_scale: _scale, view_angle: _angle, ...place } = camera;
+  const { back } = axesOf(camera);
+  const half = unitsPerPixel(camera, 2);
+  if (angle === undefined) return { ...place, parallel_scale: half };
+  const bounded = Math.min(Math.max(angle, LEAST_ANGLE_DEG), MOST_ANGLE_DEG);
+  const away = half / Math.tan(((bounded / 2) * Math.PI) / 180);
+  return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
+}
+
+/** Where a world point is in the view, and how far before the eye; null behind it. */
+export function project(camera: Camera, size: CssSize, point: Vec3): { x: number; y: number; depth: number } | null {
+  const { right, up, back } = axesOf(camera);
+  const away = sub(point, camera.position);
+  const depth = -dot(away, back);
+  if (camera.parallel_scale === undefined && depth <= 0) return null;
+  const pixel = unitsPerPixel(camera, size.height, depth);
+  return { x: size.width / 2 + dot(away, right) / pixel, y: size.height / 2 - dot(away, up) / pixel, depth };
+}
+
+/** The ray through a place of the view; `direction` is a unit vector. */
+export function ray(camera: Camera, size: CssSize, x: number, y: number): { origin: Vec3; direction: Vec3 } {
+  const { right, up, back } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, size.height, 1);
+  const aside = add(scaled(right, (x - size.width / 2) * pixel), scaled(up, (size.height / 2 - y) * pixel));
+  if (camera.parallel_scale !== undefined) return { origin: add(camera.position, aside), direction: scaled(back, -1) };
+  return { origin: camera.position, direction: unit(sub(aside, back)) };
+}
+
+/** Seen from a direction (unit, from the focal point to the eye), at the same distance and scale. */
+export function seenFrom(camera: Camera, direction: Vec3, viewUp: Vec3): Camera {
+  const away = length(sub(camera.position, camera.focal_point));
+  return { ...camera, position: add(camera.focal_point, scaled(direction, away)), view_up: viewUp };
+}

@@ -1,0 +1,69 @@
+// The keys, as data: the table that is shown by `?`, and what the viewer does.
+
+export interface Key {
+  /** As `keyName` gives it. */
+  readonly keys: readonly string[];
+  readonly action: Action;
+  /** For the table. */
+  readonly shown: string;
+  readonly text: string;
+}
+
+export type Action =
+  | "turn-left" | "turn-right" | "turn-up" | "turn-down"
+  | "pan-left" | "pan-right" | "pan-up" | "pan-down"
+  | "zoom-in" | "zoom-out" | "roll-left" | "roll-right"
+  | "view-front" | "view-back" | "view-left" | "view-right" | "view-top" | "view-bottom"
+  | "fit" | "slice-back" | "slice-on" | "undo" | "redo" | "help" | "leave";
+
+export const KEYS: readonly Key[] = [
+  { keys: ["ArrowLeft"], action: "turn-left", shown: "←", text: "Turn to the left" },
+  { keys: ["ArrowRight"], action: "turn-right", shown: "→", text: "Turn to the right" },
+  { keys: ["ArrowUp"], action: "turn-up", shown: "↑", text: "Turn upwards" },
+  { keys: ["ArrowDown"], action: "turn-down", shown: "↓", text: "Turn downwards" },
+  { keys: ["Shift+ArrowLeft"], action: "pan-left", shown: "Shift ←", text: "Move to the left" },
+  { keys: ["Shift+ArrowRight"], action: "pan-right", shown: "Shift →", text: "Move to the right" },
+  { keys: ["Shift+ArrowUp"], action: "pan-up", shown: "Shift ↑", text: "Move up" },
+  { keys: ["Shift+ArrowDown"], action: "pan-down", shown: "Shift ↓", text: "Move down" },
+  { keys: ["+", "="], action: "zoom-in", shown: "+", text: "Magnify" },
+  { keys: ["-", "_"], action: "zoom-out", shown: "−", text: "Make smaller" },
+  { keys: [","], action: "roll-left", shown: ",", text: "Roll to the left" },
+  { keys: ["."], action: "roll-right", shown: ".", text: "Roll to the right" },
+  { keys: ["1"], action: "view-front", shown: "1", text: "From the front" },
+  { keys: ["2"], action: "view-back", shown: "2", text: "From the back" },
+  { keys: ["3"], action: "view-left", shown: "3", text: "From the left" },
+  { keys: ["4"], action: "view-right", shown: "4", text: "From the right" },
+  { keys: ["5"], action: "view-top", shown: "5", text: "From above" },
+  { keys: ["6"], action: "view-bottom", shown: "6", text: "From below" },
+  { keys: ["0"], action: "fit", shown: "0", text: "Fit all into view" },
+  { keys: ["["], action: "slice-back", shown: "[", text: "Slice before" },
+  { keys: ["]"], action: "slice-on", shown: "]", text: "Next slice" },
+  { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
+  { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
+  { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
+  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End what was begun" },
+];
+
+/** What the mouse and fingers do, for the table. */
+export const GESTURES: readonly (readonly [string, string])[] = [
+  ["Drag", "Turn"],
+  ["Shift drag, or middle button", "Move"],
+  ["Wheel, or right button", "Magnify"],
+  ["Ctrl drag", "Roll"],
+  ["Alt drag", "Window and level of slices; shift and opacity in space"],
+  ["Ctrl click", "Put the crosshair on what is seen there"],
+  ["Double click in a slice", "Window as it was"],
+  ["One finger, two fingers", "Turn; move, magnify and roll"],
+];
+
+/** The name of a key press, modifiers in front. */
+export function keyName(event: Pick<KeyboardEvent, "key" | "ctrlKey" | "metaKey" | "shiftKey" | "altKey">): string {
+  if (event.altKey) return "";
+  const isLetter = event.key.length > 1 || /[a-z]/i.test(event.key);
+  const shift = event.shiftKey && isLetter ? "Shift+" : "";
+  return `${event.ctrlKey || event.metaKey ? "Ctrl+" : ""}${shift}${event.key}`;
+}
+
+export function actionOf(name: string): Action | undefined {
+  return KEYS.find(({ keys }) => keys.includes(name))?.action;
+}

@@ -1,0 +1,37 @@
+// The state in a link: what is shown, never the data; with what tells the data apart.
+
+import type { ViewerState } from "./state.ts";
+
+/** Characters of a link that mail programs and browsers take. */
+const MOST_CHARACTERS = 8000;
+
+/** The state as a part of a link, or null where it is too long: a file is better then. */
+export async function linkPart(state: ViewerState, fingerprint: string): Promise<string | null> {
+  const text = JSON.stringify({ fingerprint, state });
+  const packed = await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw"));
+  const part = btoa(Array.from(packed, (byte) => String.fromCharCode(byte)).join(""))
+    .replaceAll("+", "-")
+    .replaceAll("/", "_")
+    .replaceAll("=", "");
+  return part.length > MOST_CHARACTERS ? null : part;
+}
+
+/** What a link says. */
+export async function fromLink(part: string): Promise<{ fingerprint: string; state: unknown }> {
+  const binary = atob(part.replaceAll("-", "+").replaceAll("_", "/"));
+  const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
+  const text = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
+  const found: unknown = JSON.parse(text);
+  if (typeof found !== "object" || found === null || !("fingerprint" in found) || !("state" in found)) {
+    throw new Error("the link holds no state of the viewer");
+  }
+  return { fingerprint: String(found.fingerprint), state: found.state };
+}
+
+async function through(
+  bytes: Uint8Array<ArrayBuffer>,
+  stream: CompressionStream | DecompressionStream,
+): Promise<Uint8Array> {
+  const piped = new Blob([bytes]).stream().pipeThrough(stream);
+  return new Uint8Array(await new Response(piped).arrayBuffer());
+}

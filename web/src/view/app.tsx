@@ -1,0 +1,381 @@
+// The interface as a whole: it draws itself anew from the state and the frames, from the top.
+
+import { render } from "preact";
+
+import type { Connection, Engine, Frame, Problem, Questions, Welcome } from "../engine/engine.ts";
+import { actionOf, keyName } from "../input/keys.ts";
+import { fromLink } from "../state/link.ts";
+import { set } from "../state/patch.ts";
+import { PANES, type Vec3, type ViewName } from "../state/state.ts";
+import { createStore, type Store } from "../state/store.ts";
+import { CutPanel } from "./cut_panel.tsx";
+import { Panel } from "./fields.tsx";
+import { FrameStatistics } from "./frame_statistics.ts";
+import { Help } from "./help.tsx";
+import { css as lookCss, FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
+import { MeasurePanel } from "./measure_panel.tsx";
+import type { PartProps, Tool, Ui } from "./part.ts";
+import { SceneView } from "./scene_view.tsx";
+import { SettingsPanel } from "./settings_panel.tsx";
+import { openState, problemOf, SharePanel } from "./share.tsx";
+import { SlicePane } from "./slices/slice_pane.tsx";
+import { isMeasure } from "./slices/measures.tsx";
+import { SlicesPanel } from "./slices_panel.tsx";
+import { Opening, ProblemCard, Status } from "./status.tsx";
+import style from "./style.css";
+import { onThemeChange, themeOf } from "./theme.ts";
+import { Toolbar } from "./toolbar.tsx";
+
+export interface Host {
+  readonly kind: "page" | "widget";
+  /** The part of a link that says what to show. */
+  readonly link?: string | undefined;
+}
+
+/** Between announcements, ms. */
+const ANNOUNCED_MS = 1000;
+
+/** Shows the viewer in an element; what is returned takes it away. */
+export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
+  const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync([style, lookCss].join("\n"));
+  root.adoptedStyleSheets = [sheet];
+  const mount = document.createElement("div");
+  mount.className = "mount";
+  root.append(mount);
+  const app = new App(engine, host, root, mount);
+  return () => {
+    app.close();
+    render(null, mount);
+    mount.remove();
+    engine.close();
+  };
+}
+
+/** What the page has besides the state, and the loop that draws. */
+class App {
+  private store: Store | null = null;
+  private welcome: Welcome | null = null;
+  private connection: Connection = { kind: "connecting", text: "" };
+  private problem: Problem | null = null;
+  private failure: Problem | null = null;
+  private readonly frames: Partial<Record<ViewName, Frame>> = {};
+  private readonly statistics = new FrameStatistics();
+  private tool: Tool = "turn";
+  private points: Vec3[] = [];
+  private layer = 0;
+  private probe: Vec3 | null = null;
+  private probed: Questions["probe"]["answer"] | null = null;
+  private help = false;
+  private figures = false;
+  private showsPanels = true;
+  private said = "";
+  private lastSaid = 0;
+  private sayTimer: ReturnType<typeof setTimeout> | undefined;
+  private isScheduled = false;
+  private readonly stops: (() => void)[] = [];
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly host: Host,
+    private readonly root: ShadowRoot,
+    private readonly mount: HTMLElement,
+  ) {
+    this.stops.push(
+      engine.onConnection((connection) => {
+        this.connection = connection;
+        this.schedule();
+      }),
+      engine.onProblem((problem) => {
+        this.problem = problem;
+        this.schedule();
+      }),
+      onThemeChange(() => this.schedule()),
+    );
+    engine.welcome.then(
+      (welcome) => void this.begin(welcome),
+      (problem: unknown) => {
+        this.failure = problemOf(problem);
+        this.schedule();
+      },
+    );
+    this.draw();
+  }
+
+  close(): void {
+    this.stops.forEach((stop) => stop());
+  }
+
+  private async begin(welcome: Welcome): Promise<void> {
+    this.welcome = welcome;
+    this.store = createStore(welcome.state, this.engine);
+    this.stops.push(this.store.subscribe(() => this.schedule()));
+    this.expose();
+    this.schedule();
+    if (this.host.link === undefined) return;
+    try {
+      const { fingerprint, state } = await fromLink(this.host.link);
+      if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
+      const { state: checked } = await this.engine.ask("open_state", { text: JSON.stringify(state) });
+      this.store.change([{ op: "replace", path: "", value: checked }]);
+    } catch (problem) {
+      this.problem = problemOf(problem);
+      this.schedule();
+    }
+  }
+
+  /** For tests and benchmarks, and whoever looks at the console. */
+  private expose(): void {
+    (this.root.host as HTMLElement & { wavesplat?: unknown }).wavesplat = {
+      store: this.store,
+      statistics: this.statistics,
+      frames: this.frames,
+      welcome: this.welcome,
+    };
+  }
+
+  private schedule(): void {
+    if (this.isScheduled) return;
+    this.isScheduled = true;
+    requestAnimationFrame(() => {
+      this.isScheduled = false;
+      this.draw();
+    });
+  }
+
+  private readonly ui = ((app: App): Ui => ({
+    get root() {
+      return app.root;
+    },
+    get host() {
+      return app.host.kind;
+    },
+    statistics: app.statistics,
+    frames: app.frames,
+    frameShown(frame) {
+      app.frames[frame.view] = frame;
+      app.statistics.drawn(frame, performance.now());
+      app.schedule();
+    },
+    get tool() {
+      return app.tool;
+    },
+    setTool(tool) {
+      app.tool = tool;
+      app.points = [];
+      app.schedule();
+    },
+    get points() {
+      return app.points;
+    },
+    addPoint(point) {
+      app.addPoint(point);
+    },
+    get layer() {
+      return Math.min(app.layer, (app.store?.state.layers.length ?? 1) - 1);
+    },
+    setLayer(layer) {
+      app.layer = layer;
+      app.schedule();
+    },
+    get probe() {
+      return app.probe;
+    },
+    get probed() {
+      return app.probed;
+    },
+    setProbe(point, found) {
+      if (point === null && app.probe === null) return;
+      [app.probe, app.probed] = [point, found];
+      app.schedule();
+    },
+    announce(text) {
+      app.announce(text);
+    },
+    problem(problem) {
+      app.problem = problemOf(problem);
+      app.schedule();
+    },
+    download(name, content, type) {
+      const url = URL.createObjectURL(new Blob([content], { type }));
+      const link = document.createElement("a");
+      link.href = url;
+      link.download = name;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(url), 10_000);
+    },
+  }))(this);
+
+  private addPoint(point: Vec3): void {
+    const kind = this.tool === "angle" ? "angle" : "distance";
+    const points = [...this.points, point];
+    if (points.length < (kind === "angle" ? 3 : 2)) {
+      this.points = points;
+    } else {
+      this.points = [];
+      if (isMeasure(points)) this.store?.change([set({ kind, points }, "view", "measures", "-")]);
+    }
+    this.schedule();
+  }
+
+  private announce(text: string): void {
+    clearTimeout(this.sayTimer);
+    const wait = Math.max(0, this.lastSaid + ANNOUNCED_MS - performance.now());
+    this.sayTimer = setTimeout(() => {
+      this.said = text;
+      this.lastSaid = performance.now();
+      this.schedule();
+    }, wait);
+  }
+
+  private readonly onKey = (event: KeyboardEvent): void => {
+    const target = event.composedPath()[0];
+    const isField = target instanceof HTMLElement && target.matches("input, select, textarea, [contenteditable]");
+    const action = actionOf(keyName(event));
+    if (event.defaultPrevented || this.store === null || (isField && action !== "leave")) return;
+    if (action === "undo") this.store.undo();
+    else if (action === "redo") this.store.redo();
+    else if (action === "help") this.help = true;
+    else if (action === "leave" && (this.tool !== "turn" || this.points.length > 0)) this.ui.setTool("turn");
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.schedule();
+  };
+
+  private readonly onPanel = (name: string, open: boolean): void => {
+    const panels = this.store?.state.view.interface.panels ?? [];
+    const next = open ? [...panels.filter((one) => one !== name), name] : panels.filter((one) => one !== name);
+    this.store?.change([set(next, "view", "interface", "panels")]);
+  };
+
+  private async fit(): Promise<void> {
+    const frame = this.frames["3d"];
+    if (this.store === null) return;
+    try {
+      const { camera } = this.store.state;
+      const asked = { camera, width: frame?.width ?? 4, height: frame?.height ?? 3 };
+      const { camera: fitted } = await this.engine.ask("fitted", asked);
+      this.store.change([set(fitted, "camera")]);
+    } catch (problem) {
+      this.ui.problem(problemOf(problem));
+    }
+  }
+
+  private draw(): void {
+    const { store, welcome } = this;
+    if (store === null || welcome === null) {
+      const theme = window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
+      render(
+        <div class="wavesplat" data-theme={theme} data-lm-suppress-shortcuts="true">
+          <Opening connection={this.connection} problem={this.failure} />
+        </div>,
+        this.mount,
+      );
+      return;
+    }
+    const part: PartProps = { store, engine: this.engine, welcome, ui: this.ui };
+    render(<Whole {...part} app={this.shown()} />, this.mount);
+  }
+
+  private shown(): Shown {
+    return {
+      connection: this.connection,
+      problem: this.problem,
+      help: this.help,
+      figures: this.figures,
+      showsPanels: this.showsPanels,
+      said: this.said,
+      onKey: this.onKey,
+      onPanel: this.onPanel,
+      onFit: () => void this.fit(),
+      onHelp: (on) => {
+        this.help = on;
+        this.schedule();
+      },
+      onFigures: (on) => {
+        this.figures = on;
+        this.schedule();
+      },
+      onPanels: () => {
+        this.showsPanels = !this.showsPanels;
+        this.schedule();
+      },
+      onProblemClosed: () => {
+        this.problem = null;
+        this.schedule();
+      },
+    };
+  }
+}
+
+interface Shown {
+  readonly connection: Connection;
+  readonly problem: Problem | null;
+  readonly help: boolean;
+  readonly figures: boolean;
+  readonly showsPanels: boolean;
+  readonly said: string;
+  readonly onKey: (event: KeyboardEvent) => void;
+  readonly onPanel: (name: string, open: boolean) => void;
+  readonly onFit: () => void;
+  readonly onHelp: (on: boolean) => void;
+  readonly onFigures: (on: boolean) => void;
+  readonly onPanels: () => void;
+  readonly onProblemClosed: () => void;
+}
+
+function Whole(props: PartProps & { readonly app: Shown }) {
+  const { app, ...part } = props;
+  const { store } = part;
+  const { layout, interface: shown } = store.state.view;
+  const isOpen = (name: string): boolean => shown.panels.includes(name);
+  const panel = { onToggle: app.onPanel };
+  const hasTimes = part.welcome.volumes.some((volume) => volume.n_times > 1);
+  return (
+    <div
+      class="wavesplat"
+      data-theme={themeOf(store.state)}
+      data-lm-suppress-shortcuts="true"
+      onKeyDown={app.onKey}
+      onDragOver={(event) => event.preventDefault()}
+      onDrop={(event) => {
+        event.preventDefault();
+        const file = event.dataTransfer?.files[0];
+        if (file !== undefined) void openState(part, file);
+      }}
+    >
+      <Toolbar {...part} onHelp={() => app.onHelp(true)} onFit={app.onFit} panels={app.showsPanels} onPanels={app.onPanels} />
+      <main class="views" data-layout={layout.name}>
+        {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
+        {(layout.name === "one-and-three" || layout.name === "two-by-two") &&
+          PANES.map((pane) => <SlicePane key={pane} {...part} pane={pane} />)}
+        {layout.name === "single" && layout.main !== "3d" && <SlicePane key={layout.main} {...part} pane={layout.main} />}
+      </main>
+      {app.showsPanels && (
+        <aside class="panels" aria-label="Panels">
+          <Panel name="presets" title="Presets" open={isOpen("presets")} {...panel}><PresetsPanel {...part} /></Panel>
+          <Panel name="function" title="Colours and opacity" open={isOpen("function")} {...panel}><FunctionPanel {...part} /></Panel>
+          <Panel name="layers" title="Layers" open={isOpen("layers")} {...panel}><LayersPanel {...part} /></Panel>
+          {store.state.labels !== null && <Panel name="labels" title="Labels" open={isOpen("labels")} {...panel}><LabelsPanel {...part} /></Panel>}
+          <Panel name="light" title="Light and projection" open={isOpen("light")} {...panel}><LightPanel {...part} /></Panel>
+          <Panel name="cut" title="Cut" open={isOpen("cut")} {...panel}><CutPanel {...part} /></Panel>
+          <Panel name="slices" title="Slices" open={isOpen("slices")} {...panel}><SlicesPanel {...part} /></Panel>
+          <Panel name="measure" title="Measure" open={isOpen("measure")} {...panel}><MeasurePanel {...part} /></Panel>
+          <Panel name="share" title="Pictures and sharing" open={isOpen("share")} {...panel}><SharePanel {...part} /></Panel>
+          <Panel name="settings" title="Settings" open={isOpen("settings")} {...panel}>
+            <SettingsPanel {...part} figures={app.figures} onFigures={app.onFigures} />
+          </Panel>
+        </aside>
+      )}
+      <footer class="bottom">
+        {hasTimes && <TimeBar {...part} />}
+        <Status {...part} connection={app.connection} figures={app.figures} />
+      </footer>
+      <p class="hidden" role="status" aria-live="polite">{app.said}</p>
+      {app.problem !== null && <ProblemCard problem={app.problem} onClose={app.onProblemClosed} />}
+      {app.help && <Help onClose={() => app.onHelp(false)} />}
+    </div>
+  );
+}

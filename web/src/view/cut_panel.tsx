@@ -1,0 +1,160 @@
+// Cutting by numbers: the crop box, a box that is cut out, clip planes.
+
+import { axesOf, dot, scaled, unit } from "../input/camera.ts";
+import { set } from "../state/patch.ts";
+import type { Box, Vec3 } from "../state/state.ts";
+import { NumberField, Switch } from "./fields.tsx";
+import { boxOf, placeOfBox, withFace, type Face } from "./overlay3d/box.ts";
+import type { PartProps } from "./part.ts";
+
+const AXES = ["x", "y", "z"] as const;
+
+export function CutPanel(props: PartProps) {
+  const { store, welcome } = props;
+  const { clip, view } = store.state;
+  const whole: Box = { lower: welcome.bounds[0], upper: welcome.bounds[1], space: "world" };
+  const add = (one: object): void => store.change([set(one, "clip", "-"), set(true, "view", "overlays", "crop_box")]);
+  const remove = (place: number): void => store.change([{ op: "remove", path: `/clip/${place}` }]);
+  return (
+    <>
+      <Switch
+        label="Handles in the views"
+        on={view.overlays.crop_box}
+        onToggle={(on) => store.change([set(on, "view", "overlays", "crop_box")])}
+      />
+      {(["keep", "cut_out"] as const).map((kind) => {
+        const place = placeOfBox(clip, kind);
+        const found = clip[place];
+        const box = found === undefined ? null : boxOf(found);
+        const title = kind === "keep" ? "Crop box" : "Box that is cut out";
+        return (
+          <fieldset key={kind}>
+            <legend>{title}</legend>
+            {box === null ? (
+              <button
+                class="button"
+                onClick={() => add({ [kind]: kind === "keep" ? whole : corner(whole) })}
+              >
+                {kind === "keep" ? "Crop" : "Cut a corner out"}
+              </button>
+            ) : (
+              <>
+                <BoxNumbers {...props} kind={kind} place={place} box={box} />
+                <div class="row">
+                  <button class="button" onClick={() => store.change([set({ [kind]: whole }, "clip", place)])}>Reset</button>
+                  <button class="button" onClick={() => remove(place)}>Remove</button>
+                </div>
+              </>
+            )}
+          </fieldset>
+        );
+      })}
+      <fieldset>
+        <legend>Clip planes</legend>
+        {clip.map((one, place) =>
+          "plane" in one ? <PlaneNumbers key={place} {...props} place={place} plane={one.plane} onRemove={() => remove(place)} /> : null,
+        )}
+        <button
+          class="button"
+          onClick={() => {
+            const { back } = axesOf(store.state.camera);
+            add({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
+          }}
+        >
+          Add a plane that faces you
+        </button>
+      </fieldset>
+    </>
+  );
+}
+
+/** The corner of a box at its front, left and top: half of each side. */
+function corner(box: Box): Box {
+  const middle = (axis: number): number => ((box.lower[axis] ?? 0) + (box.upper[axis] ?? 0)) / 2;
+  return { ...box, lower: [box.lower[0], middle(1), middle(2)], upper: [middle(0), box.upper[1], box.upper[2]] };
+}
+
+function BoxNumbers(props: PartProps & { kind: "keep" | "cut_out"; place: number; box: Box }) {
+  const { store, welcome, kind, place, box } = props;
+  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
+  const unitName = welcome.volumes[0]?.unit ?? "units";
+  return (
+    <>
+      {AXES.flatMap((name, a) =>
+        (["lower", "upper"] as const).map((side) => {
+          const face: Face = { axis: a as 0 | 1 | 2, side };
+          const [low, high] = [welcome.bounds[0][a] ?? 0, welcome.bounds[1][a] ?? 1];
+          return (
+            <NumberField
+              key={`${name}${side}`}
+              label={`${name} ${side === "lower" ? "from" : "to"}`}
+              unit={unitName}
+              value={box[side][a] ?? 0}
+              min={low}
+              max={high}
+              onInput={(value) =>
+                store.change(
+                  [set({ [kind]: withFace(box, face, value, welcome.bounds, spacing[a] ?? 1) }, "clip", place)],
+                  `${kind} ${name} ${side}`,
+                )
+              }
+              onSettle={() => store.settle()}
+            />
+          );
+        }),
+      )}
+    </>
+  );
+}
+
+function PlaneNumbers(
+  props: PartProps & { place: number; plane: { point: Vec3; normal: Vec3 }; onRemove: () => void },
+) {
+  const { store, welcome, place, plane, onRemove } = props;
+  const normal = unit(plane.normal);
+  const [lower, upper] = welcome.bounds;
+  const ends = [0, 1, 2].map((a) => [(lower[a] ?? 0) * (normal[a] ?? 0), (upper[a] ?? 0) * (normal[a] ?? 0)]);
+  const low = ends.reduce((sum, end) => sum + Math.min(...end), 0);
+  const high = ends.reduce((sum, end) => sum + Math.max(...end), 0);
+  const along = dot(plane.point, normal);
+  const change = (next: { point: Vec3; normal: Vec3 }, gesture?: string): void =>
+    store.change([set({ plane: next }, "clip", place)], gesture);
+  const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
+  return (
+    <div class="plane">
+      <NumberField
+        label={`Plane ${number} at`}
+        unit={welcome.volumes[0]?.unit ?? "units"}
+        value={along}
+        min={low}
+        max={high}
+        onInput={(value) => {
+          const point = plane.point.map((x, a) => x + (value - along) * (normal[a] ?? 0)) as unknown as Vec3;
+          change({ ...plane, point }, "plane at");
+        }}
+        onSettle={() => store.settle()}
+      />
+      <div class="row">
+        {AXES.map((name, a) => (
+          <label key={name} class="row">
+            {`Normal ${name}`}
+            <input
+              type="number"
+              step="any"
+              value={Number((normal[a] ?? 0).toFixed(4))}
+              onChange={(event) => {
+                const value = event.currentTarget.valueAsNumber;
+                const next = normal.map((x, b) => (b === a ? value : x)) as unknown as Vec3;
+                if (Number.isFinite(value) && next.some((x) => x !== 0)) change({ ...plane, normal: unit(next) });
+              }}
+            />
+          </label>
+        ))}
+      </div>
+      <div class="row">
+        <button class="button" onClick={() => change({ ...plane, normal: scaled(plane.normal, -1) })}>Flip</button>
+        <button class="button" onClick={onRemove}>Remove</button>
+      </div>
+    </div>
+  );
+}

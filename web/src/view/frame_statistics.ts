@@ -1,0 +1,54 @@
+// How quickly frames come: frames a second, time from the event to the picture, bytes. Rings of the last ones.
+
+import type { Frame } from "../engine/engine.ts";
+
+export interface FrameRecord {
+  /** When it was drawn, in ms of `performance.now`. */
+  readonly at: number;
+  /** From the newest event that the frame shows, in ms; null where no event belongs to it. */
+  readonly latency: number | null;
+  readonly bytes: number;
+  readonly frame: Omit<Frame, "bytes">;
+}
+
+const MOST_RECORDS = 4000;
+const MOST_EVENTS = 1000;
+
+export class FrameStatistics {
+  readonly records: FrameRecord[] = [];
+  private events: { readonly seq: number; readonly at: number }[] = [];
+
+  /** A change with this number came from an event at this time. */
+  event(seq: number, at: number): void {
+    this.events.push({ seq, at });
+    if (this.events.length > MOST_EVENTS) this.events.shift();
+  }
+
+  /** A frame is on the canvas. */
+  drawn(frame: Frame, at: number): void {
+    const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
+    if (shown !== undefined) this.events = this.events.filter((event) => event.seq > frame.seq);
+    const { bytes, ...header } = frame;
+    this.records.push({ at, latency: shown === undefined ? null : at - shown.at, bytes: bytes.length, frame: header });
+    if (this.records.length > MOST_RECORDS) this.records.shift();
+  }
+
+  /** Of the moving frames of the last so many milliseconds. */
+  recent(now: number, span = 2000): { framesPerSecond: number; latency: number | null; kilobytes: number } | null {
+    const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
+    const first = moving[0];
+    const last = moving.at(-1);
+    if (first === undefined || last === undefined || moving.length < 3) return null;
+    const latencies = moving.flatMap((record) => (record.latency === null ? [] : [record.latency]));
+    return {
+      framesPerSecond: ((moving.length - 1) * 1000) / Math.max(last.at - first.at, 1),
+      latency: median(latencies),
+      kilobytes: (median(moving.map((record) => record.bytes)) ?? 0) / 1000,
+    };
+  }
+}
+
+export function median(values: readonly number[]): number | null {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.floor(sorted.length / 2)] ?? null;
+}

@@ -1,0 +1,105 @@
+// Boxes in space: corners, edges, faces, and dragging a handle along an axis. No DOM.
+
+import { add, axesOf, dot, project, ray, scaled, sub } from "../../input/camera.ts";
+import type { Box, Camera, Clip, Vec3 } from "../../state/state.ts";
+import type { CssSize } from "../part.ts";
+
+export interface Face {
+  readonly axis: 0 | 1 | 2;
+  readonly side: "lower" | "upper";
+}
+
+export const FACES: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [
+  { axis, side: "lower" as const },
+  { axis, side: "upper" as const },
+]);
+
+/** Corners by their bits: x, y, z at the upper end. */
+export function corners(box: Box): Vec3[] {
+  return [...Array(8).keys()].map(
+    (bits) => [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? box.upper : box.lower)[axis]) as unknown as Vec3,
+  );
+}
+
+/** Pairs of corners, and the axis along which the edge runs. */
+export const EDGES: readonly { readonly a: number; readonly b: number; readonly axis: number }[] = [0, 1, 2].flatMap(
+  (axis) =>
+    [...Array(8).keys()].filter((bits) => !((bits >> axis) & 1)).map((bits) => ({ a: bits, b: bits | (1 << axis), axis })),
+);
+
+export function faceCenter(box: Box, { axis, side }: Face): Vec3 {
+  const middle = center(box);
+  return middle.map((value, a) => (a === axis ? box[side][axis] : value)) as unknown as Vec3;
+}
+
+export const center = (box: Box): Vec3 => scaled(add(box.lower, box.upper), 0.5);
+
+/** Whether a face looks towards the eye. */
+export function isSeen(box: Box, face: Face, camera: Camera): boolean {
+  const outward = [0, 0, 0].map((_, a) => (a === face.axis ? (face.side === "upper" ? 1 : -1) : 0)) as unknown as Vec3;
+  const toEye =
+    camera.parallel_scale === undefined ? sub(camera.position, faceCenter(box, face)) : axesOf(camera).back;
+  return dot(outward, toEye) > 0;
+}
+
+/** Whether an edge lies between two faces that look away. */
+export function isHidden(box: Box, edge: (typeof EDGES)[number], camera: Camera): boolean {
+  return [0, 1, 2]
+    .filter((axis) => axis !== edge.axis)
+    .every((axis) => {
+      const side = (edge.a >> axis) & 1 ? "upper" : "lower";
+      return !isSeen(box, { axis: axis as 0 | 1 | 2, side }, camera);
+    });
+}
+
+/** How far a point on an axis goes if its picture goes by (dx, dy): the least distance in the picture. World units. */
+export function alongAxis(camera: Camera, size: CssSize, from: Vec3, axis: Vec3, dx: number, dy: number): number {
+  const here = project(camera, size, from);
+  const there = project(camera, size, add(from, axis));
+  if (here === null || there === null) return 0;
+  const [ux, uy] = [there.x - here.x, there.y - here.y];
+  const square = ux * ux + uy * uy;
+  // Seen from its end an axis has no length.
+  return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
+}
+
+/** The box with a face moved: at least `least` thick, and inside the bounds. */
+export function withFace(box: Box, face: Face, to: number, bounds: readonly [Vec3, Vec3], least: number): Box {
+  const { axis, side } = face;
+  const [low, high] = [bounds[0][axis], bounds[1][axis]];
+  const inside =
+    side === "lower"
+      ? Math.max(low, Math.min(to, box.upper[axis] - least))
+      : Math.min(high, Math.max(to, box.lower[axis] + least));
+  const moved = box[side].map((value, a) => (a === axis ? inside : value)) as unknown as Vec3;
+  return { ...box, [side]: moved };
+}
+
+/** The box moved as a whole, within the bounds. */
+export function movedBy(box: Box, by: Vec3, bounds: readonly [Vec3, Vec3]): Box {
+  const clamped = by.map((way, a) => {
+    const [room, back] = [(bounds[1][a] ?? 0) - (box.upper[a] ?? 0), (bounds[0][a] ?? 0) - (box.lower[a] ?? 0)];
+    return Math.min(Math.max(way, back), room);
+  }) as unknown as Vec3;
+  return { ...box, lower: add(box.lower, clamped), upper: add(box.upper, clamped) };
+}
+
+/** How far, in the plane of the picture, a point goes with the pointer. World units. */
+export function inPicture(camera: Camera, size: CssSize, from: Vec3, dx: number, dy: number): Vec3 {
+  const here = project(camera, size, from);
+  if (here === null) return [0, 0, 0];
+  const moved = ray(camera, size, here.x + dx, here.y + dy);
+  const { back } = axesOf(camera);
+  const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
+  return sub(add(moved.origin, scaled(moved.direction, depth)), from);
+}
+
+/** The place of the kept box, or the one that is cut out, in the list of clips; -1 if there is none. */
+export const placeOfBox = (clips: readonly Clip[], kind: "keep" | "cut_out"): number =>
+  clips.findIndex((clip) => kind in clip && !isIndexed(boxOf(clip)));
+
+export function boxOf(clip: Clip): Box | null {
+  return "keep" in clip ? clip.keep : "cut_out" in clip ? clip.cut_out : null;
+}
+
+const isIndexed = (box: Box | null): boolean => box?.space === "index";

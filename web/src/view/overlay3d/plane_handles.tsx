@@ -1,0 +1,109 @@
+// Clip planes over the picture in space: a handle that moves the plane along its normal, and two that tilt it.
+
+import { add, axesOf, cross, dot, length, project, scaled, sub, turnedAbout, unit, unitsPerPixel } from "../../input/camera.ts";
+import { set } from "../../state/patch.ts";
+import type { Camera, Vec3 } from "../../state/state.ts";
+import { shortNumber } from "../descriptions.ts";
+import type { CssSize, PartProps } from "../part.ts";
+import { Handle } from "../slices/slice_pane.tsx";
+import { alongAxis } from "./box.ts";
+
+const COLOR = "#8be0d4";
+/** Pixels of the square that stands for the plane, to each side; steps of keys: shares of the volume, degrees. */
+const ARM_PX = 90;
+const STEP_SHARE = 0.01;
+const STEP_DEG = 2;
+
+interface Plane {
+  readonly point: Vec3;
+  readonly normal: Vec3;
+}
+
+export function PlaneHandles(
+  props: PartProps & { readonly place: number; readonly plane: Plane; readonly camera: Camera; readonly size: CssSize },
+) {
+  const { store, welcome, place, plane, camera, size } = props;
+  const normal = unit(plane.normal);
+  const at = project(camera, size, plane.point);
+  if (at === null) return null;
+  const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
+  const extent = length(sub(welcome.bounds[1], welcome.bounds[0]));
+  const arm = ARM_PX * unitsPerPixel(camera, size.height, at.depth);
+  const now = (): Plane => (store.state.clip[place] as { plane: Plane } | undefined)?.plane ?? plane;
+  const change = (next: Plane, gesture: string): void => store.change([set({ plane: next }, "clip", place)], gesture);
+  const { right, up } = axesOf(camera);
+  // Two directions in the plane, as upright in the picture as they can be.
+  const first = unit(Math.abs(dot(up, normal)) < 0.99 ? sub(up, scaled(normal, dot(up, normal))) : sub(right, scaled(normal, dot(right, normal))));
+  const second = cross(normal, first);
+  const ends = [add(plane.point, scaled(first, arm)), add(plane.point, scaled(second, arm))] as const;
+  const square = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([a, b]) =>
+    project(camera, size, add(plane.point, add(scaled(first, (a ?? 0) * arm), scaled(second, (b ?? 0) * arm)))),
+  );
+  const tip = project(camera, size, add(plane.point, scaled(normal, arm * 0.6)));
+  const slide = (way: number, gesture: string): void => {
+    const before = now();
+    change({ ...before, point: add(before.point, scaled(unit(before.normal), way)) }, gesture);
+  };
+  const tilt = (axis: Vec3, angle: number, gesture: string): void => {
+    const before = now();
+    change({ ...before, normal: turnedAbout(unit(before.normal), axis, angle) }, gesture);
+  };
+  const step = (event: KeyboardEvent): number | undefined => {
+    const n = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    if (n !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+    }
+    return n;
+  };
+  return (
+    <g stroke={COLOR} fill="none">
+      {square.every((corner) => corner !== null) && (
+        <path d={`M${square.map((corner) => `${corner?.x} ${corner?.y}`).join("L")}Z`} stroke-width="1.3" fill={COLOR} fill-opacity="0.08" />
+      )}
+      {tip !== null && <path d={`M${at.x} ${at.y}L${tip.x} ${tip.y}`} stroke-width="2" />}
+      <Handle
+        label={`Clip plane ${number}`}
+        text={`Clip plane ${number}, ${shortNumber(dot(plane.point, normal), 4)} along its normal`}
+        value={dot(plane.point, normal)}
+        range={[-extent, extent]}
+        x={at.x}
+        y={at.y}
+        color={COLOR}
+        onDrag={(_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane")}
+        onKey={(event) => {
+          const n = step(event);
+          if (n !== undefined) slide(n * STEP_SHARE * extent, "key plane");
+        }}
+        onEnd={() => store.settle()}
+      />
+      {ends.map((end, k) => {
+        const shown = project(camera, size, end);
+        if (shown === null) return null;
+        const axis = k === 0 ? second : first;
+        return (
+          <Handle
+            key={k}
+            round
+            label={`Tilt clip plane ${number}, ${k === 0 ? "forwards" : "sideways"}`}
+            text={`Normal ${normal.map((one) => shortNumber(one, 2)).join(", ")}`}
+            value={0}
+            range={[-180, 180]}
+            x={shown.x}
+            y={shown.y}
+            color={COLOR}
+            onDrag={(_x, _y, dx, dy) => {
+              const way = alongAxis(camera, size, end, normal, dx, dy);
+              tilt(axis, (k === 0 ? -1 : 1) * Math.atan2(way, arm), "tilt plane");
+            }}
+            onKey={(event) => {
+              const n = step(event);
+              if (n !== undefined) tilt(axis, (n * STEP_DEG * Math.PI) / 180, "key tilt plane");
+            }}
+            onEnd={() => store.settle()}
+          />
+        );
+      })}
+    </g>
+  );
+}

@@ -1,0 +1,168 @@
+// The picture in space: what gestures, wheel and keys do to the camera, and what lies over the picture.
+
+import type { Frame } from "../engine/engine.ts";
+import * as cameras from "../input/camera.ts";
+import type { Gesture } from "../input/gestures.ts";
+import type { Action } from "../input/keys.ts";
+import { set } from "../state/patch.ts";
+import type { Camera, Vec3 } from "../state/state.ts";
+import { sceneLabel } from "./descriptions.ts";
+import { windowDrag } from "./look/window_drag.ts";
+import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
+import type { CssSize, PartProps } from "./part.ts";
+import { Viewport } from "./viewport.tsx";
+
+/** Pixels that a key counts as, and what it magnifies and rolls by. */
+const KEY_PX = 24;
+const KEY_ZOOM = 1.1;
+const KEY_ROLL = Math.PI / 36;
+
+const VIEW_KEYS: Partial<Record<Action, string>> = {
+  "view-front": "front",
+  "view-back": "back",
+  "view-left": "left",
+  "view-right": "right",
+  "view-top": "top",
+  "view-bottom": "bottom",
+};
+
+export function SceneView(props: PartProps) {
+  const { store, engine, ui, welcome } = props;
+  const camera = (): Camera => store.state.camera;
+  const move = (next: Camera, gesture?: string): void => store.change([set(next, "camera")], gesture);
+
+  const onGesture = (gesture: Gesture, size: CssSize): void => {
+    if (gesture.kind === "tap") {
+      if (gesture.ctrl || ui.tool !== "turn") void pick(props, gesture.x / size.width, gesture.y / size.height, size);
+      return;
+    }
+    if (gesture.phase === "end") {
+      store.settle();
+      return;
+    }
+    if (gesture.kind === "pinch") {
+      const { dx, dy, factor, angle } = gesture;
+      const moved = cameras.rolled(cameras.zoomed(cameras.panned(camera(), dx, dy, size.height), factor), angle);
+      move(moved, "pinch");
+      return;
+    }
+    if (gesture.phase === "start") return;
+    const { what, dx, dy } = gesture;
+    if (what === "window" || (what === "main" && ui.tool === "window")) windowDrag(props, dx, dy);
+    else if (what === "pan") move(cameras.panned(camera(), dx, dy, size.height), "pan");
+    else if (what === "zoom") move(cameras.zoomed(camera(), Math.exp((-2 * dy) / size.height)), "zoom");
+    else if (what === "roll") move(cameras.rolled(camera(), (Math.PI * dx) / size.width), "roll");
+    else move(cameras.turned(camera(), dx, dy, size.height), "turn");
+  };
+
+  const onAction = (action: Action, _shift: boolean, size: CssSize): boolean => {
+    const turn = (dx: number, dy: number): void => move(cameras.turned(camera(), dx, dy, size.height), "key turn");
+    const pan = (dx: number, dy: number): void => move(cameras.panned(camera(), dx, dy, size.height), "key pan");
+    const view = VIEW_KEYS[action];
+    if (view !== undefined) {
+      const next = welcome.standard_views[view];
+      if (next !== undefined) showFrom(props, next);
+      return true;
+    }
+    switch (action) {
+      case "turn-left": turn(-KEY_PX, 0); return true;
+      case "turn-right": turn(KEY_PX, 0); return true;
+      case "turn-up": turn(0, -KEY_PX); return true;
+      case "turn-down": turn(0, KEY_PX); return true;
+      case "pan-left": pan(-KEY_PX, 0); return true;
+      case "pan-right": pan(KEY_PX, 0); return true;
+      case "pan-up": pan(0, -KEY_PX); return true;
+      case "pan-down": pan(0, KEY_PX); return true;
+      case "zoom-in": move(cameras.zoomed(camera(), KEY_ZOOM), "key zoom"); return true;
+      case "zoom-out": move(cameras.zoomed(camera(), 1 / KEY_ZOOM), "key zoom"); return true;
+      case "roll-left": move(cameras.rolled(camera(), -KEY_ROLL), "key roll"); return true;
+      case "roll-right": move(cameras.rolled(camera(), KEY_ROLL), "key roll"); return true;
+      case "fit": void fit(props, size); return true;
+      default: return false;
+    }
+  };
+
+  return (
+    <Viewport
+      {...props}
+      view="3d"
+      label={sceneLabel(store.state)}
+      onGesture={onGesture}
+      onAction={onAction}
+      onWheel={({ factor }) => {
+        move(cameras.zoomed(camera(), factor), "wheel");
+        settleSoon(store);
+      }}
+      transform={(frame, size) => instant(frame, camera(), size)}
+    >
+      {(frame, size) => <SceneOverlay {...props} frame={frame} size={size} />}
+    </Viewport>
+  );
+
+  async function fit({ engine: _engine }: PartProps, size: CssSize): Promise<void> {
+    try {
+      const asked = { camera: camera(), width: Math.round(size.width), height: Math.round(size.height) };
+      const { camera: fitted } = await engine.ask("fitted", asked);
+      store.change([set(fitted, "camera")]);
+    } catch (problem) {
+      ui.problem(problem as Parameters<typeof ui.problem>[0]);
+    }
+  }
+}
+
+/** A wheel has no end; a while after the last notch the picture is at rest. */
+let wheelTimer: ReturnType<typeof setTimeout> | undefined;
+export function settleSoon(store: PartProps["store"]): void {
+  clearTimeout(wheelTimer);
+  wheelTimer = setTimeout(() => store.settle(), 150);
+}
+
+/** Another camera with the kind of lens and the scale of the one now. */
+export function showFrom({ store }: PartProps, target: Camera): void {
+  const now = store.state.camera;
+  const lens = cameras.withLens(target, now.view_angle);
+  store.change([set(now.parallel_scale === undefined ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
+}
+
+/** What is seen at a place: the crosshair goes there, or the tool under way gets a point. */
+async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<void> {
+  const { engine, store, ui } = props;
+  const asked = { x, y, width: Math.round(size.width), height: Math.round(size.height) };
+  try {
+    const { point } = await engine.ask("pick", asked);
+    if (point === null) {
+      ui.announce("Nothing is seen there");
+      return;
+    }
+    if (ui.tool === "distance" || ui.tool === "angle") ui.addPoint(point);
+    else store.change([set(point, "view", "slices", "crosshair")]);
+  } catch (problem) {
+    ui.problem(problem as Parameters<typeof ui.problem>[0]);
+  }
+}
+
+/** How a frame is moved so that it shows what the newest camera would: exact where only place, scale and roll differ. */
+export function instant(frame: Frame, camera: Camera, size: CssSize): string {
+  const before = frame.camera;
+  if (before === undefined || before === camera) return "";
+  const [old, now] = [cameras.axesOf(before), cameras.axesOf(camera)];
+  if (cameras.dot(old.back, now.back) < 1 - 1e-9 || before.view_angle !== camera.view_angle) return "";
+  const at = (seen: Camera, point: Vec3): Place | null => cameras.project(seen, size, point);
+  const beside = cameras.add(before.focal_point, old.right);
+  const [a, b] = [at(before, before.focal_point), at(before, beside)];
+  const [A, B] = [at(camera, before.focal_point), at(camera, beside)];
+  if (a === null || b === null || A === null || B === null) return "";
+  // A similarity: x -> M x + t with M = [p -q; q p].
+  const [dx, dy, DX, DY] = [b.x - a.x, b.y - a.y, B.x - A.x, B.y - A.y];
+  const square = dx * dx + dy * dy;
+  const [p, q] = [(DX * dx + DY * dy) / square, (DY * dx - DX * dy) / square];
+  const [tx, ty] = [A.x - p * a.x + q * a.y, A.y - q * a.x - p * a.y];
+  const numbers = [p, q, -q, p, tx, ty].map((value) => value.toFixed(6));
+  return numbers.join() === IDENTITY ? "" : `matrix(${numbers.join()})`;
+}
+
+interface Place {
+  readonly x: number;
+  readonly y: number;
+}
+const IDENTITY = "1.000000,0.000000,-0.000000,1.000000,0.000000,0.000000";

@@ -1,0 +1,185 @@
+// Pictures, code, links and files of what is shown.
+
+import { useState } from "preact/hooks";
+
+import type { Problem, Questions } from "../engine/engine.ts";
+import { linkPart } from "../state/link.ts";
+import type { PartProps } from "./part.ts";
+
+const SIZES: readonly (readonly [string, string])[] = [
+  ["view", "As in the window"],
+  ["2", "Twice as large"],
+  ["1920x1080", "1920 x 1080"],
+  ["3840x2160", "3840 x 2160"],
+  ["own", "Own size"],
+];
+const MOST_SIDE = 8192;
+
+export function SharePanel(props: PartProps) {
+  const { store, engine, welcome, ui } = props;
+  const [size, setSize] = useState("view");
+  const [own, setOwn] = useState<readonly [number, number]>([1600, 1200]);
+  const [quality, setQuality] = useState("high");
+  const [transparent, setTransparent] = useState(false);
+  const [annotated, setAnnotated] = useState(false);
+  const [part, setPart] = useState<number | null>(null);
+  const [abort, setAbort] = useState<AbortController | null>(null);
+  const [text, setText] = useState("");
+
+  const pixels = (): { width: number; height: number } => {
+    const frame = ui.frames["3d"];
+    const scale = Number(frame?.settings["scale"] ?? 1);
+    const [w, h] = [Math.round((frame?.width ?? 1024) / scale), Math.round((frame?.height ?? 768) / scale)];
+    if (size === "own") return { width: own[0], height: own[1] };
+    if (size.includes("x")) {
+      const [width = 0, height = 0] = size.split("x").map(Number);
+      return { width, height };
+    }
+    const factor = size === "2" ? 2 : 1;
+    return { width: Math.min(factor * w, MOST_SIDE), height: Math.min(factor * h, MOST_SIDE) };
+  };
+
+  const picture = async (use: (bytes: Uint8Array<ArrayBuffer>) => Promise<void> | void): Promise<void> => {
+    const controller = new AbortController();
+    setAbort(controller);
+    setPart(0);
+    try {
+      const asked = { ...pixels(), quality, transparent, annotated };
+      const { bytes, notes } = await engine.ask("picture", asked, setPart, controller.signal);
+      await use(bytes);
+      for (const note of notes) ui.announce(note);
+    } catch (problem) {
+      if ((problem as Problem).code !== "cancelled") ui.problem(problemOf(problem));
+    } finally {
+      setPart(null);
+      setAbort(null);
+    }
+  };
+
+  const code = async (as: Questions["code"]["question"]["as"], use: (text: string, name: string) => Promise<void> | void) => {
+    try {
+      const found = await engine.ask("code", { as, ...pixels() });
+      await use(found.text, found.name);
+    } catch (problem) {
+      ui.problem(problemOf(problem));
+    }
+  };
+
+  const copy = async (what: string, name: string): Promise<void> => {
+    // Shown too, so that it can be copied by hand.
+    setText(what);
+    try {
+      await navigator.clipboard.writeText(what);
+      ui.announce(`${name} copied`);
+    } catch {
+      ui.announce(`${name} is in the field below; the browser does not let it be copied`);
+    }
+  };
+
+  const link = async (): Promise<void> => {
+    const found = await linkPart(store.state, welcome.fingerprint);
+    if (found === null) {
+      ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
+      return;
+    }
+    await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
+  };
+
+  return (
+    <>
+      <label class="field">
+        <span>Size</span>
+        <select value={size} onChange={(event) => setSize(event.currentTarget.value)}>
+          {SIZES.map(([value, name]) => <option key={value} value={value} selected={value === size}>{name}</option>)}
+        </select>
+      </label>
+      {size === "own" && (
+        <div class="row">
+          {(["Width", "Height"] as const).map((name, n) => (
+            <label key={name} class="row">
+              {name}
+              <input
+                type="number"
+                min={1}
+                max={MOST_SIDE}
+                value={own[n]}
+                onChange={(event) => {
+                  const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
+                  setOwn(n === 0 ? [value, own[1]] : [own[0], value]);
+                }}
+              />
+            </label>
+          ))}
+        </div>
+      )}
+      <label class="field">
+        <span>Quality</span>
+        <select value={quality} onChange={(event) => setQuality(event.currentTarget.value)}>
+          {["normal", "high"].map((name) => <option key={name} value={name} selected={name === quality}>{name}</option>)}
+        </select>
+      </label>
+      <label class="row"><input type="checkbox" checked={transparent} onChange={(event) => setTransparent(event.currentTarget.checked)} />Transparent background</label>
+      <label class="row"><input type="checkbox" checked={annotated} onChange={(event) => setAnnotated(event.currentTarget.checked)} />With scale bar, letters and legend</label>
+      <div class="row">
+        <button class="button" disabled={part !== null} onClick={() => void picture((bytes) => ui.download("picture.png", bytes, "image/png"))}>Save picture</button>
+        <button
+          class="button"
+          disabled={part !== null}
+          onClick={() =>
+            void picture(async (bytes) => {
+              if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
+              await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
+              ui.announce("The picture is copied");
+            })
+          }
+        >
+          Copy picture
+        </button>
+        {abort !== null && <button class="button" onClick={() => abort.abort()}>Cancel</button>}
+      </div>
+      {part !== null && <progress aria-label="Drawing the picture" max={1} value={part} />}
+      <div class="row">
+        <button class="button" onClick={() => void code("python", (found) => copy(found, "The Python program"))}>Copy as Python</button>
+        <button class="button" onClick={() => void code("command", (found) => copy(found, "The command"))}>Copy as command</button>
+        {ui.host === "page" && <button class="button" onClick={() => void link()}>Copy link</button>}
+      </div>
+      {text !== "" && <textarea aria-label="What was copied" readOnly rows={5} value={text} onFocus={(event) => event.currentTarget.select()} />}
+      <div class="row">
+        <button class="button" onClick={() => void code("state", (found, name) => ui.download(name, found, "application/json"))}>Save state</button>
+        <label class="button">
+          Open state
+          <input
+            class="hidden"
+            type="file"
+            accept=".json,application/json"
+            onChange={(event) => {
+              const file = event.currentTarget.files?.[0];
+              event.currentTarget.value = "";
+              if (file !== undefined) void openState(props, file);
+            }}
+          />
+        </label>
+        <button class="button" onClick={() => void code("html", (found, name) => ui.download(name, found, "text/html"))}>Save page (HTML)</button>
+      </div>
+    </>
+  );
+}
+
+/** Shows the state of a file; the volumes stay. */
+export async function openState({ engine, store, ui }: PartProps, file: File): Promise<void> {
+  try {
+    const { state } = await engine.ask("open_state", { text: await file.text() });
+    store.change([{ op: "replace", path: "", value: state }]);
+    ui.announce(`${file.name} is open`);
+  } catch (problem) {
+    ui.problem(problemOf(problem));
+  }
+}
+
+export function problemOf(problem: unknown): Problem {
+  if (typeof problem === "object" && problem !== null && "message" in problem) {
+    const code = "code" in problem ? String(problem.code) : "failed";
+    return { ...(problem as Problem), code, message: String(problem.message) };
+  }
+  return { code: "failed", message: String(problem) };
+}

@@ -1,0 +1,116 @@
+// Distances and angles, on slices and in space. Their points are world positions, which handles move.
+
+import { inPicture } from "../overlay3d/box.ts";
+import { add, length, project, scaled, sub } from "../../input/camera.ts";
+import { set } from "../../state/patch.ts";
+import type { Camera, Measure, Vec3 } from "../../state/state.ts";
+import { shortNumber } from "../descriptions.ts";
+import type { CssSize, PartProps } from "../part.ts";
+import { angleDeg, distance, placeOf, worldAt, type SliceFrame } from "./geometry.ts";
+import { Handle } from "./slice_pane.tsx";
+
+const COLOR = "#7df0ff";
+
+/** What a measure says: "12.3 mm", "45.0°". */
+export function measured(measure: Measure, unit: string): string {
+  return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit}` : `${angleDeg(measure.points).toFixed(1)}°`;
+}
+
+interface Place {
+  readonly x: number;
+  readonly y: number;
+}
+
+function Drawn(
+  props: PartProps & {
+    readonly placed: (point: Vec3) => Place | null;
+    readonly moved: (point: Vec3, dx: number, dy: number) => Vec3;
+    readonly isNear: (points: readonly Vec3[]) => boolean;
+  },
+) {
+  const { store, welcome, ui, placed, moved, isNear } = props;
+  const unit = welcome.volumes[0]?.unit ?? "units";
+  const pending = ui.points.map(placed);
+  return (
+    <g>
+      {store.state.view.measures.map((measure, n) => {
+        const places = measure.points.map(placed);
+        if (!isNear(measure.points) || places.some((place) => place === null)) return null;
+        const points = places as Place[];
+        const middle = points[measure.kind === "angle" ? 1 : 0] as Place;
+        const text = measured(measure, unit);
+        return (
+          <g key={n}>
+            <path d={`M${points.map(({ x, y }) => `${x} ${y}`).join("L")}`} fill="none" stroke={COLOR} stroke-width="1.5" />
+            <text x={middle.x + 10} y={middle.y - 8}>{text}</text>
+            {points.map(({ x, y }, k) => {
+              const change = (to: Vec3, gesture: string): void =>
+                store.change([set(to, "view", "measures", n, "points", k)], gesture);
+              const now = (): Vec3 => store.state.view.measures[n]?.points[k] ?? (measure.points[k] as Vec3);
+              return (
+                <Handle
+                  key={k}
+                  round
+                  label={`Measure ${n + 1}, point ${k + 1}`}
+                  text={text}
+                  value={k}
+                  range={[0, points.length]}
+                  x={x}
+                  y={y}
+                  color={COLOR}
+                  onDrag={(_x, _y, dx, dy) => change(moved(now(), dx, dy), "measure")}
+                  onKey={(event) => {
+                    const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+                    if (event.key === "Delete") {
+                      event.preventDefault();
+                      store.change([{ op: "remove", path: `/view/measures/${n}` }]);
+                    }
+                    if (way === undefined) return;
+                    event.preventDefault();
+                    event.stopPropagation();
+                    change(moved(now(), way[0] ?? 0, way[1] ?? 0), "key measure");
+                  }}
+                  onEnd={() => store.settle()}
+                />
+              );
+            })}
+          </g>
+        );
+      })}
+      {pending.map((place, k) => place && <circle key={k} cx={place.x} cy={place.y} r="4" fill={COLOR} stroke="#000" />)}
+    </g>
+  );
+}
+
+export function MeasuresOnSlice(props: PartProps & { readonly on: SliceFrame }) {
+  const { on, store } = props;
+  const thickness = Math.max(store.state.view.slices.thickness / 2, on.geometry.pixel * 1.5);
+  return (
+    <Drawn
+      {...props}
+      placed={(point) => placeOf(on, point)}
+      moved={(point, dx, dy) => {
+        const { x, y } = placeOf(on, point);
+        // At right angles to the slice it stays where it is.
+        return add(point, sub(worldAt(on, x + dx, y + dy), worldAt(on, x, y)));
+      }}
+      isNear={(points) => points.every((point) => placeOf(on, point).away <= thickness)}
+    />
+  );
+}
+
+export function Measures3d(props: PartProps & { readonly camera: Camera; readonly size: CssSize }) {
+  const { camera, size } = props;
+  return (
+    <Drawn
+      {...props}
+      placed={(point) => project(camera, size, point)}
+      moved={(point, dx, dy) => add(point, inPicture(camera, size, point, dx, dy))}
+      isNear={() => true}
+    />
+  );
+}
+
+/** Whether points tell something: not all the same. */
+export const isMeasure = (points: readonly Vec3[]): boolean =>
+  points.every((point, n) => n === 0 || length(sub(point, scaled(points[n - 1] as Vec3, 1))) > 0);

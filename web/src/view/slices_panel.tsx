@@ -1,0 +1,140 @@
+// Slices by numbers: crosshair, thickness, window and level, zoom, tilt.
+
+import { set } from "../state/patch.ts";
+import type { Vec3 } from "../state/state.ts";
+import { Choice, NumberField } from "./fields.tsx";
+import type { PartProps } from "./part.ts";
+
+const AXES = ["x", "y", "z"] as const;
+
+export function SlicesPanel(props: PartProps) {
+  const { store, welcome, ui } = props;
+  const { slices } = store.state.view;
+  const [lower, upper] = welcome.bounds;
+  const info = welcome.volumes[0];
+  const unit = info?.unit ?? "units";
+  const settle = (): void => store.settle();
+  const automatic = ui.frames.axial?.slice?.window ?? ui.frames.coronal?.slice?.window ?? ui.frames.sagittal?.slice?.window;
+  const robust = info?.robust_range ?? [0, 1];
+  const [level, width] = slices.window ?? automatic ?? [(robust[0] + robust[1]) / 2, robust[1] - robust[0]];
+  const span = (info?.range[1] ?? 1) - (info?.range[0] ?? 0) || 1;
+  const setWindow = (next: readonly [number, number], gesture?: string): void =>
+    store.change([set(next, "view", "slices", "window")], gesture);
+  const names = Object.entries(welcome.window_names);
+  const named = names.find(([, [l, w]]) => slices.window?.[0] === l && slices.window[1] === w)?.[0];
+  return (
+    <>
+      {AXES.map((name, axis) => (
+        <NumberField
+          key={name}
+          label={`Crosshair ${name}`}
+          unit={unit}
+          value={slices.crosshair[axis] ?? 0}
+          min={lower[axis] ?? 0}
+          max={upper[axis] ?? 1}
+          onInput={(value) => {
+            const next = slices.crosshair.map((one, a) => (a === axis ? value : one)) as unknown as Vec3;
+            store.change([set(next, "view", "slices", "crosshair")], `crosshair ${name}`);
+          }}
+          onSettle={settle}
+        />
+      ))}
+      <NumberField
+        label="Thickness"
+        unit={unit}
+        value={slices.thickness}
+        min={0}
+        max={Math.max(...AXES.map((_, a) => (upper[a] ?? 0) - (lower[a] ?? 0))) / 4}
+        onInput={(value) => store.change([set(Math.max(0, value), "view", "slices", "thickness")], "thickness")}
+        onSettle={settle}
+      />
+      <Choice
+        label="Across it"
+        value={slices.slab}
+        options={[["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]]}
+        onChoose={(value) => store.change([set(value, "view", "slices", "slab")])}
+      />
+      {info?.value_unit === "HU" && (
+        <Choice
+          label="Window"
+          value={named ?? (slices.window === undefined ? "automatic" : "own")}
+          options={[
+            ["automatic", "Automatic"],
+            ...names.map(([name, [l, w]]) => [name, `${name} (${l}, ${w})`] as const),
+            ...(named === undefined && slices.window !== undefined ? [["own", "Own"] as const] : []),
+          ]}
+          onChoose={(value) => {
+            const window = welcome.window_names[value];
+            if (window !== undefined) setWindow(window);
+            else if (slices.window !== undefined) store.change([{ op: "remove", path: "/view/slices/window" }]);
+          }}
+        />
+      )}
+      <NumberField
+        label="Level"
+        unit={info?.value_unit ?? ""}
+        value={level}
+        min={info?.range[0] ?? 0}
+        max={info?.range[1] ?? 1}
+        onInput={(value) => setWindow([value, width], "level")}
+        onSettle={settle}
+      />
+      <NumberField
+        label="Width"
+        unit={info?.value_unit ?? ""}
+        value={width}
+        min={span * 1e-4}
+        max={span}
+        onInput={(value) => setWindow([level, Math.max(value, span * 1e-6)], "width")}
+        onSettle={settle}
+      />
+      <NumberField
+        label="Zoom"
+        value={slices.zoom}
+        min={0.2}
+        max={20}
+        onInput={(value) => store.change([set(Math.min(Math.max(value, 0.1), 100), "view", "slices", "zoom")], "zoom")}
+        onSettle={settle}
+      />
+      <div class="row">
+        <button
+          class="button"
+          onClick={() => {
+            const middle = [0, 1, 2].map((a) => ((lower[a] ?? 0) + (upper[a] ?? 0)) / 2) as unknown as Vec3;
+            store.change([set(middle, "view", "slices", "crosshair")]);
+          }}
+        >
+          Crosshair to the middle
+        </button>
+        <button class="button" onClick={() => void toSeen(props)}>Crosshair to what is seen</button>
+        <button
+          class="button"
+          disabled={slices.window === undefined}
+          onClick={() => store.change([{ op: "remove", path: "/view/slices/window" }])}
+        >
+          Automatic window
+        </button>
+        <button
+          class="button"
+          disabled={slices.normals === undefined}
+          onClick={() => store.change([{ op: "remove", path: "/view/slices/normals" }])}
+        >
+          Reset tilt
+        </button>
+      </div>
+    </>
+  );
+}
+
+/** The crosshair goes to what the middle of the picture in space shows. */
+async function toSeen({ engine, store, ui }: PartProps): Promise<void> {
+  const frame = ui.frames["3d"];
+  const asked = { x: 0.5, y: 0.5, width: frame?.width ?? 512, height: frame?.height ?? 512 };
+  try {
+    const { point } = await engine.ask("pick", asked);
+    if (point === null) ui.announce("Nothing is seen in the middle of the picture");
+    else store.change([set(point, "view", "slices", "crosshair")]);
+  } catch (problem) {
+    ui.problem(problem as Parameters<typeof ui.problem>[0]);
+  }
+}

@@ -1,0 +1,75 @@
+// What goes on: opening, connection, problems, notes of the picture, figures of frames.
+
+import type { Connection, Problem } from "../engine/engine.ts";
+import { ProbeLine } from "./measure_panel.tsx";
+import type { PartProps } from "./part.ts";
+
+export function Opening({ connection, problem }: { readonly connection: Connection; readonly problem: Problem | null }) {
+  if (problem !== null) {
+    return (
+      <div class="opening" role="alert">
+        <h2>It could not be opened</h2>
+        <p>{problem.message}</p>
+        {problem.remedy !== undefined && <p class="dim">{problem.remedy}</p>}
+      </div>
+    );
+  }
+  const isOpening = connection.kind === "connecting";
+  return (
+    <div class="opening" role="status">
+      <p>{isOpening ? connection.text || "Opening" : "Opening"}</p>
+      {isOpening && connection.part !== undefined ? <progress max={1} value={connection.part} /> : <progress />}
+    </div>
+  );
+}
+
+export function ProblemCard({ problem, onClose }: { readonly problem: Problem; readonly onClose: () => void }) {
+  return (
+    <div class="alert" role="alert">
+      <strong>{problem.message}</strong>
+      {problem.field !== undefined && <span>{`Field: ${problem.field}`}</span>}
+      {problem.remedy !== undefined && <span class="dim">{problem.remedy}</span>}
+      <div class="row">
+        <button class="button" onClick={() => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n"))}>Copy text</button>
+        <button class="button" onClick={onClose}>Close</button>
+      </div>
+    </div>
+  );
+}
+
+export function Status(props: PartProps & { readonly connection: Connection; readonly figures: boolean }) {
+  const { ui, engine, connection, figures } = props;
+  const frame = ui.frames["3d"] ?? Object.values(ui.frames)[0];
+  const notes = frame?.notes ?? [];
+  return (
+    <div class="status">
+      {connection.kind === "lost" && (
+        <span class="row" role="alert">
+          {connection.problem.message}. <span class="dim">{connection.problem.remedy}</span>
+          {connection.retries && <button class="button" onClick={() => engine.retry()}>Try again</button>}
+        </span>
+      )}
+      {connection.kind === "busy" && <span role="status">{connection.text}</span>}
+      {notes.map((note) => <span key={note} role="note">{note}</span>)}
+      <ProbeLine {...props} />
+      {figures && <Figures {...props} />}
+    </div>
+  );
+}
+
+function Figures({ ui }: PartProps) {
+  const recent = ui.statistics.recent(performance.now());
+  const frame = ui.frames["3d"];
+  if (frame === undefined) return null;
+  const { sheets_per_slice, oversampling, scale } = frame.settings;
+  const parts = [
+    recent === null ? null : `${recent.framesPerSecond.toFixed(0)} frames/s`,
+    recent?.latency == null ? null : `${recent.latency.toFixed(0)} ms from event to picture`,
+    `drawn in ${frame.ms.render.toFixed(0)} ms, encoded in ${frame.ms.encode.toFixed(0)} ms`,
+    `${(frame.bytes.length / 1000).toFixed(0)} kB ${frame.format}`,
+    `${frame.width} x ${frame.height}`,
+    `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,
+    frame.expected_psnr_db === null ? null : `expected error ${frame.expected_psnr_db.toFixed(0)} dB`,
+  ];
+  return <span class="figures">{parts.filter((part) => part !== null).join(" · ")}</span>;
+}

@@ -1,0 +1,266 @@
+// A view: the canvas that frames are drawn on, what lies over it, and what pointers and keys do there.
+// Gestures are passed on; what they mean in space or on a slice is known to the parts that place a viewport.
+
+import type { ComponentChildren } from "preact";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+
+import type { Frame } from "../engine/engine.ts";
+import { Gestures, wheelFactor, wheelSteps, type Gesture } from "../input/gestures.ts";
+import { actionOf, keyName, type Action } from "../input/keys.ts";
+import type { ViewName } from "../state/state.ts";
+import type { CssSize, PartProps } from "./part.ts";
+
+export interface ViewportHandlers {
+  /** Drags, pinches and taps; `size` is that of the view in CSS pixels. */
+  readonly onGesture: (gesture: Gesture, size: CssSize) => void;
+  readonly onWheel: (wheel: { readonly factor: number; readonly steps: number; readonly ctrl: boolean }) => void;
+  /** True: the key was for this view. */
+  readonly onAction: (action: Action, shift: boolean, size: CssSize) => boolean;
+  /** Where the pointer is, or null. */
+  readonly onHover?: (place: { readonly x: number; readonly y: number } | null, size: CssSize) => void;
+  /** How the frame on the screen is moved until the next one comes, as a CSS transform. */
+  readonly transform?: (frame: Frame, size: CssSize) => string;
+}
+
+export interface ViewportProps extends PartProps, ViewportHandlers {
+  readonly view: ViewName;
+  /** What the picture shows, for those who do not see it. */
+  readonly label: string;
+  readonly children?: (frame: Frame, size: CssSize) => ComponentChildren;
+}
+
+/** A picture is asked for when the size has not changed for so many milliseconds. */
+const RESIZED_MS = 60;
+
+export function Viewport(props: ViewportProps) {
+  const { view, store, ui, label, children, transform } = props;
+  const box = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [size, setSize] = useState<CssSize>({ width: 0, height: 0 });
+  const [hint, setHint] = useState(false);
+  const latest = useRef(props);
+  latest.current = props;
+  const sizeNow = useRef(size);
+  sizeNow.current = size;
+  const frame = ui.frames[view];
+
+  useSize(box, props, setSize);
+  useFrames(canvas, latest);
+
+  useLayoutEffect(() => {
+    const element = box.current;
+    if (element === null) return undefined;
+    const noted = (at: number, act: () => void): void => {
+      const before = store.seq;
+      act();
+      if (store.seq !== before) ui.statistics.event(store.seq, at);
+    };
+    const gestures = new Gestures((gesture, at) =>
+      noted(at, () => latest.current.onGesture(gesture, sizeNow.current)),
+    );
+    const place = (event: MouseEvent): [number, number] => {
+      const { left, top } = element.getBoundingClientRect();
+      return [event.clientX - left, event.clientY - top];
+    };
+    const isHandle = (event: Event): boolean =>
+      event.composedPath().some((one) => one instanceof Element && one.hasAttribute("data-handle"));
+    const down = (event: PointerEvent): void => {
+      if (isHandle(event)) return;
+      element.focus({ preventScroll: true });
+      element.setPointerCapture(event.pointerId);
+      gestures.down(event, ...place(event));
+    };
+    const move = (event: PointerEvent): void => {
+      // All places in between, so that what is dragged lags by none.
+      if (gestures.isActive) gestures.move(event, ...place(event));
+      else if (!isHandle(event)) {
+        const [x, y] = place(event);
+        latest.current.onHover?.({ x, y }, sizeNow.current);
+      }
+    };
+    const up = (event: PointerEvent): void => gestures.up(event, ...place(event));
+    const cancel = (event: PointerEvent): void => gestures.up(event, ...place(event), true);
+    const leave = (): void => latest.current.onHover?.(null, sizeNow.current);
+    const wheel = (event: WheelEvent): void => {
+      // In a notebook the page scrolls, unless the viewer has the focus.
+      const root = element.getRootNode() as Document | ShadowRoot;
+      const isFocused = element.contains(root.activeElement);
+      if (ui.host === "widget" && !isFocused && !event.ctrlKey) {
+        setHint(true);
+        return;
+      }
+      event.preventDefault();
+      setHint(false);
+      const { deltaY, deltaMode } = event;
+      const what = { factor: wheelFactor(deltaY, deltaMode), steps: wheelSteps(deltaY, deltaMode), ctrl: event.ctrlKey };
+      noted(event.timeStamp, () => latest.current.onWheel(what));
+    };
+    const key = (event: KeyboardEvent): void => {
+      const action = actionOf(keyName(event));
+      if (action === undefined || event.defaultPrevented) return;
+      noted(event.timeStamp, () => {
+        if (latest.current.onAction(action, event.shiftKey, sizeNow.current)) {
+          event.preventDefault();
+          event.stopPropagation();
+        }
+      });
+    };
+    const keyUp = (): void => store.settle();
+    const menu = (event: Event): void => event.preventDefault();
+    element.addEventListener("pointerdown", down);
+    element.addEventListener("pointermove", move);
+    element.addEventListener("pointerup", up);
+    element.addEventListener("pointercancel", cancel);
+    element.addEventListener("pointerleave", leave);
+    element.addEventListener("wheel", wheel, { passive: false });
+    element.addEventListener("keydown", key);
+    element.addEventListener("keyup", keyUp);
+    element.addEventListener("contextmenu", menu);
+    return () => {
+      element.removeEventListener("pointerdown", down);
+      element.removeEventListener("pointermove", move);
+      element.removeEventListener("pointerup", up);
+      element.removeEventListener("pointercancel", cancel);
+      element.removeEventListener("pointerleave", leave);
+      element.removeEventListener("wheel", wheel);
+      element.removeEventListener("keydown", key);
+      element.removeEventListener("keyup", keyUp);
+      element.removeEventListener("contextmenu", menu);
+    };
+  }, []);
+
+  const moved = frame !== undefined && transform !== undefined && size.width > 0 ? transform(frame, size) : "";
+  return (
+    <div
+      class="viewport"
+      ref={box}
+      tabIndex={0}
+      role="group"
+      aria-label={view === "3d" ? "Picture in space" : `Slice, ${view}`}
+      data-view={view}
+      onPointerDown={() => setHint(false)}
+    >
+      <canvas ref={canvas} role="img" aria-label={label} style={{ transform: moved }} />
+      {frame !== undefined && size.width > 0 && children?.(frame, size)}
+      {hint && <p class="hint">Click first, or hold Ctrl, to magnify with the wheel</p>}
+    </div>
+  );
+}
+
+/** Tells the engine how many pixels the view has, and that it is not shown where it is not. */
+function useSize(
+  box: { current: HTMLDivElement | null },
+  { engine, view }: ViewportProps,
+  setSize: (size: CssSize) => void,
+): void {
+  useEffect(() => {
+    const element = box.current;
+    if (element === null) return undefined;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let pixels: { width: number; height: number } | null = null;
+    let isSeen = true;
+    const ask = (): void => {
+      const shown = isSeen && !document.hidden ? pixels : null;
+      engine.show(view, shown);
+    };
+    const resized = new ResizeObserver(([entry]) => {
+      if (entry === undefined) return;
+      const { width, height } = entry.contentRect;
+      const ratio = window.devicePixelRatio || 1;
+      const exact = entry.devicePixelContentBoxSize?.[0];
+      const [w, h] = exact ? [exact.inlineSize, exact.blockSize] : [width * ratio, height * ratio];
+      const isFirst = pixels === null;
+      pixels = w >= 1 && h >= 1 ? { width: Math.round(w), height: Math.round(h) } : null;
+      setSize({ width, height });
+      clearTimeout(timer);
+      if (isFirst) ask();
+      else timer = setTimeout(ask, RESIZED_MS);
+    });
+    try {
+      resized.observe(element, { box: "device-pixel-content-box" });
+    } catch {
+      resized.observe(element);
+    }
+    const seen = new IntersectionObserver(([entry]) => {
+      if (entry === undefined || entry.isIntersecting === isSeen) return;
+      isSeen = entry.isIntersecting;
+      ask();
+    });
+    seen.observe(element);
+    document.addEventListener("visibilitychange", ask);
+    return () => {
+      clearTimeout(timer);
+      resized.disconnect();
+      seen.disconnect();
+      document.removeEventListener("visibilitychange", ask);
+      engine.show(view, null);
+    };
+  }, []);
+}
+
+/** Draws the frames that come, the newest alone where several wait. */
+function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { current: ViewportProps }): void {
+  useEffect(() => {
+    const { engine, view } = latest.current;
+    let newest: Frame | null = null;
+    let isDecoding = false;
+    let isGone = false;
+    const next = async (): Promise<void> => {
+      if (isDecoding) return;
+      isDecoding = true;
+      while (newest !== null && !isGone) {
+        const frame: Frame = newest;
+        newest = null;
+        try {
+          const picture = await decoded(frame);
+          if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
+          if ("close" in picture) picture.close();
+          latest.current.ui.frameShown(frame);
+        } finally {
+          engine.shown(frame);
+        }
+      }
+      isDecoding = false;
+    };
+    const stop = engine.onFrame((frame) => {
+      if (frame.view !== view) return;
+      // What was not drawn in time is left out.
+      if (newest !== null) engine.shown(newest);
+      newest = frame;
+      void next();
+    });
+    return () => {
+      isGone = true;
+      stop();
+    };
+  }, []);
+}
+
+async function decoded(frame: Frame): Promise<ImageBitmap | HTMLImageElement> {
+  const blob = new Blob([frame.bytes], { type: `image/${frame.format}` });
+  if (typeof createImageBitmap === "function") {
+    return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  }
+  const image = new Image();
+  const url = URL.createObjectURL(blob);
+  image.src = url;
+  await image.decode();
+  URL.revokeObjectURL(url);
+  return image;
+}
+
+function drawn(canvas: HTMLCanvasElement, picture: ImageBitmap | HTMLImageElement, frame: Frame): void {
+  const scale = Number(frame.settings["scale"] ?? 1);
+  const [width, height] = [Math.round(frame.width / scale), Math.round(frame.height / scale)];
+  if (frame.at_rest || Math.abs(canvas.width - width) > 2 || Math.abs(canvas.height - height) > 2) {
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+  }
+  const context = canvas.getContext("2d");
+  if (context === null) return;
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  context.imageSmoothingQuality = "high";
+  context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+  canvas.dataset["seq"] = String(frame.seq);
+  canvas.dataset["atRest"] = String(frame.at_rest);
+}

@@ -1,0 +1,7 @@
+// What the bundle gives: the page's start, and the module that anywidget loads.
+
+import { openPage } from "./hosts/page.ts";
+import { render } from "./hosts/widget.ts";
+
+export { openPage };
+export default { render };

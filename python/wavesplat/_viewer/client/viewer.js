@@ -1497,8 +1497,8 @@ function within([low, high], whole) {
 }
 function ticks([low, high], n2 = 5) {
   const step = roundStep((high - low) / n2);
-  const first = Math.ceil(low / step);
-  const count = Math.floor(high / step) - first + 1;
+  const first = Math.ceil(low / step - 1e-9);
+  const count = Math.floor(high / step + 1e-9) - first + 1;
   return Array.from({ length: Math.max(0, Math.min(count, 50)) }, (_3, k2) => tidy((first + k2) * step, step));
 }
 function rounded(value, span) {
@@ -1658,10 +1658,11 @@ function CurvePlot(props) {
             /* @__PURE__ */ a2("line", { class: "look-grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: yOf(alpha), y2: yOf(alpha) }),
             /* @__PURE__ */ a2("text", { class: "look-tick", x: MARGIN.left - 4, y: yOf(alpha) + 4, "text-anchor": "end", children: alpha })
           ] }, alpha)),
-          ticks(seen, 4).map((value) => /* @__PURE__ */ a2("g", { children: [
+          ticks(seen, 4).filter((value) => xOf(value) > MARGIN.left + 14).map((value) => /* @__PURE__ */ a2("g", { children: [
             /* @__PURE__ */ a2("line", { class: "look-grid", x1: xOf(value), x2: xOf(value), y1: MARGIN.top, y2: height - MARGIN.bottom + 3 }),
-            /* @__PURE__ */ a2("text", { class: "look-tick", x: clamped(xOf(value), 20, width - 20), y: height - 5, "text-anchor": "middle", children: numberText(value) })
+            /* @__PURE__ */ a2("text", { class: "look-tick", x: Math.min(xOf(value), width - 20), y: height - 5, "text-anchor": "middle", children: numberText(value) })
           ] }, value)),
+          /* @__PURE__ */ a2("text", { class: "look-tick", x: MARGIN.left - 4, y: height - 5, "text-anchor": "end", children: unit2 }),
           histogram !== null && /* @__PURE__ */ a2("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }),
           /* @__PURE__ */ a2(
             "polygon",
@@ -1958,6 +1959,14 @@ function NumberField2(props) {
     }
   );
 }
+function NamedNumber(props) {
+  const { label, shown = label, unit: unit2 = "" } = props;
+  return /* @__PURE__ */ a2("span", { class: "look-named", children: [
+    /* @__PURE__ */ a2("span", { class: "dim", "aria-hidden": "true", children: shown }),
+    /* @__PURE__ */ a2(NumberField2, { ...props }),
+    unit2 !== "" && /* @__PURE__ */ a2("span", { class: "dim", "aria-hidden": "true", children: unit2 })
+  ] });
+}
 function SliderField(props) {
   const { label, value, min, max, step = (max - min) / 200, unit: unit2 = "", disabled = false, least, most } = props;
   const { shown = label } = props;
@@ -2116,7 +2125,7 @@ function GradientEditor({ store, ui, curves, volume }) {
     return /* @__PURE__ */ a2("details", { class: "look-details", children: [
       /* @__PURE__ */ a2("summary", { children: TEXT3.title }),
       /* @__PURE__ */ a2("p", { class: "dim", children: TEXT3.none }),
-      /* @__PURE__ */ a2(Button, { onClick: () => store.change([set(firstGradientCurve(scale), ...path)]), children: TEXT3.add })
+      /* @__PURE__ */ a2(Button, { onClick: () => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)]), children: TEXT3.add })
     ] });
   }
   return /* @__PURE__ */ a2("details", { class: "look-details", open: true, children: [
@@ -2147,7 +2156,7 @@ function GradientEditor({ store, ui, curves, volume }) {
     ),
     /* @__PURE__ */ a2("div", { class: "row", children: [
       /* @__PURE__ */ a2(
-        NumberField2,
+        NamedNumber,
         {
           label: TEXT3.gradient,
           unit: unit2,
@@ -2157,9 +2166,8 @@ function GradientEditor({ store, ui, curves, volume }) {
           onDone: done2
         }
       ),
-      /* @__PURE__ */ a2("span", { class: "dim", children: unit2 }),
       /* @__PURE__ */ a2(
-        NumberField2,
+        NamedNumber,
         {
           label: TEXT3.factor,
           min: 0,
@@ -2353,9 +2361,8 @@ function PointFields(props) {
     if (point !== void 0) {
       const move = (value, opacity) => props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
       return /* @__PURE__ */ a2(Point, { ...props, title: TEXT4.opacityPoint(index + 1, curves.opacity.length), n: curves.opacity.length, onRemove: () => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1)), children: [
-        /* @__PURE__ */ a2(NumberField2, { label: TEXT4.value, unit: unit2, value: point[0], onValue: (value) => move(value, point[1]), onDone }),
-        /* @__PURE__ */ a2("span", { class: "dim", children: unit2 }),
-        /* @__PURE__ */ a2(NumberField2, { label: TEXT4.opacity, value: point[1], min: 0, max: 1, step: 0.01, onValue: (opacity) => move(point[0], opacity), onDone })
+        /* @__PURE__ */ a2(NamedNumber, { label: TEXT4.value, unit: unit2, value: point[0], onValue: (value) => move(value, point[1]), onDone }),
+        /* @__PURE__ */ a2(NamedNumber, { label: TEXT4.opacity, value: point[1], min: 0, max: 1, step: 0.01, onValue: (opacity) => move(point[0], opacity), onDone })
       ] });
     }
   }
@@ -2364,8 +2371,7 @@ function PointFields(props) {
     if (point !== void 0) {
       const move = (moved) => props.onColor(withMoved(curves.color, index, moved), index);
       return /* @__PURE__ */ a2(Point, { ...props, title: TEXT4.colorPoint(index + 1, curves.color.length), n: curves.color.length, onRemove: () => props.onColor(without(curves.color, index), Math.max(0, index - 1)), children: [
-        /* @__PURE__ */ a2(NumberField2, { label: TEXT4.value, unit: unit2, value: point[0], onValue: (value) => move([value, point[1], point[2], point[3]]), onDone }),
-        /* @__PURE__ */ a2("span", { class: "dim", children: unit2 }),
+        /* @__PURE__ */ a2(NamedNumber, { label: TEXT4.value, unit: unit2, value: point[0], onValue: (value) => move([value, point[1], point[2], point[3]]), onDone }),
         /* @__PURE__ */ a2(ColorField, { label: TEXT4.color, value: hexOf(point), onColor: (hex) => move([point[0], ...rgbOf(hex)]), onDone })
       ] });
     }
@@ -2405,8 +2411,9 @@ var TEXT5 = {
   opacity: "opacity",
   log: "Log counts",
   magnified: "Magnify low opacities",
-  from: "From",
-  to: "To",
+  seen: "Seen",
+  from: "Seen from",
+  to: "Seen to",
   nearer: "Nearer",
   farther: "Farther",
   all: "All values",
@@ -2579,12 +2586,10 @@ function Editor(props) {
       )
     ] }),
     /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(NumberField2, { label: TEXT5.from, unit: unit2, value: seen[0], onValue: (low) => low < seen[1] && setZoom([low, seen[1]]), onDone: () => {
+      /* @__PURE__ */ a2(NamedNumber, { shown: TEXT5.seen, label: TEXT5.from, value: rounded(seen[0], seen[1] - seen[0]), onValue: (low) => low < seen[1] && setZoom([low, seen[1]]), onDone: () => {
       } }),
-      /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: "–" }),
-      /* @__PURE__ */ a2(NumberField2, { label: TEXT5.to, unit: unit2, value: seen[1], onValue: (high) => high > seen[0] && setZoom([seen[0], high]), onDone: () => {
+      /* @__PURE__ */ a2(NamedNumber, { shown: "–", label: TEXT5.to, unit: unit2, value: rounded(seen[1], seen[1] - seen[0]), onValue: (high) => high > seen[0] && setZoom([seen[0], high]), onDone: () => {
       } }),
-      /* @__PURE__ */ a2("span", { class: "dim", children: unit2 }),
       /* @__PURE__ */ a2(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)), children: "+" }),
       /* @__PURE__ */ a2(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)), children: "−" })
     ] }),
@@ -2943,7 +2948,7 @@ function compositeNamed(name, isoValue) {
 var TEXT8 = {
   pad: "Direction of the light",
   keys: "Arrows turn the light, with Page up and down far",
-  azimuth: "From the right",
+  azimuth: "From right",
   elevation: "From above",
   degrees: "°",
   text: (azimuth, elevation) => `${Math.abs(Math.round(azimuth))}° from the ${azimuth < 0 ? "left" : "right"}, ${Math.abs(Math.round(elevation))}° from ${elevation < 0 ? "below" : "above"}`
@@ -3044,7 +3049,7 @@ var TEXT9 = {
   overOnly: "Several layers, and labels, are drawn by volume rendering alone.",
   iso: "Surface at",
   threshold: "Threshold",
-  automatic: (what) => `${what}: chosen by the program`,
+  automatic: (what) => `${what}: automatic`,
   strength: "Dimming",
   clear: "Clear below",
   attenuation: "Attenuation",
@@ -3058,12 +3063,12 @@ var TEXT9 = {
   specular: "Specular",
   power: "Shininess",
   exposure: "Exposure",
-  shoulder: "Soft highlights from",
+  shoulder: "Soft highlights",
   occlusion: "Occlusion",
   radius: "Occlusion radius",
   shadow: "Shadow",
-  smoothing: "Smooth normals",
-  smoothingOn: "Smooth normals by the kernel of gradients",
+  smoothing: "Smoothing",
+  smoothingOn: "Smooth surfaces",
   offset: "Normal width",
   world: "The light stands still in the world.",
   reset: "Reset light to the look's"
@@ -3761,7 +3766,7 @@ function windowDrag({ store, ui, welcome }, dx, dy) {
 }
 
 // src/view/look/look.css
-var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: none; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--dim); opacity: .35 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer; outline: none }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { .look-tile { min-height: 44px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n';
+var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: none; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--dim); opacity: .35 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab }\n.wavesplat .look-handle:focus-visible, .wavesplat .look-mark:focus-visible { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { .look-tile { min-height: 44px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 70px }\n';
 
 // src/view/descriptions.ts
 var SIDES = [

@@ -1,6 +1,6 @@
 // The axis of values under a histogram: what part of it is seen, its ticks, and numbers for people.
 
-import { clamped, middle, type Curve, type Range } from "./curves.ts";
+import { clamped, type Curve, type Range } from "./curves.ts";
 
 /** No closer than this share of the whole. */
 const CLOSEST = 1e-4;
@@ -30,8 +30,9 @@ export function within([low, high]: Range, whole: Range): Range {
 /** Round values along a range, about as many as asked. */
 export function ticks([low, high]: Range, n = 5): number[] {
   const step = roundStep((high - low) / n);
-  const first = Math.ceil(low / step);
-  const count = Math.floor(high / step) - first + 1;
+  // Quotients that rounding leaves a hair beside a whole number count as whole.
+  const first = Math.ceil(low / step - 1e-9);
+  const count = Math.floor(high / step + 1e-9) - first + 1;
   return Array.from({ length: Math.max(0, Math.min(count, 50)) }, (_, k) => tidy((first + k) * step, step));
 }
 
@@ -78,14 +79,6 @@ export function roundStep(least: number): number {
   const power = 10 ** Math.floor(Math.log10(least));
   const factor = [1, 2, 5, 10].find((one) => one * power >= least * (1 - 1e-9)) ?? 10;
   return factor * power;
-}
-
-export function isSeen(value: number, seen: Range): boolean {
-  return value >= seen[0] && value <= seen[1];
-}
-
-export function centreOf(seen: Range): number {
-  return middle(seen);
 }
 
 /** Without the last bits that multiplying by a step leaves. */

@@ -168,14 +168,17 @@ export function CurvePlot(props: CurvePlotProps) {
             </text>
           </g>
         ))}
-        {ticks(seen, 4).map((value) => (
+        {ticks(seen, 4).filter((value) => xOf(value) > MARGIN.left + 14).map((value) => (
           <g key={value}>
             <line class="look-grid" x1={xOf(value)} x2={xOf(value)} y1={MARGIN.top} y2={height - MARGIN.bottom + 3} />
-            <text class="look-tick" x={clamped(xOf(value), 20, width - 20)} y={height - 5} text-anchor="middle">
+            <text class="look-tick" x={Math.min(xOf(value), width - 20)} y={height - 5} text-anchor="middle">
               {numberText(value)}
             </text>
           </g>
         ))}
+        <text class="look-tick" x={MARGIN.left - 4} y={height - 5} text-anchor="end">
+          {unit}
+        </text>
         {histogram !== null && <path class="look-counts" d={barsPath(histogram, xOf, inner.height, seen)} />}
         <polygon
           points={`${line.join(" ")} ${px(xOf(seen[1]))},${yOf(0)} ${px(xOf(seen[0]))},${yOf(0)}`}

@@ -53,6 +53,24 @@ export function NumberField(props: NumberFieldProps) {
   );
 }
 
+/** A number with its label and unit before and after it. */
+export function NamedNumber(props: NumberFieldProps & { readonly shown?: string }) {
+  const { label, shown = label, unit = "" } = props;
+  return (
+    <span class="look-named">
+      <span class="dim" aria-hidden="true">
+        {shown}
+      </span>
+      <NumberField {...props} />
+      {unit !== "" && (
+        <span class="dim" aria-hidden="true">
+          {unit}
+        </span>
+      )}
+    </span>
+  );
+}
+
 export interface SliderFieldProps extends NumberFieldProps {
   /** What is written before the slider, where the label would be too long; "" is nothing. */
   readonly shown?: string;

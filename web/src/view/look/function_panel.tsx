@@ -5,7 +5,7 @@ import type { Problem, VolumeInfo } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
 import type { ColorPoint, Look, OpacityPoint, TransferFunction } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
-import { around, heights, wholeOf, within, zoomed } from "./axis.ts";
+import { around, heights, rounded, wholeOf, within, zoomed } from "./axis.ts";
 import { ColorStrip } from "./color_strip.tsx";
 import { CurvePlot, type Histogram } from "./curve_plot.tsx";
 import {
@@ -21,7 +21,7 @@ import {
   type Curve,
   type Range,
 } from "./curves.ts";
-import { Button, CheckField, NumberField, RelativeSlider, SelectField, SliderField } from "./fields.tsx";
+import { Button, CheckField, NamedNumber, RelativeSlider, SelectField, SliderField } from "./fields.tsx";
 import { GradientEditor } from "./gradient_editor.tsx";
 import { lookAsChosen } from "./looks.ts";
 import { PointFields } from "./point_fields.tsx";
@@ -32,8 +32,9 @@ const TEXT = {
   opacity: "opacity",
   log: "Log counts",
   magnified: "Magnify low opacities",
-  from: "From",
-  to: "To",
+  seen: "Seen",
+  from: "Seen from",
+  to: "Seen to",
   nearer: "Nearer",
   farther: "Farther",
   all: "All values",
@@ -223,10 +224,8 @@ function Editor(props: EditorProps) {
         </Button>
       </div>
       <div class="row">
-        <NumberField label={TEXT.from} unit={unit} value={seen[0]} onValue={(low) => low < seen[1] && setZoom([low, seen[1]])} onDone={() => {}} />
-        <span aria-hidden="true">–</span>
-        <NumberField label={TEXT.to} unit={unit} value={seen[1]} onValue={(high) => high > seen[0] && setZoom([seen[0], high])} onDone={() => {}} />
-        <span class="dim">{unit}</span>
+        <NamedNumber shown={TEXT.seen} label={TEXT.from} value={rounded(seen[0], seen[1] - seen[0])} onValue={(low) => low < seen[1] && setZoom([low, seen[1]])} onDone={() => {}} />
+        <NamedNumber shown="–" label={TEXT.to} unit={unit} value={rounded(seen[1], seen[1] - seen[0])} onValue={(high) => high > seen[0] && setZoom([seen[0], high])} onDone={() => {}} />
         <Button label={TEXT.nearer} onClick={() => setZoom(zoomed(seen, 1.5, middle(seen), whole))}>
           +
         </Button>

@@ -5,10 +5,10 @@ import type { VolumeInfo } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
 import type { OpacityPoint, TransferFunction } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
-import { around, within } from "./axis.ts";
+import { around, rounded, within } from "./axis.ts";
 import { CurvePlot } from "./curve_plot.tsx";
 import { firstGradientCurve, spanOf, withMoved, without, withPointBeside, type Curve, type Range } from "./curves.ts";
-import { Button, NumberField } from "./fields.tsx";
+import { Button, NamedNumber } from "./fields.tsx";
 
 const TEXT = {
   title: "Gradient opacity",
@@ -45,7 +45,7 @@ export function GradientEditor({ store, ui, curves, volume }: PartProps & { curv
       <details class="look-details">
         <summary>{TEXT.title}</summary>
         <p class="dim">{TEXT.none}</p>
-        <Button onClick={() => store.change([set(firstGradientCurve(scale), ...path)])}>{TEXT.add}</Button>
+        <Button onClick={() => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)])}>{TEXT.add}</Button>
       </details>
     );
   }
@@ -73,7 +73,7 @@ export function GradientEditor({ store, ui, curves, volume }: PartProps & { curv
         onType={() => {}}
       />
       <div class="row">
-        <NumberField
+        <NamedNumber
           label={TEXT.gradient}
           unit={unit}
           min={0}
@@ -81,8 +81,7 @@ export function GradientEditor({ store, ui, curves, volume }: PartProps & { curv
           onValue={(value) => change(withMoved(curve, index, [value, point[1]]), index)}
           onDone={done}
         />
-        <span class="dim">{unit}</span>
-        <NumberField
+        <NamedNumber
           label={TEXT.factor}
           min={0}
           max={1}

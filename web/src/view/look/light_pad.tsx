@@ -8,7 +8,7 @@ import { anglesOf, directionOf } from "./looks.ts";
 const TEXT = {
   pad: "Direction of the light",
   keys: "Arrows turn the light, with Page up and down far",
-  azimuth: "From the right",
+  azimuth: "From right",
   elevation: "From above",
   degrees: "°",
   text: (azimuth: number, elevation: number) =>

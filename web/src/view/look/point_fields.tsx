@@ -2,7 +2,7 @@
 
 import type { ColorPoint, OpacityPoint, TransferFunction } from "../../state/state.ts";
 import { hexOf, rgbOf, withMoved, without, type Curve } from "./curves.ts";
-import { Button, ColorField, NumberField } from "./fields.tsx";
+import { Button, ColorField, NamedNumber } from "./fields.tsx";
 import type { Selected } from "./function_panel.tsx";
 
 const TEXT = {
@@ -37,9 +37,8 @@ export function PointFields(props: PointFieldsProps) {
         props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
       return (
         <Point {...props} title={TEXT.opacityPoint(index + 1, curves.opacity.length)} n={curves.opacity.length} onRemove={() => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1))}>
-          <NumberField label={TEXT.value} unit={unit} value={point[0]} onValue={(value) => move(value, point[1])} onDone={onDone} />
-          <span class="dim">{unit}</span>
-          <NumberField label={TEXT.opacity} value={point[1]} min={0} max={1} step={0.01} onValue={(opacity) => move(point[0], opacity)} onDone={onDone} />
+          <NamedNumber label={TEXT.value} unit={unit} value={point[0]} onValue={(value) => move(value, point[1])} onDone={onDone} />
+          <NamedNumber label={TEXT.opacity} value={point[1]} min={0} max={1} step={0.01} onValue={(opacity) => move(point[0], opacity)} onDone={onDone} />
         </Point>
       );
     }
@@ -50,8 +49,7 @@ export function PointFields(props: PointFieldsProps) {
       const move = (moved: ColorPoint): void => props.onColor(withMoved(curves.color, index, moved), index);
       return (
         <Point {...props} title={TEXT.colorPoint(index + 1, curves.color.length)} n={curves.color.length} onRemove={() => props.onColor(without(curves.color, index), Math.max(0, index - 1))}>
-          <NumberField label={TEXT.value} unit={unit} value={point[0]} onValue={(value) => move([value, point[1], point[2], point[3]])} onDone={onDone} />
-          <span class="dim">{unit}</span>
+          <NamedNumber label={TEXT.value} unit={unit} value={point[0]} onValue={(value) => move([value, point[1], point[2], point[3]])} onDone={onDone} />
           <ColorField label={TEXT.color} value={hexOf(point)} onColor={(hex) => move([point[0], ...rgbOf(hex)])} onDone={onDone} />
         </Point>
       );

@@ -1,0 +1,114 @@
+import { describe, expect, test } from "vitest";
+
+import { patched } from "../src/state/patch.ts";
+import type { LabelLook, Layer, View } from "../src/state/state.ts";
+import { isSolo, isSoloLabel, labelRows, shownLabels, soloLayer, type Hidden } from "../src/view/look/layers.ts";
+import { dropPreset, keepPreset, nameProblem, ownPreset, ownPresets, renamePreset, type Keeper, type OwnPreset } from "../src/view/look/own_presets.ts";
+import { nextTime, shownViews, waitFor } from "../src/view/look/time_steps.ts";
+
+describe("layers", () => {
+  const scene = (...visible: boolean[]) => ({ layers: visible.map((one) => ({ visible: one }) as Layer) });
+  const shown = (before: ReturnType<typeof scene>, index: number): boolean[] =>
+    patched(before, soloLayer(before.layers, index)).layers.map(({ visible }) => visible);
+  test("one alone, and all again", () => {
+    expect(shown(scene(true, true, false), 1)).toEqual([false, true, false]);
+    expect(shown(scene(false, true, false), 1)).toEqual([true, true, true]);
+    expect(shown(scene(false, true, false), 0)).toEqual([true, false, false]);
+  });
+  test("alone is alone", () => {
+    expect(isSolo(scene(false, true).layers, 1)).toBe(true);
+    expect(isSolo(scene(true, true).layers, 1)).toBe(false);
+  });
+});
+
+describe("labels", () => {
+  const labels: Record<string, LabelLook> = {
+    "10": { color: "red", name: "Liver" },
+    "2": { color: "blue", opacity: 0.3 },
+    "3": { color: "green", opacity: 0, tint: 0.7, name: "Bones" },
+    "4": { color: "grey", opacity: 0, scan: 0, name: "Table" },
+  };
+  const scene = { labels: { labels } };
+  const names = (filter: string): string[] => labelRows(labels, filter).map(({ name }) => name);
+
+  test("are in order of their numbers and have names", () => expect(names("")).toEqual(["Label 2", "Bones", "Table", "Liver"]));
+  test("are found by name and by number", () => {
+    expect([names("BO"), names("10"), names("x")]).toEqual([["Bones"], ["Liver"], []]);
+    expect(names("2")).toEqual(["Label 2"]);
+  });
+  test("are shown if they have matter or tint", () => {
+    expect(labelRows(labels).map(({ isShown }) => isShown)).toEqual([true, true, false, true]);
+  });
+  test("come back as they were", () => {
+    const hidden: Hidden = new Map();
+    const none = patched(scene, shownLabels(labels, () => false, hidden));
+    expect(labelRows(none.labels.labels).some(({ isShown }) => isShown)).toBe(false);
+    const again = patched(none, shownLabels(none.labels.labels, (number) => number !== "4", hidden));
+    expect(again.labels.labels["2"]?.opacity).toBe(0.3);
+    expect(again.labels.labels["3"]?.opacity).toBe(0);
+    expect(again.labels.labels["3"]?.tint).toBe(0.7);
+    expect(again.labels.labels["10"]?.opacity).toBe(0.8);
+  });
+  test("what is so already is not touched", () => expect(shownLabels(labels, (number) => number !== "4", new Map())).toEqual([]));
+  test("alone is alone", () => {
+    const alone = patched(scene, shownLabels(labels, (number) => number === "2", new Map()));
+    expect(isSoloLabel(labelRows(alone.labels.labels), "2")).toBe(true);
+    expect(isSoloLabel(labelRows(labels), "2")).toBe(false);
+  });
+});
+
+describe("presets of one's own", () => {
+  const keeper = (text: string | null = null): Keeper & { text: string | null } => ({
+    text,
+    getItem() {
+      return this.text;
+    },
+    setItem(_, value) {
+      this.text = value;
+    },
+  });
+  const preset = (name: string): OwnPreset => ({ name, picture: "", look: { name } as OwnPreset["look"] });
+
+  test("are kept, replaced, renamed and dropped", () => {
+    const kept = keeper();
+    keepPreset(preset("a"), kept);
+    keepPreset(preset("b"), kept);
+    keepPreset({ ...preset("a"), picture: "data:" }, kept);
+    expect(ownPresets(kept).map(({ name }) => name)).toEqual(["b", "a"]);
+    expect(ownPreset("a", kept)?.picture).toBe("data:");
+    renamePreset("a", "c", kept);
+    expect(ownPreset("c", kept)?.look.name).toBe("c");
+    expect(ownPreset("a", kept)).toBeUndefined();
+    renamePreset("c", "b", kept);
+    expect(ownPresets(kept).length).toBe(1);
+    expect(dropPreset("b", kept)).toEqual([]);
+  });
+  test("what is no preset is left out", () => {
+    expect(ownPresets(keeper("{"))).toEqual([]);
+    expect(ownPresets(keeper("null"))).toEqual([]);
+    expect(ownPresets(keeper('[1, null, {"name": "x"}, {"name": "y", "picture": "", "look": {}}]')).length).toBe(1);
+  });
+  test("where nothing can be kept it is said", () => {
+    expect(() => keepPreset(preset("a"), null)).toThrow("export the look");
+    expect(ownPresets(null)).toEqual([]);
+  });
+  test("names of others are refused", () => {
+    expect(nameProblem("CT-BONE", ["ct-bone"])).toContain("ct-bone");
+    expect([nameProblem("mine", ["ct-bone"]), nameProblem("", [])]).toEqual([null, "Give the preset a name."]);
+  });
+});
+
+describe("playing", () => {
+  test("goes on, and round if it is to", () => {
+    expect([nextTime(0, 3, false), nextTime(2, 3, true), nextTime(2, 3, false), nextTime(0, 1, true)]).toEqual([1, 0, null, null]);
+  });
+  test("waits for the picture before, and for the rate", () => {
+    expect(waitFor(1000, { at: 0, isShown: false }, 10)).toBeNull();
+    expect(waitFor(1000, { at: 950, isShown: true }, 10)).toBe(50);
+    expect(waitFor(1000, { at: 100, isShown: true }, 10)).toBe(0);
+  });
+  test("only views that are shown are waited for", () => {
+    const layout = (name: View["layout"]["name"]): View["layout"] => ({ name, main: "axial" });
+    expect([shownViews(layout("3d")), shownViews(layout("single")), shownViews(layout("two-by-two")).length]).toEqual([["3d"], ["axial"], 4]);
+  });
+});

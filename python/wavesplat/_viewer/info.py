@@ -35,7 +35,7 @@ def welcome_of(state: ViewerState) -> dict[str, Any]:
     """The fields of `Welcome` in `web/src/engine/engine.ts`."""
     scene = state.scene
     first = scene.layers[0].drawn
-    names = [preset.name for preset in presets.fitting(first)]
+    fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
     return {
         "protocol": PROTOCOL,
         "program": f"wavesplat {_native.__version__}",
@@ -43,8 +43,14 @@ def welcome_of(state: ViewerState) -> dict[str, Any]:
         "volumes": [_volume(layer) for layer in scene.layers],
         "bounds": scene.bounds.tolist(),
         "presets": [
-            {"name": one.name, "description": one.description, "kind": one.kind, "fits": one.name in names}
-            for one in sorted(presets.catalogue().values(), key=lambda one: one.name not in names)
+            {
+                "name": one.name,
+                "description": one.description,
+                "kind": one.kind,
+                "fits": one.name in fitting[0],
+                "layers": [n for n, names in enumerate(fitting) if one.name in names],
+            }
+            for one in sorted(presets.catalogue().values(), key=lambda one: one.name not in fitting[0])
         ],
         "composites": list(get_args(Composite)),
         "kernels": list(get_args(Kernel)),

@@ -32,6 +32,8 @@ export interface PresetInfo {
   /** A kind of data, as `wavesplat presets` groups them. */
   readonly kind: string;
   readonly fits: boolean;
+  /** The layers whose kind of data it is for. */
+  readonly layers: readonly number[];
 }
 
 export interface Welcome {

@@ -1549,6 +1549,7 @@ var REACH_PX = 13;
 var ROOT = 1 / 3;
 var PIECES = 16;
 var WHEEL_ZOOM = 1.2;
+var N_TICKS = 5;
 function CurvePlot(props) {
   const { label, height, seen, whole, unit: unit2, curve, colors, histogram, isMagnified, selected } = props;
   const [svg, width] = useWidth();
@@ -1623,6 +1624,7 @@ function CurvePlot(props) {
   const line = outline(curve, seen, isMagnified ? PIECES : 1).map(([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`);
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
+  const marked = ticks(seen, N_TICKS).filter((value) => unit2 === "" || xOf(value) > MARGIN.left + 14);
   return /* @__PURE__ */ a2(
     "svg",
     {
@@ -1658,20 +1660,20 @@ function CurvePlot(props) {
             /* @__PURE__ */ a2("line", { class: "look-grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: yOf(alpha), y2: yOf(alpha) }),
             /* @__PURE__ */ a2("text", { class: "look-tick", x: MARGIN.left - 4, y: yOf(alpha) + 4, "text-anchor": "end", children: alpha })
           ] }, alpha)),
-          ticks(seen, 4).filter((value) => xOf(value) > MARGIN.left + 14).map((value) => /* @__PURE__ */ a2("g", { children: [
+          marked.map((value) => /* @__PURE__ */ a2("g", { children: [
             /* @__PURE__ */ a2("line", { class: "look-grid", x1: xOf(value), x2: xOf(value), y1: MARGIN.top, y2: height - MARGIN.bottom + 3 }),
             /* @__PURE__ */ a2("text", { class: "look-tick", x: Math.min(xOf(value), width - 20), y: height - 5, "text-anchor": "middle", children: numberText(value) })
           ] }, value)),
           /* @__PURE__ */ a2("text", { class: "look-tick", x: MARGIN.left - 4, y: height - 5, "text-anchor": "end", children: unit2 }),
-          histogram !== null && /* @__PURE__ */ a2("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }),
           /* @__PURE__ */ a2(
             "polygon",
             {
               points: `${line.join(" ")} ${px(xOf(seen[1]))},${yOf(0)} ${px(xOf(seen[0]))},${yOf(0)}`,
               fill: colors === null ? "var(--accent)" : `url(#${fill})`,
-              "fill-opacity": 0.75
+              "fill-opacity": 0.7
             }
           ),
+          histogram !== null && /* @__PURE__ */ a2("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }),
           /* @__PURE__ */ a2("polyline", { class: "look-line-under", points: line.join(" ") }),
           /* @__PURE__ */ a2("polyline", { class: "look-line", points: line.join(" ") })
         ] }),
@@ -1714,7 +1716,7 @@ function Handle(props) {
     {
       class: "look-handle",
       role: "slider",
-      tabIndex: 0,
+      tabindex: 0,
       "aria-label": props.label,
       "aria-valuemin": Math.min(range[0], value),
       "aria-valuemax": Math.max(range[1], value),
@@ -1751,7 +1753,7 @@ function Mark(props) {
     {
       class: "look-mark",
       role: "button",
-      tabIndex: 0,
+      tabindex: 0,
       "aria-label": text,
       transform: `translate(${x2} ${y3})${side === "left" ? "" : " scale(-1 1)"}`,
       onPointerDown: stop,
@@ -2983,7 +2985,7 @@ function LightPad({ direction, onDirection, onDone }) {
         height: SIZE_PX,
         viewBox: `${-SIZE_PX / 2} ${-SIZE_PX / 2} ${SIZE_PX} ${SIZE_PX}`,
         role: "slider",
-        tabIndex: 0,
+        tabindex: 0,
         "aria-label": TEXT8.pad,
         "aria-valuemin": -180,
         "aria-valuemax": 180,
@@ -3063,9 +3065,9 @@ var TEXT9 = {
   specular: "Specular",
   power: "Shininess",
   exposure: "Exposure",
-  shoulder: "Soft highlights",
+  shoulder: "Highlights",
   occlusion: "Occlusion",
-  radius: "Occlusion radius",
+  radius: "Reach",
   shadow: "Shadow",
   smoothing: "Smoothing",
   smoothingOn: "Smooth surfaces",
@@ -3091,7 +3093,10 @@ function Operator({ store, ui, welcome }) {
   const isOverOnly = layers.filter((layer) => layer.visible).length > 1 || labels !== null;
   const look = layers[ui.layer]?.look;
   const [low, high] = volume?.range ?? [0, 1];
-  const surface = () => look === void 0 ? (low + high) / 2 : surfaceValue(look.transfer_function, volume?.robust_range ?? [0, 1]);
+  const surface = () => {
+    const usual = volume?.robust_range ?? [0, 1];
+    return look === void 0 ? (low + high) / 2 : rounded(surfaceValue(look.transfer_function, usual), high - low);
+  };
   const number = (field, value, gesture) => store.change([set(withNumber(render2.composite, field, value), "render", "composite")], gesture);
   const slider = (label, field, value, min, max, unit3 = "", beyond = {}) => /* @__PURE__ */ a2(
     SliderField,
@@ -3554,7 +3559,8 @@ var TEXT11 = {
   redraw: "Draw the pictures anew",
   old: "The camera or the time is another one than in these pictures.",
   chosen: (name) => `Look ${name}`,
-  ownPreset: "Saved by you"
+  ownPreset: "Saved by you",
+  alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them."
 };
 function PresetsPanel(props) {
   const { store, engine, ui, welcome } = props;
@@ -3592,7 +3598,7 @@ function PresetsPanel(props) {
   };
   const tiles = [
     { name: "auto", description: TEXT11.auto, fits: true },
-    ...welcome.presets.map(({ name, description, fits }) => ({ name, description, fits }))
+    ...welcome.presets.map(({ name, description, layers }) => ({ name, description, fits: layers.includes(ui.layer) }))
   ];
   const found = matching(tiles, search);
   const fitting = found.filter(({ fits }) => fits);
@@ -3645,6 +3651,7 @@ function PresetsPanel(props) {
       }
     ),
     found.length + ownTiles.length === 0 && /* @__PURE__ */ a2("p", { class: "dim", children: TEXT11.none }),
+    store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a2("p", { class: "look-small", children: TEXT11.alone }),
     isOld && /* @__PURE__ */ a2("div", { class: "row", children: /* @__PURE__ */ a2(Button, { label: TEXT11.old, onClick: drawAnew, children: TEXT11.redraw }) }),
     /* @__PURE__ */ a2(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take })
   ] });
@@ -3766,7 +3773,7 @@ function windowDrag({ store, ui, welcome }, dx, dy) {
 }
 
 // src/view/look/look.css
-var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: none; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--dim); opacity: .35 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab }\n.wavesplat .look-handle:focus-visible, .wavesplat .look-mark:focus-visible { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { .look-tile { min-height: 44px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 70px }\n';
+var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: none; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab }\n.wavesplat .look-handle:focus-visible, .wavesplat .look-mark:focus-visible { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { .look-tile { min-height: 44px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 76px }\n';
 
 // src/view/descriptions.ts
 var SIDES = [

@@ -22,6 +22,7 @@ const ROOT = 1 / 3;
 /** A bent line is drawn in so many pieces. */
 const PIECES = 16;
 const WHEEL_ZOOM = 1.2;
+const N_TICKS = 5;
 
 export interface Histogram {
   readonly heights: readonly number[];
@@ -130,6 +131,8 @@ export function CurvePlot(props: CurvePlotProps) {
   const line = outline(curve, seen, isMagnified ? PIECES : 1).map(([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`);
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
+  // The unit stands where the first number would.
+  const marked = ticks(seen, N_TICKS).filter((value) => unit === "" || xOf(value) > MARGIN.left + 14);
   return (
     <svg
       ref={svg}
@@ -168,7 +171,7 @@ export function CurvePlot(props: CurvePlotProps) {
             </text>
           </g>
         ))}
-        {ticks(seen, 4).filter((value) => xOf(value) > MARGIN.left + 14).map((value) => (
+        {marked.map((value) => (
           <g key={value}>
             <line class="look-grid" x1={xOf(value)} x2={xOf(value)} y1={MARGIN.top} y2={height - MARGIN.bottom + 3} />
             <text class="look-tick" x={Math.min(xOf(value), width - 20)} y={height - 5} text-anchor="middle">
@@ -179,12 +182,12 @@ export function CurvePlot(props: CurvePlotProps) {
         <text class="look-tick" x={MARGIN.left - 4} y={height - 5} text-anchor="end">
           {unit}
         </text>
-        {histogram !== null && <path class="look-counts" d={barsPath(histogram, xOf, inner.height, seen)} />}
         <polygon
           points={`${line.join(" ")} ${px(xOf(seen[1]))},${yOf(0)} ${px(xOf(seen[0]))},${yOf(0)}`}
           fill={colors === null ? "var(--accent)" : `url(#${fill})`}
-          fill-opacity={0.75}
+          fill-opacity={0.7}
         />
+        {histogram !== null && <path class="look-counts" d={barsPath(histogram, xOf, inner.height, seen)} />}
         <polyline class="look-line-under" points={line.join(" ")} />
         <polyline class="look-line" points={line.join(" ")} />
       </g>
@@ -244,7 +247,7 @@ export function Handle(props: HandleProps) {
     <g
       class="look-handle"
       role="slider"
-      tabIndex={0}
+      tabindex={0}
       aria-label={props.label}
       aria-valuemin={Math.min(range[0], value)}
       aria-valuemax={Math.max(range[1], value)}
@@ -284,7 +287,7 @@ function Mark(props: { side: "left" | "right"; x: number; y: number; text: strin
     <g
       class="look-mark"
       role="button"
-      tabIndex={0}
+      tabindex={0}
       aria-label={text}
       transform={`translate(${x} ${y})${side === "left" ? "" : " scale(-1 1)"}`}
       onPointerDown={stop}

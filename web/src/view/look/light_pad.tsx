@@ -52,7 +52,7 @@ export function LightPad({ direction, onDirection, onDone }: LightPadProps) {
         height={SIZE_PX}
         viewBox={`${-SIZE_PX / 2} ${-SIZE_PX / 2} ${SIZE_PX} ${SIZE_PX}`}
         role="slider"
-        tabIndex={0}
+        tabindex={0}
         aria-label={TEXT.pad}
         aria-valuemin={-180}
         aria-valuemax={180}

@@ -6,6 +6,7 @@ import { set } from "../../state/patch.ts";
 import type { Light, Shading, Vec3 } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import { DIMMING, COMPOSITE_NAMES, compositeNamed, KERNEL_NAMES, nameOf, numberOf, SHADED, withNumber } from "./composites.ts";
+import { rounded } from "./axis.ts";
 import { surfaceValue } from "./curves.ts";
 import { Button, CheckField, ColorField, SelectField, SliderField } from "./fields.tsx";
 import { LayerChoice } from "./function_panel.tsx";
@@ -31,9 +32,9 @@ const TEXT = {
   specular: "Specular",
   power: "Shininess",
   exposure: "Exposure",
-  shoulder: "Soft highlights",
+  shoulder: "Highlights",
   occlusion: "Occlusion",
-  radius: "Occlusion radius",
+  radius: "Reach",
   shadow: "Shadow",
   smoothing: "Smoothing",
   smoothingOn: "Smooth surfaces",
@@ -65,7 +66,10 @@ function Operator({ store, ui, welcome }: PartProps) {
   const isOverOnly = layers.filter((layer) => layer.visible).length > 1 || labels !== null;
   const look = layers[ui.layer]?.look;
   const [low, high] = volume?.range ?? [0, 1];
-  const surface = (): number => (look === undefined ? (low + high) / 2 : surfaceValue(look.transfer_function, volume?.robust_range ?? [0, 1]));
+  const surface = (): number => {
+    const usual = volume?.robust_range ?? [0, 1];
+    return look === undefined ? (low + high) / 2 : rounded(surfaceValue(look.transfer_function, usual), high - low);
+  };
   const number = (field: string, value: number | null, gesture?: string): void =>
     store.change([set(withNumber(render.composite, field, value), "render", "composite")], gesture);
   const slider = (label: string, field: string, value: number, min: number, max: number, unit = "", beyond: object = {}) => (

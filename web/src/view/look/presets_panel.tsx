@@ -24,6 +24,7 @@ const TEXT = {
   old: "The camera or the time is another one than in these pictures.",
   chosen: (name: string) => `Look ${name}`,
   ownPreset: "Saved by you",
+  alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them.",
 };
 
 export function PresetsPanel(props: PartProps) {
@@ -63,7 +64,7 @@ export function PresetsPanel(props: PartProps) {
   };
   const tiles: readonly (Tile & { fits: boolean })[] = [
     { name: "auto", description: TEXT.auto, fits: true },
-    ...welcome.presets.map(({ name, description, fits }) => ({ name, description, fits })),
+    ...welcome.presets.map(({ name, description, layers }) => ({ name, description, fits: layers.includes(ui.layer) })),
   ];
   const found = matching(tiles, search);
   const fitting = found.filter(({ fits }) => fits);
@@ -111,6 +112,7 @@ export function PresetsPanel(props: PartProps) {
         </details>
       )}
       {found.length + ownTiles.length === 0 && <p class="dim">{TEXT.none}</p>}
+      {store.state.layers.length > 1 && layer.look.composite !== "over" && <p class="look-small">{TEXT.alone}</p>}
       {isOld && (
         <div class="row">
           <Button label={TEXT.old} onClick={drawAnew}>

@@ -1,7 +1,28 @@
 import { describe, expect, test } from "vitest";
 
-import { around, heights, keyStep, numberText, outOfSight, rounded, roundStep, ticks, wholeOf, within, zoomed } from "../src/view/look/axis.ts";
-import { chosen, anglesOf, directionOf, hexColor, lookFromText, lookText, shadingOf, DEFAULT_SHADING } from "../src/view/look/looks.ts";
+import {
+  around,
+  heights,
+  keyStep,
+  numberText,
+  outOfSight,
+  rounded,
+  roundStep,
+  ticks,
+  wholeOf,
+  within,
+  zoomed,
+} from "../src/view/look/axis.ts";
+import {
+  chosen,
+  anglesOf,
+  directionOf,
+  hexColor,
+  lookFromText,
+  lookText,
+  shadingOf,
+  DEFAULT_SHADING,
+} from "../src/view/look/looks.ts";
 import { compositeNamed, nameOf, numberOf, withNumber } from "../src/view/look/composites.ts";
 import type { Layer, Look, ViewerState } from "../src/state/state.ts";
 import { patched } from "../src/state/patch.ts";
@@ -49,14 +70,22 @@ describe("numbers", () => {
     expect([0.7, 1.5, 3, 7, 0.011, 200].map(roundStep)).toEqual([1, 2, 5, 10, 0.02, 200]);
     expect(roundStep(0)).toBe(1);
   });
-  test("fine is finer than coarse", () => expect([keyStep([0, 1000], true), keyStep([0, 1000], false)]).toEqual([5, 50]));
+  test("fine is finer than coarse", () =>
+    expect([keyStep([0, 1000], true), keyStep([0, 1000], false)]).toEqual([5, 50]));
   test("a value has no more digits than can be seen", () => {
     expect(rounded(123.4567, 2000)).toBe(123);
     expect(rounded(0.123456, 1)).toBe(0.123);
     expect(rounded(-0.4, 2000)).toBe(0);
   });
   test("numbers are written as people do", () => {
-    expect([0, -1024, 0.1 + 0.2, 123456.789, 5e-9, 3e12].map(numberText)).toEqual(["0", "-1024", "0.3", "123457", "5e-9", "3e+12"]);
+    expect([0, -1024, 0.1 + 0.2, 123456.789, 5e-9, 3e12].map(numberText)).toEqual([
+      "0",
+      "-1024",
+      "0.3",
+      "123457",
+      "5e-9",
+      "3e+12",
+    ]);
   });
   test("bars are between 0 and 1, in logarithms the small ones are seen", () => {
     expect(heights([0, 1, 100], false)).toEqual([0, 0.01, 1]);
@@ -68,18 +97,42 @@ describe("numbers", () => {
 });
 
 const look = (name: string, more: Partial<Look> = {}): Look => ({
-  name, description: "", transfer_function: { opacity_unit: 1, opacity: [[0, 1]], color: [[0, 1, 1, 1]] },
-  shading: DEFAULT_SHADING, composite: "over", view: null, background: null, ...more,
+  name,
+  description: "",
+  transfer_function: { opacity_unit: 1, opacity: [[0, 1]], color: [[0, 1, 1, 1]] },
+  shading: DEFAULT_SHADING,
+  composite: "over",
+  view: null,
+  background: null,
+  ...more,
 });
-const layer = (one: Look): Layer => ({ volume: { path: null, name: "a" }, name: "a", look: one, visible: true, opacity: 1, time: 0 });
+const layer = (one: Look): Layer => ({
+  volume: { path: null, name: "a" },
+  name: "a",
+  look: one,
+  visible: true,
+  opacity: 1,
+  time: 0,
+});
 const state = (layers: Layer[], more: object = {}): ViewerState =>
-  ({ layers, shading: "look", background: "black", render: { quality: "normal", kernel: "linear", composite: "over" }, ...more }) as unknown as ViewerState;
+  ({
+    layers,
+    shading: "look",
+    background: "black",
+    render: { quality: "normal", kernel: "linear", composite: "over" },
+    ...more,
+  }) as unknown as ViewerState;
 
 describe("choosing a look", () => {
   test("takes its operator, light and background with it", () => {
     const before = state([layer(look("a"))], { shading: null });
     const after = patched(before, chosen(before, 0, look("mip", { composite: "maximum", background: "white" })));
-    expect([after.layers[0]?.look.name, after.render.composite, after.background, after.shading]).toEqual(["mip", "maximum", "white", "look"]);
+    expect([after.layers[0]?.look.name, after.render.composite, after.background, after.shading]).toEqual([
+      "mip",
+      "maximum",
+      "white",
+      "look",
+    ]);
   });
   test("goes back to black, but leaves a background that was chosen", () => {
     const white = state([layer(look("a", { background: "white" }))], { background: "white" });
@@ -90,7 +143,11 @@ describe("choosing a look", () => {
   test("of one of several layers leaves the operator of all", () => {
     const before = state([layer(look("a")), layer(look("b"))]);
     const after = patched(before, chosen(before, 1, look("mip", { composite: "maximum" })));
-    expect([after.layers[1]?.look.name, after.layers[0]?.look.name, after.render.composite]).toEqual(["mip", "a", "over"]);
+    expect([after.layers[1]?.look.name, after.layers[0]?.look.name, after.render.composite]).toEqual([
+      "mip",
+      "a",
+      "over",
+    ]);
   });
   test("the light is that of the look, or of the scene", () => {
     const own = state([layer(look("a"))]);
@@ -106,7 +163,12 @@ describe("choosing a look", () => {
 });
 
 describe("light", () => {
-  test.each([[0, 0], [-30, 40], [90, 0], [170, -20]])("angles %d, %d are a direction and back", (azimuth, elevation) => {
+  test.each([
+    [0, 0],
+    [-30, 40],
+    [90, 0],
+    [170, -20],
+  ])("angles %d, %d are a direction and back", (azimuth, elevation) => {
     const [a, e] = anglesOf(directionOf([azimuth, elevation]));
     expect([a, e].map((angle) => Math.round(angle * 1e6) / 1e6 + 0)).toEqual([azimuth, elevation]);
   });
@@ -123,18 +185,27 @@ describe("operators", () => {
     expect([numberOf("x-ray", "clear"), numberOf({ "x-ray": { clear: -1000 } }, "clear")]).toEqual([null, -1000]);
   });
   test("keep their other numbers", () => {
-    expect(withNumber({ "x-ray": { clear: -1000 } }, "attenuation", 2e-5)).toEqual({ "x-ray": { clear: -1000, attenuation: 2e-5 } });
+    expect(withNumber({ "x-ray": { clear: -1000 } }, "attenuation", 2e-5)).toEqual({
+      "x-ray": { clear: -1000, attenuation: 2e-5 },
+    });
     expect(withNumber("x-ray", "clear", 0)).toEqual({ "x-ray": { clear: 0 } });
   });
   test("only the isosurface begins with a number", () => {
-    expect([compositeNamed("first-hit", 300), compositeNamed("x-ray", 300)]).toEqual([{ "first-hit": { iso_value: 300 } }, "x-ray"]);
+    expect([compositeNamed("first-hit", 300), compositeNamed("x-ray", 300)]).toEqual([
+      { "first-hit": { iso_value: 300 } },
+      "x-ray",
+    ]);
   });
 });
 
 test("colours become hexadecimal digits", () => {
   const named = (): string => "#00ff00";
   expect([[1, 0.5, 0, 1], "#ABC", "#aabbccdd", "lime", null].map((color) => hexColor(color, named))).toEqual([
-    "#ff8000", "#aabbcc", "#aabbcc", "#00ff00", "#000000",
+    "#ff8000",
+    "#aabbcc",
+    "#aabbcc",
+    "#00ff00",
+    "#000000",
   ]);
 });
 

@@ -25,21 +25,50 @@ import {
   type Curve,
 } from "../src/view/look/curves.ts";
 
-const RISE: Curve<OpacityPoint> = [[0, 0], [100, 0.5], [300, 1]];
-const STEP: Curve<OpacityPoint> = [[0, 0], [100, 0], [100, 1], [200, 1]];
+const RISE: Curve<OpacityPoint> = [
+  [0, 0],
+  [100, 0.5],
+  [300, 1],
+];
+const STEP: Curve<OpacityPoint> = [
+  [0, 0],
+  [100, 0],
+  [100, 1],
+  [200, 1],
+];
 const FUNCTION: TransferFunction = {
   opacity_unit: 1,
   opacity: RISE,
-  color: [[-100, 1, 0, 0], [300, 0, 0, 1]],
-  gradient_opacity: [[0, 0], [50, 1]],
+  color: [
+    [-100, 1, 0, 0],
+    [300, 0, 0, 1],
+  ],
+  gradient_opacity: [
+    [0, 0],
+    [50, 1],
+  ],
 };
 const look = (transfer_function: Look["transfer_function"]): Look => ({
-  name: "", description: "", transfer_function, shading: null, composite: "over", view: null, background: null,
+  name: "",
+  description: "",
+  transfer_function,
+  shading: null,
+  composite: "over",
+  view: null,
+  background: null,
 });
 const values = (curve: Curve): number[] => curve.map(([value]) => value ?? NaN);
 
 describe("a curve is looked up", () => {
-  test.each([[-10, 0], [0, 0], [50, 0.25], [100, 0.5], [200, 0.75], [300, 1], [1e6, 1]])("at %d it is %d", (value, alpha) => {
+  test.each([
+    [-10, 0],
+    [0, 0],
+    [50, 0.25],
+    [100, 0.5],
+    [200, 0.75],
+    [300, 1],
+    [1e6, 1],
+  ])("at %d it is %d", (value, alpha) => {
     expect(at(RISE, value)).toEqual([alpha]);
   });
   test("a step has its upper side where it is", () => {
@@ -51,7 +80,15 @@ describe("a curve is looked up", () => {
 
 describe("points are added", () => {
   test("in order of value", () => {
-    expect(withPoint(RISE, [50, 0.9])).toEqual({ curve: [[0, 0], [50, 0.9], [100, 0.5], [300, 1]], index: 1 });
+    expect(withPoint(RISE, [50, 0.9])).toEqual({
+      curve: [
+        [0, 0],
+        [50, 0.9],
+        [100, 0.5],
+        [300, 1],
+      ],
+      index: 1,
+    });
     expect(withPoint(RISE, [-5, 1]).index).toBe(0);
     expect(withPoint(RISE, [999, 1]).index).toBe(3);
   });
@@ -60,7 +97,8 @@ describe("points are added", () => {
     for (const value of [-50, 1, 60, 100, 250, 301]) {
       const { curve, index } = withPointOn(RISE, value);
       expect(curve[index]?.[0]).toBe(value);
-      for (const seen of [-100, 0, 30, 77, 100, 222, 300, 400]) expect(at(curve, seen)[0]).toBeCloseTo(at(RISE, seen)[0] ?? NaN, 12);
+      for (const seen of [-100, 0, 30, 77, 100, 222, 300, 400])
+        expect(at(curve, seen)[0]).toBeCloseTo(at(RISE, seen)[0] ?? NaN, 12);
     }
   });
   test("beside one: towards the next, at the end towards the one before, past equals", () => {
@@ -75,7 +113,12 @@ describe("points are added", () => {
 });
 
 describe("points are moved", () => {
-  test("freely between their neighbours", () => expect(withMoved(RISE, 1, [40, 0.2])).toEqual([[0, 0], [40, 0.2], [300, 1]]));
+  test("freely between their neighbours", () =>
+    expect(withMoved(RISE, 1, [40, 0.2])).toEqual([
+      [0, 0],
+      [40, 0.2],
+      [300, 1],
+    ]));
   test("never beyond them, and to equal values at most", () => {
     expect(values(withMoved(RISE, 1, [-40, 0.2]))).toEqual([0, 0, 300]);
     expect(values(withMoved(RISE, 1, [1000, 0.2]))).toEqual([0, 300, 300]);
@@ -93,7 +136,10 @@ describe("points are moved", () => {
 });
 
 test("points are removed, but for the last one", () => {
-  expect(without(RISE, 1)).toEqual([[0, 0], [300, 1]]);
+  expect(without(RISE, 1)).toEqual([
+    [0, 0],
+    [300, 1],
+  ]);
   expect(without([[1, 1]], 0)).toEqual([[1, 1]]);
 });
 
@@ -119,7 +165,11 @@ describe("the function as a whole", () => {
     expect(withOpacities(FUNCTION, 0).opacity.every(([, alpha]) => alpha === 0)).toBe(true);
   });
   test("is mirrored in place, in order, and twice is as before", () => {
-    expect(mirrored(RISE)).toEqual([[0, 1], [200, 0.5], [300, 0]]);
+    expect(mirrored(RISE)).toEqual([
+      [0, 1],
+      [200, 0.5],
+      [300, 0],
+    ]);
     expect(mirrored(mirrored(RISE))).toEqual(RISE);
     expect(values(mirrored(STEP))).toEqual([0, 100, 100, 200]);
     expect(mapped(RISE, -1, 0)[0]?.[0]).toBe(-300);
@@ -159,8 +209,18 @@ describe("window and level by dragging", () => {
 
 describe("drawing", () => {
   test("the outline ends where what is seen ends", () => {
-    expect(outline(RISE, [50, 200])).toEqual([[50, 0.25], [100, 0.5], [200, 0.75]]);
-    expect(outline(RISE, [-50, 400])).toEqual([[-50, 0], [0, 0], [100, 0.5], [300, 1], [400, 1]]);
+    expect(outline(RISE, [50, 200])).toEqual([
+      [50, 0.25],
+      [100, 0.5],
+      [200, 0.75],
+    ]);
+    expect(outline(RISE, [-50, 400])).toEqual([
+      [-50, 0],
+      [0, 0],
+      [100, 0.5],
+      [300, 1],
+      [400, 1],
+    ]);
   });
   test("more pieces lie on the same lines", () => {
     const fine = outline(RISE, [0, 300], 4);
@@ -183,4 +243,8 @@ test("a surface stands out where the opacity reaches half of the largest one", (
   expect(surfaceValue({ rgba: [] }, [0, 8])).toBe(4);
 });
 
-test("a first gradient curve rises from 0", () => expect(firstGradientCurve(10)).toEqual([[0, 0], [5, 1]]));
+test("a first gradient curve rises from 0", () =>
+  expect(firstGradientCurve(10)).toEqual([
+    [0, 0],
+    [5, 1],
+  ]));

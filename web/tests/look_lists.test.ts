@@ -3,7 +3,16 @@ import { describe, expect, test } from "vitest";
 import { patched } from "../src/state/patch.ts";
 import type { LabelLook, Layer, View } from "../src/state/state.ts";
 import { isSolo, isSoloLabel, labelRows, shownLabels, soloLayer, type Hidden } from "../src/view/look/layers.ts";
-import { dropPreset, keepPreset, nameProblem, ownPreset, ownPresets, renamePreset, type Keeper, type OwnPreset } from "../src/view/look/own_presets.ts";
+import {
+  dropPreset,
+  keepPreset,
+  nameProblem,
+  ownPreset,
+  ownPresets,
+  renamePreset,
+  type Keeper,
+  type OwnPreset,
+} from "../src/view/look/own_presets.ts";
 import { nextTime, shownViews, waitFor } from "../src/view/look/time_steps.ts";
 
 describe("layers", () => {
@@ -31,7 +40,8 @@ describe("labels", () => {
   const scene = { labels: { labels } };
   const names = (filter: string): string[] => labelRows(labels, filter).map(({ name }) => name);
 
-  test("are in order of their numbers and have names", () => expect(names("")).toEqual(["Label 2", "Bones", "Table", "Liver"]));
+  test("are in order of their numbers and have names", () =>
+    expect(names("")).toEqual(["Label 2", "Bones", "Table", "Liver"]));
   test("are found by name and by number", () => {
     expect([names("BO"), names("10"), names("x")]).toEqual([["Bones"], ["Liver"], []]);
     expect(names("2")).toEqual(["Label 2"]);
@@ -41,17 +51,27 @@ describe("labels", () => {
   });
   test("come back as they were", () => {
     const hidden: Hidden = new Map();
-    const none = patched(scene, shownLabels(labels, () => false, hidden));
+    const none = patched(
+      scene,
+      shownLabels(labels, () => false, hidden),
+    );
     expect(labelRows(none.labels.labels).some(({ isShown }) => isShown)).toBe(false);
-    const again = patched(none, shownLabels(none.labels.labels, (number) => number !== "4", hidden));
+    const again = patched(
+      none,
+      shownLabels(none.labels.labels, (number) => number !== "4", hidden),
+    );
     expect(again.labels.labels["2"]?.opacity).toBe(0.3);
     expect(again.labels.labels["3"]?.opacity).toBe(0);
     expect(again.labels.labels["3"]?.tint).toBe(0.7);
     expect(again.labels.labels["10"]?.opacity).toBe(0.8);
   });
-  test("what is so already is not touched", () => expect(shownLabels(labels, (number) => number !== "4", new Map())).toEqual([]));
+  test("what is so already is not touched", () =>
+    expect(shownLabels(labels, (number) => number !== "4", new Map())).toEqual([]));
   test("alone is alone", () => {
-    const alone = patched(scene, shownLabels(labels, (number) => number === "2", new Map()));
+    const alone = patched(
+      scene,
+      shownLabels(labels, (number) => number === "2", new Map()),
+    );
     expect(isSoloLabel(labelRows(alone.labels.labels), "2")).toBe(true);
     expect(isSoloLabel(labelRows(labels), "2")).toBe(false);
   });
@@ -100,7 +120,12 @@ describe("presets of one's own", () => {
 
 describe("playing", () => {
   test("goes on, and round if it is to", () => {
-    expect([nextTime(0, 3, false), nextTime(2, 3, true), nextTime(2, 3, false), nextTime(0, 1, true)]).toEqual([1, 0, null, null]);
+    expect([nextTime(0, 3, false), nextTime(2, 3, true), nextTime(2, 3, false), nextTime(0, 1, true)]).toEqual([
+      1,
+      0,
+      null,
+      null,
+    ]);
   });
   test("waits for the picture before, and for the rate", () => {
     expect(waitFor(1000, { at: 0, isShown: false }, 10)).toBeNull();
@@ -109,6 +134,10 @@ describe("playing", () => {
   });
   test("only views that are shown are waited for", () => {
     const layout = (name: View["layout"]["name"]): View["layout"] => ({ name, main: "axial" });
-    expect([shownViews(layout("3d")), shownViews(layout("single")), shownViews(layout("two-by-two")).length]).toEqual([["3d"], ["axial"], 4]);
+    expect([shownViews(layout("3d")), shownViews(layout("single")), shownViews(layout("two-by-two")).length]).toEqual([
+      ["3d"],
+      ["axial"],
+      4,
+    ]);
   });
 });

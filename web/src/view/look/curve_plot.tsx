@@ -57,7 +57,12 @@ export interface CurvePlotProps {
 export function CurvePlot(props: CurvePlotProps) {
   const { label, height, seen, whole, unit, curve, colors, histogram, isMagnified, selected } = props;
   const [svg, width] = useWidth<SVGSVGElement>();
-  const drag = useRef<{ readonly index: number | null; readonly x: number; readonly y: number; readonly seen: Range } | null>(null);
+  const drag = useRef<{
+    readonly index: number | null;
+    readonly x: number;
+    readonly y: number;
+    readonly seen: Range;
+  } | null>(null);
   const fill = useId();
   const inner = { width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
   const power = isMagnified ? ROOT : 1;
@@ -110,7 +115,10 @@ export function CurvePlot(props: CurvePlotProps) {
     const step = steps[event.key];
     if (step !== undefined) {
       props.onCurve(
-        withMoved(curve, index, [Math.max(props.least ?? -Infinity, point[0] + step[0]), Number((point[1] + step[1]).toPrecision(6))]),
+        withMoved(curve, index, [
+          Math.max(props.least ?? -Infinity, point[0] + step[0]),
+          Number((point[1] + step[1]).toPrecision(6)),
+        ]),
         index,
       );
     } else if (event.key === "Delete" || event.key === "Backspace") {
@@ -128,7 +136,9 @@ export function CurvePlot(props: CurvePlotProps) {
     event.stopPropagation();
   };
 
-  const line = outline(curve, seen, isMagnified ? PIECES : 1).map(([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`);
+  const line = outline(curve, seen, isMagnified ? PIECES : 1).map(
+    ([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`,
+  );
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
   // The unit stands where the first number would.
@@ -191,9 +201,17 @@ export function CurvePlot(props: CurvePlotProps) {
         <polyline class="look-line-under" points={line.join(" ")} />
         <polyline class="look-line" points={line.join(" ")} />
       </g>
-      {hidden.below > 0 && <Mark side="left" x={MARGIN.left} y={height / 2} text={TEXT.below(hidden.below)} onClick={props.onShowPoints} />}
+      {hidden.below > 0 && (
+        <Mark side="left" x={MARGIN.left} y={height / 2} text={TEXT.below(hidden.below)} onClick={props.onShowPoints} />
+      )}
       {hidden.above > 0 && (
-        <Mark side="right" x={width - MARGIN.right} y={height / 2} text={TEXT.above(hidden.above)} onClick={props.onShowPoints} />
+        <Mark
+          side="right"
+          x={width - MARGIN.right}
+          y={height / 2}
+          text={TEXT.above(hidden.above)}
+          onClick={props.onShowPoints}
+        />
       )}
       {curve.map((point, index) =>
         point[0] < seen[0] || point[0] > seen[1] ? null : (
@@ -308,14 +326,29 @@ function Mark(props: { side: "left" | "right"; x: number; y: number; text: strin
 }
 
 /** Colours of the values as a gradient along x, for the area under the curve and the ramp. */
-export function Fill({ id, colors, xOf }: { id: string; colors: Curve<ColorPoint> | null; xOf(value: number): number }) {
+export function Fill({
+  id,
+  colors,
+  xOf,
+}: {
+  id: string;
+  colors: Curve<ColorPoint> | null;
+  xOf(value: number): number;
+}) {
   const [first, last] = [colors?.[0], colors?.at(-1)];
   if (colors === null || first === undefined || last === undefined) return null;
   // A gradient of no width paints nothing.
   const width = last[0] - first[0] || 1;
   return (
     <defs>
-      <linearGradient id={id} gradientUnits="userSpaceOnUse" x1={xOf(first[0])} x2={xOf(first[0] + width)} y1={0} y2={0}>
+      <linearGradient
+        id={id}
+        gradientUnits="userSpaceOnUse"
+        x1={xOf(first[0])}
+        x2={xOf(first[0] + width)}
+        y1={0}
+        y2={0}
+      >
         {colors.map((point, index) => (
           <stop key={index} offset={(point[0] - first[0]) / width} stop-color={hexOf(point)} />
         ))}
@@ -347,7 +380,10 @@ function barsPath({ heights, range }: Histogram, xOf: (value: number) => number,
   const steps = heights.flatMap((share, k) => {
     const [a, b] = [xOf(range[0] + k * bin), xOf(range[0] + (k + 1) * bin)];
     if (b < left || a > right) return [];
-    return [`L${px(Math.max(a, left))} ${px(bottom - share * height)}`, `L${px(Math.min(b, right))} ${px(bottom - share * height)}`];
+    return [
+      `L${px(Math.max(a, left))} ${px(bottom - share * height)}`,
+      `L${px(Math.min(b, right))} ${px(bottom - share * height)}`,
+    ];
   });
   const first = clamped(xOf(range[0]), left, right);
   const last = clamped(xOf(range[1]), left, right);
@@ -357,4 +393,3 @@ function barsPath({ heights, range }: Histogram, xOf: (value: number) => number,
 function px(value: number): string {
   return value.toFixed(2);
 }
-

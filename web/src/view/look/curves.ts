@@ -147,7 +147,10 @@ export function outline(curve: Curve<OpacityPoint>, [low, high]: Range, pieces =
 }
 
 export function hexOf([, red, green, blue]: ColorPoint): string {
-  const byte = (share: number): string => Math.round(255 * clamped(share, 0, 1)).toString(16).padStart(2, "0");
+  const byte = (share: number): string =>
+    Math.round(255 * clamped(share, 0, 1))
+      .toString(16)
+      .padStart(2, "0");
   return `#${byte(red)}${byte(green)}${byte(blue)}`;
 }
 

@@ -194,7 +194,15 @@ export function SelectField({ label, value, options, onChoice }: SelectFieldProp
   );
 }
 
-export function CheckField({ label, checked, onCheck }: { label: string; checked: boolean; onCheck(on: boolean): void }) {
+export function CheckField({
+  label,
+  checked,
+  onCheck,
+}: {
+  label: string;
+  checked: boolean;
+  onCheck(on: boolean): void;
+}) {
   return (
     <label class="row look-check">
       <input type="checkbox" checked={checked} onChange={(event) => onCheck(event.currentTarget.checked)} />

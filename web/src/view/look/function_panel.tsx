@@ -224,8 +224,21 @@ function Editor(props: EditorProps) {
         </Button>
       </div>
       <div class="row">
-        <NamedNumber shown={TEXT.seen} label={TEXT.from} value={rounded(seen[0], seen[1] - seen[0])} onValue={(low) => low < seen[1] && setZoom([low, seen[1]])} onDone={() => {}} />
-        <NamedNumber shown="–" label={TEXT.to} unit={unit} value={rounded(seen[1], seen[1] - seen[0])} onValue={(high) => high > seen[0] && setZoom([seen[0], high])} onDone={() => {}} />
+        <NamedNumber
+          shown={TEXT.seen}
+          label={TEXT.from}
+          value={rounded(seen[0], seen[1] - seen[0])}
+          onValue={(low) => low < seen[1] && setZoom([low, seen[1]])}
+          onDone={() => {}}
+        />
+        <NamedNumber
+          shown="–"
+          label={TEXT.to}
+          unit={unit}
+          value={rounded(seen[1], seen[1] - seen[0])}
+          onValue={(high) => high > seen[0] && setZoom([seen[0], high])}
+          onDone={() => {}}
+        />
         <Button label={TEXT.nearer} onClick={() => setZoom(zoomed(seen, 1.5, middle(seen), whole))}>
           +
         </Button>
@@ -270,8 +283,12 @@ function Editor(props: EditorProps) {
       />
       <GlobalOpacity {...props} />
       <div class="row">
-        <Button onClick={() => once((before) => ({ ...before, opacity: mirrored(before.opacity) }))}>{TEXT.mirrorOpacity}</Button>
-        <Button onClick={() => once((before) => ({ ...before, color: mirrored(before.color) }))}>{TEXT.mirrorColor}</Button>
+        <Button onClick={() => once((before) => ({ ...before, opacity: mirrored(before.opacity) }))}>
+          {TEXT.mirrorOpacity}
+        </Button>
+        <Button onClick={() => once((before) => ({ ...before, color: mirrored(before.color) }))}>
+          {TEXT.mirrorColor}
+        </Button>
         <Button onClick={() => void reset()}>{TEXT.reset(look.name)}</Button>
       </div>
       <GradientEditor {...props} />

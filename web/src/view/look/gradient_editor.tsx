@@ -24,7 +24,12 @@ const TEXT = {
 };
 const PLOT_PX = 130;
 
-export function GradientEditor({ store, ui, curves, volume }: PartProps & { curves: TransferFunction; volume: VolumeInfo }) {
+export function GradientEditor({
+  store,
+  ui,
+  curves,
+  volume,
+}: PartProps & { curves: TransferFunction; volume: VolumeInfo }) {
   const curve = curves.gradient_opacity ?? [];
   const scale = strongGradient(volume);
   const least = spanOf([[0], [scale]], curve);
@@ -45,7 +50,9 @@ export function GradientEditor({ store, ui, curves, volume }: PartProps & { curv
       <details class="look-details">
         <summary>{TEXT.title}</summary>
         <p class="dim">{TEXT.none}</p>
-        <Button onClick={() => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)])}>{TEXT.add}</Button>
+        <Button onClick={() => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)])}>
+          {TEXT.add}
+        </Button>
       </details>
     );
   }

@@ -20,7 +20,7 @@ const TEXT = {
   color: (name: string) => `Colour of ${name}`,
   opacity: (name: string) => `Opacity of ${name}`,
   solo: "Solo",
-  soloThis: (name: string) => `Show ${name} alone, or all again`,
+  soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
 };
 /** A longer list is filtered, not scrolled. */
 const MOST_ROWS = 150;
@@ -34,7 +34,8 @@ export function LabelsPanel({ store }: PartProps) {
   if (labels === null) return <p class="dim">{TEXT.none}</p>;
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
-  const show = (isShown: (number: string) => boolean): void => store.change(shownLabels(labels.labels, isShown, hidden));
+  const show = (isShown: (number: string) => boolean): void =>
+    store.change(shownLabels(labels.labels, isShown, hidden));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number: string): boolean => isOnShown.get(number) ?? false;
@@ -72,7 +73,9 @@ export function LabelsPanel({ store }: PartProps) {
             <ColorField
               label={TEXT.color(name)}
               value={hexColor(look.color, namedColor)}
-              onColor={(hex) => store.change([set(hex, "labels", "labels", number, "color")], `colour of label ${number}`)}
+              onColor={(hex) =>
+                store.change([set(hex, "labels", "labels", number, "color")], `colour of label ${number}`)
+              }
               onDone={() => store.settle()}
             />
             <span class="look-grow look-name" title={`${name} (${number})`}>
@@ -92,14 +95,20 @@ export function LabelsPanel({ store }: PartProps) {
               max={1}
               step={0.01}
               value={opacity}
-              onValue={(value) => store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`)}
+              onValue={(value) =>
+                store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`)
+              }
               onDone={() => store.settle()}
             />
           </li>
         ))}
       </ul>
       {rows.length > MOST_ROWS && <p class="dim">{TEXT.more(rows.length - MOST_ROWS)}</p>}
-      <CheckField label={TEXT.smooth} checked={labels.smooth} onCheck={(on) => store.change([set(on, "labels", "smooth")])} />
+      <CheckField
+        label={TEXT.smooth}
+        checked={labels.smooth}
+        onCheck={(on) => store.change([set(on, "labels", "smooth")])}
+      />
     </div>
   );
 }

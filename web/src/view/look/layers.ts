@@ -32,7 +32,13 @@ export function labelRows(labels: Readonly<Record<string, LabelLook>>, filter = 
     .sort(([a], [b]) => Number(a) - Number(b))
     .map(([number, look]) => {
       const opacity = look.opacity ?? LABEL_OPACITY;
-      return { number, look, name: look.name || `Label ${number}`, opacity, isShown: opacity > 0 || (look.tint ?? 0) > 0 };
+      return {
+        number,
+        look,
+        name: look.name || `Label ${number}`,
+        opacity,
+        isShown: opacity > 0 || (look.tint ?? 0) > 0,
+      };
     })
     .filter(({ number, name }) => wanted === "" || number === wanted || name.toLowerCase().includes(wanted));
 }

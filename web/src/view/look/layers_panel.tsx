@@ -15,7 +15,7 @@ const TEXT = {
   opacity: "Opacity",
   opacityOf: (name: string) => `Opacity of ${name}`,
   solo: "Solo",
-  soloThis: (name: string) => `Show ${name} alone, or all again`,
+  soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
   look: (look: string) => `look: ${look || "of its own"}`,
 };
 
@@ -47,7 +47,11 @@ export function LayersPanel({ store, ui }: PartProps) {
               }}
             />
             {layers.length > 1 && (
-              <Button label={TEXT.soloThis(layer.name)} pressed={isSolo(layers, index)} onClick={() => store.change(soloLayer(layers, index))}>
+              <Button
+                label={TEXT.soloThis(layer.name)}
+                pressed={isSolo(layers, index)}
+                onClick={() => store.change(soloLayer(layers, index))}
+              >
                 {TEXT.solo}
               </Button>
             )}

@@ -29,8 +29,10 @@ export function LightPad({ direction, onDirection, onDone }: LightPadProps) {
   const [azimuth, elevation] = anglesOf(direction);
   const length = Math.hypot(...direction) || 1;
   const spot = { x: (direction[0] / length) * RADIUS_PX, y: (-direction[1] / length) * RADIUS_PX };
+  const set = (direction: Vec3): void =>
+    onDirection(direction.map((part) => Number(part.toFixed(4))) as unknown as Vec3);
   const turn = (by: number, up: number): void =>
-    onDirection(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
+    set(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
   const point = (event: PointerEvent & { readonly currentTarget: SVGSVGElement }): void => {
     const box = event.currentTarget.getBoundingClientRect();
     const x = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;
@@ -38,7 +40,7 @@ export function LightPad({ direction, onDirection, onDone }: LightPadProps) {
     const share = Math.max(1, Math.hypot(x, y));
     const [a, b] = [x / share, y / share];
     const front = Math.sqrt(Math.max(0, 1 - a * a - b * b));
-    onDirection([a, b, front].map((part) => Number(part.toFixed(3))) as unknown as Vec3);
+    set([a, b, front]);
   };
   const stop = (): void => {
     if (isDragging.current) onDone();
@@ -94,8 +96,20 @@ export function LightPad({ direction, onDirection, onDone }: LightPadProps) {
         <circle class="look-spot" cx={spot.x} cy={spot.y} r={6} data-behind={direction[2] < 0} />
       </svg>
       <div class="look-grow look-angles">
-        <Angle label={TEXT.azimuth} value={azimuth} most={180} onValue={(angle) => onDirection(directionOf([angle, elevation]))} onDone={onDone} />
-        <Angle label={TEXT.elevation} value={elevation} most={90} onValue={(angle) => onDirection(directionOf([azimuth, angle]))} onDone={onDone} />
+        <Angle
+          label={TEXT.azimuth}
+          value={azimuth}
+          most={180}
+          onValue={(angle) => set(directionOf([angle, elevation]))}
+          onDone={onDone}
+        />
+        <Angle
+          label={TEXT.elevation}
+          value={elevation}
+          most={90}
+          onValue={(angle) => set(directionOf([azimuth, angle]))}
+          onDone={onDone}
+        />
       </div>
     </div>
   );
@@ -106,7 +120,16 @@ function Angle(props: { label: string; value: number; most: number; onValue(angl
   return (
     <div class="row">
       <span aria-hidden="true">{label}</span>
-      <NumberField label={label} unit="degrees" min={-most} max={most} step={1} value={Math.round(10 * value) / 10} onValue={onValue} onDone={onDone} />
+      <NumberField
+        label={label}
+        unit="degrees"
+        min={-most}
+        max={most}
+        step={1}
+        value={Math.round(10 * value) / 10}
+        onValue={onValue}
+        onDone={onDone}
+      />
       <span aria-hidden="true">{TEXT.degrees}</span>
     </div>
   );

@@ -5,7 +5,16 @@ import type { Problem } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
 import type { Light, Shading, Vec3 } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
-import { DIMMING, COMPOSITE_NAMES, compositeNamed, KERNEL_NAMES, nameOf, numberOf, SHADED, withNumber } from "./composites.ts";
+import {
+  DIMMING,
+  COMPOSITE_NAMES,
+  compositeNamed,
+  KERNEL_NAMES,
+  nameOf,
+  numberOf,
+  SHADED,
+  withNumber,
+} from "./composites.ts";
 import { rounded } from "./axis.ts";
 import { surfaceValue } from "./curves.ts";
 import { Button, CheckField, ColorField, SelectField, SliderField } from "./fields.tsx";
@@ -72,7 +81,15 @@ function Operator({ store, ui, welcome }: PartProps) {
   };
   const number = (field: string, value: number | null, gesture?: string): void =>
     store.change([set(withNumber(render.composite, field, value), "render", "composite")], gesture);
-  const slider = (label: string, field: string, value: number, min: number, max: number, unit = "", beyond: object = {}) => (
+  const slider = (
+    label: string,
+    field: string,
+    value: number,
+    min: number,
+    max: number,
+    unit = "",
+    beyond: object = {},
+  ) => (
     <SliderField
       label={label}
       unit={unit}
@@ -89,7 +106,11 @@ function Operator({ store, ui, welcome }: PartProps) {
     const value = numberOf(render.composite, field);
     return (
       <>
-        <CheckField label={TEXT.automatic(label)} checked={value === null} onCheck={(on) => number(field, on ? null : first)} />
+        <CheckField
+          label={TEXT.automatic(label)}
+          checked={value === null}
+          onCheck={(on) => number(field, on ? null : first)}
+        />
         {value !== null && slider(label, field, value, min, max, unit, { least: -Infinity, most: Infinity })}
       </>
     );
@@ -110,9 +131,11 @@ function Operator({ store, ui, welcome }: PartProps) {
         onChoice={(value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])}
       />
       {isOverOnly && <p class="dim look-small">{TEXT.overOnly}</p>}
-      {name === "first-hit" && slider(TEXT.iso, "iso_value", numberOf(render.composite, "iso_value") ?? surface(), low, high, unit)}
+      {name === "first-hit" &&
+        slider(TEXT.iso, "iso_value", numberOf(render.composite, "iso_value") ?? surface(), low, high, unit)}
       {name === "local-maximum" && optional(TEXT.threshold, "threshold", surface(), low, high, unit)}
-      {name === "depth-shaded-maximum" && slider(TEXT.strength, "strength", numberOf(render.composite, "strength") ?? DIMMING, 0, 1)}
+      {name === "depth-shaded-maximum" &&
+        slider(TEXT.strength, "strength", numberOf(render.composite, "strength") ?? DIMMING, 0, 1)}
       {name === "x-ray" && optional(TEXT.clear, "clear", low, low, high, unit)}
       {name === "x-ray" && optional(TEXT.attenuation, "attenuation", attenuation, attenuation / 100, 5 * attenuation)}
     </>
@@ -155,7 +178,8 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
     );
   }
 
-  const change = (field: keyof Shading, value: unknown): void => store.change([set(value, ...path, field)], `light ${field}`);
+  const change = (field: keyof Shading, value: unknown): void =>
+    store.change([set(value, ...path, field)], `light ${field}`);
   const done = (): void => store.settle();
   const slider = (label: string, field: keyof Shading, min: number, max: number, more: object = {}) => (
     <SliderField
@@ -192,7 +216,9 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
             onCheck={(on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])}
           />
           {shading.occlusion_radius !== null &&
-            slider(TEXT.radius, "occlusion_radius", side / 500, side / 2, { unit: welcome.volumes[ui.layer]?.unit ?? "" })}
+            slider(TEXT.radius, "occlusion_radius", side / 500, side / 2, {
+              unit: welcome.volumes[ui.layer]?.unit ?? "",
+            })}
         </>
       )}
       {slider(TEXT.shadow, "shadow", 0, 1, { step: 0.01 })}

@@ -53,7 +53,12 @@ export function shadingOf(state: ViewerState, layer: number): { shading: Shading
 }
 
 /** The look of this name as it is offered; of a name that is not offered, as the layer had it at first. */
-export async function lookAsChosen(engine: Engine, welcome: Welcome, layer: number, name: string): Promise<Look | null> {
+export async function lookAsChosen(
+  engine: Engine,
+  welcome: Welcome,
+  layer: number,
+  name: string,
+): Promise<Look | null> {
   const own = ownPreset(name);
   if (own !== undefined) return own.look;
   if (name === "auto" || welcome.presets.some((preset) => preset.name === name)) {
@@ -74,7 +79,14 @@ export function lookFromText(text: string): Look {
     throw new Error("it has no field 'transfer_function'; choose a file that was exported here or by Look.save");
   }
   const { version: _, kind: __, ...look } = found as Record<string, unknown>;
-  const empty = { name: "", description: "", shading: DEFAULT_SHADING, composite: "over", view: null, background: null };
+  const empty = {
+    name: "",
+    description: "",
+    shading: DEFAULT_SHADING,
+    composite: "over",
+    view: null,
+    background: null,
+  };
   return { ...empty, ...look } as unknown as Look;
 }
 
@@ -94,12 +106,16 @@ export function directionOf([azimuth, elevation]: readonly [number, number]): [n
 export function hexColor(color: Color | null, named: (name: string) => string): string {
   if (color === null) return "#000000";
   if (typeof color !== "string") {
-    const byte = (share: number): string => Math.round(255 * Math.min(1, Math.max(0, share))).toString(16).padStart(2, "0");
+    const byte = (share: number): string =>
+      Math.round(255 * Math.min(1, Math.max(0, share)))
+        .toString(16)
+        .padStart(2, "0");
     return `#${color.slice(0, 3).map(byte).join("")}`;
   }
   const digits = /^#([0-9a-f]{3,8})$/i.exec(color)?.[1];
   if (digits === undefined) return named(color);
-  return `#${digits.length < 6 ? [...digits.slice(0, 3)].map((digit) => digit + digit).join("") : digits.slice(0, 6)}`.toLowerCase();
+  const six = digits.length < 6 ? digits.slice(0, 3).replace(/./g, "$&$&") : digits.slice(0, 6);
+  return `#${six.toLowerCase()}`;
 }
 
 /** The browser's colours by name. */

@@ -45,7 +45,10 @@ export function keepPreset(preset: OwnPreset, kept: Keeper | null = keeper()): r
 }
 
 export function dropPreset(name: string, kept: Keeper | null = keeper()): readonly OwnPreset[] {
-  return write(ownPresets(kept).filter((preset) => preset.name !== name), kept);
+  return write(
+    ownPresets(kept).filter((preset) => preset.name !== name),
+    kept,
+  );
 }
 
 export function renamePreset(from: string, to: string, kept: Keeper | null = keeper()): readonly OwnPreset[] {

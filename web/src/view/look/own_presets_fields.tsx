@@ -37,7 +37,8 @@ export function OwnPresets({ store, ui, welcome, own, onOwn, onTake }: OwnPreset
   if (layer === undefined) return null;
   const chosen = own.find((preset) => preset.name === layer.look.name);
   const taken = ["auto", ...welcome.presets.map((preset) => preset.name)];
-  const rename = (to: string): void => store.change([{ op: "replace", path: `/layers/${ui.layer}/look/name`, value: to }]);
+  const rename = (to: string): void =>
+    store.change([{ op: "replace", path: `/layers/${ui.layer}/look/name`, value: to }]);
 
   const attempt = (change: () => readonly OwnPreset[]): boolean => {
     try {
@@ -137,12 +138,19 @@ export function OwnPresets({ store, ui, welcome, own, onOwn, onTake }: OwnPreset
           )}
         </div>
         <div class="row">
-          <Button onClick={() => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json")}>
+          <Button
+            onClick={() => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json")}
+          >
             {TEXT.export}
           </Button>
           <label class="button look-file">
             {TEXT.import}
-            <input type="file" class="hidden" accept=".json,application/json" onChange={(event) => void open(event.currentTarget)} />
+            <input
+              type="file"
+              class="hidden"
+              accept=".json,application/json"
+              onChange={(event) => void open(event.currentTarget)}
+            />
           </label>
         </div>
       </form>
@@ -158,7 +166,17 @@ async function pictureOf(frame: Frame | undefined): Promise<string> {
   canvas.width = canvas.height = PICTURE_PX;
   const side = Math.min(picture.width, picture.height);
   const context = canvas.getContext("2d");
-  context?.drawImage(picture, (picture.width - side) / 2, (picture.height - side) / 2, side, side, 0, 0, PICTURE_PX, PICTURE_PX);
+  context?.drawImage(
+    picture,
+    (picture.width - side) / 2,
+    (picture.height - side) / 2,
+    side,
+    side,
+    0,
+    0,
+    PICTURE_PX,
+    PICTURE_PX,
+  );
   picture.close();
   return canvas.toDataURL("image/jpeg", 0.8);
 }

@@ -36,9 +36,28 @@ export function PointFields(props: PointFieldsProps) {
       const move = (value: number, opacity: number): void =>
         props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
       return (
-        <Point {...props} title={TEXT.opacityPoint(index + 1, curves.opacity.length)} n={curves.opacity.length} onRemove={() => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1))}>
-          <NamedNumber label={TEXT.value} unit={unit} value={point[0]} onValue={(value) => move(value, point[1])} onDone={onDone} />
-          <NamedNumber label={TEXT.opacity} value={point[1]} min={0} max={1} step={0.01} onValue={(opacity) => move(point[0], opacity)} onDone={onDone} />
+        <Point
+          {...props}
+          title={TEXT.opacityPoint(index + 1, curves.opacity.length)}
+          n={curves.opacity.length}
+          onRemove={() => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1))}
+        >
+          <NamedNumber
+            label={TEXT.value}
+            unit={unit}
+            value={point[0]}
+            onValue={(value) => move(value, point[1])}
+            onDone={onDone}
+          />
+          <NamedNumber
+            label={TEXT.opacity}
+            value={point[1]}
+            min={0}
+            max={1}
+            step={0.01}
+            onValue={(opacity) => move(point[0], opacity)}
+            onDone={onDone}
+          />
         </Point>
       );
     }
@@ -48,9 +67,25 @@ export function PointFields(props: PointFieldsProps) {
     if (point !== undefined) {
       const move = (moved: ColorPoint): void => props.onColor(withMoved(curves.color, index, moved), index);
       return (
-        <Point {...props} title={TEXT.colorPoint(index + 1, curves.color.length)} n={curves.color.length} onRemove={() => props.onColor(without(curves.color, index), Math.max(0, index - 1))}>
-          <NamedNumber label={TEXT.value} unit={unit} value={point[0]} onValue={(value) => move([value, point[1], point[2], point[3]])} onDone={onDone} />
-          <ColorField label={TEXT.color} value={hexOf(point)} onColor={(hex) => move([point[0], ...rgbOf(hex)])} onDone={onDone} />
+        <Point
+          {...props}
+          title={TEXT.colorPoint(index + 1, curves.color.length)}
+          n={curves.color.length}
+          onRemove={() => props.onColor(without(curves.color, index), Math.max(0, index - 1))}
+        >
+          <NamedNumber
+            label={TEXT.value}
+            unit={unit}
+            value={point[0]}
+            onValue={(value) => move([value, point[1], point[2], point[3]])}
+            onDone={onDone}
+          />
+          <ColorField
+            label={TEXT.color}
+            value={hexOf(point)}
+            onColor={(hex) => move([point[0], ...rgbOf(hex)])}
+            onDone={onDone}
+          />
         </Point>
       );
     }
@@ -73,9 +108,7 @@ function Point({ title, n, selected, children, onSelect, onRemove, onDone }: Poi
   return (
     <fieldset class="look-point">
       <legend>{title}</legend>
-      <div class="row">
-        {children}
-      </div>
+      <div class="row">{children}</div>
       <div class="row">
         <Button label={TEXT.before} disabled={index === 0} onClick={() => go(index - 1)}>
           ‹

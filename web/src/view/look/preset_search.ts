@@ -5,8 +5,13 @@ export function matching<T extends { readonly name: string; readonly description
   presets: readonly T[],
   search: string,
 ): T[] {
-  const words = search.toLowerCase().split(/[\s_-]+/).filter((word) => word !== "");
+  const words = search
+    .toLowerCase()
+    .split(/[\s_-]+/)
+    .filter((word) => word !== "");
   const has = (text: string): boolean => words.every((word) => text.toLowerCase().includes(word));
   const found = presets.filter(({ name, description }) => has(`${name} ${description}`));
-  return words.length === 0 ? found : [...found.filter(({ name }) => has(name)), ...found.filter(({ name }) => !has(name))];
+  return words.length === 0
+    ? found
+    : [...found.filter(({ name }) => has(name)), ...found.filter(({ name }) => !has(name))];
 }

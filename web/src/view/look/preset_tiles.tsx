@@ -38,7 +38,10 @@ export function PresetTiles({ label, tiles, selected, pictures, onChoose }: Pres
 
   const onKeyDown = (event: KeyboardEvent, index: number): void => {
     const all = [...(list.current?.querySelectorAll<HTMLElement>("[role=option]") ?? [])];
-    const columns = Math.max(1, all.findIndex((tile) => tile.offsetTop > (all[0]?.offsetTop ?? 0)));
+    const columns = Math.max(
+      1,
+      all.findIndex((tile) => tile.offsetTop > (all[0]?.offsetTop ?? 0)),
+    );
     const row = all.length > columns ? columns : 1;
     const steps: Partial<Record<string, number>> = {
       ArrowLeft: index - 1,

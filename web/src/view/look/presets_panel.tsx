@@ -37,7 +37,13 @@ export function PresetsPanel(props: PartProps) {
   const problem = useRef(ui.problem);
   problem.current = ui.problem;
   const pictures = useMemo(
-    () => new PresetPictures(engine, ui.layer, () => redraw(null as never), (found) => problem.current(found)),
+    () =>
+      new PresetPictures(
+        engine,
+        ui.layer,
+        () => redraw(null as never),
+        (found) => problem.current(found),
+      ),
     [engine, ui.layer],
   );
   useEffect(() => () => pictures.close(), [pictures]);
@@ -114,11 +120,10 @@ export function PresetsPanel(props: PartProps) {
       {found.length + ownTiles.length === 0 && <p class="dim">{TEXT.none}</p>}
       {store.state.layers.length > 1 && layer.look.composite !== "over" && <p class="look-small">{TEXT.alone}</p>}
       {isOld && (
-        <div class="row">
-          <Button label={TEXT.old} onClick={drawAnew}>
-            {TEXT.redraw}
-          </Button>
-        </div>
+        <>
+          <p class="dim look-small">{TEXT.old}</p>
+          <Button onClick={drawAnew}>{TEXT.redraw}</Button>
+        </>
       )}
       <OwnPresets {...props} own={own} onOwn={setOwn} onTake={take} />
     </div>

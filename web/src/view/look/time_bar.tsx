@@ -31,7 +31,9 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
   const last = useRef<{ at: number; seq: number }>({ at: 0, seq: 0 });
 
   const go = (next: number): void => {
-    const operations = series.map((index) => set(Math.min(next, (welcome.volumes[index]?.n_times ?? 1) - 1), "layers", index, "time"));
+    const operations = series.map((index) =>
+      set(Math.min(next, (welcome.volumes[index]?.n_times ?? 1) - 1), "layers", index, "time"),
+    );
     store.change(operations, GESTURE);
     last.current = { at: performance.now(), seq: store.seq };
   };
@@ -52,7 +54,9 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
   };
 
   // The slowest of the views that are shown leads. One without a frame yet is not waited for.
-  const isShown = shownViews(store.state.view.layout).every((view) => (ui.frames[view]?.seq ?? Infinity) >= last.current.seq);
+  const isShown = shownViews(store.state.view.layout).every(
+    (view) => (ui.frames[view]?.seq ?? Infinity) >= last.current.seq,
+  );
   useEffect(() => {
     if (!isPlaying) return undefined;
     const wait = waitFor(performance.now(), { at: last.current.at, isShown }, rate);
@@ -93,7 +97,15 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
       />
       <output class="look-count">{TEXT.of(time, count)}</output>
       <label class="row">
-        <NumberField label={TEXT.rate} min={0.2} max={MOST_RATE} step={1} value={rate} onValue={setRate} onDone={() => {}} />
+        <NumberField
+          label={TEXT.rate}
+          min={0.2}
+          max={MOST_RATE}
+          step={1}
+          value={rate}
+          onValue={setRate}
+          onDone={() => {}}
+        />
         <span class="dim" aria-hidden="true">
           {TEXT.perSecond}
         </span>

@@ -15,7 +15,11 @@ export function nextTime(time: number, count: number, repeats: boolean): number 
 }
 
 /** Milliseconds until the next step is due; null while the picture of the last one has not come. */
-export function waitFor(now: number, last: { readonly at: number; readonly isShown: boolean }, perSecond: number): number | null {
+export function waitFor(
+  now: number,
+  last: { readonly at: number; readonly isShown: boolean },
+  perSecond: number,
+): number | null {
   if (!last.isShown) return null;
   return Math.max(0, last.at + 1000 / perSecond - now);
 }

@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, view, movie, slice, info, presets, tf, wavelet, mesh, demo, in files of their names.
+"""The command line: `wavesplat` render, view, movie, slice, info, presets and others, in files of their names.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.

@@ -53,7 +53,7 @@ def render(
         typer.Option(
             "--from",
             metavar="FILE",
-            help="Draw again, instead of INPUT: a scene, a report, or a PNG file that says how it was made; - is stdin.",
+            help="Draw again, instead of INPUT: a scene, report, or PNG file that says how it was made; - is stdin.",
         ),
     ] = None,
     layering: LayerOptions,

@@ -17,7 +17,7 @@ document's folder.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -67,7 +67,7 @@ OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum
 
 @dataclass(frozen=True)
 class Document:
-    """What a document holds: a scene and, if it has them, camera, options of `Scene.render`, of a figure and a viewer."""
+    """What a document holds: a scene and, if there are any, a camera, and options of pictures, figures and viewers."""
 
     scene: Scene
     camera: Camera | None
@@ -138,7 +138,7 @@ def given_look(layer: Layer) -> Any:
 
 def _fields_of_labels(labels: Labels, strict: bool) -> dict[str, Any]:
     looks = {
-        str(number): {**_settings(label), "color": list(label.color)} for number, label in sorted(labels.labels.items())
+        str(number): {**settings(label), "color": list(label.color)} for number, label in sorted(labels.labels.items())
     }
     if labels._source is None and strict:
         raise ArgumentError(
@@ -158,18 +158,19 @@ def _fields_of_clip(clip: Clip) -> dict[str, Any]:
 
 def fields_of_operator(operator: Operator) -> Any:
     """A name, or an object of one field: the name, and the numbers."""
-    return operator if isinstance(operator, str) else {operator.name: _settings(operator)}
+    return operator if isinstance(operator, str) else {operator.name: settings(operator)}
 
 
 def fields_of_sampling(sampling: Sampling) -> Any:
     """The name of a quality, or an object of the numbers."""
     if sampling.sheets_per_slice is None and sampling.oversampling is None:
         return sampling.quality
-    return _settings(sampling)
+    return settings(sampling)
 
 
-def _settings(thing: Any) -> dict[str, Any]:
-    return {field.name: getattr(thing, field.name) for field in fields(thing)}
+def settings(thing: Any, *, but: Collection[str] = ()) -> dict[str, Any]:
+    """The fields of a dataclass, without some."""
+    return {field.name: getattr(thing, field.name) for field in fields(thing) if field.name not in but}
 
 
 # Reading

@@ -75,8 +75,7 @@ def _volume(source: dict[str, Any], name: str) -> str:
     if "example" in options:
         made = f"ws.examples.{options.pop('example')}({_given(options)})"
     elif options.get("path") is None:
-        made = f"...  # give the volume {name!r} here: it comes from no file"
-        return made
+        return f"...  # give the volume {name!r} here: it comes from no file"
     else:
         path = options.pop("path")
         is_series = options.pop("series_of_times", False)
@@ -119,7 +118,7 @@ def _look(name: str, layer: Layer, fields: dict[str, Any]) -> str:
 
 def _labels(labels: Labels, source: dict[str, Any] | None) -> str:
     looks = ", ".join(
-        f"{number}: ws.Label({look.color!r}, {look.opacity!r}, name={look.name!r}, scan={look.scan!r}, tint={look.tint!r})"
+        f"{number}: ws.Label({look.color!r}, {_given(scene_json.settings(look, but=('color',)))})"
         for number, look in sorted(labels.labels.items())
     )
     smooth = "" if labels.smooth else ", smooth=False"

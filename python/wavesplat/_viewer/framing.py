@@ -1,6 +1,6 @@
-"""Messages of the viewer's protocol as bytes: the length of the header (u32, little-endian), the header (JSON), payload.
+"""Messages of the viewer's protocol as bytes: the header's length (u32, little-endian), the header (JSON), payload.
 
-`web/src/engine/framing.ts` is the twin. In the widget header and payload travel as content and buffer of a comm message.
+`web/src/engine/framing.ts` is the twin. In the widget header and payload are content and buffer of a comm message.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ class _Pages:
         self._lock = threading.RLock()
         widget.on_msg(self._receive)
 
-    def _receive(self, _widget: Any, content: Any, buffers: Any) -> None:
+    def _receive(self, _widget: Any, content: Any, _buffers: Any) -> None:
         if not isinstance(content, Mapping) or not isinstance(content.get("page"), str):
             return
         page = content["page"][:64]

@@ -1,8 +1,8 @@
 """How well frames are drawn while something moves, so that they come in time.
 
-Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer pixels.
-Frames that take longer than the budget move to cheaper ones at once; five that take less than 70 % of it move back, where
-what was measured there fits. What is learnt is kept for each look.
+Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer
+pixels. Frames that take longer than the budget move to cheaper ones at once; five that take less than 70 % of it move
+back, where what was measured there fits. What is learnt is kept for each look.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Pace:
         return rungs[min(self._learnt(look, rungs).place, len(rungs) - 1)]
 
     def took(
-        self, look: Hashable, rungs: tuple[Settings, ...], settings: Settings, ms: float, n_px: int, budget_ms: float
+        self, look: Hashable, rungs: tuple[Settings, ...], settings: Settings, *, ms: float, n_px: int, budget_ms: float
     ) -> None:
         """A frame with these settings took so long; `n_px`: pixels of the whole view."""
         learnt = self._learnt(look, rungs)

@@ -70,11 +70,11 @@ def _done(inside: Any, kind: str, steps: list[str], value: Any, what: str) -> An
             changed[step] = value
         return changed
     if isinstance(inside, list | tuple):
-        return _done_in_list(list(inside), kind, step, rest, value, what)
+        return _done_in_list(list(inside), kind, step, rest, value=value, what=what)
     raise ArgumentError(f"{what}: before {step!r} stands {described(inside)}, which has no fields")
 
 
-def _done_in_list(items: list[Any], kind: str, step: str, rest: list[str], value: Any, what: str) -> list[Any]:
+def _done_in_list(items: list[Any], kind: str, step: str, rest: list[str], *, value: Any, what: str) -> list[Any]:
     if step == "-" and kind == "add" and not rest:
         return [*items, value]
     # As the standard has it: no sign, no zeros in front.

@@ -1,7 +1,7 @@
 """The viewer's server on this machine: the page's files, and one WebSocket for its session.
 
-It listens on the loopback interface alone. Host and Origin must be its own, so that no page from elsewhere gets in, also
-by a name that resolves to this machine; the token stands in the link's fragment, which browsers send nobody.
+It listens on the loopback interface alone. Host and Origin must be its own, so that no page from elsewhere gets in, not
+even by a name that resolves to this machine; the token stands in the link's fragment, which browsers send nobody.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class Server:
             default_handler_args={"server": self},
             websocket_max_message_size=MOST_BYTES,
             websocket_ping_interval=20,
-            log_function=lambda handler: None,
+            log_function=lambda _handler: None,
             compress_response=False,
         )
         http = tornado.httpserver.HTTPServer(application, max_header_size=1 << 14, max_body_size=0)
@@ -144,9 +144,9 @@ class _Guarded(tornado.web.RequestHandler):
         # No names of programs, nothing from elsewhere, in no frame.
         self.clear_header("Server")
         policy = (
-            "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; "
-            f"connect-src 'self' ws://127.0.0.1:{port} ws://localhost:{port}; worker-src 'self' blob:; base-uri 'none'; "
-            "form-action 'none'; frame-ancestors 'none'"
+            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+            f"connect-src 'self' ws://127.0.0.1:{port} ws://localhost:{port}; base-uri 'none'; form-action 'none'; "
+            "frame-ancestors 'none'"
         )
         self.set_header("Content-Security-Policy", policy)
         self.set_header("X-Content-Type-Options", "nosniff")

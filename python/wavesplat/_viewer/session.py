@@ -1,8 +1,8 @@
 """A session: one state, the pages that show it, and the thread that draws for them.
 
-Latest wins. Every view of every page has room for one request, which a newer one replaces, and at most two frames are on
-their way; pages confirm those that they have shown. Frames that were begun while something moves are finished, pictures at
-rest are given up when something changes. A session knows no sockets: pages are functions that take messages.
+Latest wins. Every view of every page has room for one request, which a newer one replaces, and at most two frames are
+on their way; pages confirm those that they have shown. Frames that were begun while something moves are finished, and
+pictures at rest given up when something changes. A session knows no sockets: pages are functions that take messages.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ SLOW_MS = 100.0
 MOST_SIDE, MOST_PIXELS, MOST_CLIENTS, MOST_QUESTIONS = 8192, 1 << 24, 8, 64
 #: JPEG quality, and whether colours have half the resolution, by how long a frame takes to be confirmed, in ms.
 LINKS = ((120.0, 90, False), (400.0, 80, True), (float("inf"), 60, True))
+NO_BUDGET_MS = float("inf")
 #: Coarse settings until the error is known.
 GUESS = Sampling(sheets_per_slice=1.0, oversampling=0.75)
 
@@ -373,7 +374,8 @@ class Session:
         encoded = time.monotonic()
         n_px, ms = size[0] * size[1], (encoded - begun) * 1e3
         with self._changed:
-            self._pace.took(look, rungs, settings, ms, n_px, BUDGETS_MS.get(moving, 1e9) if not at_rest else 1e9)
+            budget_ms = BUDGETS_MS.get(moving, NO_BUDGET_MS) if not at_rest else NO_BUDGET_MS
+            self._pace.took(look, rungs, settings, ms=ms, n_px=n_px, budget_ms=budget_ms)
             if pane.n_changes == n_changes and at_rest:
                 pane.wants_rest = False
             if not client.is_open or client.panes.get(view) is not pane:

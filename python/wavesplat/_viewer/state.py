@@ -1,4 +1,4 @@
-"""The state of a viewer: a scene's document with the field `view`, and the scene, camera and options that it stands for.
+"""The state of a viewer: a scene's document with the field `view`, and the scene, camera and options that it means.
 
 States are never changed in place. What a change does not touch is shared by the states before and after, down to the
 scene: a turn of the camera makes a new camera and nothing else.
@@ -8,7 +8,7 @@ The page knows no paths: its documents name volumes only, and the sources are pu
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -75,7 +75,7 @@ class ViewerState:
         given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
         picture = scene.render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
         document = picture.report["scene"]
-        if not scene.shading == "look" and any(layer["look"] is None for layer in document["layers"]):
+        if scene.shading != "look" and any(layer["look"] is None for layer in document["layers"]):
             document["shading"] = scene_json.document_of(scene, strict=False)["shading"]
         sources = tuple(layer["volume"] for layer in document["layers"])
         labels = document["labels"]
@@ -137,19 +137,6 @@ class ViewerState:
             return self
         _check_document(document)
         before = self.document
-        changes: dict[str, Any] = {}
-        # Volumes are those that are open, whatever the document says of them.
-        layers = _layers(document["layers"], before.get("layers"), self.scene)
-        if any(new is not old for new, old in zip(layers, self.scene.layers, strict=True)):
-            changes["layers"] = layers
-        if not _same(document, before, "labels"):
-            changes["labels"] = _labels(document["labels"], self.scene)
-        if not _same(document, before, "shading"):
-            changes["shading"] = scene_json.shading_of(document["shading"])
-        if not _same(document, before, "clip"):
-            changes["clip"] = scene_json.clips_of(document)
-        if not _same(document, before, "background"):
-            changes["background"] = _background(document["background"])
         camera = self.camera
         if not _same(document, before, "camera"):
             found = scene_json.camera_of(document["camera"])
@@ -159,10 +146,30 @@ class ViewerState:
         options = self.options
         if not _same(document, before, "render"):
             options = _options(document["render"])
+            # The size is that of the view.
+            document = {**document, "render": {k: v for k, v in document["render"].items() if k != "size"}}
         if not _same(document, before, "view"):
             document = {**document, "view": view_json.checked(document["view"], _middle(self.scene))}
+        changes = self._changes(document)
         scene = self.scene.with_(**changes) if changes else self.scene
         return ViewerState(document, scene, camera, options, self.sources, self.label_source)
+
+    def _changes(self, document: Mapping[str, Any]) -> dict[str, Any]:
+        """What of the scene is another one; volumes are those that are open, whatever the document says of them."""
+        before, changes = self.document, dict[str, Any]()
+        layers = _layers(document["layers"], before.get("layers"), self.scene)
+        if any(new is not old for new, old in zip(layers, self.scene.layers, strict=True)):
+            changes["layers"] = layers
+        made: dict[str, Callable[[], Any]] = {
+            "labels": lambda: _labels(document["labels"], self.scene),
+            "shading": lambda: scene_json.shading_of(document["shading"]),
+            "clip": lambda: scene_json.clips_of(dict(document)),
+            "background": lambda: _background(document["background"]),
+        }
+        for name, make in made.items():
+            if not _same(document, before, name):
+                changes[name] = make()
+        return changes
 
 
 def changes_picture(before: ViewerState, after: ViewerState) -> bool:
@@ -181,7 +188,12 @@ def _same(document: Mapping[str, Any], before: Mapping[str, Any], name: str) -> 
     """Whether a field is as before, mostly told by its being the same object."""
     if name not in before:
         return False
-    return document[name] is before[name] or bool(document[name] == before[name])
+    return _is(document[name], before[name])
+
+
+def _is(one: Any, other: Any) -> bool:
+    """Whether two JSON values are one; 1, 1.0 and true, which are equal in Python, are not."""
+    return one is other or json.dumps(one) == json.dumps(other)
 
 
 def _check_document(document: Any) -> None:
@@ -205,12 +217,12 @@ def _check_document(document: Any) -> None:
 def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
     if not isinstance(fields, list) or len(fields) != len(scene.layers):
         raise ArgumentError(
-            f"{WHAT}: field 'layers' is {described(fields)}; it must be a list of {len(scene.layers)}, as volumes are open"
+            f"{WHAT}: field 'layers' is {described(fields)}; it must be a list of {len(scene.layers)}: so many are open"
         )
     layers = []
     for number, (new, layer) in enumerate(zip(fields, scene.layers, strict=True)):
         old = None if before is None else before[number]
-        if old is not None and (new is old or new == old):
+        if old is not None and _is(new, old):
             layers.append(layer)
             continue
         what = f"{WHAT}: layers[{number}]"
@@ -221,7 +233,7 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
                 f"{what}: field 'volume' cannot be changed here; open another file with `wavesplat view`"
             )
         made = scene_json.layer_of(new, what, layer.volume)
-        if old is not None and new.get("look") == old["look"]:
+        if old is not None and "look" in new and _is(new["look"], old["look"]):
             # Kept for what is known of it.
             made = replace(made, look=layer.look)
         if made.look is None or isinstance(made.look, str):
@@ -257,7 +269,6 @@ def _background(background: Any) -> Any:
 
 def _options(render: Any) -> dict[str, Any]:
     if isinstance(render, Mapping):
-        # The size is that of the view.
         render = {name: value for name, value in render.items() if name != "size"}
     options = scene_json.options_of(render)
     for name in ("psnr", "depth"):

@@ -1,4 +1,4 @@
-"""Who may speak to the viewer's server: tokens of links, each good once, and the keys of pages that came in with one."""
+"""Who may speak to the viewer's server: tokens of links, each good once, and keys of pages that came with one."""
 
 from __future__ import annotations
 
@@ -51,4 +51,4 @@ class Tokens:
 def _is_in(text: str, known: list[str]) -> bool:
     # All are compared, so that the time tells nothing.
     data = text.encode("utf-8", "replace")
-    return any([hmac.compare_digest(one.encode(), data) for one in known])
+    return sum(hmac.compare_digest(one.encode(), data) for one in known) > 0

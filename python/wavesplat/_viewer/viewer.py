@@ -8,7 +8,7 @@ import weakref
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from wavesplat._files import json_object
 from wavesplat._files.places import expanded
@@ -29,6 +29,9 @@ from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.session import Session
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 __all__ = ["Viewer", "view"]
 
@@ -200,7 +203,7 @@ class Viewer:
 
         return notebook.bundle_of(self, **options)
 
-    def __enter__(self) -> Viewer:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -240,7 +243,7 @@ def view(
     camera, quality, kernel, composite
         As for `Scene.render`: how the picture at rest is drawn.
     state : mapping, optional
-        The field `view` of a state that was saved, or a whole one, of which the look and all else of the scene is taken.
+        The field `view` of a state that was saved, or a whole one, of which looks and all else of the scene are taken.
     port : int, default 0
         Where the page is served, on this machine alone; 0 is any that is free.
     browser : bool, optional

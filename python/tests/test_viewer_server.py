@@ -1,0 +1,260 @@
+"""The viewer's server: what it serves, and whom it refuses."""
+
+import asyncio
+import http.client
+import json
+import struct
+
+import pytest
+import tornado.httpclient
+import tornado.websocket
+import viewer_fakes
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wavesplat._viewer.framing import MOST_BYTES, packed, unpacked
+from wavesplat._viewer.server import Server
+from wavesplat._viewer.session import Session
+from wavesplat._viewer.tokens import CLOSED_S, Tokens
+from wavesplat.errors import ArgumentError
+
+
+@pytest.fixture(scope="module")
+def session():
+    made = Session(viewer_fakes.state_of())
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def server(session):
+    made = Server()
+    made.show(session)
+    yield made
+    made.close()
+
+
+def get(server, path="/", method="GET", **headers):
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=5)
+    connection.putrequest(method, path, skip_host="Host" in headers)
+    for name, value in headers.items():
+        connection.putheader(name.replace("_", "-"), value)
+    connection.endheaders()
+    response = connection.getresponse()
+    return response.status, dict(response.getheaders()), response.read()
+
+
+def token_of(server):
+    return server.link.partition("#token=")[2]
+
+
+def talk(server, *messages, origin="own", host=None, n=1, path="/socket"):
+    """What comes back for messages, until `n` came or the socket is closed: [headers], close code."""
+
+    async def run():
+        headers = {}
+        if origin is not None:
+            headers["Origin"] = f"http://127.0.0.1:{server.port}" if origin == "own" else origin
+        if host is not None:
+            headers["Host"] = host
+        request = tornado.httpclient.HTTPRequest(f"ws://127.0.0.1:{server.port}{path}", headers=headers)
+        socket = await tornado.websocket.websocket_connect(request)
+        for message in messages:
+            data = packed(message) if isinstance(message, dict) else message
+            await socket.write_message(data, binary=not isinstance(data, str))
+        got = []
+        while len(got) < n:
+            answer = await asyncio.wait_for(socket.read_message(), 8)
+            if answer is None:
+                return got, socket.close_code
+            got.append(unpacked(answer)[0])
+        socket.close()
+        return got, None
+
+    return asyncio.run(run())
+
+
+def hello(server):
+    return {"type": "hello", "protocol": 1, "token": token_of(server)}
+
+
+def test_the_page_has_all_it_needs(server):
+    status, headers, body = get(server)
+    assert status == 200
+    assert b'src="/page.js"' in body
+    assert "default-src 'none'" in headers["Content-Security-Policy"]
+    assert f"ws://127.0.0.1:{server.port}" in headers["Content-Security-Policy"]
+    assert "unsafe" not in headers["Content-Security-Policy"]
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert headers["Cross-Origin-Opener-Policy"] == "same-origin"
+    assert headers["Cross-Origin-Resource-Policy"] == "same-origin"
+    assert headers["Referrer-Policy"] == "no-referrer"
+    assert "Server" not in headers
+    assert "Access-Control-Allow-Origin" not in headers
+    for path in ("/page.js", "/viewer.js", "/favicon.svg"):
+        assert get(server, path)[0] == 200
+
+
+def test_it_listens_on_this_machine_alone(server):
+    with pytest.raises(OSError, match="refused|unreachable|timed"):
+        http.client.HTTPConnection("127.0.0.2", server.port, timeout=2).request("GET", "/")
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "127.0.0.1", "localhost:1", "evil.example:{port}", "127.0.0.1.evil.example:{port}", ""]
+)
+def test_other_hosts_are_refused(server, host):
+    status, headers, body = get(server, Host=host.format(port=server.port))
+    assert status in (400, 403)
+    assert b"page.js" not in body
+    assert "Access-Control-Allow-Origin" not in headers
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "HEAD"])
+def test_other_methods_are_refused(server, method):
+    assert get(server, method=method)[0] in (403, 405, 501)
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/nothing", "/../server.py", "/..%2fserver.py", "/viewer.js/", "//etc/passwd", "/%00", "/socket", "/index.html"],
+)
+def test_other_paths_are_refused(server, path):
+    status, headers, body = get(server, path)
+    assert status in (400, 403, 404, 426)
+    assert b"import" not in body
+    assert headers.get("Content-Security-Policy") is not None or status == 400
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        None,
+        "null",
+        "http://evil.example",
+        "https://127.0.0.1:{port}",
+        "http://127.0.0.1",
+        "http://localhost:{port}",
+        "file://",
+    ],
+)
+def test_sockets_of_other_origins_are_refused(server, origin):
+    given_origin = None if origin is None else origin.format(port=server.port)
+    with pytest.raises(tornado.httpclient.HTTPError) as told:
+        talk(server, hello(server), origin=given_origin)
+    assert told.value.code == 403
+
+
+def test_sockets_of_other_hosts_are_refused(server):
+    with pytest.raises(tornado.httpclient.HTTPError):
+        talk(server, hello(server), host="evil.example", origin="http://evil.example")
+
+
+def test_a_token_works_once_and_gives_a_key(server):
+    first = hello(server)
+    (welcome,), _ = talk(server, first)
+    assert welcome["type"] == "welcome"
+    assert welcome["session"]
+    assert talk(server, first) == ([], 4401)
+    (again,), _ = talk(server, {"type": "hello", "protocol": 1, "session": welcome["session"]})
+    assert again["type"] == "welcome"
+
+
+@pytest.mark.parametrize(
+    "messages",
+    [
+        [{"type": "hello", "protocol": 1}],
+        [{"type": "hello", "protocol": 1, "token": "guess"}],
+        [{"type": "hello", "protocol": 1, "token": 5, "session": []}],
+        [{"type": "hello", "protocol": 9, "token": "right"}],
+        [{"type": "patch", "seq": 1, "operations": []}],
+        ["text"],
+        [b""],
+        [b"\xff\xff\xff\xff{}"],
+        [struct.pack("<I", 2) + b"[]"],
+        [struct.pack("<I", 5) + b'{"a"}'],
+        [{"type": "hello", "protocol": 1, "token": "right"}, {"type": "dance"}],
+        [{"type": "hello", "protocol": 1, "token": "right"}, b"abc"],
+        [{"type": "hello", "protocol": 1, "token": "right"}, {"type": "view", "view": "3d", "size": [10**6, 10**6]}],
+        [{"type": "hello", "protocol": 1, "token": "right"}, b"\0" * (MOST_BYTES + 1)],
+    ],
+    ids=lambda messages: str(messages)[:60],
+)
+def test_other_messages_end_the_conversation(server, messages):
+    token = token_of(server)
+    sent = [
+        {**one, "token": token} if isinstance(one, dict) and one.get("token") == "right" else one for one in messages
+    ]
+    got, code = talk(server, *sent, n=9)
+    assert code in (4400, 4401, 1009, 1006)
+    assert all(header["type"] != "frame" for header in got)
+
+
+def test_who_guesses_is_kept_out_for_a_while():
+    clock = [0.0]
+    tokens = Tokens(lambda: clock[0])
+    token = tokens.new()
+    for _ in range(5):
+        assert tokens.key_for("guess", None) is None
+    assert tokens.key_for(token, None) is None
+    clock[0] = CLOSED_S + 1
+    key = tokens.key_for(token, None)
+    assert key is not None
+    assert tokens.key_for(None, key) == key
+    assert tokens.key_for(token, None) is None
+
+
+def test_nothing_is_told_before_a_hello(server):
+    got, code = talk(server, n=1)
+    assert got == []
+    assert code == 4401
+
+
+def test_pages_that_wait_are_told_how_far_it_is_and_why_it_failed():
+    server = Server()
+    try:
+        server.tell("Opening scan.nii", 0.5)
+        server.fail("scan.nii is no volume")
+        (failed, progress), _ = talk(server, hello(server), n=2)
+        assert failed == {"type": "failed", "id": None, "code": "open", "message": "scan.nii is no volume"}
+        assert progress["text"] == "Opening scan.nii"
+    finally:
+        server.close()
+
+
+def test_a_port_that_is_taken_is_an_error(server):
+    with pytest.raises(ArgumentError, match=f"port {server.port} of this machine cannot be used"):
+        Server(server.port)
+
+
+def test_messages_go_and_come():
+    header, payload = {"type": "frame", "number": 1, "text": "Grüße"}, b"\0\1\2"
+    assert unpacked(packed(header, payload)) == (header, payload)
+
+
+@settings(max_examples=300)
+@given(st.binary(max_size=200))
+def test_any_bytes_are_a_message_or_refused(data):
+    try:
+        header, _ = unpacked(data)
+    except ArgumentError:
+        return
+    assert isinstance(header, dict)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.dictionaries(
+        st.sampled_from(["type", "seq", "operations", "view", "size", "frame", "id", "question", "arguments", "moving"]),
+        st.none() | st.booleans() | st.integers() | st.text(max_size=5) | st.sampled_from(["patch", "view", "shown", "ask", "cancel", "3d"])
+        | st.lists(st.integers() | st.dictionaries(st.text(max_size=3), st.integers()), max_size=3),
+    )
+)  # fmt: skip
+def test_any_header_is_taken_or_refused(session, header):
+    page = viewer_fakes.Page(session)
+    try:
+        page.client.receive(json.loads(json.dumps(header)))
+    except ArgumentError:
+        pass
+    finally:
+        page.client.close()

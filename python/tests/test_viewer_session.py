@@ -1,0 +1,301 @@
+"""The session: latest wins, two frames on their way, pictures at rest that are exact and given up for newer ones."""
+
+import gc
+import io
+import threading
+import time
+import weakref
+from pathlib import Path
+
+import numpy as np
+import pytest
+import viewer_fakes
+from PIL import Image
+from viewer_fakes import Page
+
+import wavesplat as ws
+from wavesplat._viewer import session as session_module
+from wavesplat._viewer.pace import Pace, Settings, rungs_of
+from wavesplat._viewer.session import Session
+from wavesplat.errors import ArgumentError
+
+
+@pytest.fixture
+def session():
+    made = Session(viewer_fakes.state_of())
+    yield made
+    made.close()
+
+
+def pixels(payload):
+    return np.asarray(Image.open(io.BytesIO(payload)).convert("RGBA"))
+
+
+def test_the_picture_at_rest_is_that_of_render_to_the_byte(session):
+    page = Page(session)
+    page.show()
+    header, payload = page.at_rest()
+    assert header["format"] == "png"
+    state = session.state
+    picture = state.scene.render(state.camera, size=(64, 48), **state.options)
+    assert np.array_equal(pixels(payload), np.asarray(picture))
+    assert header["camera"] == state.document["camera"]
+
+
+def test_any_changes_end_in_the_picture_of_the_last_one(session):
+    page = Page(session)
+    page.show()
+    camera = session.state.camera
+    for degrees in range(0, 60, 3):
+        page.patch(viewer_fakes.turned(camera, degrees), moving=True)
+        time.sleep(0.002)
+    page.patch({"op": "replace", "path": "/render/kernel", "value": "bspline2"})
+    _, payload = page.at_rest()
+    picture = ws.render(session.state.scene, camera=camera.turned(azimuth=57), size=(64, 48), kernel="bspline2")
+    assert np.array_equal(pixels(payload), np.asarray(picture))
+
+
+def test_what_moves_comes_as_jpeg_with_the_camera_that_it_shows(session):
+    page = Page(session)
+    page.show()
+    page.at_rest()
+    camera = session.state.camera
+    page.patch(viewer_fakes.turned(camera, 30), moving=True)
+    header, payload = page.wait(lambda header: header["type"] == "frame" and header["seq"] == 1)
+    assert header["format"] == "jpeg"
+    assert not header["at_rest"]
+    assert header["camera"] == camera.turned(azimuth=30).as_json()
+    assert Image.open(io.BytesIO(payload)).format == "JPEG"
+    # Without another change it comes to rest by itself.
+    page.at_rest(seq=1)
+
+
+def test_a_page_that_confirms_nothing_gets_two_frames_and_costs_nothing(session):
+    page = Page(session, confirms=False)
+    page.show()
+    camera = session.state.camera
+    for degrees in range(40):
+        page.patch(viewer_fakes.turned(camera, degrees), moving=True)
+        time.sleep(0.01)
+    time.sleep(0.3)
+    assert len(page.frames()) == 2
+    begun = time.process_time()
+    time.sleep(1.0)
+    assert time.process_time() - begun < 0.2
+
+
+def test_a_slow_renderer_is_never_more_than_one_request_behind(session, monkeypatch):
+    drawn = []
+    original = session_module.picture_of
+
+    def slow(state, *args, **more):
+        drawn.append(state)
+        time.sleep(0.05)
+        return original(state, *args, **more)
+
+    monkeypatch.setattr(session_module, "picture_of", slow)
+    page = Page(session)
+    page.show()
+    page.at_rest()
+    camera = session.state.camera
+    drawn.clear()
+    sent = []
+    for degrees in range(1, 61):
+        page.patch(viewer_fakes.turned(camera, degrees), moving=True)
+        sent.append(time.monotonic())
+        time.sleep(0.01)
+    page.at_rest()
+    # 0.6 s of changes, 0.05 s a frame: not 60 frames, and none that is older than what was new when it began.
+    moving = page.frames(at_rest=False)
+    assert len(moving) < 30
+    assert [header["seq"] for header, _ in moving] == sorted({header["seq"] for header, _ in moving})
+
+
+def test_a_picture_at_rest_is_given_up_for_what_comes_next(session, monkeypatch):
+    began, went_on = threading.Event(), []
+    original = session_module.picture_of
+
+    def endless(state, view, size, *, progress=None, **more):
+        if progress is None or more.get("psnr") is not None:
+            return original(state, view, size, progress=progress, **more)
+        began.set()
+        until = time.monotonic() + 5
+        while time.monotonic() < until:
+            if progress(0.5) is False:
+                went_on.append(time.monotonic())
+                raise ws.errors.CancelledError("given up")
+            time.sleep(0.001)
+        return original(state, view, size, **more)
+
+    page = Page(session)
+    page.show()
+    page.at_rest()
+    monkeypatch.setattr(session_module, "picture_of", endless)
+    page.patch(viewer_fakes.turned(session.state.camera, 5))
+    assert began.wait(5)
+    changed = time.monotonic()
+    page.patch(viewer_fakes.turned(session.state.camera, 9))
+    while not went_on:
+        assert time.monotonic() - changed < 5
+        time.sleep(0.001)
+    assert went_on[0] - changed < 0.2
+
+
+def test_windows_share_the_state_and_have_their_own_views(session):
+    one, other = Page(session), Page(session)
+    one.show(size=(64, 48))
+    other.show("axial", size=(40, 30))
+    one.patch(viewer_fakes.turned(session.state.camera, 12))
+    header, _ = other.wait(lambda header: header["type"] == "patch")
+    assert header["cause"] == "other view"
+    assert header["operations"][0]["path"] == "/camera"
+    one.at_rest()
+    other.at_rest("axial", seq=0)
+    assert not other.frames(view="3d")
+    one.client.close()
+    assert session.n_clients == 1
+
+
+def test_python_changes_are_told(session):
+    page = Page(session)
+    page.show()
+    session.change(session.state.with_camera(session.state.camera.turned(azimuth=20)))
+    header, _ = page.wait(lambda header: header["type"] == "patch")
+    assert header["cause"] == "python"
+    assert header["operations"][0]["value"]["camera"] == session.state.document["camera"]
+
+
+def test_changes_that_cannot_be_are_refused_and_the_page_gets_the_state(session):
+    page = Page(session)
+    page.patch({"op": "replace", "path": "/layers/0/opacity", "value": 3})
+    failed, _ = page.wait(lambda header: header["type"] == "failed")
+    assert "opacity" in failed["message"]
+    back, _ = page.wait(lambda header: header["type"] == "patch")
+    assert back["cause"] == "refused"
+    assert back["operations"][0]["value"] == session.state.document
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {},
+        {"type": "dance"},
+        {"type": "patch", "seq": "1", "operations": []},
+        {"type": "patch", "seq": 1, "operations": {}},
+        {"type": "view", "view": "oblique", "size": [1, 1]},
+        {"type": "view", "view": "3d", "size": [0, 5]},
+        {"type": "view", "view": "3d", "size": [9000, 5]},
+        {"type": "view", "view": "3d", "size": [8000, 8000]},
+        {"type": "view", "view": "3d", "size": "large"},
+        {"type": "shown", "view": "3d", "frame": -1},
+        {"type": "ask", "id": None, "question": "probe"},
+        {"type": "cancel"},
+    ],
+    ids=str,
+)
+def test_messages_that_are_none_are_errors(session, message):
+    page = Page(session)
+    page.show()
+    with pytest.raises(ArgumentError, match="message"):
+        page.client.receive(message)
+
+
+def test_there_is_an_end_to_the_number_of_pages(session):
+    pages = [Page(session) for _ in range(session_module.MOST_CLIENTS)]
+    with pytest.raises(ArgumentError, match="close one of them"):
+        Page(session)
+    pages[0].client.close()
+    Page(session)
+
+
+def test_slices_are_those_of_slice_to_the_byte(session):
+    page = Page(session)
+    page.show("coronal", size=(40, 36))
+    header, payload = page.at_rest("coronal")
+    x, y, z = session.state.view["slices"]["crosshair"]
+    picture = ws.slice(session.state.scene, "coronal", y, size=(40, 36))
+    assert np.array_equal(pixels(payload), np.asarray(picture))
+    assert header["slice"]["position"] == pytest.approx(y)
+    assert header["slice"]["window"] == pytest.approx(picture.report["window"])
+    page.patch({"op": "add", "path": "/view/slices/normals", "value": {"coronal": [0.3, 1, 0]}})
+    _, payload = page.at_rest("coronal")
+    oblique = ws.slice(session.state.scene, ((x, y, z), (0.3, 1, 0)), size=(40, 36))
+    assert np.array_equal(pixels(payload), np.asarray(oblique))
+
+
+def test_closing_lets_go_of_volumes_and_threads():
+    session = Session(viewer_fakes.state_of())
+    page = Page(session)
+    page.show()
+    page.at_rest()
+    scene = weakref.ref(session.state.scene)
+    threads = set(session._threads)
+    session.close()
+    assert not any(thread.is_alive() for thread in threads)
+    page.session = page.client = session = None
+    page.messages.clear()
+    gc.collect()
+    assert scene() is None
+
+
+def resident():
+    """Bytes of memory of this process."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is told by /proc")
+def test_a_thousand_frames_need_no_more_memory(session):
+    page = Page(session)
+    page.show(size=(160, 120))
+    camera = session.state.camera
+
+    def draw(n):
+        first = page.seq
+        for k in range(n):
+            page.patch(viewer_fakes.turned(camera, k % 90), moving=True)
+            page.wait(lambda header: header["type"] == "frame" and header["seq"] >= page.seq)
+            page.messages.clear()
+        return page.seq - first
+
+    draw(200)
+    before = resident()
+    assert draw(1000) == 1000
+    assert resident() - before < 10e6
+
+
+# The pace
+
+
+def test_the_pace_goes_down_at_once_and_up_when_there_is_time():
+    pace, rungs = Pace(), rungs_of("smooth", is_slice=False)
+    took = lambda ms: pace.took("look", rungs, pace.chosen("look", rungs), ms=ms, n_px=1000, budget_ms=28.0)  # noqa: E731
+    assert pace.chosen("look", rungs) == Settings(35.0)
+    took(40.0)
+    assert pace.chosen("look", rungs) == Settings(30.0)
+    took(80.0)
+    assert pace.chosen("look", rungs) == Settings(30.0, 0.75)
+    for _ in range(4):
+        took(10.0)
+    assert pace.chosen("look", rungs) == Settings(30.0, 0.75)
+    for _ in range(200):
+        took(10.0)
+    assert pace.chosen("look", rungs) == Settings(None)
+    assert pace.chosen("another look", rungs) == Settings(35.0)
+
+
+def test_exact_never_draws_less_than_at_rest():
+    pace, rungs = Pace(), rungs_of("exact", is_slice=False)
+    for _ in range(5):
+        pace.took("look", rungs, pace.chosen("look", rungs), ms=900.0, n_px=1000, budget_ms=float("inf"))
+    assert pace.chosen("look", rungs) == Settings(None)
+
+
+def test_a_rung_that_was_too_slow_is_not_tried_again_at_once():
+    pace, rungs = Pace(), rungs_of("balanced", is_slice=False)
+    costs = {Settings(None): 100.0, Settings(45.0): 90.0, Settings(40.0): 70.0, Settings(35.0): 20.0}
+    chosen = []
+    for _ in range(60):
+        settings = pace.chosen("look", rungs)
+        chosen.append(settings)
+        pace.took("look", rungs, settings, ms=costs[settings], n_px=1000, budget_ms=60.0)
+    assert chosen.count(Settings(35.0)) > 50

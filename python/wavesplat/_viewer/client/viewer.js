@@ -1604,7 +1604,10 @@ function CurvePlot(props) {
     const step = steps[event.key];
     if (step !== void 0) {
       props.onCurve(
-        withMoved(curve, index, [Math.max(props.least ?? -Infinity, point[0] + step[0]), Number((point[1] + step[1]).toPrecision(6))]),
+        withMoved(curve, index, [
+          Math.max(props.least ?? -Infinity, point[0] + step[0]),
+          Number((point[1] + step[1]).toPrecision(6))
+        ]),
         index
       );
     } else if (event.key === "Delete" || event.key === "Backspace") {
@@ -1621,7 +1624,9 @@ function CurvePlot(props) {
     event.preventDefault();
     event.stopPropagation();
   };
-  const line = outline(curve, seen, isMagnified ? PIECES : 1).map(([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`);
+  const line = outline(curve, seen, isMagnified ? PIECES : 1).map(
+    ([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`
+  );
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
   const marked = ticks(seen, N_TICKS).filter((value) => unit2 === "" || xOf(value) > MARGIN.left + 14);
@@ -1678,7 +1683,16 @@ function CurvePlot(props) {
           /* @__PURE__ */ a2("polyline", { class: "look-line", points: line.join(" ") })
         ] }),
         hidden.below > 0 && /* @__PURE__ */ a2(Mark, { side: "left", x: MARGIN.left, y: height / 2, text: TEXT.below(hidden.below), onClick: props.onShowPoints }),
-        hidden.above > 0 && /* @__PURE__ */ a2(Mark, { side: "right", x: width - MARGIN.right, y: height / 2, text: TEXT.above(hidden.above), onClick: props.onShowPoints }),
+        hidden.above > 0 && /* @__PURE__ */ a2(
+          Mark,
+          {
+            side: "right",
+            x: width - MARGIN.right,
+            y: height / 2,
+            text: TEXT.above(hidden.above),
+            onClick: props.onShowPoints
+          }
+        ),
         curve.map(
           (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a2(
             Handle,
@@ -1773,11 +1787,26 @@ function Mark(props) {
     }
   );
 }
-function Fill({ id, colors, xOf }) {
+function Fill({
+  id,
+  colors,
+  xOf
+}) {
   const [first, last] = [colors?.[0], colors?.at(-1)];
   if (colors === null || first === void 0 || last === void 0) return null;
   const width = last[0] - first[0] || 1;
-  return /* @__PURE__ */ a2("defs", { children: /* @__PURE__ */ a2("linearGradient", { id, gradientUnits: "userSpaceOnUse", x1: xOf(first[0]), x2: xOf(first[0] + width), y1: 0, y2: 0, children: colors.map((point, index) => /* @__PURE__ */ a2("stop", { offset: (point[0] - first[0]) / width, "stop-color": hexOf(point) }, index)) }) });
+  return /* @__PURE__ */ a2("defs", { children: /* @__PURE__ */ a2(
+    "linearGradient",
+    {
+      id,
+      gradientUnits: "userSpaceOnUse",
+      x1: xOf(first[0]),
+      x2: xOf(first[0] + width),
+      y1: 0,
+      y2: 0,
+      children: colors.map((point, index) => /* @__PURE__ */ a2("stop", { offset: (point[0] - first[0]) / width, "stop-color": hexOf(point) }, index))
+    }
+  ) });
 }
 function useWidth() {
   const element = T2(null);
@@ -1800,7 +1829,10 @@ function barsPath({ heights: heights2, range }, xOf, height, seen) {
   const steps = heights2.flatMap((share, k2) => {
     const [a4, b] = [xOf(range[0] + k2 * bin), xOf(range[0] + (k2 + 1) * bin)];
     if (b < left || a4 > right) return [];
-    return [`L${px(Math.max(a4, left))} ${px(bottom - share * height)}`, `L${px(Math.min(b, right))} ${px(bottom - share * height)}`];
+    return [
+      `L${px(Math.max(a4, left))} ${px(bottom - share * height)}`,
+      `L${px(Math.min(b, right))} ${px(bottom - share * height)}`
+    ];
   });
   const first = clamped(xOf(range[0]), left, right);
   const last = clamped(xOf(range[1]), left, right);
@@ -2053,7 +2085,11 @@ function SelectField({ label, value, options, onChoice }) {
     /* @__PURE__ */ a2("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value), children: options.map((option) => /* @__PURE__ */ a2("option", { value: option.value, disabled: option.disabled ?? false, children: option.text }, option.value)) })
   ] });
 }
-function CheckField({ label, checked, onCheck }) {
+function CheckField({
+  label,
+  checked,
+  onCheck
+}) {
   return /* @__PURE__ */ a2("label", { class: "row look-check", children: [
     /* @__PURE__ */ a2("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }),
     /* @__PURE__ */ a2("span", { children: label })
@@ -2107,7 +2143,12 @@ var TEXT3 = {
   delete: "Delete point"
 };
 var PLOT_PX = 130;
-function GradientEditor({ store, ui, curves, volume }) {
+function GradientEditor({
+  store,
+  ui,
+  curves,
+  volume
+}) {
   const curve = curves.gradient_opacity ?? [];
   const scale = strongGradient(volume);
   const least = spanOf([[0], [scale]], curve);
@@ -2237,7 +2278,10 @@ function keepPreset(preset, kept = keeper()) {
   return write([...ownPresets(kept).filter(({ name }) => name !== preset.name), preset], kept);
 }
 function dropPreset(name, kept = keeper()) {
-  return write(ownPresets(kept).filter((preset) => preset.name !== name), kept);
+  return write(
+    ownPresets(kept).filter((preset) => preset.name !== name),
+    kept
+  );
 }
 function renamePreset(from, to, kept = keeper()) {
   const renamed = ownPresets(kept).filter(({ name }) => name !== to || name === from).map((preset) => preset.name === from ? { ...preset, name: to, look: { ...preset.look, name: to } } : preset);
@@ -2313,7 +2357,14 @@ function lookFromText(text) {
     throw new Error("it has no field 'transfer_function'; choose a file that was exported here or by Look.save");
   }
   const { version: _3, kind: __, ...look } = found;
-  const empty = { name: "", description: "", shading: DEFAULT_SHADING, composite: "over", view: null, background: null };
+  const empty = {
+    name: "",
+    description: "",
+    shading: DEFAULT_SHADING,
+    composite: "over",
+    view: null,
+    background: null
+  };
   return { ...empty, ...look };
 }
 function anglesOf([x2, y3, z3]) {
@@ -2333,7 +2384,8 @@ function hexColor(color, named) {
   }
   const digits = /^#([0-9a-f]{3,8})$/i.exec(color)?.[1];
   if (digits === void 0) return named(color);
-  return `#${digits.length < 6 ? [...digits.slice(0, 3)].map((digit) => digit + digit).join("") : digits.slice(0, 6)}`.toLowerCase();
+  const six = digits.length < 6 ? digits.slice(0, 3).replace(/./g, "$&$&") : digits.slice(0, 6);
+  return `#${six.toLowerCase()}`;
 }
 function namedColor(name) {
   const context = document.createElement("canvas").getContext("2d");
@@ -2362,20 +2414,75 @@ function PointFields(props) {
     const point = curves.opacity[index];
     if (point !== void 0) {
       const move = (value, opacity) => props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
-      return /* @__PURE__ */ a2(Point, { ...props, title: TEXT4.opacityPoint(index + 1, curves.opacity.length), n: curves.opacity.length, onRemove: () => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1)), children: [
-        /* @__PURE__ */ a2(NamedNumber, { label: TEXT4.value, unit: unit2, value: point[0], onValue: (value) => move(value, point[1]), onDone }),
-        /* @__PURE__ */ a2(NamedNumber, { label: TEXT4.opacity, value: point[1], min: 0, max: 1, step: 0.01, onValue: (opacity) => move(point[0], opacity), onDone })
-      ] });
+      return /* @__PURE__ */ a2(
+        Point,
+        {
+          ...props,
+          title: TEXT4.opacityPoint(index + 1, curves.opacity.length),
+          n: curves.opacity.length,
+          onRemove: () => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1)),
+          children: [
+            /* @__PURE__ */ a2(
+              NamedNumber,
+              {
+                label: TEXT4.value,
+                unit: unit2,
+                value: point[0],
+                onValue: (value) => move(value, point[1]),
+                onDone
+              }
+            ),
+            /* @__PURE__ */ a2(
+              NamedNumber,
+              {
+                label: TEXT4.opacity,
+                value: point[1],
+                min: 0,
+                max: 1,
+                step: 0.01,
+                onValue: (opacity) => move(point[0], opacity),
+                onDone
+              }
+            )
+          ]
+        }
+      );
     }
   }
   if (selected?.kind === "color") {
     const point = curves.color[index];
     if (point !== void 0) {
       const move = (moved) => props.onColor(withMoved(curves.color, index, moved), index);
-      return /* @__PURE__ */ a2(Point, { ...props, title: TEXT4.colorPoint(index + 1, curves.color.length), n: curves.color.length, onRemove: () => props.onColor(without(curves.color, index), Math.max(0, index - 1)), children: [
-        /* @__PURE__ */ a2(NamedNumber, { label: TEXT4.value, unit: unit2, value: point[0], onValue: (value) => move([value, point[1], point[2], point[3]]), onDone }),
-        /* @__PURE__ */ a2(ColorField, { label: TEXT4.color, value: hexOf(point), onColor: (hex) => move([point[0], ...rgbOf(hex)]), onDone })
-      ] });
+      return /* @__PURE__ */ a2(
+        Point,
+        {
+          ...props,
+          title: TEXT4.colorPoint(index + 1, curves.color.length),
+          n: curves.color.length,
+          onRemove: () => props.onColor(without(curves.color, index), Math.max(0, index - 1)),
+          children: [
+            /* @__PURE__ */ a2(
+              NamedNumber,
+              {
+                label: TEXT4.value,
+                unit: unit2,
+                value: point[0],
+                onValue: (value) => move([value, point[1], point[2], point[3]]),
+                onDone
+              }
+            ),
+            /* @__PURE__ */ a2(
+              ColorField,
+              {
+                label: TEXT4.color,
+                value: hexOf(point),
+                onColor: (hex) => move([point[0], ...rgbOf(hex)]),
+                onDone
+              }
+            )
+          ]
+        }
+      );
     }
   }
   return /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT4.none });
@@ -2588,10 +2695,29 @@ function Editor(props) {
       )
     ] }),
     /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(NamedNumber, { shown: TEXT5.seen, label: TEXT5.from, value: rounded(seen[0], seen[1] - seen[0]), onValue: (low) => low < seen[1] && setZoom([low, seen[1]]), onDone: () => {
-      } }),
-      /* @__PURE__ */ a2(NamedNumber, { shown: "–", label: TEXT5.to, unit: unit2, value: rounded(seen[1], seen[1] - seen[0]), onValue: (high) => high > seen[0] && setZoom([seen[0], high]), onDone: () => {
-      } }),
+      /* @__PURE__ */ a2(
+        NamedNumber,
+        {
+          shown: TEXT5.seen,
+          label: TEXT5.from,
+          value: rounded(seen[0], seen[1] - seen[0]),
+          onValue: (low) => low < seen[1] && setZoom([low, seen[1]]),
+          onDone: () => {
+          }
+        }
+      ),
+      /* @__PURE__ */ a2(
+        NamedNumber,
+        {
+          shown: "–",
+          label: TEXT5.to,
+          unit: unit2,
+          value: rounded(seen[1], seen[1] - seen[0]),
+          onValue: (high) => high > seen[0] && setZoom([seen[0], high]),
+          onDone: () => {
+          }
+        }
+      ),
       /* @__PURE__ */ a2(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)), children: "+" }),
       /* @__PURE__ */ a2(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)), children: "−" })
     ] }),
@@ -2704,7 +2830,13 @@ function labelRows(labels, filter = "") {
   const wanted = filter.trim().toLowerCase();
   return Object.entries(labels).sort(([a4], [b]) => Number(a4) - Number(b)).map(([number, look]) => {
     const opacity = look.opacity ?? LABEL_OPACITY;
-    return { number, look, name: look.name || `Label ${number}`, opacity, isShown: opacity > 0 || (look.tint ?? 0) > 0 };
+    return {
+      number,
+      look,
+      name: look.name || `Label ${number}`,
+      opacity,
+      isShown: opacity > 0 || (look.tint ?? 0) > 0
+    };
   }).filter(({ number, name }) => wanted === "" || number === wanted || name.toLowerCase().includes(wanted));
 }
 function shownLabels(labels, isShown, hidden) {
@@ -2742,7 +2874,7 @@ var TEXT6 = {
   color: (name) => `Colour of ${name}`,
   opacity: (name) => `Opacity of ${name}`,
   solo: "Solo",
-  soloThis: (name) => `Show ${name} alone, or all again`
+  soloThis: (name) => `Solo: show ${name} alone, or all again`
 };
 var MOST_ROWS = 150;
 var FILTERED_FROM = 9;
@@ -2823,7 +2955,14 @@ function LabelsPanel({ store }) {
       )
     ] }, number)) }),
     rows.length > MOST_ROWS && /* @__PURE__ */ a2("p", { class: "dim", children: TEXT6.more(rows.length - MOST_ROWS) }),
-    /* @__PURE__ */ a2(CheckField, { label: TEXT6.smooth, checked: labels.smooth, onCheck: (on) => store.change([set(on, "labels", "smooth")]) })
+    /* @__PURE__ */ a2(
+      CheckField,
+      {
+        label: TEXT6.smooth,
+        checked: labels.smooth,
+        onCheck: (on) => store.change([set(on, "labels", "smooth")])
+      }
+    )
   ] });
 }
 
@@ -2836,7 +2975,7 @@ var TEXT7 = {
   opacity: "Opacity",
   opacityOf: (name) => `Opacity of ${name}`,
   solo: "Solo",
-  soloThis: (name) => `Show ${name} alone, or all again`,
+  soloThis: (name) => `Solo: show ${name} alone, or all again`,
   look: (look) => `look: ${look || "of its own"}`
 };
 function LayersPanel({ store, ui }) {
@@ -2869,7 +3008,15 @@ function LayersPanel({ store, ui }) {
           }
         }
       ),
-      layers.length > 1 && /* @__PURE__ */ a2(Button, { label: TEXT7.soloThis(layer.name), pressed: isSolo(layers, index), onClick: () => store.change(soloLayer(layers, index)), children: TEXT7.solo })
+      layers.length > 1 && /* @__PURE__ */ a2(
+        Button,
+        {
+          label: TEXT7.soloThis(layer.name),
+          pressed: isSolo(layers, index),
+          onClick: () => store.change(soloLayer(layers, index)),
+          children: TEXT7.solo
+        }
+      )
     ] }),
     /* @__PURE__ */ a2(
       SliderField,
@@ -2962,7 +3109,8 @@ function LightPad({ direction, onDirection, onDone }) {
   const [azimuth, elevation] = anglesOf(direction);
   const length2 = Math.hypot(...direction) || 1;
   const spot = { x: direction[0] / length2 * RADIUS_PX, y: -direction[1] / length2 * RADIUS_PX };
-  const turn = (by, up) => onDirection(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
+  const set2 = (direction2) => onDirection(direction2.map((part) => Number(part.toFixed(4))));
+  const turn = (by, up) => set2(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
   const point = (event) => {
     const box = event.currentTarget.getBoundingClientRect();
     const x2 = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;
@@ -2970,7 +3118,7 @@ function LightPad({ direction, onDirection, onDone }) {
     const share = Math.max(1, Math.hypot(x2, y3));
     const [a4, b] = [x2 / share, y3 / share];
     const front = Math.sqrt(Math.max(0, 1 - a4 * a4 - b * b));
-    onDirection([a4, b, front].map((part) => Number(part.toFixed(3))));
+    set2([a4, b, front]);
   };
   const stop = () => {
     if (isDragging.current) onDone();
@@ -3028,8 +3176,26 @@ function LightPad({ direction, onDirection, onDone }) {
       }
     ),
     /* @__PURE__ */ a2("div", { class: "look-grow look-angles", children: [
-      /* @__PURE__ */ a2(Angle, { label: TEXT8.azimuth, value: azimuth, most: 180, onValue: (angle) => onDirection(directionOf([angle, elevation])), onDone }),
-      /* @__PURE__ */ a2(Angle, { label: TEXT8.elevation, value: elevation, most: 90, onValue: (angle) => onDirection(directionOf([azimuth, angle])), onDone })
+      /* @__PURE__ */ a2(
+        Angle,
+        {
+          label: TEXT8.azimuth,
+          value: azimuth,
+          most: 180,
+          onValue: (angle) => set2(directionOf([angle, elevation])),
+          onDone
+        }
+      ),
+      /* @__PURE__ */ a2(
+        Angle,
+        {
+          label: TEXT8.elevation,
+          value: elevation,
+          most: 90,
+          onValue: (angle) => set2(directionOf([azimuth, angle])),
+          onDone
+        }
+      )
     ] })
   ] });
 }
@@ -3037,7 +3203,19 @@ function Angle(props) {
   const { label, value, most, onValue, onDone } = props;
   return /* @__PURE__ */ a2("div", { class: "row", children: [
     /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: label }),
-    /* @__PURE__ */ a2(NumberField2, { label, unit: "degrees", min: -most, max: most, step: 1, value: Math.round(10 * value) / 10, onValue, onDone }),
+    /* @__PURE__ */ a2(
+      NumberField2,
+      {
+        label,
+        unit: "degrees",
+        min: -most,
+        max: most,
+        step: 1,
+        value: Math.round(10 * value) / 10,
+        onValue,
+        onDone
+      }
+    ),
     /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: TEXT8.degrees })
   ] });
 }
@@ -3114,7 +3292,14 @@ function Operator({ store, ui, welcome }) {
   const optional = (label, field, first, min, max, unit3 = "") => {
     const value = numberOf(render2.composite, field);
     return /* @__PURE__ */ a2($, { children: [
-      /* @__PURE__ */ a2(CheckField, { label: TEXT9.automatic(label), checked: value === null, onCheck: (on) => number(field, on ? null : first) }),
+      /* @__PURE__ */ a2(
+        CheckField,
+        {
+          label: TEXT9.automatic(label),
+          checked: value === null,
+          onCheck: (on) => number(field, on ? null : first)
+        }
+      ),
       value !== null && slider(label, field, value, min, max, unit3, { least: -Infinity, most: Infinity })
     ] });
   };
@@ -3210,7 +3395,9 @@ function LightFields({ store, engine, ui, welcome }) {
           onCheck: (on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])
         }
       ),
-      shading.occlusion_radius !== null && slider(TEXT9.radius, "occlusion_radius", side / 500, side / 2, { unit: welcome.volumes[ui.layer]?.unit ?? "" })
+      shading.occlusion_radius !== null && slider(TEXT9.radius, "occlusion_radius", side / 500, side / 2, {
+        unit: welcome.volumes[ui.layer]?.unit ?? ""
+      })
     ] }),
     slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }),
     first["frame"] === "world" && /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT9.world }),
@@ -3380,10 +3567,24 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
             ] })
           ] }),
           /* @__PURE__ */ a2("div", { class: "row", children: [
-            /* @__PURE__ */ a2(Button, { onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json"), children: TEXT10.export }),
+            /* @__PURE__ */ a2(
+              Button,
+              {
+                onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json"),
+                children: TEXT10.export
+              }
+            ),
             /* @__PURE__ */ a2("label", { class: "button look-file", children: [
               TEXT10.import,
-              /* @__PURE__ */ a2("input", { type: "file", class: "hidden", accept: ".json,application/json", onChange: (event) => void open(event.currentTarget) })
+              /* @__PURE__ */ a2(
+                "input",
+                {
+                  type: "file",
+                  class: "hidden",
+                  accept: ".json,application/json",
+                  onChange: (event) => void open(event.currentTarget)
+                }
+              )
             ] })
           ] })
         ]
@@ -3398,7 +3599,17 @@ async function pictureOf(frame) {
   canvas.width = canvas.height = PICTURE_PX;
   const side = Math.min(picture.width, picture.height);
   const context = canvas.getContext("2d");
-  context?.drawImage(picture, (picture.width - side) / 2, (picture.height - side) / 2, side, side, 0, 0, PICTURE_PX, PICTURE_PX);
+  context?.drawImage(
+    picture,
+    (picture.width - side) / 2,
+    (picture.height - side) / 2,
+    side,
+    side,
+    0,
+    0,
+    PICTURE_PX,
+    PICTURE_PX
+  );
   picture.close();
   return canvas.toDataURL("image/jpeg", 0.8);
 }
@@ -3497,7 +3708,10 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
   }, [pictures, names]);
   const onKeyDown = (event, index) => {
     const all = [...list.current?.querySelectorAll("[role=option]") ?? []];
-    const columns = Math.max(1, all.findIndex((tile) => tile.offsetTop > (all[0]?.offsetTop ?? 0)));
+    const columns = Math.max(
+      1,
+      all.findIndex((tile) => tile.offsetTop > (all[0]?.offsetTop ?? 0))
+    );
     const row = all.length > columns ? columns : 1;
     const steps = {
       ArrowLeft: index - 1,
@@ -3572,7 +3786,12 @@ function PresetsPanel(props) {
   const problem = T2(ui.problem);
   problem.current = ui.problem;
   const pictures = w2(
-    () => new PresetPictures(engine, ui.layer, () => redraw(null), (found2) => problem.current(found2)),
+    () => new PresetPictures(
+      engine,
+      ui.layer,
+      () => redraw(null),
+      (found2) => problem.current(found2)
+    ),
     [engine, ui.layer]
   );
   A2(() => () => pictures.close(), [pictures]);
@@ -3652,7 +3871,10 @@ function PresetsPanel(props) {
     ),
     found.length + ownTiles.length === 0 && /* @__PURE__ */ a2("p", { class: "dim", children: TEXT11.none }),
     store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a2("p", { class: "look-small", children: TEXT11.alone }),
-    isOld && /* @__PURE__ */ a2("div", { class: "row", children: /* @__PURE__ */ a2(Button, { label: TEXT11.old, onClick: drawAnew, children: TEXT11.redraw }) }),
+    isOld && /* @__PURE__ */ a2($, { children: [
+      /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT11.old }),
+      /* @__PURE__ */ a2(Button, { onClick: drawAnew, children: TEXT11.redraw })
+    ] }),
     /* @__PURE__ */ a2(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take })
   ] });
 }
@@ -3695,7 +3917,9 @@ function TimeBar({ store, ui, welcome }) {
   const [repeats, setRepeats] = d2(true);
   const last = T2({ at: 0, seq: 0 });
   const go = (next) => {
-    const operations = series.map((index) => set(Math.min(next, (welcome.volumes[index]?.n_times ?? 1) - 1), "layers", index, "time"));
+    const operations = series.map(
+      (index) => set(Math.min(next, (welcome.volumes[index]?.n_times ?? 1) - 1), "layers", index, "time")
+    );
     store.change(operations, GESTURE);
     last.current = { at: performance.now(), seq: store.seq };
   };
@@ -3714,7 +3938,9 @@ function TimeBar({ store, ui, welcome }) {
       setPlaying(true);
     }
   };
-  const isShown = shownViews(store.state.view.layout).every((view) => (ui.frames[view]?.seq ?? Infinity) >= last.current.seq);
+  const isShown = shownViews(store.state.view.layout).every(
+    (view) => (ui.frames[view]?.seq ?? Infinity) >= last.current.seq
+  );
   A2(() => {
     if (!isPlaying) return void 0;
     const wait = waitFor(performance.now(), { at: last.current.at, isShown }, rate);
@@ -3750,8 +3976,19 @@ function TimeBar({ store, ui, welcome }) {
     ),
     /* @__PURE__ */ a2("output", { class: "look-count", children: TEXT12.of(time, count) }),
     /* @__PURE__ */ a2("label", { class: "row", children: [
-      /* @__PURE__ */ a2(NumberField2, { label: TEXT12.rate, min: 0.2, max: MOST_RATE, step: 1, value: rate, onValue: setRate, onDone: () => {
-      } }),
+      /* @__PURE__ */ a2(
+        NumberField2,
+        {
+          label: TEXT12.rate,
+          min: 0.2,
+          max: MOST_RATE,
+          step: 1,
+          value: rate,
+          onValue: setRate,
+          onDone: () => {
+          }
+        }
+      ),
       /* @__PURE__ */ a2("span", { class: "dim", "aria-hidden": "true", children: TEXT12.perSecond })
     ] }),
     /* @__PURE__ */ a2(CheckField, { label: TEXT12.repeat, checked: repeats, onCheck: setRepeats })

@@ -26,6 +26,7 @@ import {
 import { compositeNamed, nameOf, numberOf, withNumber } from "../src/view/look/composites.ts";
 import type { Layer, Look, ViewerState } from "../src/state/state.ts";
 import { patched } from "../src/state/patch.ts";
+import { pointKey } from "../src/view/look/point_keys.ts";
 import { matching } from "../src/view/look/preset_search.ts";
 
 describe("what is seen of the axis", () => {
@@ -140,6 +141,12 @@ describe("choosing a look", () => {
     const own = state([layer(look("a"))], { background: "#123456" });
     expect(patched(own, chosen(own, 0, look("b", { background: "white" }))).background).toBe("#123456");
   });
+  test("an operator with numbers comes with it where they are known", () => {
+    const before = state([layer(look("a"))]);
+    const hit = { "first-hit": { iso_value: 3 } };
+    expect(patched(before, chosen(before, 0, look("b"), hit)).render.composite).toEqual(hit);
+    expect(patched(before, chosen(before, 0, look("b", { composite: "first-hit" }))).render.composite).toBe("over");
+  });
   test("of one of several layers leaves the operator of all", () => {
     const before = state([layer(look("a")), layer(look("b"))]);
     const after = patched(before, chosen(before, 1, look("mip", { composite: "maximum" })));
@@ -218,4 +225,25 @@ test("a search finds all words in any order, names before descriptions", () => {
   expect(matching(presets, "bone ct").map(({ name }) => name)).toEqual(["CT-Bone", "grey"]);
   expect(matching(presets, " ").length).toBe(3);
   expect(matching(presets, "pet")).toEqual([]);
+});
+
+describe("keys at a point", () => {
+  const seen = [0, 1000] as const;
+  test("arrows move finely, with Shift finer, Page up and down far", () => {
+    expect(pointKey("ArrowRight", false, seen, 0.01)).toEqual({ does: "move", value: 5, rise: 0 });
+    expect(pointKey("ArrowLeft", true, seen, 0.01)).toEqual({ does: "move", value: -1, rise: 0 });
+    expect(pointKey("PageUp", false, seen, 0.01)).toEqual({ does: "move", value: 50, rise: 0 });
+    expect(pointKey("ArrowDown", false, seen, 0.01)).toEqual({ does: "move", value: 0, rise: -0.01 });
+  });
+  test("others remove, add, go to the number, or are for others", () => {
+    const does = (key: string): string | undefined => pointKey(key, false, seen, 0.01)?.does;
+    expect(["Delete", "Backspace", "Insert", "Enter", "z", "Tab"].map(does)).toEqual([
+      "remove",
+      "remove",
+      "insert",
+      "type",
+      undefined,
+      undefined,
+    ]);
+  });
 });

@@ -64,6 +64,16 @@ describe("labels", () => {
     expect(again.labels.labels["3"]?.opacity).toBe(0);
     expect(again.labels.labels["3"]?.tint).toBe(0.7);
     expect(again.labels.labels["10"]?.opacity).toBe(0.8);
+    expect(["2", "3", "10"].map((number) => again.labels.labels[number]?.scan)).toEqual([0, undefined, 0]);
+  });
+  test("leave no hole in the scan where they are hidden", () => {
+    const none = patched(
+      scene,
+      shownLabels(labels, () => false, new Map()),
+    );
+    // The table was hidden on purpose, with the scan in it.
+    const scans = labelRows(none.labels.labels).map(({ look }) => look.scan);
+    expect(scans).toEqual([1, undefined, 0, 1]);
   });
   test("what is so already is not touched", () =>
     expect(shownLabels(labels, (number) => number !== "4", new Map())).toEqual([]));

@@ -50,7 +50,7 @@ export const GESTURES: readonly (readonly [string, string])[] = [
   ["Shift drag, or middle button", "Move"],
   ["Wheel, or right button", "Magnify"],
   ["Ctrl drag", "Roll"],
-  ["Alt drag", "Window and level of slices; shift and opacity in space"],
+  ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
   ["Ctrl click", "Put the crosshair on what is seen there"],
   ["Double click in a slice", "Window as it was"],
   ["One finger, two fingers", "Turn; move, magnify and roll"],

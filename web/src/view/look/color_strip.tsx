@@ -2,13 +2,14 @@
 
 import { useId, useRef } from "preact/hooks";
 import type { ColorPoint } from "../../state/state.ts";
-import { keyStep, numberText, outOfSight, rounded } from "./axis.ts";
-import { Fill, Handle, MARGIN, useWidth } from "./curve_plot.tsx";
-import { hexOf, withMoved, withPointOn, withPointBeside, without, type Curve, type Range } from "./curves.ts";
+import { numberText, outOfSight, rounded } from "./axis.ts";
+import { changePoints, Fill, Handle, MARGIN, useWidth } from "./curve_plot.tsx";
+import { hexOf, withMoved, withPointOn, type Curve, type Range } from "./curves.ts";
+import { pointKey } from "./point_keys.ts";
 
 const TEXT = {
   label: "Colours of the values",
-  keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
+  keys: "Left and right move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
   hidden: (n: number) => `${n} ${n === 1 ? "colour lies" : "colours lie"} outside; show all points`,
 };
 const RAMP_PX = 16;
@@ -44,28 +45,11 @@ export function ColorStrip(props: ColorStripProps) {
     drag.current = null;
   };
   const onKeyDown = (event: KeyboardEvent, index: number): void => {
-    const value = curve[index]?.[0] ?? 0;
-    const fine = keyStep(seen, true) * (event.shiftKey ? 0.2 : 1);
-    const steps: Partial<Record<string, number>> = {
-      ArrowLeft: -fine,
-      ArrowDown: -fine,
-      ArrowRight: fine,
-      ArrowUp: fine,
-      PageDown: -keyStep(seen, false),
-      PageUp: keyStep(seen, false),
-    };
-    const step = steps[event.key];
-    if (step !== undefined) move(index, value + step);
-    else if (event.key === "Delete" || event.key === "Backspace") {
-      if (curve.length === 1) return;
-      props.onCurve(without(curve, index), Math.min(index, curve.length - 2));
-      props.onDone();
-    } else if (event.key === "Insert") {
-      const added = withPointBeside(curve, index, seen);
-      props.onCurve(added.curve, added.index);
-      props.onDone();
-    } else if (event.key === "Enter") props.onType();
-    else return;
+    const key = pointKey(event.key, event.shiftKey, seen, 0);
+    if (key === null || (key.does === "remove" && curve.length === 1)) return;
+    if (key.does === "move") move(index, (curve[index]?.[0] ?? 0) + key.value);
+    else if (key.does === "type") props.onType();
+    else changePoints(props, key.does, index);
     event.preventDefault();
     event.stopPropagation();
   };

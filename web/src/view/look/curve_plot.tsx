@@ -3,8 +3,20 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { ColorPoint, OpacityPoint } from "../../state/state.ts";
-import { keyStep, numberText, outOfSight, rounded, ticks, within, zoomed } from "./axis.ts";
-import { clamped, hexOf, outline, withMoved, withPoint, without, type Curve, type Range } from "./curves.ts";
+import { numberText, outOfSight, rounded, ticks, within, zoomed } from "./axis.ts";
+import {
+  clamped,
+  hexOf,
+  outline,
+  withMoved,
+  withPoint,
+  withPointBeside,
+  without,
+  type Curve,
+  type Point,
+  type Range,
+} from "./curves.ts";
+import { pointKey } from "./point_keys.ts";
 
 const TEXT = {
   keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
@@ -99,39 +111,15 @@ export function CurvePlot(props: CurvePlotProps) {
   const onHandleKey = (event: KeyboardEvent, index: number): void => {
     const point = curve[index];
     if (point === undefined) return;
-    const fine = keyStep(seen, true) * (event.shiftKey ? 0.2 : 1);
-    const coarse = keyStep(seen, false);
+    // Of magnified opacities a press is a share, so that it is seen.
     const rise = isMagnified ? Math.max(0.0005, 0.1 * point[1]) : 0.01;
-    const steps: Partial<Record<string, readonly [number, number]>> = {
-      ArrowLeft: [-fine, 0],
-      ArrowRight: [fine, 0],
-      ArrowUp: [0, event.shiftKey ? rise / 5 : rise],
-      ArrowDown: [0, event.shiftKey ? -rise / 5 : -rise],
-      PageDown: [-coarse, 0],
-      PageUp: [coarse, 0],
-      Home: [0, -1],
-      End: [0, 1],
-    };
-    const step = steps[event.key];
-    if (step !== undefined) {
-      props.onCurve(
-        withMoved(curve, index, [
-          Math.max(props.least ?? -Infinity, point[0] + step[0]),
-          Number((point[1] + step[1]).toPrecision(6)),
-        ]),
-        index,
-      );
-    } else if (event.key === "Delete" || event.key === "Backspace") {
-      if (curve.length === 1) return;
-      props.onCurve(without(curve, index), Math.min(index, curve.length - 2));
-      props.onDone();
-    } else if (event.key === "Insert") {
-      const next = curve[index + 1] ?? [point[0] + coarse, point[1]];
-      const added = withPoint<OpacityPoint>(curve, [(point[0] + next[0]) / 2, (point[1] + next[1]) / 2]);
-      props.onCurve(added.curve, added.index);
-      props.onDone();
-    } else if (event.key === "Enter") props.onType();
-    else return;
+    const key = pointKey(event.key, event.shiftKey, seen, rise);
+    if (key === null || (key.does === "remove" && curve.length === 1)) return;
+    if (key.does === "move") {
+      const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
+      props.onCurve(withMoved(curve, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
+    } else if (key.does === "type") props.onType();
+    else changePoints(props, key.does, index);
     event.preventDefault();
     event.stopPropagation();
   };
@@ -240,6 +228,27 @@ export function CurvePlot(props: CurvePlotProps) {
       {props.children}
     </svg>
   );
+}
+
+/** Removes a point, or adds one beside it. */
+export function changePoints<P extends Point>(
+  { curve, seen, onCurve, onDone }: EditorOf<P>,
+  what: "remove" | "insert",
+  index: number,
+): void {
+  if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
+  else {
+    const added = withPointBeside(curve, index, seen);
+    onCurve(added.curve, added.index);
+  }
+  onDone();
+}
+
+interface EditorOf<P extends Point> {
+  readonly curve: Curve<P>;
+  readonly seen: Range;
+  onCurve(curve: Curve<P>, index: number | null): void;
+  onDone(): void;
 }
 
 export interface HandleProps {

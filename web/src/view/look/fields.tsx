@@ -3,7 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { clamped } from "./curves.ts";
-import { numberText } from "./axis.ts";
+import { numberText, roundStep } from "./axis.ts";
 
 export interface NumberFieldProps {
   readonly label: string;
@@ -83,7 +83,17 @@ export interface SliderFieldProps extends NumberFieldProps {
 
 /** A slider and its number. */
 export function SliderField(props: SliderFieldProps) {
-  const { label, value, min, max, step = (max - min) / 200, unit = "", disabled = false, least, most } = props;
+  const {
+    label,
+    value,
+    min,
+    max,
+    step = roundStep((max - min) / 500),
+    unit = "",
+    disabled = false,
+    least,
+    most,
+  } = props;
   const { shown = label } = props;
   return (
     <div class="field look-slider">
@@ -100,7 +110,7 @@ export function SliderField(props: SliderFieldProps) {
         onInput={(event) => props.onValue(event.currentTarget.valueAsNumber)}
         onChange={() => props.onDone()}
       />
-      <NumberField {...props} min={least ?? min} max={most ?? max} step="any" label={`${label}, number`} />
+      <NumberField {...props} min={least ?? min} max={most ?? max} step={step} label={`${label}, number`} />
     </div>
   );
 }

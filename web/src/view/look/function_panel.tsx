@@ -123,6 +123,7 @@ function Editor(props: EditorProps) {
   const seen = within(zoom, whole);
   const histogram = useHistogram(props, seen, isLog);
   const unit = volume.value_unit;
+  const usualWidth = volume.robust_range[1] - volume.robust_range[0] || 1;
   const path = ["layers", ui.layer, "look", "transfer_function"] as const;
   const done = (): void => {
     base.current = null;
@@ -260,8 +261,8 @@ function Editor(props: EditorProps) {
         label={TEXT.shift}
         unit={unit}
         neutral={0}
-        amount={(position) => position * (volume.robust_range[1] - volume.robust_range[0])}
-        position={(amount) => amount / (volume.robust_range[1] - volume.robust_range[0])}
+        amount={(position) => rounded(position * usualWidth, usualWidth)}
+        position={(amount) => amount / usualWidth}
         onAmount={(amount) => setAll((before) => shifted(before, amount), "shift")}
         onDone={done}
       />

@@ -43,12 +43,21 @@ export function labelRows(labels: Readonly<Record<string, LabelLook>>, filter = 
     .filter(({ number, name }) => wanted === "" || number === wanted || name.toLowerCase().includes(wanted));
 }
 
-/** What a label had when it was hidden, by number. */
-export type Hidden = Map<string, { readonly opacity: number; readonly tint: number }>;
+interface Matter {
+  readonly opacity: number;
+  readonly tint: number;
+  /** How much of the scan is left inside. */
+  readonly scan: number;
+}
 
-/**
- * Shows and hides labels. What hides one, opacity and tint 0, loses both; `hidden` remembers them for showing it again.
- */
+/** Labels that the page hid: what they had before, by number. */
+export type Hidden = Map<string, Matter>;
+
+/** A label that is not there: the scan is as if there were none. */
+const NOTHING: Matter = { opacity: 0, tint: 0, scan: 1 };
+const USUAL: Matter = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };
+
+/** Shows and hides labels. Hiding loses what a label had; `hidden` remembers it for showing it again. */
 export function shownLabels(
   labels: Readonly<Record<string, LabelLook>>,
   isShown: (number: string) => boolean,
@@ -56,18 +65,13 @@ export function shownLabels(
 ): Operation[] {
   return labelRows(labels).flatMap(({ number, look, opacity, isShown: before }) => {
     if (before === isShown(number)) return [];
-    if (before) {
-      hidden.set(number, { opacity, tint: look.tint ?? 0 });
-      return [
-        set(0, "labels", "labels", number, "opacity"),
-        ...((look.tint ?? 0) > 0 ? [set(0, "labels", "labels", number, "tint")] : []),
-      ];
-    }
-    const kept = hidden.get(number) ?? { opacity: LABEL_OPACITY, tint: 0 };
-    return [
-      set(kept.opacity, "labels", "labels", number, "opacity"),
-      ...(kept.tint > 0 ? [set(kept.tint, "labels", "labels", number, "tint")] : []),
-    ];
+    const now: Matter = { opacity, tint: look.tint ?? 0, scan: look.scan ?? (opacity > 0 ? 0 : 1) };
+    const next = before ? NOTHING : (hidden.get(number) ?? USUAL);
+    if (before) hidden.set(number, now);
+    const fields = ["opacity", "tint", "scan"] as const;
+    return fields.flatMap((field) =>
+      now[field] === next[field] ? [] : [set(next[field], "labels", "labels", number, field)],
+    );
   });
 }
 

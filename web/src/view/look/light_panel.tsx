@@ -44,6 +44,7 @@ const TEXT = {
   shoulder: "Highlights",
   occlusion: "Occlusion",
   radius: "Reach",
+  reach: "Reach of occlusion",
   shadow: "Shadow",
   smoothing: "Smoothing",
   smoothingOn: "Smooth surfaces",
@@ -211,7 +212,7 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
       {shading.ambient_occlusion > 0 && (
         <>
           <CheckField
-            label={TEXT.automatic(TEXT.radius)}
+            label={TEXT.automatic(TEXT.reach)}
             checked={shading.occlusion_radius === null}
             onCheck={(on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])}
           />

@@ -2,7 +2,7 @@
 
 import type { Engine, Welcome } from "../../engine/engine.ts";
 import { set, type Operation } from "../../state/patch.ts";
-import type { Color, Light, Look, Shading, ViewerState } from "../../state/state.ts";
+import type { Color, Composite, Light, Look, Shading, ViewerState } from "../../state/state.ts";
 import { ownPreset } from "./own_presets.ts";
 
 /** The light of pictures where nothing is said: as `wavesplat.Shading()`. */
@@ -32,15 +32,15 @@ const DEFAULT_BACKGROUND = "black";
 
 /**
  * What choosing a look changes: the look, light and, with a single layer, the operator; the background as far as it was
- * that of the look before. One step of undo.
+ * that of the look before. One step of undo. `composite`: the operator with its numbers, which a look does not hold.
  */
-export function chosen(state: ViewerState, layer: number, look: Look): Operation[] {
+export function chosen(state: ViewerState, layer: number, look: Look, composite?: Composite): Operation[] {
   const before = state.layers[layer]?.look;
   const operations: Operation[] = [set(look, "layers", layer, "look")];
   if (state.shading !== "look" && state.layers.length === 1) operations.push(set("look", "shading"));
-  // An operator that has numbers of its own cannot be had by its name alone.
-  const composite = look.composite === "first-hit" ? "over" : look.composite;
-  if (state.layers.length === 1) operations.push(set(composite, "render", "composite"));
+  // The isosurface cannot be had by its name alone.
+  const named = look.composite === "first-hit" ? "over" : look.composite;
+  if (state.layers.length === 1) operations.push(set(composite ?? named, "render", "composite"));
   const [old, now] = [before?.background ?? DEFAULT_BACKGROUND, look.background ?? DEFAULT_BACKGROUND];
   if (layer === 0 && state.background === old && old !== now) operations.push(set(now, "background"));
   return operations;

@@ -1,10 +1,12 @@
 // The user's own presets: looks under names, with a picture, kept by the browser.
 
-import type { Look } from "../../state/state.ts";
+import type { Composite, Look } from "../../state/state.ts";
 
 export interface OwnPreset {
   readonly name: string;
   readonly look: Look;
+  /** The operator with its numbers, where it is not the look's. */
+  readonly composite?: Composite;
   /** A data URL, or "" where there was no picture. */
   readonly picture: string;
 }

@@ -65,8 +65,9 @@ export function OwnPresets({ store, ui, welcome, own, onOwn, onTake }: OwnPreset
       composite: typeof composite === "string" && store.state.layers.length === 1 ? composite : layer.look.composite,
       background: typeof store.state.background === "string" ? store.state.background : layer.look.background,
     };
+    const operator = store.state.layers.length === 1 && typeof composite !== "string" ? { composite } : {};
     const picture = await pictureOf(ui.frames["3d"]);
-    if (!attempt(() => keepPreset({ name: wanted, look, picture }))) return;
+    if (!attempt(() => keepPreset({ name: wanted, look, picture, ...operator }))) return;
     setName("");
     store.change([{ op: "replace", path: `/layers/${ui.layer}/look`, value: look }]);
     ui.announce(TEXT.saved(wanted));

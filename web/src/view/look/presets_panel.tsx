@@ -2,7 +2,8 @@
 
 import { useEffect, useMemo, useReducer, useRef, useState } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
-import type { Look } from "../../state/state.ts";
+import { axesOf, dot } from "../../input/camera.ts";
+import type { Camera, Composite, Look } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import { Button } from "./fields.tsx";
 import { LayerChoice } from "./function_panel.tsx";
@@ -27,6 +28,9 @@ const TEXT = {
   alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them.",
 };
 
+/** Cosine of an angle that is hardly seen in a small picture. */
+const ALIKE = 0.996;
+
 export function PresetsPanel(props: PartProps) {
   const { store, engine, ui, welcome } = props;
   const layer = store.state.layers[ui.layer];
@@ -48,17 +52,19 @@ export function PresetsPanel(props: PartProps) {
   );
   useEffect(() => () => pictures.close(), [pictures]);
   useEffect(() => store.subscribe(() => pictures.pause()), [store, pictures]);
-  const drawn = useRef({ camera: store.state.camera, time: layer?.time });
+  const now = { camera: store.state.camera, time: layer?.time };
+  const drawn = useRef(now);
+  useMemo(() => (drawn.current = now), [pictures]);
   if (layer === undefined) return null;
 
-  const isOld = drawn.current.camera !== store.state.camera || drawn.current.time !== layer.time;
+  const isOld = drawn.current.time !== now.time || !looksAlike(drawn.current.camera, now.camera);
   const drawAnew = (): void => {
-    drawn.current = { camera: store.state.camera, time: layer.time };
+    drawn.current = now;
     pictures.clear().forEach((name) => pictures.want(name));
     redraw(null as never);
   };
-  const take = (look: Look): void => {
-    store.change(chosen(store.state, ui.layer, look));
+  const take = (look: Look, composite?: Composite): void => {
+    store.change(chosen(store.state, ui.layer, look, composite));
     ui.announce(TEXT.chosen(look.name));
   };
   const choose = async (name: string): Promise<void> => {
@@ -101,7 +107,7 @@ export function PresetsPanel(props: PartProps) {
             tiles={ownTiles}
             onChoose={(name) => {
               const preset = own.find((one) => one.name === name);
-              if (preset !== undefined) take(preset.look);
+              if (preset !== undefined) take(preset.look, preset.composite);
             }}
           />
         </>
@@ -128,4 +134,10 @@ export function PresetsPanel(props: PartProps) {
       <OwnPresets {...props} own={own} onOwn={setOwn} onTake={take} />
     </div>
   );
+}
+
+/** The pictures show everything, from where the camera is: only its directions count. */
+function looksAlike(a: Camera, b: Camera): boolean {
+  const [one, other] = [axesOf(a), axesOf(b)];
+  return Math.min(dot(one.back, other.back), dot(one.up, other.up)) > ALIKE;
 }

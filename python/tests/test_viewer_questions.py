@@ -211,8 +211,9 @@ def test_python_and_command_draw_the_picture_at_rest(pelvis, name, tmp_path, mon
 def test_code_opens_files_with_their_options(tmp_path, monkeypatch):
     np.save(tmp_path / "it's.npy", viewer_fakes.ball(16).samples)
     volume = ws.open(tmp_path / "it's.npy", spacing=(1, 1, 2)).smoothed(0.5)
+    number = int(viewer_fakes.ball(16).samples.max())
     labels = ws.Labels(
-        ws.open(tmp_path / "it's.npy", spacing=(1, 1, 2)), {200: ws.Label("red", 0.5, name="shell")}, smooth=False
+        ws.open(tmp_path / "it's.npy", spacing=(1, 1, 2)), {number: ws.Label("red", 0.5, name="shell")}, smooth=False
     )
     scene = ws.Scene([volume, ws.Layer(volume, "grey", opacity=0.3, visible=False, name="again")], labels=labels)
     state = ViewerState.of(scene)

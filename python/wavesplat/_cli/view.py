@@ -92,12 +92,12 @@ def view(
     from wavesplat._viewer.server import Server
 
     server = Server(port)
-    print_lines(server.link)
-    if not quiet:
-        _tell_how_to_reach(server.port)
-    if browser:
-        webbrowser.open(server.link)
     try:
+        print_lines(server.link)
+        if not quiet:
+            _tell_how_to_reach(server.port)
+        if browser:
+            webbrowser.open(server.link)
         server.tell(f"Opening {_name(input, state, example)}")
         try:
             first = _opened(

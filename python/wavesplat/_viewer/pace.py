@@ -39,7 +39,7 @@ RUNGS = {
 #: Slices have no wanted PSNR.
 SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
 #: Where a look begins that was never drawn, in dB; and after how many quick frames better ones are tried.
-FIRST_PSNR = 35.0
+FIRST_PSNR = 30.0
 QUICK_FRAMES, QUICK_SHARE = 5, 0.7
 #: Looks that are remembered; and how fast a measured time is forgotten, so that it is tried again.
 MOST_LOOKS, FORGOTTEN = 64, 0.97

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
+import socket
 import threading
 from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
 import tornado.httpserver
-import tornado.netutil
 import tornado.web
 import tornado.websocket
 
@@ -51,16 +52,22 @@ class Server:
         self._failure: str | None = None
         self._progress: dict[str, Any] | None = None
         self._sockets: set[_Socket] = set()
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
-            listening = tornado.netutil.bind_sockets(port, HOST)
+            if os.name != "nt":  # where it would let others in
+                listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.setblocking(False)
+            listener.bind((HOST, port))
+            listener.listen(128)
         except OSError as error:
+            listener.close()
             raise ArgumentError(
                 f"port {port} of this machine cannot be used: {error.strerror}; choose another one, or leave it out"
             ) from None
-        self.port: int = listening[0].getsockname()[1]
+        self.port: int = listener.getsockname()[1]
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(
-            target=self._run, args=(listening,), name="wavesplat-viewer-server", daemon=True
+            target=self._run, args=(listener,), name="wavesplat-viewer-server", daemon=True
         )
         self._thread.start()
 
@@ -76,17 +83,17 @@ class Server:
     def show(self, session: Session) -> None:
         """Show a session to the pages that wait and to those that come."""
         self._session = session
-        self._later(lambda: self._each(lambda socket: socket.join()))
+        self._later(lambda: self._each(lambda page: page.join()))
 
     def tell(self, text: str, part: float | None = None) -> None:
         """Tell pages how far the volume is open."""
         self._progress = {"type": "progress", "id": None, "part": part, "text": text}
-        self._later(lambda: self._each(lambda socket: socket.tell(self._progress)))
+        self._later(lambda: self._each(lambda page: page.tell(self._progress)))
 
     def fail(self, message: str) -> None:
         """Tell pages that the volume could not be opened."""
         self._failure = message
-        self._later(lambda: self._each(lambda socket: socket.fail(message)))
+        self._later(lambda: self._each(lambda page: page.fail(message)))
 
     def close(self) -> None:
         """Answer nobody any more."""
@@ -94,8 +101,8 @@ class Server:
             return
 
         def stop() -> None:
-            for socket in tuple(self._sockets):
-                socket.close(1001, "the viewer was closed")
+            for page in tuple(self._sockets):
+                page.close(1001, "the viewer was closed")
             self._loop.call_later(0.05, self._loop.stop)
 
         self._later(stop)
@@ -103,14 +110,14 @@ class Server:
             self._thread.join(timeout=5)
 
     def _each(self, tell: Callable[[_Socket], None]) -> None:
-        for socket in tuple(self._sockets):
-            tell(socket)
+        for page in tuple(self._sockets):
+            tell(page)
 
     def _later(self, call: Callable[[], object]) -> None:
         with contextlib.suppress(RuntimeError):  # the loop is closed
             self._loop.call_soon_threadsafe(call)
 
-    def _run(self, listening: list[Any]) -> None:
+    def _run(self, listener: socket.socket) -> None:
         asyncio.set_event_loop(self._loop)
         routes: list[Any] = [(path, _File, {"server": self, "file": file}) for path, file in FILES.items()]
         application = tornado.web.Application(
@@ -123,7 +130,7 @@ class Server:
             compress_response=False,
         )
         http = tornado.httpserver.HTTPServer(application, max_header_size=1 << 14, max_body_size=0)
-        http.add_sockets(listening)
+        http.add_socket(listener)
         try:
             self._loop.run_forever()
         finally:
@@ -209,8 +216,9 @@ class _Socket(tornado.websocket.WebSocketHandler):
 
     async def get(self, *args: Any, **kwargs: Any) -> None:
         """The upgrade; programs without an Origin are refused too."""
-        if "Origin" not in self.request.headers:
-            raise tornado.web.HTTPError(403, reason="there is no Origin")
+        # Here too, since Tornado lets in what has the same host, whatever the scheme.
+        if not self.check_origin(self.request.headers.get("Origin", "")):
+            raise tornado.web.HTTPError(403, reason="this is not a page of the viewer")
         await super().get(*args, **kwargs)
 
     def open(self, *_: Any, **__: Any) -> None:
@@ -218,6 +226,12 @@ class _Socket(tornado.websocket.WebSocketHandler):
         self._server._sockets.add(self)
         self.set_nodelay(True)
         self._deadline = self._server._loop.call_later(HELLO_S, self._refuse, 4401, "no hello came")
+
+    def write_error(self, status_code: int, **_: Any) -> None:
+        """A refusal before there is a socket."""
+        self.clear_header("Server")
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code}: {self._reason}\n")
 
     def on_message(self, message: str | bytes) -> None:
         """A message of the page."""

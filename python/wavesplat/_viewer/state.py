@@ -14,9 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from wavesplat._looks import look_json
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
+from wavesplat._render.arguments import chosen_look
 from wavesplat._scene import scene_json
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
@@ -81,6 +84,9 @@ class ViewerState:
         labels = document["labels"]
         label_source = None if labels is None else labels["volume"]
         for layer, source in zip(document["layers"], scene.layers, strict=True):
+            if not isinstance(layer["look"], dict):
+                # Of a layer that is hidden, or has labels, nothing was found out.
+                layer["look"] = look_json.fields_of(_plain_look(source))
             layer["volume"] = {"path": None, "name": source.volume.name}
             layer["name"] = layer["name"] or source.volume.name
         if labels is not None:
@@ -259,6 +265,11 @@ def _labels(fields: Any, scene: Scene) -> Labels | None:
         return scene.labels.with_looks(looks or {}, smooth=smooth)
     except ArgumentError as error:
         raise ArgumentError(f"{what}: {error}") from None
+
+
+def _plain_look(layer: Layer) -> Look:
+    """The look of a layer without the labels that looks of segmentations bring."""
+    return replace(chosen_look(layer.look, layer.looked_at, None), labels=None)
 
 
 def _background(background: Any) -> Any:

@@ -1,61 +1,25 @@
-// Controls that the panels share: a number with a slider, a choice, a switch. Each is a native element with its label.
+// Controls of the panels of space and slices, made of those of the look; and a panel.
 
 import type { ComponentChildren } from "preact";
 
-export interface NumberFieldProps {
+import { CheckField, SelectField, SliderField } from "./look/fields.tsx";
+
+/** A number with a slider. */
+export function NumberField(props: {
   readonly label: string;
   readonly value: number;
   readonly min: number;
   readonly max: number;
-  readonly step?: number | "any";
   readonly unit?: string;
-  /** Whether a slider goes with it. */
-  readonly slider?: boolean;
   readonly onInput: (value: number) => void;
   readonly onSettle: () => void;
+}) {
+  const { onInput, onSettle, ...others } = props;
+  // What is typed may lie beyond the slider.
+  return <SliderField {...others} least={-Infinity} most={Infinity} onValue={onInput} onDone={onSettle} />;
 }
 
-/** Steps of a slider. */
-const N_STEPS = 500;
-
-export function NumberField(props: NumberFieldProps) {
-  const { label, value, min, max, unit, slider = true, onInput, onSettle } = props;
-  const step = props.step ?? "any";
-  const shown = Number(value.toPrecision(6));
-  const given = (event: Event): void => {
-    const typed = (event.currentTarget as HTMLInputElement).valueAsNumber;
-    if (Number.isFinite(typed)) onInput(typed);
-  };
-  return (
-    <label class="field">
-      <span>{label}</span>
-      {slider && (
-        <input
-          type="range"
-          aria-label={label}
-          min={min}
-          max={max}
-          step={step === "any" ? (max - min) / N_STEPS || "any" : step}
-          value={value}
-          onInput={given}
-          onChange={onSettle}
-        />
-      )}
-      <input
-        type="number"
-        aria-label={unit ? `${label}, ${unit}` : label}
-        step={step}
-        value={shown}
-        onChange={(event) => {
-          given(event);
-          onSettle();
-        }}
-      />
-      {unit && <span class="dim">{unit}</span>}
-    </label>
-  );
-}
-
+/** One of several. */
 export function Choice(props: {
   readonly label: string;
   readonly value: string;
@@ -63,27 +27,11 @@ export function Choice(props: {
   readonly onChoose: (value: string) => void;
 }) {
   const { label, value, options, onChoose } = props;
-  return (
-    <label class="field">
-      <span>{label}</span>
-      <select value={value} onChange={(event) => onChoose(event.currentTarget.value)}>
-        {options.map(([name, text]) => (
-          <option key={name} value={name} selected={name === value}>
-            {text}
-          </option>
-        ))}
-      </select>
-    </label>
-  );
+  return <SelectField {...{ label, value }} options={options.map(([name, text]) => ({ value: name, text }))} onChoice={onChoose} />;
 }
 
 export function Switch(props: { readonly label: string; readonly on: boolean; readonly onToggle: (on: boolean) => void }) {
-  return (
-    <label class="row">
-      <input type="checkbox" checked={props.on} onChange={(event) => props.onToggle(event.currentTarget.checked)} />
-      {props.label}
-    </label>
-  );
+  return <CheckField label={props.label} checked={props.on} onCheck={props.onToggle} />;
 }
 
 export function Panel(props: {

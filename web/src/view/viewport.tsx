@@ -214,7 +214,7 @@ function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { curr
         try {
           const picture = await decoded(frame);
           if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
-          if ("close" in picture) picture.close();
+          picture.close();
           latest.current.ui.frameShown(frame);
         } finally {
           engine.shown(frame);
@@ -236,20 +236,12 @@ function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { curr
   }, []);
 }
 
-async function decoded(frame: Frame): Promise<ImageBitmap | HTMLImageElement> {
+function decoded(frame: Frame): Promise<ImageBitmap> {
   const blob = new Blob([frame.bytes], { type: `image/${frame.format}` });
-  if (typeof createImageBitmap === "function") {
-    return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
-  }
-  const image = new Image();
-  const url = URL.createObjectURL(blob);
-  image.src = url;
-  await image.decode();
-  URL.revokeObjectURL(url);
-  return image;
+  return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
 }
 
-function drawn(canvas: HTMLCanvasElement, picture: ImageBitmap | HTMLImageElement, frame: Frame): void {
+function drawn(canvas: HTMLCanvasElement, picture: ImageBitmap, frame: Frame): void {
   const scale = Number(frame.settings["scale"] ?? 1);
   const [width, height] = [Math.round(frame.width / scale), Math.round(frame.height / scale)];
   if (frame.at_rest || Math.abs(canvas.width - width) > 2 || Math.abs(canvas.height - height) > 2) {

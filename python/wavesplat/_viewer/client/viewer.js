@@ -337,7 +337,7 @@ function added(listeners, listener) {
   return () => listeners.delete(listener);
 }
 
-// ../../../main/web/node_modules/preact/dist/preact.mjs
+// node_modules/preact/dist/preact.mjs
 var n;
 var t;
 var r;
@@ -834,362 +834,35 @@ function ray(camera, size, x2, y3) {
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-// ../../../main/web/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var f2 = /* @__PURE__ */ Symbol.for("pv");
-var o2 = 0;
-function a2(t3, e3, n2, u3, a4, i3) {
-  e3 || (e3 = {});
-  var c3, l3, p3 = e3;
-  if ("ref" in p3 && "function" != typeof t3) for (l3 in p3 = {}, e3) "ref" == l3 ? c3 = e3[l3] : p3[l3] = e3[l3];
-  var s3 = { type: t3, props: p3, key: n2, ref: c3, __k: null, __: null, __b: 0, __e: null, __c: null, constructor: f2, __v: --o2, __i: -1, __u: 0 };
-  return (a4 || i3) && (s3.__source = a4, s3.__self = i3), n.vnode && n.vnode(s3), s3;
-}
-
-// src/view/fields.tsx
-var N_STEPS = 500;
-function NumberField(props) {
-  const { label, value, min, max, unit: unit2, slider = true, onInput, onSettle } = props;
-  const step = props.step ?? "any";
-  const shown = Number(value.toPrecision(6));
-  const given = (event) => {
-    const typed = event.currentTarget.valueAsNumber;
-    if (Number.isFinite(typed)) onInput(typed);
-  };
-  return /* @__PURE__ */ a2("label", { class: "field", children: [
-    /* @__PURE__ */ a2("span", { children: label }),
-    slider && /* @__PURE__ */ a2(
-      "input",
-      {
-        type: "range",
-        "aria-label": label,
-        min,
-        max,
-        step: step === "any" ? (max - min) / N_STEPS || "any" : step,
-        value,
-        onInput: given,
-        onChange: onSettle
-      }
-    ),
-    /* @__PURE__ */ a2(
-      "input",
-      {
-        type: "number",
-        "aria-label": unit2 ? `${label}, ${unit2}` : label,
-        step,
-        value: shown,
-        onChange: (event) => {
-          given(event);
-          onSettle();
-        }
-      }
-    ),
-    unit2 && /* @__PURE__ */ a2("span", { class: "dim", children: unit2 })
-  ] });
-}
-function Choice(props) {
-  const { label, value, options, onChoose } = props;
-  return /* @__PURE__ */ a2("label", { class: "field", children: [
-    /* @__PURE__ */ a2("span", { children: label }),
-    /* @__PURE__ */ a2("select", { value, onChange: (event) => onChoose(event.currentTarget.value), children: options.map(([name, text]) => /* @__PURE__ */ a2("option", { value: name, selected: name === value, children: text }, name)) })
-  ] });
-}
-function Switch(props) {
-  return /* @__PURE__ */ a2("label", { class: "row", children: [
-    /* @__PURE__ */ a2("input", { type: "checkbox", checked: props.on, onChange: (event) => props.onToggle(event.currentTarget.checked) }),
-    props.label
-  ] });
-}
-function Panel(props) {
-  const { name, title, open, onToggle, children } = props;
-  return /* @__PURE__ */ a2(
-    "details",
-    {
-      class: "panel",
-      open,
-      "data-panel": name,
-      onToggle: (event) => {
-        const now = event.currentTarget.open;
-        if (now !== open) onToggle(name, now);
-      },
-      children: [
-        /* @__PURE__ */ a2("summary", { children: title }),
-        open && /* @__PURE__ */ a2("div", { class: "body", children })
-      ]
-    }
-  );
-}
-
-// src/view/overlay3d/box.ts
-var FACES = [0, 1, 2].flatMap((axis) => [
-  { axis, side: "lower" },
-  { axis, side: "upper" }
-]);
-function corners(box) {
-  return [...Array(8).keys()].map(
-    (bits) => [0, 1, 2].map((axis) => (bits >> axis & 1 ? box.upper : box.lower)[axis])
-  );
-}
-var EDGES = [0, 1, 2].flatMap(
-  (axis) => [...Array(8).keys()].filter((bits) => !(bits >> axis & 1)).map((bits) => ({ a: bits, b: bits | 1 << axis, axis }))
-);
-function faceCenter(box, { axis, side }) {
-  const middle2 = center(box);
-  return middle2.map((value, a4) => a4 === axis ? box[side][axis] : value);
-}
-var center = (box) => scaled(add(box.lower, box.upper), 0.5);
-function isSeen(box, face, camera) {
-  const outward = [0, 0, 0].map((_3, a4) => a4 === face.axis ? face.side === "upper" ? 1 : -1 : 0);
-  const toEye = camera.parallel_scale === void 0 ? sub(camera.position, faceCenter(box, face)) : axesOf(camera).back;
-  return dot(outward, toEye) > 0;
-}
-function isHidden(box, edge, camera) {
-  return [0, 1, 2].filter((axis) => axis !== edge.axis).every((axis) => {
-    const side = edge.a >> axis & 1 ? "upper" : "lower";
-    return !isSeen(box, { axis, side }, camera);
-  });
-}
-function alongAxis(camera, size, from, axis, dx, dy) {
-  const here = project(camera, size, from);
-  const there = project(camera, size, add(from, axis));
-  if (here === null || there === null) return 0;
-  const [ux, uy] = [there.x - here.x, there.y - here.y];
-  const square = ux * ux + uy * uy;
-  return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
-}
-function withFace(box, face, to, bounds, least) {
-  const { axis, side } = face;
-  const [low, high] = [bounds[0][axis], bounds[1][axis]];
-  const inside = side === "lower" ? Math.max(low, Math.min(to, box.upper[axis] - least)) : Math.min(high, Math.max(to, box.lower[axis] + least));
-  const moved = box[side].map((value, a4) => a4 === axis ? inside : value);
-  return { ...box, [side]: moved };
-}
-function movedBy(box, by, bounds) {
-  const clamped2 = by.map((way, a4) => {
-    const [room, back] = [(bounds[1][a4] ?? 0) - (box.upper[a4] ?? 0), (bounds[0][a4] ?? 0) - (box.lower[a4] ?? 0)];
-    return Math.min(Math.max(way, back), room);
-  });
-  return { ...box, lower: add(box.lower, clamped2), upper: add(box.upper, clamped2) };
-}
-function inPicture(camera, size, from, dx, dy) {
-  const here = project(camera, size, from);
-  if (here === null) return [0, 0, 0];
-  const moved = ray(camera, size, here.x + dx, here.y + dy);
-  const { back } = axesOf(camera);
-  const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
-  return sub(add(moved.origin, scaled(moved.direction, depth)), from);
-}
-var placeOfBox = (clips, kind) => clips.findIndex((clip) => kind in clip && !isIndexed(boxOf(clip)));
-function boxOf(clip) {
-  return "keep" in clip ? clip.keep : "cut_out" in clip ? clip.cut_out : null;
-}
-var isIndexed = (box) => box?.space === "index";
-
-// src/view/cut_panel.tsx
-var AXES = ["x", "y", "z"];
-function CutPanel(props) {
-  const { store, welcome } = props;
-  const { clip, view } = store.state;
-  const whole = { lower: welcome.bounds[0], upper: welcome.bounds[1], space: "world" };
-  const add2 = (one) => store.change([set(one, "clip", "-"), set(true, "view", "overlays", "crop_box")]);
-  const remove = (place) => store.change([{ op: "remove", path: `/clip/${place}` }]);
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(
-      Switch,
-      {
-        label: "Handles in the views",
-        on: view.overlays.crop_box,
-        onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
-      }
-    ),
-    ["keep", "cut_out"].map((kind) => {
-      const place = placeOfBox(clip, kind);
-      const found = clip[place];
-      const box = found === void 0 ? null : boxOf(found);
-      const title = kind === "keep" ? "Crop box" : "Box that is cut out";
-      return /* @__PURE__ */ a2("fieldset", { children: [
-        /* @__PURE__ */ a2("legend", { children: title }),
-        box === null ? /* @__PURE__ */ a2(
-          "button",
-          {
-            class: "button",
-            onClick: () => add2({ [kind]: kind === "keep" ? whole : corner(whole) }),
-            children: kind === "keep" ? "Crop" : "Cut a corner out"
-          }
-        ) : /* @__PURE__ */ a2($, { children: [
-          /* @__PURE__ */ a2(BoxNumbers, { ...props, kind, place, box }),
-          /* @__PURE__ */ a2("div", { class: "row", children: [
-            /* @__PURE__ */ a2("button", { class: "button", onClick: () => store.change([set({ [kind]: whole }, "clip", place)]), children: "Reset" }),
-            /* @__PURE__ */ a2("button", { class: "button", onClick: () => remove(place), children: "Remove" })
-          ] })
-        ] })
-      ] }, kind);
-    }),
-    /* @__PURE__ */ a2("fieldset", { children: [
-      /* @__PURE__ */ a2("legend", { children: "Clip planes" }),
-      clip.map(
-        (one, place) => "plane" in one ? /* @__PURE__ */ a2(PlaneNumbers, { ...props, place, plane: one.plane, onRemove: () => remove(place) }, place) : null
-      ),
-      /* @__PURE__ */ a2(
-        "button",
-        {
-          class: "button",
-          onClick: () => {
-            const { back } = axesOf(store.state.camera);
-            add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
-          },
-          children: "Add a plane that faces you"
-        }
-      )
-    ] })
-  ] });
-}
-function corner(box) {
-  const middle2 = (axis) => ((box.lower[axis] ?? 0) + (box.upper[axis] ?? 0)) / 2;
-  return { ...box, lower: [box.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box.upper[1], box.upper[2]] };
-}
-function BoxNumbers(props) {
-  const { store, welcome, kind, place, box } = props;
-  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
-  const unitName = welcome.volumes[0]?.unit ?? "units";
-  return /* @__PURE__ */ a2($, { children: AXES.flatMap(
-    (name, a4) => ["lower", "upper"].map((side) => {
-      const face = { axis: a4, side };
-      const [low, high] = [welcome.bounds[0][a4] ?? 0, welcome.bounds[1][a4] ?? 1];
-      return /* @__PURE__ */ a2(
-        NumberField,
-        {
-          label: `${name} ${side === "lower" ? "from" : "to"}`,
-          unit: unitName,
-          value: box[side][a4] ?? 0,
-          min: low,
-          max: high,
-          onInput: (value) => store.change(
-            [set({ [kind]: withFace(box, face, value, welcome.bounds, spacing[a4] ?? 1) }, "clip", place)],
-            `${kind} ${name} ${side}`
-          ),
-          onSettle: () => store.settle()
-        },
-        `${name}${side}`
-      );
-    })
-  ) });
-}
-function PlaneNumbers(props) {
-  const { store, welcome, place, plane, onRemove } = props;
-  const normal = unit(plane.normal);
-  const [lower, upper] = welcome.bounds;
-  const ends = [0, 1, 2].map((a4) => [(lower[a4] ?? 0) * (normal[a4] ?? 0), (upper[a4] ?? 0) * (normal[a4] ?? 0)]);
-  const low = ends.reduce((sum, end) => sum + Math.min(...end), 0);
-  const high = ends.reduce((sum, end) => sum + Math.max(...end), 0);
-  const along = dot(plane.point, normal);
-  const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
-  const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
-  return /* @__PURE__ */ a2("div", { class: "plane", children: [
-    /* @__PURE__ */ a2(
-      NumberField,
-      {
-        label: `Plane ${number} at`,
-        unit: welcome.volumes[0]?.unit ?? "units",
-        value: along,
-        min: low,
-        max: high,
-        onInput: (value) => {
-          const point = plane.point.map((x2, a4) => x2 + (value - along) * (normal[a4] ?? 0));
-          change({ ...plane, point }, "plane at");
-        },
-        onSettle: () => store.settle()
-      }
-    ),
-    /* @__PURE__ */ a2("div", { class: "row", children: AXES.map((name, a4) => /* @__PURE__ */ a2("label", { class: "row", children: [
-      `Normal ${name}`,
-      /* @__PURE__ */ a2(
-        "input",
-        {
-          type: "number",
-          step: "any",
-          value: Number((normal[a4] ?? 0).toFixed(4)),
-          onChange: (event) => {
-            const value = event.currentTarget.valueAsNumber;
-            const next = normal.map((x2, b) => b === a4 ? value : x2);
-            if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
-          }
-        }
-      )
-    ] }, name)) }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }), children: "Flip" }),
-      /* @__PURE__ */ a2("button", { class: "button", onClick: onRemove, children: "Remove" })
-    ] })
-  ] });
-}
-
-// src/view/frame_statistics.ts
-var MOST_RECORDS = 4e3;
-var MOST_EVENTS = 1e3;
-var FrameStatistics = class {
-  records = [];
-  events = [];
-  /** A change with this number came from an event at this time. */
-  event(seq, at2) {
-    this.events.push({ seq, at: at2 });
-    if (this.events.length > MOST_EVENTS) this.events.shift();
-  }
-  /** A frame is on the canvas. */
-  drawn(frame, at2) {
-    const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
-    if (shown !== void 0) this.events = this.events.filter((event) => event.seq > frame.seq);
-    const { bytes, ...header } = frame;
-    this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
-    if (this.records.length > MOST_RECORDS) this.records.shift();
-  }
-  /** Of the moving frames of the last so many milliseconds. */
-  recent(now, span = 2e3) {
-    const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
-    const first = moving[0];
-    const last = moving.at(-1);
-    if (first === void 0 || last === void 0 || moving.length < 3) return null;
-    const latencies = moving.flatMap((record) => record.latency === null ? [] : [record.latency]);
-    return {
-      framesPerSecond: (moving.length - 1) * 1e3 / Math.max(last.at - first.at, 1),
-      latency: median(latencies),
-      kilobytes: (median(moving.map((record) => record.bytes)) ?? 0) / 1e3
-    };
-  }
-};
-function median(values) {
-  const sorted = [...values].sort((a4, b) => a4 - b);
-  return sorted[Math.floor(sorted.length / 2)] ?? null;
-}
-
-// ../../../main/web/node_modules/preact/hooks/dist/hooks.mjs
+// node_modules/preact/hooks/dist/hooks.mjs
 var t2;
 var r2;
 var u2;
 var i2;
-var o3 = Object.is;
-var f3 = 0;
+var o2 = Object.is;
+var f2 = 0;
 var c2 = [];
 var e2 = [];
-var a3 = n;
-var v2 = a3.__b;
-var l2 = a3.__r;
-var m2 = a3.diffed;
-var h2 = a3.__c;
-var s2 = a3.unmount;
-var p2 = a3.__;
+var a2 = n;
+var v2 = a2.__b;
+var l2 = a2.__r;
+var m2 = a2.diffed;
+var h2 = a2.__c;
+var s2 = a2.unmount;
+var p2 = a2.__;
 function y2(n2, t3) {
-  a3.__h && a3.__h(r2, n2, f3 || t3), f3 = 0;
+  a2.__h && a2.__h(r2, n2, f2 || t3), f2 = 0;
   var u3 = r2.__H || (r2.__H = { __: [], __h: [] });
   return n2 >= u3.__.length && u3.__.push({}), u3.__[n2];
 }
 function d2(n2) {
-  return f3 = 1, _2(G2, n2);
+  return f2 = 1, _2(G2, n2);
 }
 function _2(n2, u3, i3) {
   var f4 = y2(t2++, 2);
   if (f4.t = n2, !f4.__c && (f4.__ = [i3 ? i3(u3) : G2(void 0, u3), function(n3) {
     var t3 = (f4.__N || f4.__)[0], r3 = f4.t(t3, n3);
-    o3(t3, r3) || (f4.__N = [r3, f4.__[1]], f4.__c.setState({}));
+    o2(t3, r3) || (f4.__N = [r3, f4.__[1]], f4.__c.setState({}));
   }], f4.__c = r2, !r2.__f)) {
     r2.__f = true;
     var c3 = r2.shouldComponentUpdate;
@@ -1198,7 +871,7 @@ function _2(n2, u3, i3) {
       if (!u4) return true;
       var i4 = false, f5 = this.props != n3;
       if (u4.__.some(function(n4) {
-        n4.__N && (i4 = true, o3(n4.__[0], n4.__N[0]) || (f5 = true));
+        n4.__N && (i4 = true, o2(n4.__[0], n4.__N[0]) || (f5 = true));
       }), c3) {
         var e3 = c3.call(this, n3, t3, r3);
         return i4 ? e3 || f5 : e3;
@@ -1210,14 +883,14 @@ function _2(n2, u3, i3) {
 }
 function A2(n2, u3) {
   var i3 = y2(t2++, 3);
-  !a3.__s && E2(i3.__H, u3) && (i3.__P = true, i3.__ = n2, i3.u = u3, r2.__H.__h.push(i3));
+  !a2.__s && E2(i3.__H, u3) && (i3.__P = true, i3.__ = n2, i3.u = u3, r2.__H.__h.push(i3));
 }
 function F2(n2, u3) {
   var i3 = y2(t2++, 4);
-  !a3.__s && E2(i3.__H, u3) && (i3.__P = false, i3.__ = n2, i3.u = u3, r2.__h.push(i3));
+  !a2.__s && E2(i3.__H, u3) && (i3.__P = false, i3.__ = n2, i3.u = u3, r2.__h.push(i3));
 }
 function T2(n2) {
-  return f3 = 5, w2(function() {
+  return f2 = 5, w2(function() {
     return { current: n2 };
   }, []);
 }
@@ -1240,35 +913,35 @@ function g2() {
     for (; n2 = e2.shift(); ) try {
       C2(n2);
     } catch (t4) {
-      a3.__e(t4, { __: (n2 = n2.__P) && n2.__v });
+      a2.__e(t4, { __: (n2 = n2.__P) && n2.__v });
     }
     for (; n2 = c2.shift(); ) {
       var t3 = n2.__H;
       if (n2.__P && t3) try {
         t3.__h.some(C2), t3.__h.some(D2), t3.__h = [];
       } catch (r3) {
-        t3.__h = [], a3.__e(r3, n2.__v);
+        t3.__h = [], a2.__e(r3, n2.__v);
       }
     }
   } while (e2.length);
 }
-a3.__b = function(n2) {
+a2.__b = function(n2) {
   r2 = null, v2 && v2(n2);
-}, a3.__ = function(n2, t3) {
+}, a2.__ = function(n2, t3) {
   n2 && t3.__k && t3.__k.__m && (n2.__m = t3.__k.__m), p2 && p2(n2, t3);
-}, a3.__r = function(n2) {
+}, a2.__r = function(n2) {
   l2 && l2(n2), t2 = 0;
   var i3 = (r2 = n2.__c).__H;
   i3 && (u2 == r2 ? r2.__h = [] : (i3.__h.some(C2), i3.__h.some(D2), t2 = 0), i3.__h = [], i3.__.some(function(n3) {
     n3.__N && (n3.__ = n3.__N), n3.u = n3.__N = void 0;
   })), u2 = r2;
-}, a3.diffed = function(n2) {
+}, a2.diffed = function(n2) {
   m2 && m2(n2);
   var t3 = n2.__c;
   t3 && t3.__H && (t3.__H.__h.length && B2(c2.push(t3)), t3.__H.__.some(function(n3) {
     n3.u && (n3.__H = n3.u);
   })), u2 = r2 = null;
-}, a3.__c = function(n2, t3) {
+}, a2.__c = function(n2, t3) {
   t3.some(function(n3) {
     try {
       n3.__h.some(C2), n3.__h = n3.__h.filter(function(n4) {
@@ -1280,7 +953,7 @@ a3.__b = function(n2) {
       }];
     }
   }), h2 && h2(n2, t3);
-}, a3.unmount = function(n2) {
+}, a2.unmount = function(n2) {
   s2 && s2(n2);
   var t3, r3, u3 = n2.__c;
   u3 && u3.__H && (u3.__H.__.some(function(u4) {
@@ -1295,7 +968,7 @@ a3.__b = function(n2) {
     } catch (n3) {
       t3 = n3;
     }
-  }), u3.__H = void 0, t3 && a3.__e(t3, u3.__v));
+  }), u3.__H = void 0, t3 && a2.__e(t3, u3.__v));
 };
 var k = "function" == typeof requestAnimationFrame;
 function z2(n2) {
@@ -1305,7 +978,7 @@ function z2(n2) {
   k && (t3 = requestAnimationFrame(r3));
 }
 function B2(n2) {
-  1 != n2 && i2 == a3.requestAnimationFrame || ((i2 = a3.requestAnimationFrame) || z2)(g2);
+  1 != n2 && i2 == a2.requestAnimationFrame || ((i2 = a2.requestAnimationFrame) || z2)(g2);
 }
 function C2(n2) {
   var t3 = r2, u3 = n2.__c;
@@ -1317,38 +990,11 @@ function D2(n2) {
 }
 function E2(n2, t3) {
   return !n2 || n2.length != t3.length || t3.some(function(t4, r3) {
-    return !o3(t4, n2[r3]);
+    return !o2(t4, n2[r3]);
   });
 }
 function G2(n2, t3) {
   return "function" == typeof t3 ? t3(n2) : t3;
-}
-
-// src/view/help.tsx
-function Help({ onClose }) {
-  const dialog = T2(null);
-  A2(() => {
-    dialog.current?.showModal();
-  }, []);
-  return /* @__PURE__ */ a2("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose, children: [
-    /* @__PURE__ */ a2("h2", { id: "help-title", children: "Keys and gestures" }),
-    /* @__PURE__ */ a2("p", { class: "dim", children: "Keys act in the view that has the focus. In a slice arrows move the crosshair." }),
-    /* @__PURE__ */ a2("table", { children: [
-      /* @__PURE__ */ a2("caption", { class: "hidden", children: "Mouse and touch" }),
-      /* @__PURE__ */ a2("tbody", { children: GESTURES.map(([gesture, what]) => /* @__PURE__ */ a2("tr", { children: [
-        /* @__PURE__ */ a2("th", { scope: "row", children: gesture }),
-        /* @__PURE__ */ a2("td", { children: what })
-      ] }, gesture)) })
-    ] }),
-    /* @__PURE__ */ a2("table", { children: [
-      /* @__PURE__ */ a2("caption", { class: "hidden", children: "Keys" }),
-      /* @__PURE__ */ a2("tbody", { children: KEYS.map(({ shown, text }) => /* @__PURE__ */ a2("tr", { children: [
-        /* @__PURE__ */ a2("th", { scope: "row", children: /* @__PURE__ */ a2("kbd", { children: shown }) }),
-        /* @__PURE__ */ a2("td", { children: text })
-      ] }, shown)) })
-    ] }),
-    /* @__PURE__ */ a2("form", { method: "dialog", children: /* @__PURE__ */ a2("button", { class: "button", children: "Close" }) })
-  ] });
 }
 
 // src/view/look/curves.ts
@@ -1537,6 +1183,487 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
+// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+var f3 = /* @__PURE__ */ Symbol.for("pv");
+var o3 = 0;
+function a3(t3, e3, n2, u3, a4, i3) {
+  e3 || (e3 = {});
+  var c3, l3, p3 = e3;
+  if ("ref" in p3 && "function" != typeof t3) for (l3 in p3 = {}, e3) "ref" == l3 ? c3 = e3[l3] : p3[l3] = e3[l3];
+  var s3 = { type: t3, props: p3, key: n2, ref: c3, __k: null, __: null, __b: 0, __e: null, __c: null, constructor: f3, __v: --o3, __i: -1, __u: 0 };
+  return (a4 || i3) && (s3.__source = a4, s3.__self = i3), n.vnode && n.vnode(s3), s3;
+}
+
+// src/view/look/fields.tsx
+function NumberField(props) {
+  const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id } = props;
+  const [typed, setTyped] = d2(null);
+  const done2 = () => {
+    setTyped(null);
+    props.onDone();
+  };
+  return /* @__PURE__ */ a3(
+    "input",
+    {
+      type: "number",
+      id,
+      "aria-label": unit2 === "" ? label : `${label}, ${unit2}`,
+      value: typed ?? numberText(value),
+      min,
+      max,
+      step,
+      disabled,
+      onInput: (event) => {
+        const field = event.currentTarget;
+        setTyped(field.value);
+        const number = field.valueAsNumber;
+        if (Number.isFinite(number)) props.onValue(clamped(number, min ?? -Infinity, max ?? Infinity));
+      },
+      onChange: done2,
+      onBlur: done2,
+      onKeyDown: (event) => {
+        if (event.key === "Enter") done2();
+      }
+    }
+  );
+}
+function NamedNumber(props) {
+  const { label, shown = label, unit: unit2 = "" } = props;
+  return /* @__PURE__ */ a3("span", { class: "look-named", children: [
+    /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: shown }),
+    /* @__PURE__ */ a3(NumberField, { ...props }),
+    unit2 !== "" && /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: unit2 })
+  ] });
+}
+function SliderField(props) {
+  const { label, value, min, max, step = (max - min) / 200, unit: unit2 = "", disabled = false, least, most } = props;
+  const { shown = label } = props;
+  return /* @__PURE__ */ a3("div", { class: "field look-slider", children: [
+    shown !== "" && /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: shown }),
+    /* @__PURE__ */ a3(
+      "input",
+      {
+        type: "range",
+        "aria-label": label,
+        "aria-valuetext": `${numberText(value)}${unit2 && ` ${unit2}`}`,
+        value,
+        min,
+        max,
+        step,
+        disabled,
+        onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
+        onChange: () => props.onDone()
+      }
+    ),
+    /* @__PURE__ */ a3(NumberField, { ...props, min: least ?? min, max: most ?? max, step: "any", label: `${label}, number` })
+  ] });
+}
+function RelativeSlider(props) {
+  const { label, neutral, unit: unit2 = "", disabled = false } = props;
+  const [amount, setAmount] = d2(null);
+  const [typed, setTyped] = d2("");
+  const done2 = () => {
+    setAmount(null);
+    props.onDone();
+  };
+  const apply = () => {
+    const number = Number(typed);
+    setTyped("");
+    if (typed.trim() === "" || !Number.isFinite(number)) return;
+    props.onAmount(number);
+    done2();
+  };
+  const shown = numberText(amount ?? neutral);
+  return /* @__PURE__ */ a3("div", { class: "field look-slider", children: [
+    /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: label }),
+    /* @__PURE__ */ a3(
+      "input",
+      {
+        type: "range",
+        "aria-label": label,
+        "aria-valuetext": `${shown}${unit2 && ` ${unit2}`}`,
+        min: -1,
+        max: 1,
+        step: 0.01,
+        value: amount === null ? 0 : props.position(amount),
+        disabled,
+        onInput: (event) => {
+          const next = props.amount(event.currentTarget.valueAsNumber);
+          setAmount(next);
+          props.onAmount(next);
+        },
+        onChange: done2
+      }
+    ),
+    /* @__PURE__ */ a3(
+      "input",
+      {
+        type: "number",
+        step: "any",
+        "aria-label": `${label}, number${unit2 && `, ${unit2}`}`,
+        value: amount === null ? typed : Number(amount.toPrecision(3)),
+        placeholder: numberText(neutral),
+        disabled,
+        onInput: (event) => setTyped(event.currentTarget.value),
+        onBlur: apply,
+        onKeyDown: (event) => {
+          if (event.key === "Enter") apply();
+        }
+      }
+    )
+  ] });
+}
+function SelectField({ label, value, options, onChoice }) {
+  return /* @__PURE__ */ a3("label", { class: "field", children: [
+    /* @__PURE__ */ a3("span", { children: label }),
+    /* @__PURE__ */ a3("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value), children: options.map((option) => /* @__PURE__ */ a3("option", { value: option.value, disabled: option.disabled ?? false, children: option.text }, option.value)) })
+  ] });
+}
+function CheckField({
+  label,
+  checked,
+  onCheck
+}) {
+  return /* @__PURE__ */ a3("label", { class: "row look-check", children: [
+    /* @__PURE__ */ a3("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }),
+    /* @__PURE__ */ a3("span", { children: label })
+  ] });
+}
+function ColorField({ label, value, onColor, onDone }) {
+  const [picked, setPicked] = d2(null);
+  A2(() => setPicked(null), [value]);
+  return /* @__PURE__ */ a3(
+    "input",
+    {
+      type: "color",
+      "aria-label": label,
+      value: picked ?? value,
+      onInput: (event) => {
+        setPicked(event.currentTarget.value);
+        onColor(event.currentTarget.value);
+      },
+      onChange: onDone,
+      onBlur: onDone
+    }
+  );
+}
+function Button(props) {
+  return /* @__PURE__ */ a3(
+    "button",
+    {
+      type: "button",
+      class: "button",
+      "aria-label": props.label,
+      title: props.label,
+      "aria-pressed": props.pressed,
+      disabled: props.disabled ?? false,
+      onClick: () => props.onClick(),
+      children: props.children
+    }
+  );
+}
+
+// src/view/fields.tsx
+function NumberField2(props) {
+  const { onInput, onSettle, ...others } = props;
+  return /* @__PURE__ */ a3(SliderField, { ...others, least: -Infinity, most: Infinity, onValue: onInput, onDone: onSettle });
+}
+function Choice(props) {
+  const { label, value, options, onChoose } = props;
+  return /* @__PURE__ */ a3(SelectField, { ...{ label, value }, options: options.map(([name, text]) => ({ value: name, text })), onChoice: onChoose });
+}
+function Switch(props) {
+  return /* @__PURE__ */ a3(CheckField, { label: props.label, checked: props.on, onCheck: props.onToggle });
+}
+function Panel(props) {
+  const { name, title, open, onToggle, children } = props;
+  return /* @__PURE__ */ a3(
+    "details",
+    {
+      class: "panel",
+      open,
+      "data-panel": name,
+      onToggle: (event) => {
+        const now = event.currentTarget.open;
+        if (now !== open) onToggle(name, now);
+      },
+      children: [
+        /* @__PURE__ */ a3("summary", { children: title }),
+        open && /* @__PURE__ */ a3("div", { class: "body", children })
+      ]
+    }
+  );
+}
+
+// src/view/overlay3d/box.ts
+var FACES = [0, 1, 2].flatMap((axis) => [
+  { axis, side: "lower" },
+  { axis, side: "upper" }
+]);
+function corners(box) {
+  return [...Array(8).keys()].map(
+    (bits) => [0, 1, 2].map((axis) => (bits >> axis & 1 ? box.upper : box.lower)[axis])
+  );
+}
+var EDGES = [0, 1, 2].flatMap(
+  (axis) => [...Array(8).keys()].filter((bits) => !(bits >> axis & 1)).map((bits) => ({ a: bits, b: bits | 1 << axis, axis }))
+);
+function faceCenter(box, { axis, side }) {
+  const middle2 = center(box);
+  return middle2.map((value, a4) => a4 === axis ? box[side][axis] : value);
+}
+var center = (box) => scaled(add(box.lower, box.upper), 0.5);
+function isSeen(box, face, camera) {
+  const outward = [0, 0, 0].map((_3, a4) => a4 === face.axis ? face.side === "upper" ? 1 : -1 : 0);
+  const toEye = camera.parallel_scale === void 0 ? sub(camera.position, faceCenter(box, face)) : axesOf(camera).back;
+  return dot(outward, toEye) > 0;
+}
+function isHidden(box, edge, camera) {
+  return [0, 1, 2].filter((axis) => axis !== edge.axis).every((axis) => {
+    const side = edge.a >> axis & 1 ? "upper" : "lower";
+    return !isSeen(box, { axis, side }, camera);
+  });
+}
+function alongAxis(camera, size, from, axis, dx, dy) {
+  const here = project(camera, size, from);
+  const there = project(camera, size, add(from, axis));
+  if (here === null || there === null) return 0;
+  const [ux, uy] = [there.x - here.x, there.y - here.y];
+  const square = ux * ux + uy * uy;
+  return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
+}
+function withFace(box, face, to, bounds, least) {
+  const { axis, side } = face;
+  const [low, high] = [bounds[0][axis], bounds[1][axis]];
+  const inside = side === "lower" ? Math.max(low, Math.min(to, box.upper[axis] - least)) : Math.min(high, Math.max(to, box.lower[axis] + least));
+  const moved = box[side].map((value, a4) => a4 === axis ? inside : value);
+  return { ...box, [side]: moved };
+}
+function movedBy(box, by, bounds) {
+  const clamped2 = by.map((way, a4) => {
+    const [room, back] = [(bounds[1][a4] ?? 0) - (box.upper[a4] ?? 0), (bounds[0][a4] ?? 0) - (box.lower[a4] ?? 0)];
+    return Math.min(Math.max(way, back), room);
+  });
+  return { ...box, lower: add(box.lower, clamped2), upper: add(box.upper, clamped2) };
+}
+function inPicture(camera, size, from, dx, dy) {
+  const here = project(camera, size, from);
+  if (here === null) return [0, 0, 0];
+  const moved = ray(camera, size, here.x + dx, here.y + dy);
+  const { back } = axesOf(camera);
+  const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
+  return sub(add(moved.origin, scaled(moved.direction, depth)), from);
+}
+var placeOfBox = (clips, kind) => clips.findIndex((clip) => kind in clip && !isIndexed(boxOf(clip)));
+function boxOf(clip) {
+  return "keep" in clip ? clip.keep : "cut_out" in clip ? clip.cut_out : null;
+}
+var isIndexed = (box) => box?.space === "index";
+
+// src/view/cut_panel.tsx
+var AXES = ["x", "y", "z"];
+function CutPanel(props) {
+  const { store, welcome } = props;
+  const { clip, view } = store.state;
+  const whole = { lower: welcome.bounds[0], upper: welcome.bounds[1], space: "world" };
+  const add2 = (one) => store.change([set(one, "clip", "-"), set(true, "view", "overlays", "crop_box")]);
+  const remove = (place) => store.change([{ op: "remove", path: `/clip/${place}` }]);
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(
+      Switch,
+      {
+        label: "Handles in the views",
+        on: view.overlays.crop_box,
+        onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
+      }
+    ),
+    ["keep", "cut_out"].map((kind) => {
+      const place = placeOfBox(clip, kind);
+      const found = clip[place];
+      const box = found === void 0 ? null : boxOf(found);
+      const title = kind === "keep" ? "Crop box" : "Box that is cut out";
+      return /* @__PURE__ */ a3("fieldset", { children: [
+        /* @__PURE__ */ a3("legend", { children: title }),
+        box === null ? /* @__PURE__ */ a3(
+          "button",
+          {
+            class: "button",
+            onClick: () => add2({ [kind]: kind === "keep" ? whole : corner(whole) }),
+            children: kind === "keep" ? "Crop" : "Cut a corner out"
+          }
+        ) : /* @__PURE__ */ a3($, { children: [
+          /* @__PURE__ */ a3(BoxNumbers, { ...props, kind, place, box }),
+          /* @__PURE__ */ a3("div", { class: "row", children: [
+            /* @__PURE__ */ a3("button", { class: "button", onClick: () => store.change([set({ [kind]: whole }, "clip", place)]), children: "Reset" }),
+            /* @__PURE__ */ a3("button", { class: "button", onClick: () => remove(place), children: "Remove" })
+          ] })
+        ] })
+      ] }, kind);
+    }),
+    /* @__PURE__ */ a3("fieldset", { children: [
+      /* @__PURE__ */ a3("legend", { children: "Clip planes" }),
+      clip.map(
+        (one, place) => "plane" in one ? /* @__PURE__ */ a3(PlaneNumbers, { ...props, place, plane: one.plane, onRemove: () => remove(place) }, place) : null
+      ),
+      /* @__PURE__ */ a3(
+        "button",
+        {
+          class: "button",
+          onClick: () => {
+            const { back } = axesOf(store.state.camera);
+            add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
+          },
+          children: "Add a plane that faces you"
+        }
+      )
+    ] })
+  ] });
+}
+function corner(box) {
+  const middle2 = (axis) => ((box.lower[axis] ?? 0) + (box.upper[axis] ?? 0)) / 2;
+  return { ...box, lower: [box.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box.upper[1], box.upper[2]] };
+}
+function BoxNumbers(props) {
+  const { store, welcome, kind, place, box } = props;
+  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
+  const unitName = welcome.volumes[0]?.unit ?? "units";
+  return /* @__PURE__ */ a3($, { children: AXES.flatMap(
+    (name, a4) => ["lower", "upper"].map((side) => {
+      const face = { axis: a4, side };
+      const [low, high] = [welcome.bounds[0][a4] ?? 0, welcome.bounds[1][a4] ?? 1];
+      return /* @__PURE__ */ a3(
+        NumberField2,
+        {
+          label: `${name} ${side === "lower" ? "from" : "to"}`,
+          unit: unitName,
+          value: box[side][a4] ?? 0,
+          min: low,
+          max: high,
+          onInput: (value) => store.change(
+            [set({ [kind]: withFace(box, face, value, welcome.bounds, spacing[a4] ?? 1) }, "clip", place)],
+            `${kind} ${name} ${side}`
+          ),
+          onSettle: () => store.settle()
+        },
+        `${name}${side}`
+      );
+    })
+  ) });
+}
+function PlaneNumbers(props) {
+  const { store, welcome, place, plane, onRemove } = props;
+  const normal = unit(plane.normal);
+  const [lower, upper] = welcome.bounds;
+  const ends = [0, 1, 2].map((a4) => [(lower[a4] ?? 0) * (normal[a4] ?? 0), (upper[a4] ?? 0) * (normal[a4] ?? 0)]);
+  const low = ends.reduce((sum, end) => sum + Math.min(...end), 0);
+  const high = ends.reduce((sum, end) => sum + Math.max(...end), 0);
+  const along = dot(plane.point, normal);
+  const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
+  const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
+  return /* @__PURE__ */ a3("div", { class: "plane", children: [
+    /* @__PURE__ */ a3(
+      NumberField2,
+      {
+        label: `Plane ${number} at`,
+        unit: welcome.volumes[0]?.unit ?? "units",
+        value: along,
+        min: low,
+        max: high,
+        onInput: (value) => {
+          const point = plane.point.map((x2, a4) => x2 + (value - along) * (normal[a4] ?? 0));
+          change({ ...plane, point }, "plane at");
+        },
+        onSettle: () => store.settle()
+      }
+    ),
+    /* @__PURE__ */ a3("div", { class: "row", children: AXES.map((name, a4) => /* @__PURE__ */ a3("label", { class: "row", children: [
+      `Normal ${name}`,
+      /* @__PURE__ */ a3(
+        "input",
+        {
+          type: "number",
+          step: "any",
+          value: Number((normal[a4] ?? 0).toFixed(4)),
+          onChange: (event) => {
+            const value = event.currentTarget.valueAsNumber;
+            const next = normal.map((x2, b) => b === a4 ? value : x2);
+            if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
+          }
+        }
+      )
+    ] }, name)) }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }), children: "Flip" }),
+      /* @__PURE__ */ a3("button", { class: "button", onClick: onRemove, children: "Remove" })
+    ] })
+  ] });
+}
+
+// src/view/frame_statistics.ts
+var MOST_RECORDS = 4e3;
+var MOST_EVENTS = 1e3;
+var FrameStatistics = class {
+  records = [];
+  events = [];
+  /** A change with this number came from an event at this time. */
+  event(seq, at2) {
+    this.events.push({ seq, at: at2 });
+    if (this.events.length > MOST_EVENTS) this.events.shift();
+  }
+  /** A frame is on the canvas. */
+  drawn(frame, at2) {
+    const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
+    if (shown !== void 0) this.events = this.events.filter((event) => event.seq > frame.seq);
+    const { bytes, ...header } = frame;
+    this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
+    if (this.records.length > MOST_RECORDS) this.records.shift();
+  }
+  /** Of the moving frames of the last so many milliseconds. */
+  recent(now, span = 2e3) {
+    const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
+    const first = moving[0];
+    const last = moving.at(-1);
+    if (first === void 0 || last === void 0 || moving.length < 3) return null;
+    const latencies = moving.flatMap((record) => record.latency === null ? [] : [record.latency]);
+    return {
+      framesPerSecond: (moving.length - 1) * 1e3 / Math.max(last.at - first.at, 1),
+      latency: median(latencies),
+      kilobytes: (median(moving.map((record) => record.bytes)) ?? 0) / 1e3
+    };
+  }
+};
+function median(values) {
+  const sorted = [...values].sort((a4, b) => a4 - b);
+  return sorted[Math.floor(sorted.length / 2)] ?? null;
+}
+
+// src/view/help.tsx
+function Help({ onClose }) {
+  const dialog = T2(null);
+  A2(() => {
+    dialog.current?.showModal();
+  }, []);
+  return /* @__PURE__ */ a3("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose, children: [
+    /* @__PURE__ */ a3("h2", { id: "help-title", children: "Keys and gestures" }),
+    /* @__PURE__ */ a3("p", { class: "dim", children: "Keys act in the view that has the focus. In a slice arrows move the crosshair." }),
+    /* @__PURE__ */ a3("table", { children: [
+      /* @__PURE__ */ a3("caption", { class: "hidden", children: "Mouse and touch" }),
+      /* @__PURE__ */ a3("tbody", { children: GESTURES.map(([gesture, what]) => /* @__PURE__ */ a3("tr", { children: [
+        /* @__PURE__ */ a3("th", { scope: "row", children: gesture }),
+        /* @__PURE__ */ a3("td", { children: what })
+      ] }, gesture)) })
+    ] }),
+    /* @__PURE__ */ a3("table", { children: [
+      /* @__PURE__ */ a3("caption", { class: "hidden", children: "Keys" }),
+      /* @__PURE__ */ a3("tbody", { children: KEYS.map(({ shown, text }) => /* @__PURE__ */ a3("tr", { children: [
+        /* @__PURE__ */ a3("th", { scope: "row", children: /* @__PURE__ */ a3("kbd", { children: shown }) }),
+        /* @__PURE__ */ a3("td", { children: text })
+      ] }, shown)) })
+    ] }),
+    /* @__PURE__ */ a3("form", { method: "dialog", children: /* @__PURE__ */ a3("button", { class: "button", children: "Close" }) })
+  ] });
+}
+
 // src/view/look/curve_plot.tsx
 var TEXT = {
   keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
@@ -1630,7 +1757,7 @@ function CurvePlot(props) {
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
   const marked = ticks(seen, N_TICKS).filter((value) => unit2 === "" || xOf(value) > MARGIN.left + 14);
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     "svg",
     {
       ref: svg,
@@ -1659,18 +1786,18 @@ function CurvePlot(props) {
       onPointerUp: onPlotUp,
       onPointerCancel: onPlotUp,
       children: [
-        /* @__PURE__ */ a2(Fill, { id: fill, colors, xOf }),
-        /* @__PURE__ */ a2("g", { "aria-hidden": "true", children: [
-          marks.map((alpha) => /* @__PURE__ */ a2("g", { children: [
-            /* @__PURE__ */ a2("line", { class: "look-grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: yOf(alpha), y2: yOf(alpha) }),
-            /* @__PURE__ */ a2("text", { class: "look-tick", x: MARGIN.left - 4, y: yOf(alpha) + 4, "text-anchor": "end", children: alpha })
+        /* @__PURE__ */ a3(Fill, { id: fill, colors, xOf }),
+        /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
+          marks.map((alpha) => /* @__PURE__ */ a3("g", { children: [
+            /* @__PURE__ */ a3("line", { class: "look-grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: yOf(alpha), y2: yOf(alpha) }),
+            /* @__PURE__ */ a3("text", { class: "look-tick", x: MARGIN.left - 4, y: yOf(alpha) + 4, "text-anchor": "end", children: alpha })
           ] }, alpha)),
-          marked.map((value) => /* @__PURE__ */ a2("g", { children: [
-            /* @__PURE__ */ a2("line", { class: "look-grid", x1: xOf(value), x2: xOf(value), y1: MARGIN.top, y2: height - MARGIN.bottom + 3 }),
-            /* @__PURE__ */ a2("text", { class: "look-tick", x: Math.min(xOf(value), width - 20), y: height - 5, "text-anchor": "middle", children: numberText(value) })
+          marked.map((value) => /* @__PURE__ */ a3("g", { children: [
+            /* @__PURE__ */ a3("line", { class: "look-grid", x1: xOf(value), x2: xOf(value), y1: MARGIN.top, y2: height - MARGIN.bottom + 3 }),
+            /* @__PURE__ */ a3("text", { class: "look-tick", x: Math.min(xOf(value), width - 20), y: height - 5, "text-anchor": "middle", children: numberText(value) })
           ] }, value)),
-          /* @__PURE__ */ a2("text", { class: "look-tick", x: MARGIN.left - 4, y: height - 5, "text-anchor": "end", children: unit2 }),
-          /* @__PURE__ */ a2(
+          /* @__PURE__ */ a3("text", { class: "look-tick", x: MARGIN.left - 4, y: height - 5, "text-anchor": "end", children: unit2 }),
+          /* @__PURE__ */ a3(
             "polygon",
             {
               points: `${line.join(" ")} ${px(xOf(seen[1]))},${yOf(0)} ${px(xOf(seen[0]))},${yOf(0)}`,
@@ -1678,12 +1805,12 @@ function CurvePlot(props) {
               "fill-opacity": 0.7
             }
           ),
-          histogram !== null && /* @__PURE__ */ a2("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }),
-          /* @__PURE__ */ a2("polyline", { class: "look-line-under", points: line.join(" ") }),
-          /* @__PURE__ */ a2("polyline", { class: "look-line", points: line.join(" ") })
+          histogram !== null && /* @__PURE__ */ a3("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }),
+          /* @__PURE__ */ a3("polyline", { class: "look-line-under", points: line.join(" ") }),
+          /* @__PURE__ */ a3("polyline", { class: "look-line", points: line.join(" ") })
         ] }),
-        hidden.below > 0 && /* @__PURE__ */ a2(Mark, { side: "left", x: MARGIN.left, y: height / 2, text: TEXT.below(hidden.below), onClick: props.onShowPoints }),
-        hidden.above > 0 && /* @__PURE__ */ a2(
+        hidden.below > 0 && /* @__PURE__ */ a3(Mark, { side: "left", x: MARGIN.left, y: height / 2, text: TEXT.below(hidden.below), onClick: props.onShowPoints }),
+        hidden.above > 0 && /* @__PURE__ */ a3(
           Mark,
           {
             side: "right",
@@ -1694,7 +1821,7 @@ function CurvePlot(props) {
           }
         ),
         curve.map(
-          (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a2(
+          (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a3(
             Handle,
             {
               x: xOf(point[0]),
@@ -1725,7 +1852,7 @@ function CurvePlot(props) {
 }
 function Handle(props) {
   const { x: x2, y: y3, isSelected, color, range, value } = props;
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     "g",
     {
       class: "look-handle",
@@ -1752,9 +1879,9 @@ function Handle(props) {
         props.onGrab(event);
       },
       children: [
-        /* @__PURE__ */ a2("title", { children: props.text }),
-        /* @__PURE__ */ a2("circle", { class: "look-reach", r: REACH_PX }),
-        color === null ? /* @__PURE__ */ a2("circle", { class: "look-dot", r: DOT_PX }) : /* @__PURE__ */ a2("path", { class: "look-dot", d: "M0 -10 L7 -2 V9 H-7 V-2 Z", style: { fill: color } })
+        /* @__PURE__ */ a3("title", { children: props.text }),
+        /* @__PURE__ */ a3("circle", { class: "look-reach", r: REACH_PX }),
+        color === null ? /* @__PURE__ */ a3("circle", { class: "look-dot", r: DOT_PX }) : /* @__PURE__ */ a3("path", { class: "look-dot", d: "M0 -10 L7 -2 V9 H-7 V-2 Z", style: { fill: color } })
       ]
     }
   );
@@ -1762,7 +1889,7 @@ function Handle(props) {
 function Mark(props) {
   const { side, x: x2, y: y3, text, onClick } = props;
   const stop = (event) => event.stopPropagation();
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     "g",
     {
       class: "look-mark",
@@ -1780,9 +1907,9 @@ function Mark(props) {
         onClick();
       },
       children: [
-        /* @__PURE__ */ a2("title", { children: text }),
-        /* @__PURE__ */ a2("rect", { class: "look-reach", x: -6, y: -14, width: 28, height: 28 }),
-        /* @__PURE__ */ a2("path", { d: "M1 0 L13 -8 V8 Z" })
+        /* @__PURE__ */ a3("title", { children: text }),
+        /* @__PURE__ */ a3("rect", { class: "look-reach", x: -6, y: -14, width: 28, height: 28 }),
+        /* @__PURE__ */ a3("path", { d: "M1 0 L13 -8 V8 Z" })
       ]
     }
   );
@@ -1795,7 +1922,7 @@ function Fill({
   const [first, last] = [colors?.[0], colors?.at(-1)];
   if (colors === null || first === void 0 || last === void 0) return null;
   const width = last[0] - first[0] || 1;
-  return /* @__PURE__ */ a2("defs", { children: /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("defs", { children: /* @__PURE__ */ a3(
     "linearGradient",
     {
       id,
@@ -1804,7 +1931,7 @@ function Fill({
       x2: xOf(first[0] + width),
       y1: 0,
       y2: 0,
-      children: colors.map((point, index) => /* @__PURE__ */ a2("stop", { offset: (point[0] - first[0]) / width, "stop-color": hexOf(point) }, index))
+      children: colors.map((point, index) => /* @__PURE__ */ a3("stop", { offset: (point[0] - first[0]) / width, "stop-color": hexOf(point) }, index))
     }
   ) });
 }
@@ -1896,8 +2023,8 @@ function ColorStrip(props) {
   const { below, above } = outOfSight(curve, seen);
   const only = curve[0];
   const isPlain = curve.length === 1 && only !== void 0;
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(
       "svg",
       {
         ref: svg,
@@ -1917,8 +2044,8 @@ function ColorStrip(props) {
         onPointerUp: onUp,
         onPointerCancel: onUp,
         children: [
-          /* @__PURE__ */ a2(Fill, { id: fill, colors: curve, xOf }),
-          /* @__PURE__ */ a2(
+          /* @__PURE__ */ a3(Fill, { id: fill, colors: curve, xOf }),
+          /* @__PURE__ */ a3(
             "rect",
             {
               class: "look-ramp",
@@ -1930,7 +2057,7 @@ function ColorStrip(props) {
             }
           ),
           curve.map(
-            (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a2(
+            (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a3(
               Handle,
               {
                 x: xOf(point[0]),
@@ -1956,177 +2083,8 @@ function ColorStrip(props) {
         ]
       }
     ),
-    below + above > 0 && /* @__PURE__ */ a2("button", { type: "button", class: "button", onClick: () => props.onShowPoints(), children: TEXT2.hidden(below + above) })
+    below + above > 0 && /* @__PURE__ */ a3("button", { type: "button", class: "button", onClick: () => props.onShowPoints(), children: TEXT2.hidden(below + above) })
   ] });
-}
-
-// src/view/look/fields.tsx
-function NumberField2(props) {
-  const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id } = props;
-  const [typed, setTyped] = d2(null);
-  const done2 = () => {
-    setTyped(null);
-    props.onDone();
-  };
-  return /* @__PURE__ */ a2(
-    "input",
-    {
-      type: "number",
-      id,
-      "aria-label": unit2 === "" ? label : `${label}, ${unit2}`,
-      value: typed ?? numberText(value),
-      min,
-      max,
-      step,
-      disabled,
-      onInput: (event) => {
-        const field = event.currentTarget;
-        setTyped(field.value);
-        const number = field.valueAsNumber;
-        if (Number.isFinite(number)) props.onValue(clamped(number, min ?? -Infinity, max ?? Infinity));
-      },
-      onChange: done2,
-      onBlur: done2,
-      onKeyDown: (event) => {
-        if (event.key === "Enter") done2();
-      }
-    }
-  );
-}
-function NamedNumber(props) {
-  const { label, shown = label, unit: unit2 = "" } = props;
-  return /* @__PURE__ */ a2("span", { class: "look-named", children: [
-    /* @__PURE__ */ a2("span", { class: "dim", "aria-hidden": "true", children: shown }),
-    /* @__PURE__ */ a2(NumberField2, { ...props }),
-    unit2 !== "" && /* @__PURE__ */ a2("span", { class: "dim", "aria-hidden": "true", children: unit2 })
-  ] });
-}
-function SliderField(props) {
-  const { label, value, min, max, step = (max - min) / 200, unit: unit2 = "", disabled = false, least, most } = props;
-  const { shown = label } = props;
-  return /* @__PURE__ */ a2("div", { class: "field look-slider", children: [
-    shown !== "" && /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: shown }),
-    /* @__PURE__ */ a2(
-      "input",
-      {
-        type: "range",
-        "aria-label": label,
-        "aria-valuetext": `${numberText(value)}${unit2 && ` ${unit2}`}`,
-        value,
-        min,
-        max,
-        step,
-        disabled,
-        onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
-        onChange: () => props.onDone()
-      }
-    ),
-    /* @__PURE__ */ a2(NumberField2, { ...props, min: least ?? min, max: most ?? max, step: "any", label: `${label}, number` })
-  ] });
-}
-function RelativeSlider(props) {
-  const { label, neutral, unit: unit2 = "", disabled = false } = props;
-  const [amount, setAmount] = d2(null);
-  const [typed, setTyped] = d2("");
-  const done2 = () => {
-    setAmount(null);
-    props.onDone();
-  };
-  const apply = () => {
-    const number = Number(typed);
-    setTyped("");
-    if (typed.trim() === "" || !Number.isFinite(number)) return;
-    props.onAmount(number);
-    done2();
-  };
-  const shown = numberText(amount ?? neutral);
-  return /* @__PURE__ */ a2("div", { class: "field look-slider", children: [
-    /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: label }),
-    /* @__PURE__ */ a2(
-      "input",
-      {
-        type: "range",
-        "aria-label": label,
-        "aria-valuetext": `${shown}${unit2 && ` ${unit2}`}`,
-        min: -1,
-        max: 1,
-        step: 0.01,
-        value: amount === null ? 0 : props.position(amount),
-        disabled,
-        onInput: (event) => {
-          const next = props.amount(event.currentTarget.valueAsNumber);
-          setAmount(next);
-          props.onAmount(next);
-        },
-        onChange: done2
-      }
-    ),
-    /* @__PURE__ */ a2(
-      "input",
-      {
-        type: "number",
-        step: "any",
-        "aria-label": `${label}, number${unit2 && `, ${unit2}`}`,
-        value: amount === null ? typed : Number(amount.toPrecision(3)),
-        placeholder: numberText(neutral),
-        disabled,
-        onInput: (event) => setTyped(event.currentTarget.value),
-        onBlur: apply,
-        onKeyDown: (event) => {
-          if (event.key === "Enter") apply();
-        }
-      }
-    )
-  ] });
-}
-function SelectField({ label, value, options, onChoice }) {
-  return /* @__PURE__ */ a2("label", { class: "field", children: [
-    /* @__PURE__ */ a2("span", { children: label }),
-    /* @__PURE__ */ a2("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value), children: options.map((option) => /* @__PURE__ */ a2("option", { value: option.value, disabled: option.disabled ?? false, children: option.text }, option.value)) })
-  ] });
-}
-function CheckField({
-  label,
-  checked,
-  onCheck
-}) {
-  return /* @__PURE__ */ a2("label", { class: "row look-check", children: [
-    /* @__PURE__ */ a2("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }),
-    /* @__PURE__ */ a2("span", { children: label })
-  ] });
-}
-function ColorField({ label, value, onColor, onDone }) {
-  const [picked, setPicked] = d2(null);
-  A2(() => setPicked(null), [value]);
-  return /* @__PURE__ */ a2(
-    "input",
-    {
-      type: "color",
-      "aria-label": label,
-      value: picked ?? value,
-      onInput: (event) => {
-        setPicked(event.currentTarget.value);
-        onColor(event.currentTarget.value);
-      },
-      onChange: onDone,
-      onBlur: onDone
-    }
-  );
-}
-function Button(props) {
-  return /* @__PURE__ */ a2(
-    "button",
-    {
-      type: "button",
-      class: "button",
-      "aria-label": props.label,
-      title: props.label,
-      "aria-pressed": props.pressed,
-      disabled: props.disabled ?? false,
-      onClick: () => props.onClick(),
-      children: props.children
-    }
-  );
 }
 
 // src/view/look/gradient_editor.tsx
@@ -2165,15 +2123,15 @@ function GradientEditor({
   const done2 = () => store.settle();
   const unit2 = [volume.value_unit, volume.unit].every((one) => one) ? `${volume.value_unit}/${volume.unit}` : "";
   if (point === void 0) {
-    return /* @__PURE__ */ a2("details", { class: "look-details", children: [
-      /* @__PURE__ */ a2("summary", { children: TEXT3.title }),
-      /* @__PURE__ */ a2("p", { class: "dim", children: TEXT3.none }),
-      /* @__PURE__ */ a2(Button, { onClick: () => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)]), children: TEXT3.add })
+    return /* @__PURE__ */ a3("details", { class: "look-details", children: [
+      /* @__PURE__ */ a3("summary", { children: TEXT3.title }),
+      /* @__PURE__ */ a3("p", { class: "dim", children: TEXT3.none }),
+      /* @__PURE__ */ a3(Button, { onClick: () => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)]), children: TEXT3.add })
     ] });
   }
-  return /* @__PURE__ */ a2("details", { class: "look-details", open: true, children: [
-    /* @__PURE__ */ a2("summary", { children: TEXT3.title }),
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("details", { class: "look-details", open: true, children: [
+    /* @__PURE__ */ a3("summary", { children: TEXT3.title }),
+    /* @__PURE__ */ a3(
       CurvePlot,
       {
         label: TEXT3.label,
@@ -2197,8 +2155,8 @@ function GradientEditor({
         }
       }
     ),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(
         NamedNumber,
         {
           label: TEXT3.gradient,
@@ -2209,7 +2167,7 @@ function GradientEditor({
           onDone: done2
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         NamedNumber,
         {
           label: TEXT3.factor,
@@ -2222,8 +2180,8 @@ function GradientEditor({
         }
       )
     ] }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(
         Button,
         {
           onClick: () => {
@@ -2234,7 +2192,7 @@ function GradientEditor({
           children: TEXT3.addPoint
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         Button,
         {
           disabled: curve.length === 1,
@@ -2245,7 +2203,7 @@ function GradientEditor({
           children: TEXT3.delete
         }
       ),
-      /* @__PURE__ */ a2(Button, { onClick: () => store.change([{ op: "remove", path: `/${path.join("/")}` }]), children: TEXT3.remove })
+      /* @__PURE__ */ a3(Button, { onClick: () => store.change([{ op: "remove", path: `/${path.join("/")}` }]), children: TEXT3.remove })
     ] })
   ] });
 }
@@ -2414,7 +2372,7 @@ function PointFields(props) {
     const point = curves.opacity[index];
     if (point !== void 0) {
       const move = (value, opacity) => props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
-      return /* @__PURE__ */ a2(
+      return /* @__PURE__ */ a3(
         Point,
         {
           ...props,
@@ -2422,7 +2380,7 @@ function PointFields(props) {
           n: curves.opacity.length,
           onRemove: () => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1)),
           children: [
-            /* @__PURE__ */ a2(
+            /* @__PURE__ */ a3(
               NamedNumber,
               {
                 label: TEXT4.value,
@@ -2432,7 +2390,7 @@ function PointFields(props) {
                 onDone
               }
             ),
-            /* @__PURE__ */ a2(
+            /* @__PURE__ */ a3(
               NamedNumber,
               {
                 label: TEXT4.opacity,
@@ -2453,7 +2411,7 @@ function PointFields(props) {
     const point = curves.color[index];
     if (point !== void 0) {
       const move = (moved) => props.onColor(withMoved(curves.color, index, moved), index);
-      return /* @__PURE__ */ a2(
+      return /* @__PURE__ */ a3(
         Point,
         {
           ...props,
@@ -2461,7 +2419,7 @@ function PointFields(props) {
           n: curves.color.length,
           onRemove: () => props.onColor(without(curves.color, index), Math.max(0, index - 1)),
           children: [
-            /* @__PURE__ */ a2(
+            /* @__PURE__ */ a3(
               NamedNumber,
               {
                 label: TEXT4.value,
@@ -2471,7 +2429,7 @@ function PointFields(props) {
                 onDone
               }
             ),
-            /* @__PURE__ */ a2(
+            /* @__PURE__ */ a3(
               ColorField,
               {
                 label: TEXT4.color,
@@ -2485,20 +2443,20 @@ function PointFields(props) {
       );
     }
   }
-  return /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT4.none });
+  return /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT4.none });
 }
 function Point({ title, n: n2, selected, children, onSelect, onRemove, onDone }) {
   const go = (index2) => {
     if (selected !== null && index2 >= 0 && index2 < n2) onSelect({ ...selected, index: index2 });
   };
   const index = selected?.index ?? 0;
-  return /* @__PURE__ */ a2("fieldset", { class: "look-point", children: [
-    /* @__PURE__ */ a2("legend", { children: title }),
-    /* @__PURE__ */ a2("div", { class: "row", children }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1), children: "‹" }),
-      /* @__PURE__ */ a2(Button, { label: TEXT4.after, disabled: index === n2 - 1, onClick: () => go(index + 1), children: "›" }),
-      /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("fieldset", { class: "look-point", children: [
+    /* @__PURE__ */ a3("legend", { children: title }),
+    /* @__PURE__ */ a3("div", { class: "row", children }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1), children: "‹" }),
+      /* @__PURE__ */ a3(Button, { label: TEXT4.after, disabled: index === n2 - 1, onClick: () => go(index + 1), children: "›" }),
+      /* @__PURE__ */ a3(
         Button,
         {
           disabled: n2 === 1,
@@ -2552,18 +2510,18 @@ function FunctionPanel(props) {
   const volume = welcome.volumes[ui.layer];
   if (layer === void 0 || volume === void 0) return null;
   const curves = layer.look.transfer_function;
-  return /* @__PURE__ */ a2("div", { class: "look-panel", children: [
-    /* @__PURE__ */ a2(LayerChoice, { ...props }),
-    isEditable(curves) ? /* @__PURE__ */ a2(Editor, { ...props, curves, look: layer.look, volume }, ui.layer) : /* @__PURE__ */ a2($, { children: [
-      /* @__PURE__ */ a2("p", { children: TEXT5.table }),
-      /* @__PURE__ */ a2(GlobalOpacity, { ...props })
+  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
+    /* @__PURE__ */ a3(LayerChoice, { ...props }),
+    isEditable(curves) ? /* @__PURE__ */ a3(Editor, { ...props, curves, look: layer.look, volume }, ui.layer) : /* @__PURE__ */ a3($, { children: [
+      /* @__PURE__ */ a3("p", { children: TEXT5.table }),
+      /* @__PURE__ */ a3(GlobalOpacity, { ...props })
     ] })
   ] });
 }
 function LayerChoice({ store, ui }) {
   const { layers } = store.state;
   if (layers.length < 2) return null;
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     SelectField,
     {
       label: TEXT5.layer,
@@ -2621,8 +2579,8 @@ function Editor(props) {
       ui.problem(problem);
     }
   };
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(
       CurvePlot,
       {
         label: TEXT5.curve,
@@ -2644,7 +2602,7 @@ function Editor(props) {
         onType: typeValue
       }
     ),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       ColorStrip,
       {
         seen,
@@ -2658,7 +2616,7 @@ function Editor(props) {
         onShowPoints: showPoints
       }
     ),
-    /* @__PURE__ */ a2("div", { ref: value, children: /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { ref: value, children: /* @__PURE__ */ a3(
       PointFields,
       {
         curves,
@@ -2670,8 +2628,8 @@ function Editor(props) {
         onSelect: setSelected
       }
     ) }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(
         Button,
         {
           onClick: () => {
@@ -2682,7 +2640,7 @@ function Editor(props) {
           children: TEXT5.addOpacity
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         Button,
         {
           onClick: () => {
@@ -2694,8 +2652,8 @@ function Editor(props) {
         }
       )
     ] }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(
         NamedNumber,
         {
           shown: TEXT5.seen,
@@ -2706,7 +2664,7 @@ function Editor(props) {
           }
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         NamedNumber,
         {
           shown: "–",
@@ -2718,20 +2676,20 @@ function Editor(props) {
           }
         }
       ),
-      /* @__PURE__ */ a2(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)), children: "+" }),
-      /* @__PURE__ */ a2(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)), children: "−" })
+      /* @__PURE__ */ a3(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)), children: "+" }),
+      /* @__PURE__ */ a3(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)), children: "−" })
     ] }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(Button, { onClick: () => setZoom(usual), children: TEXT5.usual }),
-      /* @__PURE__ */ a2(Button, { onClick: () => setZoom(whole), children: TEXT5.all }),
-      /* @__PURE__ */ a2(Button, { onClick: showPoints, children: TEXT5.points })
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(Button, { onClick: () => setZoom(usual), children: TEXT5.usual }),
+      /* @__PURE__ */ a3(Button, { onClick: () => setZoom(whole), children: TEXT5.all }),
+      /* @__PURE__ */ a3(Button, { onClick: showPoints, children: TEXT5.points })
     ] }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }),
-      /* @__PURE__ */ a2(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }),
+      /* @__PURE__ */ a3(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })
     ] }),
-    /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT5.hint }),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT5.hint }),
+    /* @__PURE__ */ a3(
       RelativeSlider,
       {
         label: TEXT5.shift,
@@ -2743,7 +2701,7 @@ function Editor(props) {
         onDone: done2
       }
     ),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       RelativeSlider,
       {
         label: `${TEXT5.width} ×`,
@@ -2754,7 +2712,7 @@ function Editor(props) {
         onDone: done2
       }
     ),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       RelativeSlider,
       {
         label: TEXT5.opacities,
@@ -2765,18 +2723,18 @@ function Editor(props) {
         onDone: done2
       }
     ),
-    /* @__PURE__ */ a2(GlobalOpacity, { ...props }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(Button, { onClick: () => once((before) => ({ ...before, opacity: mirrored(before.opacity) })), children: TEXT5.mirrorOpacity }),
-      /* @__PURE__ */ a2(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })), children: TEXT5.mirrorColor }),
-      /* @__PURE__ */ a2(Button, { onClick: () => void reset(), children: TEXT5.reset(look.name) })
+    /* @__PURE__ */ a3(GlobalOpacity, { ...props }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(Button, { onClick: () => once((before) => ({ ...before, opacity: mirrored(before.opacity) })), children: TEXT5.mirrorOpacity }),
+      /* @__PURE__ */ a3(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })), children: TEXT5.mirrorColor }),
+      /* @__PURE__ */ a3(Button, { onClick: () => void reset(), children: TEXT5.reset(look.name) })
     ] }),
-    /* @__PURE__ */ a2(GradientEditor, { ...props })
+    /* @__PURE__ */ a3(GradientEditor, { ...props })
   ] });
 }
 function GlobalOpacity({ store, ui }) {
   const opacity = store.state.layers[ui.layer]?.opacity ?? 1;
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     SliderField,
     {
       label: TEXT5.global,
@@ -2882,17 +2840,17 @@ function LabelsPanel({ store }) {
   const [filter, setFilter] = d2("");
   const hidden = w2(() => /* @__PURE__ */ new Map(), [store]);
   const labels = store.state.labels;
-  if (labels === null) return /* @__PURE__ */ a2("p", { class: "dim", children: TEXT6.none });
+  if (labels === null) return /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.none });
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
   const show = (isShown) => store.change(shownLabels(labels.labels, isShown, hidden));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number) => isOnShown.get(number) ?? false;
-  return /* @__PURE__ */ a2("div", { class: "look-panel", children: [
-    all.length >= FILTERED_FROM && /* @__PURE__ */ a2("label", { class: "field", children: [
-      /* @__PURE__ */ a2("span", { children: TEXT6.filter }),
-      /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
+    all.length >= FILTERED_FROM && /* @__PURE__ */ a3("label", { class: "field", children: [
+      /* @__PURE__ */ a3("span", { children: TEXT6.filter }),
+      /* @__PURE__ */ a3(
         "input",
         {
           type: "search",
@@ -2902,14 +2860,14 @@ function LabelsPanel({ store }) {
         }
       )
     ] }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(Button, { onClick: () => show((number) => inRows.has(number) || others(number)), children: TEXT6.showAll }),
-      /* @__PURE__ */ a2(Button, { onClick: () => show((number) => !inRows.has(number) && others(number)), children: TEXT6.hideAll }),
-      /* @__PURE__ */ a2("span", { class: "dim", children: TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length) })
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(Button, { onClick: () => show((number) => inRows.has(number) || others(number)), children: TEXT6.showAll }),
+      /* @__PURE__ */ a3(Button, { onClick: () => show((number) => !inRows.has(number) && others(number)), children: TEXT6.hideAll }),
+      /* @__PURE__ */ a3("span", { class: "dim", children: TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length) })
     ] }),
-    rows.length === 0 && /* @__PURE__ */ a2("p", { class: "dim", children: TEXT6.empty }),
-    /* @__PURE__ */ a2("ul", { class: "look-list", "aria-label": "Labels", children: rows.slice(0, MOST_ROWS).map(({ number, name, look, opacity, isShown }) => /* @__PURE__ */ a2("li", { class: "look-label", children: [
-      /* @__PURE__ */ a2(
+    rows.length === 0 && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.empty }),
+    /* @__PURE__ */ a3("ul", { class: "look-list", "aria-label": "Labels", children: rows.slice(0, MOST_ROWS).map(({ number, name, look, opacity, isShown }) => /* @__PURE__ */ a3("li", { class: "look-label", children: [
+      /* @__PURE__ */ a3(
         "input",
         {
           type: "checkbox",
@@ -2921,7 +2879,7 @@ function LabelsPanel({ store }) {
           }
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         ColorField,
         {
           label: TEXT6.color(name),
@@ -2930,8 +2888,8 @@ function LabelsPanel({ store }) {
           onDone: () => store.settle()
         }
       ),
-      /* @__PURE__ */ a2("span", { class: "look-grow look-name", title: `${name} (${number})`, children: name }),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3("span", { class: "look-grow look-name", title: `${name} (${number})`, children: name }),
+      /* @__PURE__ */ a3(
         Button,
         {
           label: TEXT6.soloThis(name),
@@ -2940,7 +2898,7 @@ function LabelsPanel({ store }) {
           children: TEXT6.solo
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         SliderField,
         {
           label: TEXT6.opacity(name),
@@ -2954,8 +2912,8 @@ function LabelsPanel({ store }) {
         }
       )
     ] }, number)) }),
-    rows.length > MOST_ROWS && /* @__PURE__ */ a2("p", { class: "dim", children: TEXT6.more(rows.length - MOST_ROWS) }),
-    /* @__PURE__ */ a2(
+    rows.length > MOST_ROWS && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.more(rows.length - MOST_ROWS) }),
+    /* @__PURE__ */ a3(
       CheckField,
       {
         label: TEXT6.smooth,
@@ -2980,9 +2938,9 @@ var TEXT7 = {
 };
 function LayersPanel({ store, ui }) {
   const { layers } = store.state;
-  return /* @__PURE__ */ a2("ul", { class: "look-list", "aria-label": "Layers", children: layers.map((layer, index) => /* @__PURE__ */ a2("li", { class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1, children: [
-    /* @__PURE__ */ a2("div", { class: "row look-nowrap", children: [
-      /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("ul", { class: "look-list", "aria-label": "Layers", children: layers.map((layer, index) => /* @__PURE__ */ a3("li", { class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1, children: [
+    /* @__PURE__ */ a3("div", { class: "row look-nowrap", children: [
+      /* @__PURE__ */ a3(
         "input",
         {
           type: "checkbox",
@@ -2992,8 +2950,8 @@ function LayersPanel({ store, ui }) {
           onChange: (event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])
         }
       ),
-      /* @__PURE__ */ a2(Ramp, { layer }),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(Ramp, { layer }),
+      /* @__PURE__ */ a3(
         "input",
         {
           type: "text",
@@ -3008,7 +2966,7 @@ function LayersPanel({ store, ui }) {
           }
         }
       ),
-      layers.length > 1 && /* @__PURE__ */ a2(
+      layers.length > 1 && /* @__PURE__ */ a3(
         Button,
         {
           label: TEXT7.soloThis(layer.name),
@@ -3018,7 +2976,7 @@ function LayersPanel({ store, ui }) {
         }
       )
     ] }),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       SliderField,
       {
         label: layers.length > 1 ? TEXT7.opacityOf(layer.name) : TEXT7.opacity,
@@ -3031,8 +2989,8 @@ function LayersPanel({ store, ui }) {
         onDone: () => store.settle()
       }
     ),
-    layers.length > 1 && /* @__PURE__ */ a2("label", { class: "row look-check", children: [
-      /* @__PURE__ */ a2(
+    layers.length > 1 && /* @__PURE__ */ a3("label", { class: "row look-check", children: [
+      /* @__PURE__ */ a3(
         "input",
         {
           type: "radio",
@@ -3042,19 +3000,19 @@ function LayersPanel({ store, ui }) {
           onChange: () => ui.setLayer(index)
         }
       ),
-      /* @__PURE__ */ a2("span", { children: TEXT7.edit }),
-      /* @__PURE__ */ a2("span", { class: "dim", children: TEXT7.look(layer.look.name) })
+      /* @__PURE__ */ a3("span", { children: TEXT7.edit }),
+      /* @__PURE__ */ a3("span", { class: "dim", children: TEXT7.look(layer.look.name) })
     ] })
   ] }, index)) });
 }
 function Ramp({ layer }) {
   const curves = layer.look.transfer_function;
-  if (!isEditable(curves)) return /* @__PURE__ */ a2("span", { class: "chip" });
+  if (!isEditable(curves)) return /* @__PURE__ */ a3("span", { class: "chip" });
   const [low, high] = spanOf(curves.color);
   const stops = curves.color.map((point) => `${hexOf(point)} ${100 * (point[0] - low) / (high - low || 1)}%`);
   const first = curves.color[0];
   const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
-  return /* @__PURE__ */ a2("span", { class: "chip look-chip", style: { background } });
+  return /* @__PURE__ */ a3("span", { class: "chip look-chip", style: { background } });
 }
 
 // src/view/look/composites.ts
@@ -3124,8 +3082,8 @@ function LightPad({ direction, onDirection, onDone }) {
     if (isDragging.current) onDone();
     isDragging.current = false;
   };
-  return /* @__PURE__ */ a2("div", { class: "row look-nowrap", children: [
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("div", { class: "row look-nowrap", children: [
+    /* @__PURE__ */ a3(
       "svg",
       {
         class: "look-pad",
@@ -3169,14 +3127,14 @@ function LightPad({ direction, onDirection, onDone }) {
           turn(...step);
         },
         children: [
-          /* @__PURE__ */ a2("circle", { class: "look-ball", r: RADIUS_PX }),
-          /* @__PURE__ */ a2("path", { class: "look-grid", d: `M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}` }),
-          /* @__PURE__ */ a2("circle", { class: "look-spot", cx: spot.x, cy: spot.y, r: 6, "data-behind": direction[2] < 0 })
+          /* @__PURE__ */ a3("circle", { class: "look-ball", r: RADIUS_PX }),
+          /* @__PURE__ */ a3("path", { class: "look-grid", d: `M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}` }),
+          /* @__PURE__ */ a3("circle", { class: "look-spot", cx: spot.x, cy: spot.y, r: 6, "data-behind": direction[2] < 0 })
         ]
       }
     ),
-    /* @__PURE__ */ a2("div", { class: "look-grow look-angles", children: [
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "look-grow look-angles", children: [
+      /* @__PURE__ */ a3(
         Angle,
         {
           label: TEXT8.azimuth,
@@ -3186,7 +3144,7 @@ function LightPad({ direction, onDirection, onDone }) {
           onDone
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         Angle,
         {
           label: TEXT8.elevation,
@@ -3201,10 +3159,10 @@ function LightPad({ direction, onDirection, onDone }) {
 }
 function Angle(props) {
   const { label, value, most, onValue, onDone } = props;
-  return /* @__PURE__ */ a2("div", { class: "row", children: [
-    /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: label }),
-    /* @__PURE__ */ a2(
-      NumberField2,
+  return /* @__PURE__ */ a3("div", { class: "row", children: [
+    /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: label }),
+    /* @__PURE__ */ a3(
+      NumberField,
       {
         label,
         unit: "degrees",
@@ -3216,7 +3174,7 @@ function Angle(props) {
         onDone
       }
     ),
-    /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: TEXT8.degrees })
+    /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: TEXT8.degrees })
   ] });
 }
 function wrapped(degrees) {
@@ -3257,11 +3215,11 @@ var SMOOTHING = [0.5, 1.25];
 var SMOOTH = 0.8;
 var WATER = 2059e-8;
 function LightPanel(props) {
-  return /* @__PURE__ */ a2("div", { class: "look-panel", children: [
-    /* @__PURE__ */ a2(Operator, { ...props }),
-    /* @__PURE__ */ a2(LayerChoice, { ...props }),
-    /* @__PURE__ */ a2(LightFields, { ...props }),
-    /* @__PURE__ */ a2(Rest, { ...props })
+  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
+    /* @__PURE__ */ a3(Operator, { ...props }),
+    /* @__PURE__ */ a3(LayerChoice, { ...props }),
+    /* @__PURE__ */ a3(LightFields, { ...props }),
+    /* @__PURE__ */ a3(Rest, { ...props })
   ] });
 }
 function Operator({ store, ui, welcome }) {
@@ -3276,7 +3234,7 @@ function Operator({ store, ui, welcome }) {
     return look === void 0 ? (low + high) / 2 : rounded(surfaceValue(look.transfer_function, usual), high - low);
   };
   const number = (field, value, gesture) => store.change([set(withNumber(render2.composite, field, value), "render", "composite")], gesture);
-  const slider = (label, field, value, min, max, unit3 = "", beyond = {}) => /* @__PURE__ */ a2(
+  const slider = (label, field, value, min, max, unit3 = "", beyond = {}) => /* @__PURE__ */ a3(
     SliderField,
     {
       label,
@@ -3291,8 +3249,8 @@ function Operator({ store, ui, welcome }) {
   );
   const optional = (label, field, first, min, max, unit3 = "") => {
     const value = numberOf(render2.composite, field);
-    return /* @__PURE__ */ a2($, { children: [
-      /* @__PURE__ */ a2(
+    return /* @__PURE__ */ a3($, { children: [
+      /* @__PURE__ */ a3(
         CheckField,
         {
           label: TEXT9.automatic(label),
@@ -3305,8 +3263,8 @@ function Operator({ store, ui, welcome }) {
   };
   const unit2 = volume?.value_unit ?? "";
   const attenuation = unit2 === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume?.bounds));
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(
       SelectField,
       {
         label: TEXT9.composite,
@@ -3319,7 +3277,7 @@ function Operator({ store, ui, welcome }) {
         onChoice: (value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])
       }
     ),
-    isOverOnly && /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT9.overOnly }),
+    isOverOnly && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.overOnly }),
     name === "first-hit" && slider(TEXT9.iso, "iso_value", numberOf(render2.composite, "iso_value") ?? surface(), low, high, unit2),
     name === "local-maximum" && optional(TEXT9.threshold, "threshold", surface(), low, high, unit2),
     name === "depth-shaded-maximum" && slider(TEXT9.strength, "strength", numberOf(render2.composite, "strength") ?? DIMMING, 0, 1),
@@ -3345,21 +3303,21 @@ function LightFields({ store, engine, ui, welcome }) {
     }
   };
   const toggle = (on) => store.change([set(on ? kept.current ?? DEFAULT_SHADING : null, ...path)]);
-  const resetButton = /* @__PURE__ */ a2(Button, { onClick: () => void reset(), children: TEXT9.reset });
-  const head = /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(CheckField, { label: TEXT9.shading, checked: shading !== null, onCheck: toggle }),
-    !isShaded && /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT9.unshaded }),
-    state.shading !== "look" && state.layers.length > 1 && /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT9.all })
+  const resetButton = /* @__PURE__ */ a3(Button, { onClick: () => void reset(), children: TEXT9.reset });
+  const head = /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(CheckField, { label: TEXT9.shading, checked: shading !== null, onCheck: toggle }),
+    !isShaded && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.unshaded }),
+    state.shading !== "look" && state.layers.length > 1 && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.all })
   ] });
   if (shading === null) {
-    return /* @__PURE__ */ a2($, { children: [
+    return /* @__PURE__ */ a3($, { children: [
       head,
       resetButton
     ] });
   }
   const change = (field, value) => store.change([set(value, ...path, field)], `light ${field}`);
   const done2 = () => store.settle();
-  const slider = (label, field, min, max, more = {}) => /* @__PURE__ */ a2(
+  const slider = (label, field, min, max, more = {}) => /* @__PURE__ */ a3(
     SliderField,
     {
       label,
@@ -3377,7 +3335,7 @@ function LightFields({ store, engine, ui, welcome }) {
   const setDirection = (direction) => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
   const isSmooth = shading.gradient_smoothing > 0;
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
-  return /* @__PURE__ */ a2($, { children: [
+  return /* @__PURE__ */ a3($, { children: [
     head,
     slider(TEXT9.exposure, "exposure", 0, 3, { most: 100, step: 0.01 }),
     slider(TEXT9.ambient, "ambient", 0, 1, { most: 10, step: 0.01 }),
@@ -3386,8 +3344,8 @@ function LightFields({ store, engine, ui, welcome }) {
     slider(TEXT9.power, "specular_power", 1, 100, { most: 1e3, step: 1 }),
     slider(TEXT9.shoulder, "shoulder", 0, 1, { step: 0.01 }),
     slider(TEXT9.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 }),
-    shading.ambient_occlusion > 0 && /* @__PURE__ */ a2($, { children: [
-      /* @__PURE__ */ a2(
+    shading.ambient_occlusion > 0 && /* @__PURE__ */ a3($, { children: [
+      /* @__PURE__ */ a3(
         CheckField,
         {
           label: TEXT9.automatic(TEXT9.radius),
@@ -3400,9 +3358,9 @@ function LightFields({ store, engine, ui, welcome }) {
       })
     ] }),
     slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }),
-    first["frame"] === "world" && /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT9.world }),
-    /* @__PURE__ */ a2(LightPad, { direction: first.direction, onDirection: setDirection, onDone: done2 }),
-    /* @__PURE__ */ a2(
+    first["frame"] === "world" && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.world }),
+    /* @__PURE__ */ a3(LightPad, { direction: first.direction, onDirection: setDirection, onDone: done2 }),
+    /* @__PURE__ */ a3(
       CheckField,
       {
         label: TEXT9.smoothingOn,
@@ -3416,8 +3374,8 @@ function LightFields({ store, engine, ui, welcome }) {
 }
 function Rest({ store, welcome }) {
   const { render: render2, background } = store.state;
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(
       SelectField,
       {
         label: TEXT9.kernel,
@@ -3426,9 +3384,9 @@ function Rest({ store, welcome }) {
         onChoice: (value) => store.change([set(value, "render", "kernel")])
       }
     ),
-    /* @__PURE__ */ a2("div", { class: "field", children: [
-      /* @__PURE__ */ a2("span", { "aria-hidden": "true", children: TEXT9.background }),
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "field", children: [
+      /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: TEXT9.background }),
+      /* @__PURE__ */ a3(
         ColorField,
         {
           label: TEXT9.background,
@@ -3511,9 +3469,9 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
     }
     input.value = "";
   };
-  return /* @__PURE__ */ a2("details", { class: "look-details", children: [
-    /* @__PURE__ */ a2("summary", { children: TEXT10.title }),
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("details", { class: "look-details", children: [
+    /* @__PURE__ */ a3("summary", { children: TEXT10.title }),
+    /* @__PURE__ */ a3(
       "form",
       {
         class: "look-panel",
@@ -3522,9 +3480,9 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
           void save();
         },
         children: [
-          /* @__PURE__ */ a2("label", { class: "field", children: [
-            /* @__PURE__ */ a2("span", { children: TEXT10.name }),
-            /* @__PURE__ */ a2(
+          /* @__PURE__ */ a3("label", { class: "field", children: [
+            /* @__PURE__ */ a3("span", { children: TEXT10.name }),
+            /* @__PURE__ */ a3(
               "input",
               {
                 type: "text",
@@ -3539,11 +3497,11 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
               }
             )
           ] }),
-          why !== "" && /* @__PURE__ */ a2("p", { role: "alert", class: "look-why", children: why }),
-          /* @__PURE__ */ a2("div", { class: "row", children: [
-            /* @__PURE__ */ a2("button", { type: "submit", class: "button", children: TEXT10.save }),
-            chosen2 !== void 0 && /* @__PURE__ */ a2($, { children: [
-              /* @__PURE__ */ a2(
+          why !== "" && /* @__PURE__ */ a3("p", { role: "alert", class: "look-why", children: why }),
+          /* @__PURE__ */ a3("div", { class: "row", children: [
+            /* @__PURE__ */ a3("button", { type: "submit", class: "button", children: TEXT10.save }),
+            chosen2 !== void 0 && /* @__PURE__ */ a3($, { children: [
+              /* @__PURE__ */ a3(
                 Button,
                 {
                   label: `${TEXT10.rename} ${chosen2.name}`,
@@ -3556,7 +3514,7 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
                   children: TEXT10.rename
                 }
               ),
-              /* @__PURE__ */ a2(
+              /* @__PURE__ */ a3(
                 Button,
                 {
                   label: `${TEXT10.remove} ${chosen2.name}`,
@@ -3566,17 +3524,17 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
               )
             ] })
           ] }),
-          /* @__PURE__ */ a2("div", { class: "row", children: [
-            /* @__PURE__ */ a2(
+          /* @__PURE__ */ a3("div", { class: "row", children: [
+            /* @__PURE__ */ a3(
               Button,
               {
                 onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json"),
                 children: TEXT10.export
               }
             ),
-            /* @__PURE__ */ a2("label", { class: "button look-file", children: [
+            /* @__PURE__ */ a3("label", { class: "button look-file", children: [
               TEXT10.import,
-              /* @__PURE__ */ a2(
+              /* @__PURE__ */ a3(
                 "input",
                 {
                   type: "file",
@@ -3728,9 +3686,9 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
     event.preventDefault();
     event.stopPropagation();
   };
-  return /* @__PURE__ */ a2("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list, children: tiles.map(({ name, description, picture }, index) => {
+  return /* @__PURE__ */ a3("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list, children: tiles.map(({ name, description, picture }, index) => {
     const address = picture ?? pictures.get(name);
-    return /* @__PURE__ */ a2(
+    return /* @__PURE__ */ a3(
       "div",
       {
         class: "look-tile",
@@ -3745,8 +3703,8 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
         onFocus: () => setFocused(name),
         onKeyDown: (event) => onKeyDown(event, index),
         children: [
-          address ? /* @__PURE__ */ a2("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ a2("span", { class: "look-blank" }),
-          /* @__PURE__ */ a2("span", { class: "look-name", children: name })
+          address ? /* @__PURE__ */ a3("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ a3("span", { class: "look-blank" }),
+          /* @__PURE__ */ a3("span", { class: "look-name", children: name })
         ]
       },
       name
@@ -3804,13 +3762,13 @@ function PresetsPanel(props) {
     pictures.clear().forEach((name) => pictures.want(name));
     redraw(null);
   };
-  const take = (look) => {
+  const take2 = (look) => {
     store.change(chosen(store.state, ui.layer, look));
     ui.announce(TEXT11.chosen(look.name));
   };
   const choose = async (name) => {
     try {
-      take((await engine.ask("preset", { layer: ui.layer, name })).look);
+      take2((await engine.ask("preset", { layer: ui.layer, name })).look);
     } catch (found2) {
       ui.problem(found2);
     }
@@ -3827,11 +3785,11 @@ function PresetsPanel(props) {
     search
   );
   const grid = { selected: layer.look.name, pictures, onChoose: (name) => void choose(name) };
-  return /* @__PURE__ */ a2("div", { class: "look-panel", children: [
-    /* @__PURE__ */ a2(LayerChoice, { ...props }),
-    /* @__PURE__ */ a2("label", { class: "field", children: [
-      /* @__PURE__ */ a2("span", { children: TEXT11.search }),
-      /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
+    /* @__PURE__ */ a3(LayerChoice, { ...props }),
+    /* @__PURE__ */ a3("label", { class: "field", children: [
+      /* @__PURE__ */ a3("span", { children: TEXT11.search }),
+      /* @__PURE__ */ a3(
         "input",
         {
           type: "search",
@@ -3841,9 +3799,9 @@ function PresetsPanel(props) {
         }
       )
     ] }),
-    ownTiles.length > 0 && /* @__PURE__ */ a2($, { children: [
-      /* @__PURE__ */ a2("h3", { children: TEXT11.own }),
-      /* @__PURE__ */ a2(
+    ownTiles.length > 0 && /* @__PURE__ */ a3($, { children: [
+      /* @__PURE__ */ a3("h3", { children: TEXT11.own }),
+      /* @__PURE__ */ a3(
         PresetTiles,
         {
           ...grid,
@@ -3851,31 +3809,31 @@ function PresetsPanel(props) {
           tiles: ownTiles,
           onChoose: (name) => {
             const preset = own.find((one) => one.name === name);
-            if (preset !== void 0) take(preset.look);
+            if (preset !== void 0) take2(preset.look);
           }
         }
       )
     ] }),
-    fitting.length > 0 && /* @__PURE__ */ a2(PresetTiles, { ...grid, label: TEXT11.fitting, tiles: fitting }),
-    rest.length > 0 && /* @__PURE__ */ a2(
+    fitting.length > 0 && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT11.fitting, tiles: fitting }),
+    rest.length > 0 && /* @__PURE__ */ a3(
       "details",
       {
         class: "look-details",
         open: showsAll || search !== "",
         onToggle: (event) => search === "" && setShowsAll(event.currentTarget.open),
         children: [
-          /* @__PURE__ */ a2("summary", { children: TEXT11.all(rest.length) }),
-          (showsAll || search !== "") && /* @__PURE__ */ a2(PresetTiles, { ...grid, label: TEXT11.all(rest.length), tiles: rest })
+          /* @__PURE__ */ a3("summary", { children: TEXT11.all(rest.length) }),
+          (showsAll || search !== "") && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT11.all(rest.length), tiles: rest })
         ]
       }
     ),
-    found.length + ownTiles.length === 0 && /* @__PURE__ */ a2("p", { class: "dim", children: TEXT11.none }),
-    store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a2("p", { class: "look-small", children: TEXT11.alone }),
-    isOld && /* @__PURE__ */ a2($, { children: [
-      /* @__PURE__ */ a2("p", { class: "dim look-small", children: TEXT11.old }),
-      /* @__PURE__ */ a2(Button, { onClick: drawAnew, children: TEXT11.redraw })
+    found.length + ownTiles.length === 0 && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT11.none }),
+    store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a3("p", { class: "look-small", children: TEXT11.alone }),
+    isOld && /* @__PURE__ */ a3($, { children: [
+      /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT11.old }),
+      /* @__PURE__ */ a3(Button, { onClick: drawAnew, children: TEXT11.redraw })
     ] }),
-    /* @__PURE__ */ a2(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take })
+    /* @__PURE__ */ a3(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take2 })
   ] });
 }
 
@@ -3953,11 +3911,11 @@ function TimeBar({ store, ui, welcome }) {
     return () => clearTimeout(timer);
   }, [isPlaying, isShown, time, rate, repeats]);
   if (count < 2) return null;
-  return /* @__PURE__ */ a2("div", { class: "look-time", role: "group", "aria-label": TEXT12.title, children: [
-    /* @__PURE__ */ a2(Button, { label: TEXT12.before, onClick: () => step(-1), children: "‹" }),
-    /* @__PURE__ */ a2(Button, { pressed: isPlaying, onClick: toggle, children: isPlaying ? TEXT12.pause : TEXT12.play }),
-    /* @__PURE__ */ a2(Button, { label: TEXT12.next, onClick: () => step(1), children: "›" }),
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("div", { class: "look-time", role: "group", "aria-label": TEXT12.title, children: [
+    /* @__PURE__ */ a3(Button, { label: TEXT12.before, onClick: () => step(-1), children: "‹" }),
+    /* @__PURE__ */ a3(Button, { pressed: isPlaying, onClick: toggle, children: isPlaying ? TEXT12.pause : TEXT12.play }),
+    /* @__PURE__ */ a3(Button, { label: TEXT12.next, onClick: () => step(1), children: "›" }),
+    /* @__PURE__ */ a3(
       "input",
       {
         type: "range",
@@ -3974,10 +3932,10 @@ function TimeBar({ store, ui, welcome }) {
         onChange: () => store.settle()
       }
     ),
-    /* @__PURE__ */ a2("output", { class: "look-count", children: TEXT12.of(time, count) }),
-    /* @__PURE__ */ a2("label", { class: "row", children: [
-      /* @__PURE__ */ a2(
-        NumberField2,
+    /* @__PURE__ */ a3("output", { class: "look-count", children: TEXT12.of(time, count) }),
+    /* @__PURE__ */ a3("label", { class: "row", children: [
+      /* @__PURE__ */ a3(
+        NumberField,
         {
           label: TEXT12.rate,
           min: 0.2,
@@ -3989,9 +3947,9 @@ function TimeBar({ store, ui, welcome }) {
           }
         }
       ),
-      /* @__PURE__ */ a2("span", { class: "dim", "aria-hidden": "true", children: TEXT12.perSecond })
+      /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: TEXT12.perSecond })
     ] }),
-    /* @__PURE__ */ a2(CheckField, { label: TEXT12.repeat, checked: repeats, onCheck: setRepeats })
+    /* @__PURE__ */ a3(CheckField, { label: TEXT12.repeat, checked: repeats, onCheck: setRepeats })
   ] });
 }
 
@@ -4039,6 +3997,72 @@ function shortNumber(value, digits = 3) {
   if (size < -4 || size > 7) return value.toExponential(digits - 1);
   const places = Math.max(0, digits - 1 - size);
   return String(Number(value.toFixed(Math.min(places, 8))));
+}
+
+// src/view/handle.tsx
+var COARSE = 10;
+var STEPS = {
+  ArrowRight: 1,
+  ArrowUp: 1,
+  ArrowLeft: -1,
+  ArrowDown: -1,
+  PageUp: COARSE,
+  PageDown: -COARSE
+};
+function stepOf(event) {
+  const step = STEPS[event.key];
+  if (step !== void 0) take(event);
+  return step;
+}
+function take(event) {
+  event.preventDefault();
+  event.stopPropagation();
+}
+function Handle2(props) {
+  const { label, text, value, range, x: x2, y: y3, color, round, onDrag, onKey, onEnd, onDouble } = props;
+  const down = (event) => {
+    event.stopPropagation();
+    const element = event.currentTarget;
+    element.setPointerCapture(event.pointerId);
+    element.focus({ preventScroll: true });
+    const box = element.ownerSVGElement?.getBoundingClientRect();
+    let [px2, py] = [event.clientX, event.clientY];
+    const move = (moved) => {
+      onDrag(moved.clientX - (box?.left ?? 0), moved.clientY - (box?.top ?? 0), moved.clientX - px2, moved.clientY - py);
+      [px2, py] = [moved.clientX, moved.clientY];
+    };
+    const up = () => {
+      element.removeEventListener("pointermove", move);
+      element.removeEventListener("pointerup", up);
+      element.removeEventListener("pointercancel", up);
+      onEnd();
+    };
+    element.addEventListener("pointermove", move);
+    element.addEventListener("pointerup", up);
+    element.addEventListener("pointercancel", up);
+  };
+  return /* @__PURE__ */ a3(
+    "g",
+    {
+      "data-handle": true,
+      role: "slider",
+      tabIndex: 0,
+      "aria-label": label,
+      "aria-valuenow": Number(value.toFixed(3)),
+      "aria-valuemin": Number(range[0].toFixed(3)),
+      "aria-valuemax": Number(range[1].toFixed(3)),
+      "aria-valuetext": text,
+      transform: `translate(${x2} ${y3})`,
+      onPointerDown: down,
+      onKeyDown: onKey,
+      onKeyUp: onEnd,
+      onDblClick: onDouble,
+      children: [
+        /* @__PURE__ */ a3("circle", { r: "13", fill: "transparent", stroke: "none" }),
+        round ? /* @__PURE__ */ a3("circle", { r: "5", fill: "#000", stroke: color, "stroke-width": "2" }) : /* @__PURE__ */ a3("rect", { x: "-5", y: "-5", width: "10", height: "10", fill: color, stroke: "#000", "stroke-width": "1" })
+      ]
+    }
+  );
 }
 
 // src/view/slices/geometry.ts
@@ -4112,69 +4136,167 @@ function angleDeg(points) {
 }
 var distance = (points) => length(sub(points[1], points[0]));
 
-// src/view/overlay3d/crop_on_slice.tsx
-var COLOR = "#ffd166";
-var ALONG = 0.999;
-function CropOnSlice(props) {
-  const { store, welcome, on } = props;
-  const place = placeOfBox(store.state.clip, "keep");
-  const clip = store.state.clip[place];
-  const box = clip === void 0 ? null : boxOf(clip);
-  const normalAxis = on.geometry.normal.findIndex((one) => Math.abs(one) > ALONG);
-  if (box === null || normalAxis < 0) return null;
-  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
-  const { crosshair } = store.state.view.slices;
-  const inPlane = (point) => point.map((value, a4) => a4 === normalAxis ? crosshair[a4] : value);
-  const [from, to] = [placeOf(on, inPlane(box.lower)), placeOf(on, inPlane(box.upper))];
-  const [left, top] = [Math.min(from.x, to.x), Math.min(from.y, to.y)];
-  const now = () => {
-    const found = store.state.clip[place];
-    return (found === void 0 ? null : boxOf(found)) ?? box;
-  };
-  const faces = [0, 1, 2].filter((axis) => axis !== normalAxis).flatMap((axis) => [{ axis, side: "lower" }, { axis, side: "upper" }]);
-  return /* @__PURE__ */ a2("g", { children: [
-    /* @__PURE__ */ a2("rect", { x: left, y: top, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y), stroke: COLOR, fill: "none", "stroke-width": "1.3" }),
-    faces.map((face) => {
-      const middle2 = scaled(add(box.lower, box.upper), 0.5);
-      const at2 = placeOf(on, inPlane(middle2.map((value2, a4) => a4 === face.axis ? box[face.side][face.axis] : value2)));
-      const value = box[face.side][face.axis];
-      const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-      const name = `Crop, ${"xyz"[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
-      const move = (target, gesture) => store.change([set({ keep: withFace(now(), face, target, welcome.bounds, spacing[face.axis]) }, "clip", place)], gesture);
-      return /* @__PURE__ */ a2(
-        Handle2,
-        {
-          label: name,
-          text: `${name} ${shortNumber(value, 4)}`,
-          value,
-          range: bounds,
-          x: at2.x,
-          y: at2.y,
-          color: COLOR,
-          onDrag: (_x, _y, dx, dy) => {
-            const per = on.geometry.pixel * on.width / on.size.width;
-            const way = dx * (on.geometry.right[face.axis] ?? 0) + dy * (on.geometry.down[face.axis] ?? 0);
-            move(now()[face.side][face.axis] + way * per, "face");
-          },
-          onKey: (event) => {
-            const n2 = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
-            if (n2 === void 0) return;
-            event.preventDefault();
-            event.stopPropagation();
-            move(now()[face.side][face.axis] + n2 * spacing[face.axis], "key face");
-          },
-          onEnd: () => store.settle()
-        },
-        name
-      );
-    })
+// src/view/slices/measures.tsx
+var COLOR = "#7df0ff";
+function measured(measure, unit2) {
+  return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit2}` : `${angleDeg(measure.points).toFixed(1)}°`;
+}
+function Drawn(props) {
+  const { store, welcome, ui, placed, moved, isNear } = props;
+  const unit2 = welcome.volumes[0]?.unit ?? "units";
+  const pending = ui.points.map(placed);
+  return /* @__PURE__ */ a3("g", { children: [
+    store.state.view.measures.map((measure, n2) => {
+      const places = measure.points.map(placed);
+      if (!isNear(measure.points) || places.some((place) => place === null)) return null;
+      const points = places;
+      const middle2 = points[measure.kind === "angle" ? 1 : 0];
+      const text = measured(measure, unit2);
+      return /* @__PURE__ */ a3("g", { children: [
+        /* @__PURE__ */ a3("path", { d: `M${points.map(({ x: x2, y: y3 }) => `${x2} ${y3}`).join("L")}`, fill: "none", stroke: COLOR, "stroke-width": "1.5" }),
+        /* @__PURE__ */ a3("text", { x: middle2.x + 10, y: middle2.y - 8, children: text }),
+        points.map(({ x: x2, y: y3 }, k2) => {
+          const change = (to, gesture) => store.change([set(to, "view", "measures", n2, "points", k2)], gesture);
+          const now = () => store.state.view.measures[n2]?.points[k2] ?? measure.points[k2];
+          return /* @__PURE__ */ a3(
+            Handle2,
+            {
+              round: true,
+              label: `Measure ${n2 + 1}, point ${k2 + 1}`,
+              text,
+              value: k2,
+              range: [0, points.length],
+              x: x2,
+              y: y3,
+              color: COLOR,
+              onDrag: (_x, _y, dx, dy) => change(moved(now(), dx, dy), "measure"),
+              onKey: (event) => {
+                const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+                if (event.key === "Delete") {
+                  event.preventDefault();
+                  store.change([{ op: "remove", path: `/view/measures/${n2}` }]);
+                }
+                if (way === void 0) return;
+                take(event);
+                change(moved(now(), way[0] ?? 0, way[1] ?? 0), "key measure");
+              },
+              onEnd: () => store.settle()
+            },
+            k2
+          );
+        })
+      ] }, n2);
+    }),
+    pending.map((place, k2) => place && /* @__PURE__ */ a3("circle", { cx: place.x, cy: place.y, r: "4", fill: COLOR, stroke: "#000" }, k2))
   ] });
+}
+function MeasuresOnSlice(props) {
+  const { on, store } = props;
+  const thickness = Math.max(store.state.view.slices.thickness / 2, on.geometry.pixel * 1.5);
+  return /* @__PURE__ */ a3(
+    Drawn,
+    {
+      ...props,
+      placed: (point) => placeOf(on, point),
+      moved: (point, dx, dy) => {
+        const { x: x2, y: y3 } = placeOf(on, point);
+        return add(point, sub(worldAt(on, x2 + dx, y3 + dy), worldAt(on, x2, y3)));
+      },
+      isNear: (points) => points.every((point) => placeOf(on, point).away <= thickness)
+    }
+  );
+}
+function Measures3d(props) {
+  const { camera, size } = props;
+  return /* @__PURE__ */ a3(
+    Drawn,
+    {
+      ...props,
+      placed: (point) => project(camera, size, point),
+      moved: (point, dx, dy) => add(point, inPicture(camera, size, point, dx, dy)),
+      isNear: () => true
+    }
+  );
+}
+var isMeasure = (points) => points.every((point, n2) => n2 === 0 || length(sub(point, scaled(points[n2 - 1], 1))) > 0);
+
+// src/view/measure_panel.tsx
+function MeasurePanel({ store, welcome, ui }) {
+  const { measures } = store.state.view;
+  const unit2 = welcome.volumes[0]?.unit ?? "units";
+  const csv = () => ["kind,value,unit,points", ...measures.map((one) => {
+    const [value, of] = measured(one, unit2).replace("°", " degree").split(" ");
+    return `${one.kind},${value},${of},"${one.points.map((point) => point.join(" ")).join("; ")}"`;
+  })].join("\n");
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      ["distance", "angle"].map((tool) => /* @__PURE__ */ a3(
+        "button",
+        {
+          class: "button",
+          "aria-pressed": ui.tool === tool,
+          onClick: () => ui.setTool(ui.tool === tool ? "turn" : tool),
+          children: tool === "distance" ? "Distance" : "Angle"
+        },
+        tool
+      )),
+      /* @__PURE__ */ a3(
+        "button",
+        {
+          class: "button",
+          onClick: () => {
+            const { crosshair } = store.state.view.slices;
+            ui.addPoint(crosshair);
+          },
+          disabled: ui.tool !== "distance" && ui.tool !== "angle",
+          children: "Point at the crosshair"
+        }
+      )
+    ] }),
+    ui.points.length > 0 && /* @__PURE__ */ a3("p", { class: "dim", children: `${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points` }),
+    measures.length === 0 ? /* @__PURE__ */ a3("p", { class: "dim", children: "Choose distance or angle, then click in a slice or in space." }) : /* @__PURE__ */ a3("ol", { children: measures.map((one, n2) => /* @__PURE__ */ a3("li", { children: [
+      /* @__PURE__ */ a3("span", { class: "row", children: [
+        measured(one, unit2),
+        /* @__PURE__ */ a3(
+          "button",
+          {
+            class: "icon-button",
+            "aria-label": `Delete measure ${n2 + 1}`,
+            onClick: () => store.change([{ op: "remove", path: `/view/measures/${n2}` }]),
+            children: "×"
+          }
+        )
+      ] }),
+      /* @__PURE__ */ a3("span", { class: "dim", children: one.points.map((point) => `(${point.map((x2) => shortNumber(x2, 4)).join(", ")})`).join(" – ") })
+    ] }, n2)) }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]), children: "Delete all" }),
+      /* @__PURE__ */ a3(
+        "button",
+        {
+          class: "button",
+          disabled: measures.length === 0,
+          onClick: () => ui.download("measures.csv", csv(), "text/csv"),
+          children: "Save as CSV"
+        }
+      )
+    ] })
+  ] });
+}
+function ProbeLine({ ui, welcome }) {
+  const { probe: probe2, probed } = ui;
+  if (probe2 === null || probed === null) return null;
+  const values = probed.values.map((value, n2) => {
+    const unit2 = welcome.volumes[n2]?.value_unit ?? "";
+    return value === null ? "outside" : `${shortNumber(value, 5)} ${unit2}`.trim();
+  });
+  const label = probed.label === null ? "" : ` · ${probed.label.name}`;
+  return /* @__PURE__ */ a3("span", { children: `${values.join(", ")}${label} at (${probe2.map((x2) => shortNumber(x2, 4)).join(", ")})` });
 }
 
 // src/view/overlay3d/box_handles.tsx
 var NAMES = ["x", "y", "z"];
 var UNITS = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
-var COARSE = 10;
 function BoxHandles(props) {
   const { store, welcome, kind, place, box, camera, size } = props;
   const color = kind === "keep" ? "#ffd166" : "#ff8fb1";
@@ -4188,13 +4310,13 @@ function BoxHandles(props) {
   const points = corners(box).map((corner2) => project(camera, size, corner2));
   const middle2 = project(camera, size, center(box));
   const moveFace = (face, to, gesture) => change(withFace(now(), face, to, welcome.bounds, spacing[face.axis]), gesture);
-  return /* @__PURE__ */ a2("g", { children: [
+  return /* @__PURE__ */ a3("g", { children: [
     EDGES.map((edge) => {
       const [a4, b] = [points[edge.a], points[edge.b]];
       if (!a4 || !b) return null;
       const hidden = isHidden(box, edge, camera);
       const line = `M${a4.x} ${a4.y}L${b.x} ${b.y}`;
-      return /* @__PURE__ */ a2("path", { d: line, stroke: color, "stroke-width": "1.3", opacity: hidden ? 0.3 : 0.95 }, `${edge.a}${edge.b}`);
+      return /* @__PURE__ */ a3("path", { d: line, stroke: color, "stroke-width": "1.3", opacity: hidden ? 0.3 : 0.95 }, `${edge.a}${edge.b}`);
     }),
     FACES.map((face) => {
       const at2 = project(camera, size, faceCenter(box, face));
@@ -4203,14 +4325,13 @@ function BoxHandles(props) {
       const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
       const name = `${what}, ${NAMES[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
       const keys = (event) => {
-        const n2 = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: COARSE, PageDown: -COARSE }[event.key];
+        const n2 = stepOf(event);
         const end = { Home: bounds[0], End: bounds[1] }[event.key];
         if (n2 === void 0 && end === void 0) return;
-        event.preventDefault();
-        event.stopPropagation();
+        take(event);
         moveFace(face, end ?? now()[face.side][face.axis] + (n2 ?? 0) * spacing[face.axis], "key face");
       };
-      return /* @__PURE__ */ a2("g", { opacity: isSeen(box, face, camera) ? 1 : 0.5, children: /* @__PURE__ */ a2(
+      return /* @__PURE__ */ a3("g", { opacity: isSeen(box, face, camera) ? 1 : 0.5, children: /* @__PURE__ */ a3(
         Handle2,
         {
           label: name,
@@ -4232,7 +4353,7 @@ function BoxHandles(props) {
         }
       ) }, name);
     }),
-    middle2 !== null && /* @__PURE__ */ a2(
+    middle2 !== null && /* @__PURE__ */ a3(
       Handle2,
       {
         label: `${what} box`,
@@ -4250,8 +4371,7 @@ function BoxHandles(props) {
         onKey: (event) => {
           const axis = { ArrowRight: 0, ArrowLeft: 0, ArrowUp: 2, ArrowDown: 2, PageUp: 1, PageDown: 1 }[event.key];
           if (axis === void 0) return;
-          event.preventDefault();
-          event.stopPropagation();
+          take(event);
           const sign = event.key === "ArrowRight" || event.key === "ArrowUp" || event.key === "PageUp" ? 1 : -1;
           const by = UNITS[axis]?.map((one) => one * sign * (spacing[axis] ?? 1));
           change(movedBy(now(), add(by, [0, 0, 0]), welcome.bounds), "key box");
@@ -4278,7 +4398,7 @@ function Cube(props) {
   const { right, up, back } = axesOf(camera);
   const flat = (point) => `${(dot(point, right) * HALF).toFixed(2)} ${(-dot(point, up) * HALF).toFixed(2)}`;
   const seen = SIDES2.map((side, n2) => ({ ...side, name: welcome.axis_ends[n2] ?? "", towards: dot(side.outward, back) })).filter(({ towards }) => towards > 0.02).sort((a4, b) => a4.towards - b.towards);
-  return /* @__PURE__ */ a2("g", { transform: `translate(${width - MARGIN2} ${MARGIN2})`, children: seen.map(({ outward, view, name, towards }) => {
+  return /* @__PURE__ */ a3("g", { transform: `translate(${width - MARGIN2} ${MARGIN2})`, children: seen.map(({ outward, view, name, towards }) => {
     const axis = outward.findIndex((one) => one !== 0);
     const corner2 = (a4, b) => {
       const point = [...outward];
@@ -4292,7 +4412,7 @@ function Cube(props) {
       if (target !== void 0) showFrom(props, target);
     };
     const shade = Math.round(38 + 70 * towards);
-    return /* @__PURE__ */ a2(
+    return /* @__PURE__ */ a3(
       "g",
       {
         "data-handle": true,
@@ -4303,8 +4423,8 @@ function Cube(props) {
         onPointerDown: (event) => event.stopPropagation(),
         style: { cursor: "pointer" },
         children: [
-          /* @__PURE__ */ a2("path", { d: `M${outline2}Z`, fill: `rgb(${shade},${shade},${shade})`, stroke: "#cfd6e0", "stroke-width": "1" }),
-          towards > 0.3 && /* @__PURE__ */ a2(
+          /* @__PURE__ */ a3("path", { d: `M${outline2}Z`, fill: `rgb(${shade},${shade},${shade})`, stroke: "#cfd6e0", "stroke-width": "1" }),
+          towards > 0.3 && /* @__PURE__ */ a3(
             "text",
             {
               x: dot(outward, right) * HALF,
@@ -4352,18 +4472,10 @@ function PlaneHandles(props) {
     const before = now();
     change({ ...before, normal: turnedAbout(unit(before.normal), axis, angle) }, gesture);
   };
-  const step = (event) => {
-    const n2 = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
-    if (n2 !== void 0) {
-      event.preventDefault();
-      event.stopPropagation();
-    }
-    return n2;
-  };
-  return /* @__PURE__ */ a2("g", { stroke: COLOR2, fill: "none", children: [
-    square.every((corner2) => corner2 !== null) && /* @__PURE__ */ a2("path", { d: `M${square.map((corner2) => `${corner2?.x} ${corner2?.y}`).join("L")}Z`, "stroke-width": "1.3", fill: COLOR2, "fill-opacity": "0.08" }),
-    tip !== null && /* @__PURE__ */ a2("path", { d: `M${at2.x} ${at2.y}L${tip.x} ${tip.y}`, "stroke-width": "2" }),
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("g", { stroke: COLOR2, fill: "none", children: [
+    square.every((corner2) => corner2 !== null) && /* @__PURE__ */ a3("path", { d: `M${square.map((corner2) => `${corner2?.x} ${corner2?.y}`).join("L")}Z`, "stroke-width": "1.3", fill: COLOR2, "fill-opacity": "0.08" }),
+    tip !== null && /* @__PURE__ */ a3("path", { d: `M${at2.x} ${at2.y}L${tip.x} ${tip.y}`, "stroke-width": "2" }),
+    /* @__PURE__ */ a3(
       Handle2,
       {
         label: `Clip plane ${number}`,
@@ -4375,7 +4487,7 @@ function PlaneHandles(props) {
         color: COLOR2,
         onDrag: (_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane"),
         onKey: (event) => {
-          const n2 = step(event);
+          const n2 = stepOf(event);
           if (n2 !== void 0) slide(n2 * STEP_SHARE * extent, "key plane");
         },
         onEnd: () => store.settle()
@@ -4385,7 +4497,7 @@ function PlaneHandles(props) {
       const shown = project(camera, size, end);
       if (shown === null) return null;
       const axis = k2 === 0 ? second : first;
-      return /* @__PURE__ */ a2(
+      return /* @__PURE__ */ a3(
         Handle2,
         {
           round: true,
@@ -4401,7 +4513,7 @@ function PlaneHandles(props) {
             tilt(axis, (k2 === 0 ? -1 : 1) * Math.atan2(way, arm), "tilt plane");
           },
           onKey: (event) => {
-            const n2 = step(event);
+            const n2 = stepOf(event);
             if (n2 !== void 0) tilt(axis, n2 * STEP_DEG * Math.PI / 180, "key tilt plane");
           },
           onEnd: () => store.settle()
@@ -4420,25 +4532,25 @@ function SceneOverlay(props) {
   const { overlays } = store.state.view;
   const camera = frame.camera ?? store.state.camera;
   const clips = store.state.clip;
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2("svg", { class: "over", children: [
-      overlays.crosshair && /* @__PURE__ */ a2(Crosshair, { ...props, camera }),
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3("svg", { class: "over", children: [
+      overlays.crosshair && /* @__PURE__ */ a3(Crosshair, { ...props, camera }),
       overlays.crop_box && ["keep", "cut_out"].map((kind) => {
         const place = placeOfBox(clips, kind);
         const clip = clips[place];
         const box = clip === void 0 ? null : boxOf(clip);
-        return box === null ? null : /* @__PURE__ */ a2(BoxHandles, { ...props, ...{ kind, place, box, camera, size } }, kind);
+        return box === null ? null : /* @__PURE__ */ a3(BoxHandles, { ...props, ...{ kind, place, box, camera, size } }, kind);
       }),
       overlays.crop_box && clips.map(
-        (clip, place) => "plane" in clip ? /* @__PURE__ */ a2(PlaneHandles, { ...props, ...{ place, plane: clip.plane, camera, size } }, place) : null
+        (clip, place) => "plane" in clip ? /* @__PURE__ */ a3(PlaneHandles, { ...props, ...{ place, plane: clip.plane, camera, size } }, place) : null
       ),
-      /* @__PURE__ */ a2(Measures3d, { ...props, camera }),
-      overlays.letters && /* @__PURE__ */ a2(EdgeLetters, { ...props, camera }),
-      overlays.scale_bar && /* @__PURE__ */ a2(ScaleBar, { ...props, camera }),
-      overlays.cube && /* @__PURE__ */ a2(Cube, { ...props, camera, width: size.width })
+      /* @__PURE__ */ a3(Measures3d, { ...props, camera }),
+      overlays.letters && /* @__PURE__ */ a3(EdgeLetters, { ...props, camera }),
+      overlays.scale_bar && /* @__PURE__ */ a3(ScaleBar, { ...props, camera }),
+      overlays.cube && /* @__PURE__ */ a3(Cube, { ...props, camera, width: size.width })
     ] }),
-    overlays.color_bar && /* @__PURE__ */ a2(ColorBar, { ...props }),
-    overlays.legend && /* @__PURE__ */ a2(Legend, { ...props })
+    overlays.color_bar && /* @__PURE__ */ a3(ColorBar, { ...props }),
+    overlays.legend && /* @__PURE__ */ a3(Legend, { ...props })
   ] });
 }
 function Crosshair({ store, welcome, camera, size }) {
@@ -4446,10 +4558,10 @@ function Crosshair({ store, welcome, camera, size }) {
   if (store.state.view.layout.name === "3d") return null;
   const [lower, upper] = welcome.bounds;
   const colors = ["#6ba8ff", "#6bd46b", "#ff6b6b"];
-  return /* @__PURE__ */ a2("g", { "aria-hidden": "true", "stroke-width": "1.2", opacity: "0.8", children: [0, 1, 2].map((axis) => {
+  return /* @__PURE__ */ a3("g", { "aria-hidden": "true", "stroke-width": "1.2", opacity: "0.8", children: [0, 1, 2].map((axis) => {
     const end = (from) => crosshair.map((value, a5) => a5 === axis ? from[a5] : value);
     const [a4, b] = [project(camera, size, end(lower)), project(camera, size, end(upper))];
-    return a4 && b ? /* @__PURE__ */ a2("path", { d: `M${a4.x} ${a4.y}L${b.x} ${b.y}`, stroke: colors[axis] }, axis) : null;
+    return a4 && b ? /* @__PURE__ */ a3("path", { d: `M${a4.x} ${a4.y}L${b.x} ${b.y}`, stroke: colors[axis] }, axis) : null;
   }) });
 }
 function edgeNames(camera, names) {
@@ -4463,11 +4575,11 @@ function edgeNames(camera, names) {
 function EdgeLetters({ welcome, camera, size }) {
   if (!welcome.volumes[0]?.is_anatomical) return null;
   const names = edgeNames(camera, welcome.axis_ends);
-  return /* @__PURE__ */ a2("g", { "aria-hidden": "true", "text-anchor": "middle", children: [
-    /* @__PURE__ */ a2("text", { x: 16, y: size.height / 2, children: names.left }),
-    /* @__PURE__ */ a2("text", { x: size.width - 16, y: size.height / 2, children: names.right }),
-    /* @__PURE__ */ a2("text", { x: size.width / 2, y: 18, children: names.top }),
-    /* @__PURE__ */ a2("text", { x: size.width / 2, y: size.height - 8, children: names.bottom })
+  return /* @__PURE__ */ a3("g", { "aria-hidden": "true", "text-anchor": "middle", children: [
+    /* @__PURE__ */ a3("text", { x: 16, y: size.height / 2, children: names.left }),
+    /* @__PURE__ */ a3("text", { x: size.width - 16, y: size.height / 2, children: names.right }),
+    /* @__PURE__ */ a3("text", { x: size.width / 2, y: 18, children: names.top }),
+    /* @__PURE__ */ a3("text", { x: size.width / 2, y: size.height - 8, children: names.bottom })
   ] });
 }
 function ScaleBar({ welcome, camera, size }) {
@@ -4476,10 +4588,10 @@ function ScaleBar({ welcome, camera, size }) {
   const unit2 = welcome.volumes[0]?.unit ?? "units";
   const where = camera.parallel_scale === void 0 ? " at the middle" : "";
   const [x2, y3] = [12, size.height - 14];
-  return /* @__PURE__ */ a2("g", { "aria-hidden": "true", children: [
-    /* @__PURE__ */ a2("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#000", "stroke-width": "5" }),
-    /* @__PURE__ */ a2("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#fff", "stroke-width": "2.5" }),
-    /* @__PURE__ */ a2("text", { x: x2, y: y3 - 6, children: `${shortNumber(bar)} ${unit2}${where}` })
+  return /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
+    /* @__PURE__ */ a3("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#000", "stroke-width": "5" }),
+    /* @__PURE__ */ a3("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#fff", "stroke-width": "2.5" }),
+    /* @__PURE__ */ a3("text", { x: x2, y: y3 - 6, children: `${shortNumber(bar)} ${unit2}${where}` })
   ] });
 }
 function ColorBar({ store, welcome, ui }) {
@@ -4492,10 +4604,10 @@ function ColorBar({ store, welcome, ui }) {
   const stops = points.map(
     ([value, ...rgb]) => `rgb(${rgb.map((one) => Math.round(255 * one)).join()}) ${100 * (value - first[0]) / (last[0] - first[0])}%`
   );
-  return /* @__PURE__ */ a2("div", { class: "corner right low color-bar", role: "img", "aria-label": `Colours from ${shortNumber(first[0])} to ${shortNumber(last[0])} ${info.value_unit}`, children: [
-    /* @__PURE__ */ a2("span", { children: `${shortNumber(last[0])} ${info.value_unit}` }),
-    /* @__PURE__ */ a2("span", { class: "ramp", style: { background: `linear-gradient(to top, ${stops.join(", ")})` } }),
-    /* @__PURE__ */ a2("span", { children: shortNumber(first[0]) })
+  return /* @__PURE__ */ a3("div", { class: "corner right low color-bar", role: "img", "aria-label": `Colours from ${shortNumber(first[0])} to ${shortNumber(last[0])} ${info.value_unit}`, children: [
+    /* @__PURE__ */ a3("span", { children: `${shortNumber(last[0])} ${info.value_unit}` }),
+    /* @__PURE__ */ a3("span", { class: "ramp", style: { background: `linear-gradient(to top, ${stops.join(", ")})` } }),
+    /* @__PURE__ */ a3("span", { children: shortNumber(first[0]) })
   ] });
 }
 function Legend({ store }) {
@@ -4505,8 +4617,8 @@ function Legend({ store }) {
     rows.push(...layers.filter(({ visible }) => visible).map((layer) => ({ name: layer.name, color: brightest(layer.look.transfer_function) })));
   }
   if (rows.length === 0) return null;
-  return /* @__PURE__ */ a2("ul", { class: "corner legend", "aria-label": "Legend", children: rows.slice(0, 24).map(({ name, color }) => /* @__PURE__ */ a2("li", { children: [
-    /* @__PURE__ */ a2("span", { class: "chip", style: { background: color } }),
+  return /* @__PURE__ */ a3("ul", { class: "corner legend", "aria-label": "Legend", children: rows.slice(0, 24).map(({ name, color }) => /* @__PURE__ */ a3("li", { children: [
+    /* @__PURE__ */ a3("span", { class: "chip", style: { background: color } }),
     " ",
     name
   ] }, name)) });
@@ -4723,7 +4835,7 @@ function Viewport(props) {
     };
   }, []);
   const moved = frame !== void 0 && transform !== void 0 && size.width > 0 ? transform(frame, size) : "";
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     "div",
     {
       class: "viewport",
@@ -4734,9 +4846,9 @@ function Viewport(props) {
       "data-view": view,
       onPointerDown: () => setHint(false),
       children: [
-        /* @__PURE__ */ a2("canvas", { ref: canvas, role: "img", "aria-label": label, style: { transform: moved } }),
+        /* @__PURE__ */ a3("canvas", { ref: canvas, role: "img", "aria-label": label, style: { transform: moved } }),
         frame !== void 0 && size.width > 0 && children?.(frame, size),
-        hint && /* @__PURE__ */ a2("p", { class: "hint", children: "Click first, or hold Ctrl, to magnify with the wheel" })
+        hint && /* @__PURE__ */ a3("p", { class: "hint", children: "Click first, or hold Ctrl, to magnify with the wheel" })
       ]
     }
   );
@@ -4801,7 +4913,7 @@ function useFrames(canvas, latest) {
         try {
           const picture = await decoded(frame);
           if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
-          if ("close" in picture) picture.close();
+          picture.close();
           latest.current.ui.frameShown(frame);
         } finally {
           engine.shown(frame);
@@ -4821,17 +4933,9 @@ function useFrames(canvas, latest) {
     };
   }, []);
 }
-async function decoded(frame) {
+function decoded(frame) {
   const blob = new Blob([frame.bytes], { type: `image/${frame.format}` });
-  if (typeof createImageBitmap === "function") {
-    return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
-  }
-  const image = new Image();
-  const url = URL.createObjectURL(blob);
-  image.src = url;
-  await image.decode();
-  URL.revokeObjectURL(url);
-  return image;
+  return createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
 }
 function drawn(canvas, picture, frame) {
   const scale = Number(frame.settings["scale"] ?? 1);
@@ -4941,7 +5045,7 @@ function SceneView(props) {
         return false;
     }
   };
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     Viewport,
     {
       ...props,
@@ -4954,7 +5058,7 @@ function SceneView(props) {
         settleSoon(store);
       },
       transform: (frame, size) => instant(frame, camera(), size),
-      children: (frame, size) => /* @__PURE__ */ a2(SceneOverlay, { ...props, frame, size })
+      children: (frame, size) => /* @__PURE__ */ a3(SceneOverlay, { ...props, frame, size })
     }
   );
   async function fit({ engine: _engine }, size) {
@@ -5010,6 +5114,330 @@ function instant(frame, camera, size) {
   return numbers.join() === IDENTITY ? "" : `matrix(${numbers.join()})`;
 }
 var IDENTITY = "1.000000,0.000000,-0.000000,1.000000,0.000000,0.000000";
+
+// src/view/settings_panel.tsx
+var OVERLAY_NAMES = {
+  scale_bar: "Scale bar",
+  letters: "Letters of directions",
+  cube: "Orientation cube",
+  color_bar: "Colour bar",
+  crosshair: "Crosshair",
+  crop_box: "Crop box and clip planes",
+  legend: "Legend"
+};
+var FIRST_ANGLE = 30;
+function SettingsPanel(props) {
+  const { store, figures, onFigures } = props;
+  const { view, render: render2, background, camera } = store.state;
+  const qualities = ["draft", "normal", "high"];
+  const isNamed = typeof render2.quality === "string";
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3(
+      Choice,
+      {
+        label: "At rest",
+        value: isNamed ? render2.quality : "own",
+        options: [...qualities.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
+        onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
+      }
+    ),
+    /* @__PURE__ */ a3(
+      Choice,
+      {
+        label: "While moving",
+        value: view.quality.moving,
+        options: [["smooth", "Smooth: 30 frames a second"], ["balanced", "Balanced: a better picture"], ["exact", "Exact: never less than at rest"]],
+        onChoose: (value) => store.change([set(value, "view", "quality", "moving")])
+      }
+    ),
+    /* @__PURE__ */ a3(
+      Switch,
+      {
+        label: "Perspective",
+        on: camera.view_angle !== void 0,
+        onToggle: (on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : void 0), "camera")])
+      }
+    ),
+    camera.view_angle !== void 0 && /* @__PURE__ */ a3(
+      NumberField2,
+      {
+        label: "View angle",
+        unit: "°",
+        value: camera.view_angle,
+        min: 5,
+        max: 100,
+        onInput: (value) => store.change([set(withLens(camera, value), "camera")], "view angle"),
+        onSettle: () => store.settle()
+      }
+    ),
+    /* @__PURE__ */ a3("label", { class: "field", children: [
+      /* @__PURE__ */ a3("span", { children: "Background" }),
+      /* @__PURE__ */ a3(
+        "input",
+        {
+          type: "color",
+          value: hexOf2(background),
+          onInput: (event) => store.change([set(event.currentTarget.value, "background")], "background"),
+          onChange: () => store.settle()
+        }
+      )
+    ] }),
+    /* @__PURE__ */ a3(
+      Choice,
+      {
+        label: "Theme",
+        value: view.interface.theme,
+        options: [["system", "As the system"], ["dark", "Dark"], ["light", "Light"]],
+        onChoose: (value) => store.change([set(value, "view", "interface", "theme")])
+      }
+    ),
+    /* @__PURE__ */ a3("fieldset", { children: [
+      /* @__PURE__ */ a3("legend", { children: "Over the views" }),
+      OVERLAYS.map((name) => /* @__PURE__ */ a3(
+        Switch,
+        {
+          label: OVERLAY_NAMES[name],
+          on: view.overlays[name],
+          onToggle: (on) => store.change([set(on, "view", "overlays", name)])
+        },
+        name
+      )),
+      /* @__PURE__ */ a3(Switch, { label: "Frame rate, latency, error", on: figures, onToggle: onFigures })
+    ] })
+  ] });
+}
+function hexOf2(color) {
+  if (color === null) return "#000000";
+  const context = document.createElement("canvas").getContext("2d");
+  if (context === null) return "#000000";
+  context.fillStyle = cssColor(color);
+  return /^#[0-9a-f]{6}$/.test(String(context.fillStyle)) ? String(context.fillStyle) : "#000000";
+}
+
+// src/view/share.tsx
+var SIZES = [
+  ["view", "As in the window"],
+  ["2", "Twice as large"],
+  ["1920x1080", "1920 x 1080"],
+  ["3840x2160", "3840 x 2160"],
+  ["own", "Own size"]
+];
+var MOST_SIDE = 8192;
+function SharePanel(props) {
+  const { store, engine, welcome, ui } = props;
+  const [size, setSize] = d2("view");
+  const [own, setOwn] = d2([1600, 1200]);
+  const [quality, setQuality] = d2("high");
+  const [transparent, setTransparent] = d2(false);
+  const [annotated, setAnnotated] = d2(false);
+  const [part, setPart] = d2(null);
+  const [abort, setAbort] = d2(null);
+  const [text, setText] = d2("");
+  const pixels = () => {
+    const frame = ui.frames["3d"];
+    const scale = Number(frame?.settings["scale"] ?? 1);
+    const [w3, h3] = [Math.round((frame?.width ?? 1024) / scale), Math.round((frame?.height ?? 768) / scale)];
+    if (size === "own") return { width: own[0], height: own[1] };
+    if (size.includes("x")) {
+      const [width = 0, height = 0] = size.split("x").map(Number);
+      return { width, height };
+    }
+    const factor = size === "2" ? 2 : 1;
+    return { width: Math.min(factor * w3, MOST_SIDE), height: Math.min(factor * h3, MOST_SIDE) };
+  };
+  const picture = async (use) => {
+    const controller = new AbortController();
+    setAbort(controller);
+    setPart(0);
+    try {
+      const asked = { ...pixels(), quality, transparent, annotated };
+      const { bytes, notes } = await engine.ask("picture", asked, setPart, controller.signal);
+      await use(bytes);
+      for (const note of notes) ui.announce(note);
+    } catch (problem) {
+      if (problem.code !== "cancelled") ui.problem(problemOf(problem));
+    } finally {
+      setPart(null);
+      setAbort(null);
+    }
+  };
+  const code = async (as, use) => {
+    try {
+      const found = await engine.ask("code", { as, ...pixels() });
+      await use(found.text, found.name);
+    } catch (problem) {
+      ui.problem(problemOf(problem));
+    }
+  };
+  const copy = async (what, name) => {
+    setText(what);
+    try {
+      await navigator.clipboard.writeText(what);
+      ui.announce(`${name} copied`);
+    } catch {
+      ui.announce(`${name} is in the field below; the browser does not let it be copied`);
+    }
+  };
+  const link = async () => {
+    const found = await linkPart(store.state, welcome.fingerprint);
+    if (found === null) {
+      ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
+      return;
+    }
+    await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
+  };
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3("label", { class: "field", children: [
+      /* @__PURE__ */ a3("span", { children: "Size" }),
+      /* @__PURE__ */ a3("select", { value: size, onChange: (event) => setSize(event.currentTarget.value), children: SIZES.map(([value, name]) => /* @__PURE__ */ a3("option", { value, selected: value === size, children: name }, value)) })
+    ] }),
+    size === "own" && /* @__PURE__ */ a3("div", { class: "row", children: ["Width", "Height"].map((name, n2) => /* @__PURE__ */ a3("label", { class: "row", children: [
+      name,
+      /* @__PURE__ */ a3(
+        "input",
+        {
+          type: "number",
+          min: 1,
+          max: MOST_SIDE,
+          value: own[n2],
+          onChange: (event) => {
+            const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
+            setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
+          }
+        }
+      )
+    ] }, name)) }),
+    /* @__PURE__ */ a3("label", { class: "field", children: [
+      /* @__PURE__ */ a3("span", { children: "Quality" }),
+      /* @__PURE__ */ a3("select", { value: quality, onChange: (event) => setQuality(event.currentTarget.value), children: ["normal", "high"].map((name) => /* @__PURE__ */ a3("option", { value: name, selected: name === quality, children: name }, name)) })
+    ] }),
+    /* @__PURE__ */ a3("label", { class: "row", children: [
+      /* @__PURE__ */ a3("input", { type: "checkbox", checked: transparent, onChange: (event) => setTransparent(event.currentTarget.checked) }),
+      "Transparent background"
+    ] }),
+    /* @__PURE__ */ a3("label", { class: "row", children: [
+      /* @__PURE__ */ a3("input", { type: "checkbox", checked: annotated, onChange: (event) => setAnnotated(event.currentTarget.checked) }),
+      "With scale bar, letters and legend"
+    ] }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")), children: "Save picture" }),
+      /* @__PURE__ */ a3(
+        "button",
+        {
+          class: "button",
+          disabled: part !== null,
+          onClick: () => void picture(async (bytes) => {
+            if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
+            await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
+            ui.announce("The picture is copied");
+          }),
+          children: "Copy picture"
+        }
+      ),
+      abort !== null && /* @__PURE__ */ a3("button", { class: "button", onClick: () => abort.abort(), children: "Cancel" })
+    ] }),
+    part !== null && /* @__PURE__ */ a3("progress", { "aria-label": "Drawing the picture", max: 1, value: part }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("python", (found) => copy(found, "The Python program")), children: "Copy as Python" }),
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("command", (found) => copy(found, "The command")), children: "Copy as command" }),
+      ui.host === "page" && /* @__PURE__ */ a3("button", { class: "button", onClick: () => void link(), children: "Copy link" })
+    ] }),
+    text !== "" && /* @__PURE__ */ a3("textarea", { "aria-label": "What was copied", readOnly: true, rows: 5, value: text, onFocus: (event) => event.currentTarget.select() }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("state", (found, name) => ui.download(name, found, "application/json")), children: "Save state" }),
+      /* @__PURE__ */ a3("label", { class: "button", children: [
+        "Open state",
+        /* @__PURE__ */ a3(
+          "input",
+          {
+            class: "hidden",
+            type: "file",
+            accept: ".json,application/json",
+            onChange: (event) => {
+              const file = event.currentTarget.files?.[0];
+              event.currentTarget.value = "";
+              if (file !== void 0) void openState(props, file);
+            }
+          }
+        )
+      ] }),
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("html", (found, name) => ui.download(name, found, "text/html")), children: "Save page (HTML)" })
+    ] })
+  ] });
+}
+async function openState({ engine, store, ui }, file) {
+  try {
+    const { state } = await engine.ask("open_state", { text: await file.text() });
+    store.change([{ op: "replace", path: "", value: state }]);
+    ui.announce(`${file.name} is open`);
+  } catch (problem) {
+    ui.problem(problemOf(problem));
+  }
+}
+function problemOf(problem) {
+  if (typeof problem === "object" && problem !== null && "message" in problem) {
+    const code = "code" in problem ? String(problem.code) : "failed";
+    return { ...problem, code, message: String(problem.message) };
+  }
+  return { code: "failed", message: String(problem) };
+}
+
+// src/view/overlay3d/crop_on_slice.tsx
+var COLOR3 = "#ffd166";
+var ALONG = 0.999;
+function CropOnSlice(props) {
+  const { store, welcome, on } = props;
+  const place = placeOfBox(store.state.clip, "keep");
+  const clip = store.state.clip[place];
+  const box = clip === void 0 ? null : boxOf(clip);
+  const normalAxis = on.geometry.normal.findIndex((one) => Math.abs(one) > ALONG);
+  if (box === null || normalAxis < 0) return null;
+  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
+  const { crosshair } = store.state.view.slices;
+  const inPlane = (point) => point.map((value, a4) => a4 === normalAxis ? crosshair[a4] : value);
+  const [from, to] = [placeOf(on, inPlane(box.lower)), placeOf(on, inPlane(box.upper))];
+  const [left, top] = [Math.min(from.x, to.x), Math.min(from.y, to.y)];
+  const now = () => {
+    const found = store.state.clip[place];
+    return (found === void 0 ? null : boxOf(found)) ?? box;
+  };
+  const faces = [0, 1, 2].filter((axis) => axis !== normalAxis).flatMap((axis) => [{ axis, side: "lower" }, { axis, side: "upper" }]);
+  return /* @__PURE__ */ a3("g", { children: [
+    /* @__PURE__ */ a3("rect", { x: left, y: top, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y), stroke: COLOR3, fill: "none", "stroke-width": "1.3" }),
+    faces.map((face) => {
+      const middle2 = scaled(add(box.lower, box.upper), 0.5);
+      const at2 = placeOf(on, inPlane(middle2.map((value2, a4) => a4 === face.axis ? box[face.side][face.axis] : value2)));
+      const value = box[face.side][face.axis];
+      const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
+      const name = `Crop, ${"xyz"[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
+      const move = (target, gesture) => store.change([set({ keep: withFace(now(), face, target, welcome.bounds, spacing[face.axis]) }, "clip", place)], gesture);
+      return /* @__PURE__ */ a3(
+        Handle2,
+        {
+          label: name,
+          text: `${name} ${shortNumber(value, 4)}`,
+          value,
+          range: bounds,
+          x: at2.x,
+          y: at2.y,
+          color: COLOR3,
+          onDrag: (_x, _y, dx, dy) => {
+            const per = on.geometry.pixel * on.width / on.size.width;
+            const way = dx * (on.geometry.right[face.axis] ?? 0) + dy * (on.geometry.down[face.axis] ?? 0);
+            move(now()[face.side][face.axis] + way * per, "face");
+          },
+          onKey: (event) => {
+            const n2 = stepOf(event);
+            if (n2 === void 0) return;
+            move(now()[face.side][face.axis] + n2 * spacing[face.axis], "key face");
+          },
+          onEnd: () => store.settle()
+        },
+        name
+      );
+    })
+  ] });
+}
 
 // src/view/slices/slice_pane.tsx
 var PANE_COLORS = { axial: "#ff6b6b", coronal: "#6bd46b", sagittal: "#6ba8ff" };
@@ -5096,7 +5524,7 @@ function SlicePane(props) {
     }
   };
   const position = frame?.slice === void 0 ? "" : shortNumber(frame.slice.position, 4);
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     Viewport,
     {
       ...props,
@@ -5110,7 +5538,7 @@ function SlicePane(props) {
         settleSoon(store);
       },
       onHover: (place, size) => probe(props, place === null ? null : sliceFrame(frame, size), place),
-      children: (shown, size) => /* @__PURE__ */ a2(SliceOverlay, { ...props, frame: shown, size })
+      children: (shown, size) => /* @__PURE__ */ a3(SliceOverlay, { ...props, frame: shown, size })
     }
   );
 }
@@ -5130,30 +5558,30 @@ function SliceOverlay(props) {
   const bar = barLength(perCss * size.width * 0.3);
   const [level, width] = slices.window ?? geometry.window ?? [0, 0];
   const isTilted = slices.normals?.[pane] !== void 0;
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2("svg", { class: "over", "aria-hidden": false, children: [
-      overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ a2(CrosshairLine, { ...props, on, other }, other)),
-      overlays.crop_box && /* @__PURE__ */ a2(CropOnSlice, { ...props, on }),
-      /* @__PURE__ */ a2(MeasuresOnSlice, { ...props, on }),
-      overlays.letters && letters !== null && /* @__PURE__ */ a2("g", { "aria-hidden": "true", "text-anchor": "middle", children: [
-        /* @__PURE__ */ a2("text", { x: 14, y: size.height / 2, children: letters.left }),
-        /* @__PURE__ */ a2("text", { x: size.width - 14, y: size.height / 2, children: letters.right }),
-        /* @__PURE__ */ a2("text", { x: size.width / 2, y: 18, children: letters.top }),
-        /* @__PURE__ */ a2("text", { x: size.width / 2, y: size.height - 8, children: letters.bottom })
+  return /* @__PURE__ */ a3($, { children: [
+    /* @__PURE__ */ a3("svg", { class: "over", "aria-hidden": false, children: [
+      overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ a3(CrosshairLine, { ...props, on, other }, other)),
+      overlays.crop_box && /* @__PURE__ */ a3(CropOnSlice, { ...props, on }),
+      /* @__PURE__ */ a3(MeasuresOnSlice, { ...props, on }),
+      overlays.letters && letters !== null && /* @__PURE__ */ a3("g", { "aria-hidden": "true", "text-anchor": "middle", children: [
+        /* @__PURE__ */ a3("text", { x: 14, y: size.height / 2, children: letters.left }),
+        /* @__PURE__ */ a3("text", { x: size.width - 14, y: size.height / 2, children: letters.right }),
+        /* @__PURE__ */ a3("text", { x: size.width / 2, y: 18, children: letters.top }),
+        /* @__PURE__ */ a3("text", { x: size.width / 2, y: size.height - 8, children: letters.bottom })
       ] }),
-      overlays.scale_bar && /* @__PURE__ */ a2("g", { "aria-hidden": "true", children: [
-        /* @__PURE__ */ a2("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }),
-        /* @__PURE__ */ a2("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }),
-        /* @__PURE__ */ a2("text", { x: 12, y: size.height - 20, children: `${bar} ${unit2}` })
+      overlays.scale_bar && /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
+        /* @__PURE__ */ a3("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }),
+        /* @__PURE__ */ a3("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }),
+        /* @__PURE__ */ a3("text", { x: 12, y: size.height - 20, children: `${bar} ${unit2}` })
       ] })
     ] }),
-    /* @__PURE__ */ a2("div", { class: "corner", style: { color: PANE_COLORS[pane] }, children: [
+    /* @__PURE__ */ a3("div", { class: "corner", style: { color: PANE_COLORS[pane] }, children: [
       `${PANE_NAMES[pane]}${isTilted ? ", tilted" : ""}
 ${shortNumber(geometry.position, 4)} ${unit2}`,
       slices.thickness > 0 ? `
 ${slices.slab} of ${shortNumber(slices.thickness)} ${unit2}` : ""
     ] }),
-    geometry.window && /* @__PURE__ */ a2("div", { class: "corner right", children: `L ${shortNumber(level, 4)}
+    geometry.window && /* @__PURE__ */ a3("div", { class: "corner right", children: `L ${shortNumber(level, 4)}
 W ${shortNumber(width, 4)}` })
   ] });
 }
@@ -5172,23 +5600,19 @@ function CrosshairLine(props) {
   const range = props.ui.frames[other]?.slice?.range ?? rangeOf(welcome.bounds, normal);
   const move = (distance2, gesture) => store.change([set(stepped(store.state, other, distance2, range), "view", "slices", "crosshair")], gesture);
   const keys = (event) => {
-    const n2 = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: COARSE2, PageDown: -COARSE2 }[event.key];
+    const n2 = stepOf(event);
     if (n2 === void 0) return;
-    event.preventDefault();
-    event.stopPropagation();
     move(n2 * step, "key plane");
   };
   const tilt = (x2, y3) => store.change([tiltTo(store, other, tilted(on, normalOf(store.state, other), x2 - at2.x, y3 - at2.y))], "tilt");
   const tiltKeys = (event) => {
-    const n2 = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: COARSE2, PageDown: -COARSE2 }[event.key];
+    const n2 = stepOf(event);
     if (n2 === void 0) return;
-    event.preventDefault();
-    event.stopPropagation();
     const angle = Math.atan2(line.dy, line.dx) + n2 * Math.PI / 180;
     store.change([tiltTo(store, other, tilted(on, normal, Math.cos(angle), Math.sin(angle)))], "key tilt");
   };
-  return /* @__PURE__ */ a2("g", { stroke: color, fill: "none", children: [
-    /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("g", { stroke: color, fill: "none", children: [
+    /* @__PURE__ */ a3(
       "path",
       {
         d: `M${at2.x - line.dx * reach} ${at2.y - line.dy * reach}L${at2.x + line.dx * reach} ${at2.y + line.dy * reach}`,
@@ -5196,7 +5620,7 @@ function CrosshairLine(props) {
         opacity: "0.85"
       }
     ),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       Handle2,
       {
         label: `${PANE_NAMES[other]} plane`,
@@ -5216,7 +5640,7 @@ function CrosshairLine(props) {
         onEnd: () => store.settle()
       }
     ),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       Handle2,
       {
         label: `Tilt the ${other} plane`,
@@ -5242,52 +5666,6 @@ function rangeOf([lower, upper], normal) {
   const sum = (pick2) => ends.reduce((total, end) => total + pick2(...end), 0);
   return [sum(Math.min), sum(Math.max)];
 }
-function Handle2(props) {
-  const { label, text, value, range, x: x2, y: y3, color, round, onDrag, onKey, onEnd, onDouble } = props;
-  const down = (event) => {
-    event.stopPropagation();
-    const element = event.currentTarget;
-    element.setPointerCapture(event.pointerId);
-    element.focus({ preventScroll: true });
-    const box = element.ownerSVGElement?.getBoundingClientRect();
-    let [px2, py] = [event.clientX, event.clientY];
-    const move = (moved) => {
-      onDrag(moved.clientX - (box?.left ?? 0), moved.clientY - (box?.top ?? 0), moved.clientX - px2, moved.clientY - py);
-      [px2, py] = [moved.clientX, moved.clientY];
-    };
-    const up = () => {
-      element.removeEventListener("pointermove", move);
-      element.removeEventListener("pointerup", up);
-      element.removeEventListener("pointercancel", up);
-      onEnd();
-    };
-    element.addEventListener("pointermove", move);
-    element.addEventListener("pointerup", up);
-    element.addEventListener("pointercancel", up);
-  };
-  return /* @__PURE__ */ a2(
-    "g",
-    {
-      "data-handle": true,
-      role: "slider",
-      tabIndex: 0,
-      "aria-label": label,
-      "aria-valuenow": Number(value.toFixed(3)),
-      "aria-valuemin": Number(range[0].toFixed(3)),
-      "aria-valuemax": Number(range[1].toFixed(3)),
-      "aria-valuetext": text,
-      transform: `translate(${x2} ${y3})`,
-      onPointerDown: down,
-      onKeyDown: onKey,
-      onKeyUp: onEnd,
-      onDblClick: onDouble,
-      children: [
-        /* @__PURE__ */ a2("circle", { r: "13", fill: "transparent", stroke: "none" }),
-        round ? /* @__PURE__ */ a2("circle", { r: "5", fill: "#000", stroke: color, "stroke-width": "2" }) : /* @__PURE__ */ a2("rect", { x: "-5", y: "-5", width: "10", height: "10", fill: color, stroke: "#000", "stroke-width": "1" })
-      ]
-    }
-  );
-}
 var probeTimer;
 function probe(props, on, place) {
   const { engine, ui } = props;
@@ -5303,432 +5681,6 @@ function probe(props, on, place) {
       () => void 0
     );
   }, PROBE_MS);
-}
-
-// src/view/slices/measures.tsx
-var COLOR3 = "#7df0ff";
-function measured(measure, unit2) {
-  return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit2}` : `${angleDeg(measure.points).toFixed(1)}°`;
-}
-function Drawn(props) {
-  const { store, welcome, ui, placed, moved, isNear } = props;
-  const unit2 = welcome.volumes[0]?.unit ?? "units";
-  const pending = ui.points.map(placed);
-  return /* @__PURE__ */ a2("g", { children: [
-    store.state.view.measures.map((measure, n2) => {
-      const places = measure.points.map(placed);
-      if (!isNear(measure.points) || places.some((place) => place === null)) return null;
-      const points = places;
-      const middle2 = points[measure.kind === "angle" ? 1 : 0];
-      const text = measured(measure, unit2);
-      return /* @__PURE__ */ a2("g", { children: [
-        /* @__PURE__ */ a2("path", { d: `M${points.map(({ x: x2, y: y3 }) => `${x2} ${y3}`).join("L")}`, fill: "none", stroke: COLOR3, "stroke-width": "1.5" }),
-        /* @__PURE__ */ a2("text", { x: middle2.x + 10, y: middle2.y - 8, children: text }),
-        points.map(({ x: x2, y: y3 }, k2) => {
-          const change = (to, gesture) => store.change([set(to, "view", "measures", n2, "points", k2)], gesture);
-          const now = () => store.state.view.measures[n2]?.points[k2] ?? measure.points[k2];
-          return /* @__PURE__ */ a2(
-            Handle2,
-            {
-              round: true,
-              label: `Measure ${n2 + 1}, point ${k2 + 1}`,
-              text,
-              value: k2,
-              range: [0, points.length],
-              x: x2,
-              y: y3,
-              color: COLOR3,
-              onDrag: (_x, _y, dx, dy) => change(moved(now(), dx, dy), "measure"),
-              onKey: (event) => {
-                const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
-                if (event.key === "Delete") {
-                  event.preventDefault();
-                  store.change([{ op: "remove", path: `/view/measures/${n2}` }]);
-                }
-                if (way === void 0) return;
-                event.preventDefault();
-                event.stopPropagation();
-                change(moved(now(), way[0] ?? 0, way[1] ?? 0), "key measure");
-              },
-              onEnd: () => store.settle()
-            },
-            k2
-          );
-        })
-      ] }, n2);
-    }),
-    pending.map((place, k2) => place && /* @__PURE__ */ a2("circle", { cx: place.x, cy: place.y, r: "4", fill: COLOR3, stroke: "#000" }, k2))
-  ] });
-}
-function MeasuresOnSlice(props) {
-  const { on, store } = props;
-  const thickness = Math.max(store.state.view.slices.thickness / 2, on.geometry.pixel * 1.5);
-  return /* @__PURE__ */ a2(
-    Drawn,
-    {
-      ...props,
-      placed: (point) => placeOf(on, point),
-      moved: (point, dx, dy) => {
-        const { x: x2, y: y3 } = placeOf(on, point);
-        return add(point, sub(worldAt(on, x2 + dx, y3 + dy), worldAt(on, x2, y3)));
-      },
-      isNear: (points) => points.every((point) => placeOf(on, point).away <= thickness)
-    }
-  );
-}
-function Measures3d(props) {
-  const { camera, size } = props;
-  return /* @__PURE__ */ a2(
-    Drawn,
-    {
-      ...props,
-      placed: (point) => project(camera, size, point),
-      moved: (point, dx, dy) => add(point, inPicture(camera, size, point, dx, dy)),
-      isNear: () => true
-    }
-  );
-}
-var isMeasure = (points) => points.every((point, n2) => n2 === 0 || length(sub(point, scaled(points[n2 - 1], 1))) > 0);
-
-// src/view/measure_panel.tsx
-function MeasurePanel({ store, welcome, ui }) {
-  const { measures } = store.state.view;
-  const unit2 = welcome.volumes[0]?.unit ?? "units";
-  const csv = () => ["kind,value,unit,points", ...measures.map((one) => {
-    const [value, of] = measured(one, unit2).replace("°", " degree").split(" ");
-    return `${one.kind},${value},${of},"${one.points.map((point) => point.join(" ")).join("; ")}"`;
-  })].join("\n");
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      ["distance", "angle"].map((tool) => /* @__PURE__ */ a2(
-        "button",
-        {
-          class: "button",
-          "aria-pressed": ui.tool === tool,
-          onClick: () => ui.setTool(ui.tool === tool ? "turn" : tool),
-          children: tool === "distance" ? "Distance" : "Angle"
-        },
-        tool
-      )),
-      /* @__PURE__ */ a2(
-        "button",
-        {
-          class: "button",
-          onClick: () => {
-            const { crosshair } = store.state.view.slices;
-            ui.addPoint(crosshair);
-          },
-          disabled: ui.tool !== "distance" && ui.tool !== "angle",
-          children: "Point at the crosshair"
-        }
-      )
-    ] }),
-    ui.points.length > 0 && /* @__PURE__ */ a2("p", { class: "dim", children: `${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points` }),
-    measures.length === 0 ? /* @__PURE__ */ a2("p", { class: "dim", children: "Choose distance or angle, then click in a slice or in space." }) : /* @__PURE__ */ a2("ol", { children: measures.map((one, n2) => /* @__PURE__ */ a2("li", { children: [
-      /* @__PURE__ */ a2("span", { class: "row", children: [
-        measured(one, unit2),
-        /* @__PURE__ */ a2(
-          "button",
-          {
-            class: "icon-button",
-            "aria-label": `Delete measure ${n2 + 1}`,
-            onClick: () => store.change([{ op: "remove", path: `/view/measures/${n2}` }]),
-            children: "×"
-          }
-        )
-      ] }),
-      /* @__PURE__ */ a2("span", { class: "dim", children: one.points.map((point) => `(${point.map((x2) => shortNumber(x2, 4)).join(", ")})`).join(" – ") })
-    ] }, n2)) }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]), children: "Delete all" }),
-      /* @__PURE__ */ a2(
-        "button",
-        {
-          class: "button",
-          disabled: measures.length === 0,
-          onClick: () => ui.download("measures.csv", csv(), "text/csv"),
-          children: "Save as CSV"
-        }
-      )
-    ] })
-  ] });
-}
-function ProbeLine({ ui, welcome }) {
-  const { probe: probe2, probed } = ui;
-  if (probe2 === null || probed === null) return null;
-  const values = probed.values.map((value, n2) => {
-    const unit2 = welcome.volumes[n2]?.value_unit ?? "";
-    return value === null ? "outside" : `${shortNumber(value, 5)} ${unit2}`.trim();
-  });
-  const label = probed.label === null ? "" : ` · ${probed.label.name}`;
-  return /* @__PURE__ */ a2("span", { children: `${values.join(", ")}${label} at (${probe2.map((x2) => shortNumber(x2, 4)).join(", ")})` });
-}
-
-// src/view/settings_panel.tsx
-var OVERLAY_NAMES = {
-  scale_bar: "Scale bar",
-  letters: "Letters of directions",
-  cube: "Orientation cube",
-  color_bar: "Colour bar",
-  crosshair: "Crosshair",
-  crop_box: "Crop box and clip planes",
-  legend: "Legend"
-};
-var FIRST_ANGLE = 30;
-function SettingsPanel(props) {
-  const { store, figures, onFigures } = props;
-  const { view, render: render2, background, camera } = store.state;
-  const qualities = ["draft", "normal", "high"];
-  const isNamed = typeof render2.quality === "string";
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2(
-      Choice,
-      {
-        label: "At rest",
-        value: isNamed ? render2.quality : "own",
-        options: [...qualities.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
-        onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
-      }
-    ),
-    /* @__PURE__ */ a2(
-      Choice,
-      {
-        label: "While moving",
-        value: view.quality.moving,
-        options: [["smooth", "Smooth: 30 frames a second"], ["balanced", "Balanced: a better picture"], ["exact", "Exact: never less than at rest"]],
-        onChoose: (value) => store.change([set(value, "view", "quality", "moving")])
-      }
-    ),
-    /* @__PURE__ */ a2(
-      Switch,
-      {
-        label: "Perspective",
-        on: camera.view_angle !== void 0,
-        onToggle: (on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : void 0), "camera")])
-      }
-    ),
-    camera.view_angle !== void 0 && /* @__PURE__ */ a2(
-      NumberField,
-      {
-        label: "View angle",
-        unit: "°",
-        value: camera.view_angle,
-        min: 5,
-        max: 100,
-        onInput: (value) => store.change([set(withLens(camera, value), "camera")], "view angle"),
-        onSettle: () => store.settle()
-      }
-    ),
-    /* @__PURE__ */ a2("label", { class: "field", children: [
-      /* @__PURE__ */ a2("span", { children: "Background" }),
-      /* @__PURE__ */ a2(
-        "input",
-        {
-          type: "color",
-          value: hexOf2(background),
-          onInput: (event) => store.change([set(event.currentTarget.value, "background")], "background"),
-          onChange: () => store.settle()
-        }
-      )
-    ] }),
-    /* @__PURE__ */ a2(
-      Choice,
-      {
-        label: "Theme",
-        value: view.interface.theme,
-        options: [["system", "As the system"], ["dark", "Dark"], ["light", "Light"]],
-        onChoose: (value) => store.change([set(value, "view", "interface", "theme")])
-      }
-    ),
-    /* @__PURE__ */ a2("fieldset", { children: [
-      /* @__PURE__ */ a2("legend", { children: "Over the views" }),
-      OVERLAYS.map((name) => /* @__PURE__ */ a2(
-        Switch,
-        {
-          label: OVERLAY_NAMES[name],
-          on: view.overlays[name],
-          onToggle: (on) => store.change([set(on, "view", "overlays", name)])
-        },
-        name
-      )),
-      /* @__PURE__ */ a2(Switch, { label: "Frame rate, latency, error", on: figures, onToggle: onFigures })
-    ] })
-  ] });
-}
-function hexOf2(color) {
-  if (color === null) return "#000000";
-  const context = document.createElement("canvas").getContext("2d");
-  if (context === null) return "#000000";
-  context.fillStyle = cssColor(color);
-  return /^#[0-9a-f]{6}$/.test(String(context.fillStyle)) ? String(context.fillStyle) : "#000000";
-}
-
-// src/view/share.tsx
-var SIZES = [
-  ["view", "As in the window"],
-  ["2", "Twice as large"],
-  ["1920x1080", "1920 x 1080"],
-  ["3840x2160", "3840 x 2160"],
-  ["own", "Own size"]
-];
-var MOST_SIDE = 8192;
-function SharePanel(props) {
-  const { store, engine, welcome, ui } = props;
-  const [size, setSize] = d2("view");
-  const [own, setOwn] = d2([1600, 1200]);
-  const [quality, setQuality] = d2("high");
-  const [transparent, setTransparent] = d2(false);
-  const [annotated, setAnnotated] = d2(false);
-  const [part, setPart] = d2(null);
-  const [abort, setAbort] = d2(null);
-  const [text, setText] = d2("");
-  const pixels = () => {
-    const frame = ui.frames["3d"];
-    const scale = Number(frame?.settings["scale"] ?? 1);
-    const [w3, h3] = [Math.round((frame?.width ?? 1024) / scale), Math.round((frame?.height ?? 768) / scale)];
-    if (size === "own") return { width: own[0], height: own[1] };
-    if (size.includes("x")) {
-      const [width = 0, height = 0] = size.split("x").map(Number);
-      return { width, height };
-    }
-    const factor = size === "2" ? 2 : 1;
-    return { width: Math.min(factor * w3, MOST_SIDE), height: Math.min(factor * h3, MOST_SIDE) };
-  };
-  const picture = async (use) => {
-    const controller = new AbortController();
-    setAbort(controller);
-    setPart(0);
-    try {
-      const asked = { ...pixels(), quality, transparent, annotated };
-      const { bytes, notes } = await engine.ask("picture", asked, setPart, controller.signal);
-      await use(bytes);
-      for (const note of notes) ui.announce(note);
-    } catch (problem) {
-      if (problem.code !== "cancelled") ui.problem(problemOf(problem));
-    } finally {
-      setPart(null);
-      setAbort(null);
-    }
-  };
-  const code = async (as, use) => {
-    try {
-      const found = await engine.ask("code", { as, ...pixels() });
-      await use(found.text, found.name);
-    } catch (problem) {
-      ui.problem(problemOf(problem));
-    }
-  };
-  const copy = async (what, name) => {
-    setText(what);
-    try {
-      await navigator.clipboard.writeText(what);
-      ui.announce(`${name} copied`);
-    } catch {
-      ui.announce(`${name} is in the field below; the browser does not let it be copied`);
-    }
-  };
-  const link = async () => {
-    const found = await linkPart(store.state, welcome.fingerprint);
-    if (found === null) {
-      ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
-      return;
-    }
-    await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
-  };
-  return /* @__PURE__ */ a2($, { children: [
-    /* @__PURE__ */ a2("label", { class: "field", children: [
-      /* @__PURE__ */ a2("span", { children: "Size" }),
-      /* @__PURE__ */ a2("select", { value: size, onChange: (event) => setSize(event.currentTarget.value), children: SIZES.map(([value, name]) => /* @__PURE__ */ a2("option", { value, selected: value === size, children: name }, value)) })
-    ] }),
-    size === "own" && /* @__PURE__ */ a2("div", { class: "row", children: ["Width", "Height"].map((name, n2) => /* @__PURE__ */ a2("label", { class: "row", children: [
-      name,
-      /* @__PURE__ */ a2(
-        "input",
-        {
-          type: "number",
-          min: 1,
-          max: MOST_SIDE,
-          value: own[n2],
-          onChange: (event) => {
-            const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
-            setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
-          }
-        }
-      )
-    ] }, name)) }),
-    /* @__PURE__ */ a2("label", { class: "field", children: [
-      /* @__PURE__ */ a2("span", { children: "Quality" }),
-      /* @__PURE__ */ a2("select", { value: quality, onChange: (event) => setQuality(event.currentTarget.value), children: ["normal", "high"].map((name) => /* @__PURE__ */ a2("option", { value: name, selected: name === quality, children: name }, name)) })
-    ] }),
-    /* @__PURE__ */ a2("label", { class: "row", children: [
-      /* @__PURE__ */ a2("input", { type: "checkbox", checked: transparent, onChange: (event) => setTransparent(event.currentTarget.checked) }),
-      "Transparent background"
-    ] }),
-    /* @__PURE__ */ a2("label", { class: "row", children: [
-      /* @__PURE__ */ a2("input", { type: "checkbox", checked: annotated, onChange: (event) => setAnnotated(event.currentTarget.checked) }),
-      "With scale bar, letters and legend"
-    ] }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")), children: "Save picture" }),
-      /* @__PURE__ */ a2(
-        "button",
-        {
-          class: "button",
-          disabled: part !== null,
-          onClick: () => void picture(async (bytes) => {
-            if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
-            await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
-            ui.announce("The picture is copied");
-          }),
-          children: "Copy picture"
-        }
-      ),
-      abort !== null && /* @__PURE__ */ a2("button", { class: "button", onClick: () => abort.abort(), children: "Cancel" })
-    ] }),
-    part !== null && /* @__PURE__ */ a2("progress", { "aria-label": "Drawing the picture", max: 1, value: part }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => void code("python", (found) => copy(found, "The Python program")), children: "Copy as Python" }),
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => void code("command", (found) => copy(found, "The command")), children: "Copy as command" }),
-      ui.host === "page" && /* @__PURE__ */ a2("button", { class: "button", onClick: () => void link(), children: "Copy link" })
-    ] }),
-    text !== "" && /* @__PURE__ */ a2("textarea", { "aria-label": "What was copied", readOnly: true, rows: 5, value: text, onFocus: (event) => event.currentTarget.select() }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => void code("state", (found, name) => ui.download(name, found, "application/json")), children: "Save state" }),
-      /* @__PURE__ */ a2("label", { class: "button", children: [
-        "Open state",
-        /* @__PURE__ */ a2(
-          "input",
-          {
-            class: "hidden",
-            type: "file",
-            accept: ".json,application/json",
-            onChange: (event) => {
-              const file = event.currentTarget.files?.[0];
-              event.currentTarget.value = "";
-              if (file !== void 0) void openState(props, file);
-            }
-          }
-        )
-      ] }),
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => void code("html", (found, name) => ui.download(name, found, "text/html")), children: "Save page (HTML)" })
-    ] })
-  ] });
-}
-async function openState({ engine, store, ui }, file) {
-  try {
-    const { state } = await engine.ask("open_state", { text: await file.text() });
-    store.change([{ op: "replace", path: "", value: state }]);
-    ui.announce(`${file.name} is open`);
-  } catch (problem) {
-    ui.problem(problemOf(problem));
-  }
-}
-function problemOf(problem) {
-  if (typeof problem === "object" && problem !== null && "message" in problem) {
-    const code = "code" in problem ? String(problem.code) : "failed";
-    return { ...problem, code, message: String(problem.message) };
-  }
-  return { code: "failed", message: String(problem) };
 }
 
 // src/view/slices_panel.tsx
@@ -5747,9 +5699,9 @@ function SlicesPanel(props) {
   const setWindow = (next, gesture) => store.change([set(next, "view", "slices", "window")], gesture);
   const names = Object.entries(welcome.window_names);
   const named = names.find(([, [l3, w3]]) => slices.window?.[0] === l3 && slices.window[1] === w3)?.[0];
-  return /* @__PURE__ */ a2($, { children: [
-    AXES3.map((name, axis) => /* @__PURE__ */ a2(
-      NumberField,
+  return /* @__PURE__ */ a3($, { children: [
+    AXES3.map((name, axis) => /* @__PURE__ */ a3(
+      NumberField2,
       {
         label: `Crosshair ${name}`,
         unit: unit2,
@@ -5764,8 +5716,8 @@ function SlicesPanel(props) {
       },
       name
     )),
-    /* @__PURE__ */ a2(
-      NumberField,
+    /* @__PURE__ */ a3(
+      NumberField2,
       {
         label: "Thickness",
         unit: unit2,
@@ -5776,7 +5728,7 @@ function SlicesPanel(props) {
         onSettle: settle
       }
     ),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3(
       Choice,
       {
         label: "Across it",
@@ -5785,7 +5737,7 @@ function SlicesPanel(props) {
         onChoose: (value) => store.change([set(value, "view", "slices", "slab")])
       }
     ),
-    info?.value_unit === "HU" && /* @__PURE__ */ a2(
+    info?.value_unit === "HU" && /* @__PURE__ */ a3(
       Choice,
       {
         label: "Window",
@@ -5802,8 +5754,8 @@ function SlicesPanel(props) {
         }
       }
     ),
-    /* @__PURE__ */ a2(
-      NumberField,
+    /* @__PURE__ */ a3(
+      NumberField2,
       {
         label: "Level",
         unit: info?.value_unit ?? "",
@@ -5814,8 +5766,8 @@ function SlicesPanel(props) {
         onSettle: settle
       }
     ),
-    /* @__PURE__ */ a2(
-      NumberField,
+    /* @__PURE__ */ a3(
+      NumberField2,
       {
         label: "Width",
         unit: info?.value_unit ?? "",
@@ -5826,8 +5778,8 @@ function SlicesPanel(props) {
         onSettle: settle
       }
     ),
-    /* @__PURE__ */ a2(
-      NumberField,
+    /* @__PURE__ */ a3(
+      NumberField2,
       {
         label: "Zoom",
         value: slices.zoom,
@@ -5837,8 +5789,8 @@ function SlicesPanel(props) {
         onSettle: settle
       }
     ),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(
         "button",
         {
           class: "button",
@@ -5849,8 +5801,8 @@ function SlicesPanel(props) {
           children: "Crosshair to the middle"
         }
       ),
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => void toSeen(props), children: "Crosshair to what is seen" }),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void toSeen(props), children: "Crosshair to what is seen" }),
+      /* @__PURE__ */ a3(
         "button",
         {
           class: "button",
@@ -5859,7 +5811,7 @@ function SlicesPanel(props) {
           children: "Automatic window"
         }
       ),
-      /* @__PURE__ */ a2(
+      /* @__PURE__ */ a3(
         "button",
         {
           class: "button",
@@ -5886,26 +5838,26 @@ async function toSeen({ engine, store, ui }) {
 // src/view/status.tsx
 function Opening({ connection, problem }) {
   if (problem !== null) {
-    return /* @__PURE__ */ a2("div", { class: "opening", role: "alert", children: [
-      /* @__PURE__ */ a2("h2", { children: "It could not be opened" }),
-      /* @__PURE__ */ a2("p", { children: problem.message }),
-      problem.remedy !== void 0 && /* @__PURE__ */ a2("p", { class: "dim", children: problem.remedy })
+    return /* @__PURE__ */ a3("div", { class: "opening", role: "alert", children: [
+      /* @__PURE__ */ a3("h2", { children: "It could not be opened" }),
+      /* @__PURE__ */ a3("p", { children: problem.message }),
+      problem.remedy !== void 0 && /* @__PURE__ */ a3("p", { class: "dim", children: problem.remedy })
     ] });
   }
   const isOpening = connection.kind === "connecting";
-  return /* @__PURE__ */ a2("div", { class: "opening", role: "status", children: [
-    /* @__PURE__ */ a2("p", { children: isOpening ? connection.text || "Opening" : "Opening" }),
-    isOpening && connection.part !== void 0 ? /* @__PURE__ */ a2("progress", { max: 1, value: connection.part }) : /* @__PURE__ */ a2("progress", {})
+  return /* @__PURE__ */ a3("div", { class: "opening", role: "status", children: [
+    /* @__PURE__ */ a3("p", { children: isOpening ? connection.text || "Opening" : "Opening" }),
+    isOpening && connection.part !== void 0 ? /* @__PURE__ */ a3("progress", { max: 1, value: connection.part }) : /* @__PURE__ */ a3("progress", {})
   ] });
 }
 function ProblemCard({ problem, onClose }) {
-  return /* @__PURE__ */ a2("div", { class: "alert", role: "alert", children: [
-    /* @__PURE__ */ a2("strong", { children: problem.message }),
-    problem.field !== void 0 && /* @__PURE__ */ a2("span", { children: `Field: ${problem.field}` }),
-    problem.remedy !== void 0 && /* @__PURE__ */ a2("span", { class: "dim", children: problem.remedy }),
-    /* @__PURE__ */ a2("div", { class: "row", children: [
-      /* @__PURE__ */ a2("button", { class: "button", onClick: () => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n")), children: "Copy text" }),
-      /* @__PURE__ */ a2("button", { class: "button", onClick: onClose, children: "Close" })
+  return /* @__PURE__ */ a3("div", { class: "alert", role: "alert", children: [
+    /* @__PURE__ */ a3("strong", { children: problem.message }),
+    problem.field !== void 0 && /* @__PURE__ */ a3("span", { children: `Field: ${problem.field}` }),
+    problem.remedy !== void 0 && /* @__PURE__ */ a3("span", { class: "dim", children: problem.remedy }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n")), children: "Copy text" }),
+      /* @__PURE__ */ a3("button", { class: "button", onClick: onClose, children: "Close" })
     ] })
   ] });
 }
@@ -5913,17 +5865,17 @@ function Status(props) {
   const { ui, engine, connection, figures } = props;
   const frame = ui.frames["3d"] ?? Object.values(ui.frames)[0];
   const notes = frame?.notes ?? [];
-  return /* @__PURE__ */ a2("div", { class: "status", children: [
-    connection.kind === "lost" && /* @__PURE__ */ a2("span", { class: "row", role: "alert", children: [
+  return /* @__PURE__ */ a3("div", { class: "status", children: [
+    connection.kind === "lost" && /* @__PURE__ */ a3("span", { class: "row", role: "alert", children: [
       connection.problem.message,
       ". ",
-      /* @__PURE__ */ a2("span", { class: "dim", children: connection.problem.remedy }),
-      connection.retries && /* @__PURE__ */ a2("button", { class: "button", onClick: () => engine.retry(), children: "Try again" })
+      /* @__PURE__ */ a3("span", { class: "dim", children: connection.problem.remedy }),
+      connection.retries && /* @__PURE__ */ a3("button", { class: "button", onClick: () => engine.retry(), children: "Try again" })
     ] }),
-    connection.kind === "busy" && /* @__PURE__ */ a2("span", { role: "status", children: connection.text }),
-    notes.map((note) => /* @__PURE__ */ a2("span", { role: "note", children: note }, note)),
-    /* @__PURE__ */ a2(ProbeLine, { ...props }),
-    figures && /* @__PURE__ */ a2(Figures, { ...props })
+    connection.kind === "busy" && /* @__PURE__ */ a3("span", { role: "status", children: connection.text }),
+    notes.map((note) => /* @__PURE__ */ a3("span", { role: "note", children: note }, note)),
+    /* @__PURE__ */ a3(ProbeLine, { ...props }),
+    figures && /* @__PURE__ */ a3(Figures, { ...props })
   ] });
 }
 function Figures({ ui }) {
@@ -5940,7 +5892,7 @@ function Figures({ ui }) {
     `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,
     frame.expected_psnr_db === null ? null : `expected error ${frame.expected_psnr_db.toFixed(0)} dB`
   ];
-  return /* @__PURE__ */ a2("span", { class: "figures", children: parts.filter((part) => part !== null).join(" · ") });
+  return /* @__PURE__ */ a3("span", { class: "figures", children: parts.filter((part) => part !== null).join(" · ") });
 }
 
 // src/view/style.css
@@ -5986,7 +5938,7 @@ var PATHS = {
   panels: "M3 4h14v12H3zM12 4v12"
 };
 function Icon({ name }) {
-  return /* @__PURE__ */ a2("svg", { viewBox: "0 0 20 20", "aria-hidden": "true", children: /* @__PURE__ */ a2("path", { d: PATHS[name] }) });
+  return /* @__PURE__ */ a3("svg", { viewBox: "0 0 20 20", "aria-hidden": "true", children: /* @__PURE__ */ a3("path", { d: PATHS[name] }) });
 }
 
 // src/view/toolbar.tsx
@@ -6019,11 +5971,11 @@ function Toolbar(props) {
     const box = event.currentTarget;
     box.querySelector(`[data-tool="${next}"]`)?.focus();
   };
-  return /* @__PURE__ */ a2("div", { class: "toolbar", role: "toolbar", "aria-label": "Viewer", children: [
-    /* @__PURE__ */ a2("span", { class: "title", title: store.state.layers.map(({ name }) => name).join(", "), children: store.state.layers.map(({ name }) => name).join(", ") }),
-    /* @__PURE__ */ a2("label", { children: [
-      /* @__PURE__ */ a2("span", { class: "hidden", children: "Layout" }),
-      /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3("div", { class: "toolbar", role: "toolbar", "aria-label": "Viewer", children: [
+    /* @__PURE__ */ a3("span", { class: "title", title: store.state.layers.map(({ name }) => name).join(", "), children: store.state.layers.map(({ name }) => name).join(", ") }),
+    /* @__PURE__ */ a3("label", { children: [
+      /* @__PURE__ */ a3("span", { class: "hidden", children: "Layout" }),
+      /* @__PURE__ */ a3(
         "select",
         {
           value: layout.name,
@@ -6032,15 +5984,15 @@ function Toolbar(props) {
             const main = name === "single" && layout.main === "3d" ? "axial" : layout.main;
             store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
           },
-          children: LAYOUTS.map(([name, text]) => /* @__PURE__ */ a2("option", { value: name, selected: name === layout.name, children: text }, name))
+          children: LAYOUTS.map(([name, text]) => /* @__PURE__ */ a3("option", { value: name, selected: name === layout.name, children: text }, name))
         }
       )
     ] }),
-    layout.name === "single" && /* @__PURE__ */ a2("label", { children: [
-      /* @__PURE__ */ a2("span", { class: "hidden", children: "Slice" }),
-      /* @__PURE__ */ a2("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]), children: PANES.map((pane) => /* @__PURE__ */ a2("option", { value: pane, selected: pane === layout.main, children: pane }, pane)) })
+    layout.name === "single" && /* @__PURE__ */ a3("label", { children: [
+      /* @__PURE__ */ a3("span", { class: "hidden", children: "Slice" }),
+      /* @__PURE__ */ a3("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]), children: PANES.map((pane) => /* @__PURE__ */ a3("option", { value: pane, selected: pane === layout.main, children: pane }, pane)) })
     ] }),
-    /* @__PURE__ */ a2("div", { class: "group", role: "group", "aria-label": "Standard views", children: VIEWS.map((view, n2) => /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "group", role: "group", "aria-label": "Standard views", children: VIEWS.map((view, n2) => /* @__PURE__ */ a3(
       "button",
       {
         class: "icon-button",
@@ -6054,12 +6006,12 @@ function Toolbar(props) {
       },
       view
     )) }),
-    /* @__PURE__ */ a2("button", { class: "icon-button", title: "Fit all into view (0)", "aria-label": "Fit all into view", onClick: onFit, children: /* @__PURE__ */ a2(Icon, { name: "fit" }) }),
-    /* @__PURE__ */ a2("div", { class: "group", role: "group", "aria-label": "History", children: [
-      /* @__PURE__ */ a2("button", { class: "icon-button", title: "Undo (Ctrl Z)", "aria-label": "Undo", disabled: !store.canUndo, onClick: () => store.undo(), children: /* @__PURE__ */ a2(Icon, { name: "undo" }) }),
-      /* @__PURE__ */ a2("button", { class: "icon-button", title: "Redo (Ctrl Shift Z)", "aria-label": "Redo", disabled: !store.canRedo, onClick: () => store.redo(), children: /* @__PURE__ */ a2(Icon, { name: "redo" }) })
+    /* @__PURE__ */ a3("button", { class: "icon-button", title: "Fit all into view (0)", "aria-label": "Fit all into view", onClick: onFit, children: /* @__PURE__ */ a3(Icon, { name: "fit" }) }),
+    /* @__PURE__ */ a3("div", { class: "group", role: "group", "aria-label": "History", children: [
+      /* @__PURE__ */ a3("button", { class: "icon-button", title: "Undo (Ctrl Z)", "aria-label": "Undo", disabled: !store.canUndo, onClick: () => store.undo(), children: /* @__PURE__ */ a3(Icon, { name: "undo" }) }),
+      /* @__PURE__ */ a3("button", { class: "icon-button", title: "Redo (Ctrl Shift Z)", "aria-label": "Redo", disabled: !store.canRedo, onClick: () => store.redo(), children: /* @__PURE__ */ a3(Icon, { name: "redo" }) })
     ] }),
-    /* @__PURE__ */ a2("div", { class: "group", role: "radiogroup", "aria-label": "Dragging", onKeyDown: tools, children: TOOLS.map(([tool, text, icon]) => /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("div", { class: "group", role: "radiogroup", "aria-label": "Dragging", onKeyDown: tools, children: TOOLS.map(([tool, text, icon]) => /* @__PURE__ */ a3(
       "button",
       {
         class: "icon-button",
@@ -6070,23 +6022,23 @@ function Toolbar(props) {
         "aria-label": text,
         title: text,
         onClick: () => ui.setTool(tool),
-        children: /* @__PURE__ */ a2(Icon, { name: icon })
+        children: /* @__PURE__ */ a3(Icon, { name: icon })
       },
       tool
     )) }),
-    /* @__PURE__ */ a2("span", { class: "spring" }),
-    /* @__PURE__ */ a2(
+    /* @__PURE__ */ a3("span", { class: "spring" }),
+    /* @__PURE__ */ a3(
       "button",
       {
         class: "icon-button",
         title: theme === "dark" ? "Light colours" : "Dark colours",
         "aria-label": theme === "dark" ? "Light colours" : "Dark colours",
         onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")]),
-        children: /* @__PURE__ */ a2(Icon, { name: theme === "dark" ? "light" : "dark" })
+        children: /* @__PURE__ */ a3(Icon, { name: theme === "dark" ? "light" : "dark" })
       }
     ),
-    /* @__PURE__ */ a2("button", { class: "icon-button", title: "Keys and gestures (?)", "aria-label": "Keys and gestures", onClick: onHelp, children: /* @__PURE__ */ a2(Icon, { name: "help" }) }),
-    /* @__PURE__ */ a2("button", { class: "icon-button", title: "Panels", "aria-label": "Panels", "aria-pressed": props.panels, onClick: props.onPanels, children: /* @__PURE__ */ a2(Icon, { name: "panels" }) })
+    /* @__PURE__ */ a3("button", { class: "icon-button", title: "Keys and gestures (?)", "aria-label": "Keys and gestures", onClick: onHelp, children: /* @__PURE__ */ a3(Icon, { name: "help" }) }),
+    /* @__PURE__ */ a3("button", { class: "icon-button", title: "Panels", "aria-label": "Panels", "aria-pressed": props.panels, onClick: props.onPanels, children: /* @__PURE__ */ a3(Icon, { name: "panels" }) })
   ] });
 }
 function letterOf(view, ends) {
@@ -6317,13 +6269,13 @@ var App = class {
     if (store === null || welcome === null) {
       const theme = window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
       Q(
-        /* @__PURE__ */ a2("div", { class: "wavesplat", "data-theme": theme, "data-lm-suppress-shortcuts": "true", children: /* @__PURE__ */ a2(Opening, { connection: this.connection, problem: this.failure }) }),
+        /* @__PURE__ */ a3("div", { class: "wavesplat", "data-theme": theme, "data-lm-suppress-shortcuts": "true", children: /* @__PURE__ */ a3(Opening, { connection: this.connection, problem: this.failure }) }),
         this.mount
       );
       return;
     }
     const part = { store, engine: this.engine, welcome, ui: this.ui };
-    Q(/* @__PURE__ */ a2(Whole, { ...part, app: this.shown() }), this.mount);
+    Q(/* @__PURE__ */ a3(Whole, { ...part, app: this.shown() }), this.mount);
   }
   shown() {
     return {
@@ -6362,7 +6314,7 @@ function Whole(props) {
   const isOpen = (name) => shown.panels.includes(name);
   const panel = { onToggle: app.onPanel };
   const hasTimes = part.welcome.volumes.some((volume) => volume.n_times > 1);
-  return /* @__PURE__ */ a2(
+  return /* @__PURE__ */ a3(
     "div",
     {
       class: "wavesplat",
@@ -6376,31 +6328,31 @@ function Whole(props) {
         if (file !== void 0) void openState(part, file);
       },
       children: [
-        /* @__PURE__ */ a2(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: app.onFit, panels: app.showsPanels, onPanels: app.onPanels }),
-        /* @__PURE__ */ a2("main", { class: "views", "data-layout": layout.name, children: [
-          (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ a2(SceneView, { ...part }),
-          (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ a2(SlicePane, { ...part, pane }, pane)),
-          layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ a2(SlicePane, { ...part, pane: layout.main }, layout.main)
+        /* @__PURE__ */ a3(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: app.onFit, panels: app.showsPanels, onPanels: app.onPanels }),
+        /* @__PURE__ */ a3("main", { class: "views", "data-layout": layout.name, children: [
+          (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ a3(SceneView, { ...part }),
+          (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ a3(SlicePane, { ...part, pane }, pane)),
+          layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ a3(SlicePane, { ...part, pane: layout.main }, layout.main)
         ] }),
-        app.showsPanels && /* @__PURE__ */ a2("aside", { class: "panels", "aria-label": "Panels", children: [
-          /* @__PURE__ */ a2(Panel, { name: "presets", title: "Presets", open: isOpen("presets"), ...panel, children: /* @__PURE__ */ a2(PresetsPanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "function", title: "Colours and opacity", open: isOpen("function"), ...panel, children: /* @__PURE__ */ a2(FunctionPanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "layers", title: "Layers", open: isOpen("layers"), ...panel, children: /* @__PURE__ */ a2(LayersPanel, { ...part }) }),
-          store.state.labels !== null && /* @__PURE__ */ a2(Panel, { name: "labels", title: "Labels", open: isOpen("labels"), ...panel, children: /* @__PURE__ */ a2(LabelsPanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "light", title: "Light and projection", open: isOpen("light"), ...panel, children: /* @__PURE__ */ a2(LightPanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "cut", title: "Cut", open: isOpen("cut"), ...panel, children: /* @__PURE__ */ a2(CutPanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "slices", title: "Slices", open: isOpen("slices"), ...panel, children: /* @__PURE__ */ a2(SlicesPanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "measure", title: "Measure", open: isOpen("measure"), ...panel, children: /* @__PURE__ */ a2(MeasurePanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "share", title: "Pictures and sharing", open: isOpen("share"), ...panel, children: /* @__PURE__ */ a2(SharePanel, { ...part }) }),
-          /* @__PURE__ */ a2(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel, children: /* @__PURE__ */ a2(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }) })
+        app.showsPanels && /* @__PURE__ */ a3("aside", { class: "panels", "aria-label": "Panels", children: [
+          /* @__PURE__ */ a3(Panel, { name: "presets", title: "Presets", open: isOpen("presets"), ...panel, children: /* @__PURE__ */ a3(PresetsPanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "function", title: "Colours and opacity", open: isOpen("function"), ...panel, children: /* @__PURE__ */ a3(FunctionPanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "layers", title: "Layers", open: isOpen("layers"), ...panel, children: /* @__PURE__ */ a3(LayersPanel, { ...part }) }),
+          store.state.labels !== null && /* @__PURE__ */ a3(Panel, { name: "labels", title: "Labels", open: isOpen("labels"), ...panel, children: /* @__PURE__ */ a3(LabelsPanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "light", title: "Light and projection", open: isOpen("light"), ...panel, children: /* @__PURE__ */ a3(LightPanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "cut", title: "Cut", open: isOpen("cut"), ...panel, children: /* @__PURE__ */ a3(CutPanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "slices", title: "Slices", open: isOpen("slices"), ...panel, children: /* @__PURE__ */ a3(SlicesPanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "measure", title: "Measure", open: isOpen("measure"), ...panel, children: /* @__PURE__ */ a3(MeasurePanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "share", title: "Pictures and sharing", open: isOpen("share"), ...panel, children: /* @__PURE__ */ a3(SharePanel, { ...part }) }),
+          /* @__PURE__ */ a3(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel, children: /* @__PURE__ */ a3(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }) })
         ] }),
-        /* @__PURE__ */ a2("footer", { class: "bottom", children: [
-          hasTimes && /* @__PURE__ */ a2(TimeBar, { ...part }),
-          /* @__PURE__ */ a2(Status, { ...part, connection: app.connection, figures: app.figures })
+        /* @__PURE__ */ a3("footer", { class: "bottom", children: [
+          hasTimes && /* @__PURE__ */ a3(TimeBar, { ...part }),
+          /* @__PURE__ */ a3(Status, { ...part, connection: app.connection, figures: app.figures })
         ] }),
-        /* @__PURE__ */ a2("p", { class: "hidden", role: "status", "aria-live": "polite", children: app.said }),
-        app.problem !== null && /* @__PURE__ */ a2(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
-        app.help && /* @__PURE__ */ a2(Help, { onClose: () => app.onHelp(false) })
+        /* @__PURE__ */ a3("p", { class: "hidden", role: "status", "aria-live": "polite", children: app.said }),
+        app.problem !== null && /* @__PURE__ */ a3(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
+        app.help && /* @__PURE__ */ a3(Help, { onClose: () => app.onHelp(false) })
       ]
     }
   );

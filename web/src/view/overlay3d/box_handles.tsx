@@ -4,15 +4,14 @@ import { add, project } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Box, Camera, Vec3 } from "../../state/state.ts";
 import { shortNumber } from "../descriptions.ts";
+import { Handle, stepOf, take } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
-import { Handle } from "../slices/slice_pane.tsx";
 import {
   alongAxis, center, corners, EDGES, faceCenter, FACES, inPicture, isHidden, isSeen, movedBy, withFace, type Face,
 } from "./box.ts";
 
 const NAMES = ["x", "y", "z"] as const;
 const UNITS: readonly Vec3[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
-const COARSE = 10;
 
 export interface BoxHandlesProps extends PartProps {
   readonly kind: "keep" | "cut_out";
@@ -52,11 +51,10 @@ export function BoxHandles(props: BoxHandlesProps) {
         const bounds: readonly [number, number] = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
         const name = `${what}, ${NAMES[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
         const keys = (event: KeyboardEvent): void => {
-          const n = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: COARSE, PageDown: -COARSE }[event.key];
+          const n = stepOf(event);
           const end = { Home: bounds[0], End: bounds[1] }[event.key];
           if (n === undefined && end === undefined) return;
-          event.preventDefault();
-          event.stopPropagation();
+          take(event);
           moveFace(face, end ?? now()[face.side][face.axis] + (n ?? 0) * spacing[face.axis], "key face");
         };
         return (
@@ -99,8 +97,7 @@ export function BoxHandles(props: BoxHandlesProps) {
           onKey={(event) => {
             const axis = { ArrowRight: 0, ArrowLeft: 0, ArrowUp: 2, ArrowDown: 2, PageUp: 1, PageDown: 1 }[event.key];
             if (axis === undefined) return;
-            event.preventDefault();
-            event.stopPropagation();
+            take(event);
             const sign = event.key === "ArrowRight" || event.key === "ArrowUp" || event.key === "PageUp" ? 1 : -1;
             const by = UNITS[axis]?.map((one) => one * sign * (spacing[axis] ?? 1)) as unknown as Vec3;
             change(movedBy(now(), add(by, [0, 0, 0]), welcome.bounds), "key box");

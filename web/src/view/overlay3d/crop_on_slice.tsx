@@ -4,9 +4,9 @@ import { add, scaled } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Box, Vec3 } from "../../state/state.ts";
 import { shortNumber } from "../descriptions.ts";
+import { Handle, stepOf } from "../handle.tsx";
 import type { PartProps } from "../part.ts";
 import { placeOf, type SliceFrame } from "../slices/geometry.ts";
-import { Handle } from "../slices/slice_pane.tsx";
 import { boxOf, placeOfBox, withFace, type Face } from "./box.ts";
 
 const COLOR = "#ffd166";
@@ -58,10 +58,8 @@ export function CropOnSlice(props: PartProps & { readonly on: SliceFrame }) {
               move(now()[face.side][face.axis] + way * per, "face");
             }}
             onKey={(event) => {
-              const n = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+              const n = stepOf(event);
               if (n === undefined) return;
-              event.preventDefault();
-              event.stopPropagation();
               move(now()[face.side][face.axis] + n * spacing[face.axis], "key face");
             }}
             onEnd={() => store.settle()}

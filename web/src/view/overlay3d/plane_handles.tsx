@@ -4,8 +4,8 @@ import { add, axesOf, cross, dot, length, project, scaled, sub, turnedAbout, uni
 import { set } from "../../state/patch.ts";
 import type { Camera, Vec3 } from "../../state/state.ts";
 import { shortNumber } from "../descriptions.ts";
+import { Handle, stepOf } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
-import { Handle } from "../slices/slice_pane.tsx";
 import { alongAxis } from "./box.ts";
 
 const COLOR = "#8be0d4";
@@ -48,14 +48,6 @@ export function PlaneHandles(
     const before = now();
     change({ ...before, normal: turnedAbout(unit(before.normal), axis, angle) }, gesture);
   };
-  const step = (event: KeyboardEvent): number | undefined => {
-    const n = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
-    if (n !== undefined) {
-      event.preventDefault();
-      event.stopPropagation();
-    }
-    return n;
-  };
   return (
     <g stroke={COLOR} fill="none">
       {square.every((corner) => corner !== null) && (
@@ -72,7 +64,7 @@ export function PlaneHandles(
         color={COLOR}
         onDrag={(_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane")}
         onKey={(event) => {
-          const n = step(event);
+          const n = stepOf(event);
           if (n !== undefined) slide(n * STEP_SHARE * extent, "key plane");
         }}
         onEnd={() => store.settle()}
@@ -97,7 +89,7 @@ export function PlaneHandles(
               tilt(axis, (k === 0 ? -1 : 1) * Math.atan2(way, arm), "tilt plane");
             }}
             onKey={(event) => {
-              const n = step(event);
+              const n = stepOf(event);
               if (n !== undefined) tilt(axis, (n * STEP_DEG * Math.PI) / 180, "key tilt plane");
             }}
             onEnd={() => store.settle()}

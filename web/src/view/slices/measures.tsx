@@ -5,9 +5,9 @@ import { add, length, project, scaled, sub } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Camera, Measure, Vec3 } from "../../state/state.ts";
 import { shortNumber } from "../descriptions.ts";
+import { Handle, take } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
 import { angleDeg, distance, placeOf, worldAt, type SliceFrame } from "./geometry.ts";
-import { Handle } from "./slice_pane.tsx";
 
 const COLOR = "#7df0ff";
 
@@ -66,8 +66,7 @@ function Drawn(
                       store.change([{ op: "remove", path: `/view/measures/${n}` }]);
                     }
                     if (way === undefined) return;
-                    event.preventDefault();
-                    event.stopPropagation();
+                    take(event);
                     change(moved(now(), way[0] ?? 0, way[1] ?? 0), "key measure");
                   }}
                   onEnd={() => store.settle()}

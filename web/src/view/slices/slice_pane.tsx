@@ -7,6 +7,7 @@ import type { Action } from "../../input/keys.ts";
 import { set } from "../../state/patch.ts";
 import type { Pane, Vec3 } from "../../state/state.ts";
 import { shortNumber } from "../descriptions.ts";
+import { Handle, stepOf } from "../handle.tsx";
 import { CropOnSlice } from "../overlay3d/crop_on_slice.tsx";
 import type { CssSize, PartProps } from "../part.ts";
 import { settleSoon } from "../scene_view.tsx";
@@ -179,19 +180,15 @@ function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; other: P
   const move = (distance: number, gesture: string): void =>
     store.change([set(stepped(store.state, other, distance, range), "view", "slices", "crosshair")], gesture);
   const keys = (event: KeyboardEvent): void => {
-    const n = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: COARSE, PageDown: -COARSE }[event.key];
+    const n = stepOf(event);
     if (n === undefined) return;
-    event.preventDefault();
-    event.stopPropagation();
     move(n * step, "key plane");
   };
   const tilt = (x: number, y: number): void =>
     store.change([tiltTo(store, other, tilted(on, normalOf(store.state, other), x - at.x, y - at.y))], "tilt");
   const tiltKeys = (event: KeyboardEvent): void => {
-    const n = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: COARSE, PageDown: -COARSE }[event.key];
+    const n = stepOf(event);
     if (n === undefined) return;
-    event.preventDefault();
-    event.stopPropagation();
     const angle = Math.atan2(line.dy, line.dx) + (n * Math.PI) / 180;
     store.change([tiltTo(store, other, tilted(on, normal, Math.cos(angle), Math.sin(angle)))], "key tilt");
   };
@@ -245,72 +242,6 @@ function rangeOf([lower, upper]: readonly [Vec3, Vec3], normal: Vec3): readonly 
   const ends = [0, 1, 2].map((a) => [(lower[a] ?? 0) * (normal[a] ?? 0), (upper[a] ?? 0) * (normal[a] ?? 0)]);
   const sum = (pick: (...values: number[]) => number): number => ends.reduce((total, end) => total + pick(...end), 0);
   return [sum(Math.min), sum(Math.max)];
-}
-
-export interface HandleProps {
-  readonly label: string;
-  readonly text: string;
-  readonly value: number;
-  readonly range: readonly [number, number];
-  readonly x: number;
-  readonly y: number;
-  readonly color: string;
-  readonly round?: boolean;
-  /** Where the pointer is, and how far it went since the last call, in CSS pixels of the view. */
-  readonly onDrag: (x: number, y: number, dx: number, dy: number) => void;
-  readonly onKey: (event: KeyboardEvent) => void;
-  readonly onEnd: () => void;
-  readonly onDouble?: () => void;
-}
-
-/** A handle that is dragged, and moved by keys: a slider for those who do not see it. */
-export function Handle(props: HandleProps) {
-  const { label, text, value, range, x, y, color, round, onDrag, onKey, onEnd, onDouble } = props;
-  const down = (event: PointerEvent): void => {
-    event.stopPropagation();
-    const element = event.currentTarget as SVGElement;
-    element.setPointerCapture(event.pointerId);
-    element.focus({ preventScroll: true });
-    const box = element.ownerSVGElement?.getBoundingClientRect();
-    let [px, py] = [event.clientX, event.clientY];
-    const move = (moved: PointerEvent): void => {
-      onDrag(moved.clientX - (box?.left ?? 0), moved.clientY - (box?.top ?? 0), moved.clientX - px, moved.clientY - py);
-      [px, py] = [moved.clientX, moved.clientY];
-    };
-    const up = (): void => {
-      element.removeEventListener("pointermove", move);
-      element.removeEventListener("pointerup", up);
-      element.removeEventListener("pointercancel", up);
-      onEnd();
-    };
-    element.addEventListener("pointermove", move);
-    element.addEventListener("pointerup", up);
-    element.addEventListener("pointercancel", up);
-  };
-  return (
-    <g
-      data-handle
-      role="slider"
-      tabIndex={0}
-      aria-label={label}
-      aria-valuenow={Number(value.toFixed(3))}
-      aria-valuemin={Number(range[0].toFixed(3))}
-      aria-valuemax={Number(range[1].toFixed(3))}
-      aria-valuetext={text}
-      transform={`translate(${x} ${y})`}
-      onPointerDown={down}
-      onKeyDown={onKey}
-      onKeyUp={onEnd}
-      onDblClick={onDouble}
-    >
-      <circle r="13" fill="transparent" stroke="none" />
-      {round ? (
-        <circle r="5" fill="#000" stroke={color} stroke-width="2" />
-      ) : (
-        <rect x="-5" y="-5" width="10" height="10" fill={color} stroke="#000" stroke-width="1" />
-      )}
-    </g>
-  );
 }
 
 let probeTimer: ReturnType<typeof setTimeout> | undefined;

@@ -337,7 +337,7 @@ function added(listeners, listener) {
   return () => listeners.delete(listener);
 }
 
-// node_modules/preact/dist/preact.mjs
+// ../../../main/web/node_modules/preact/dist/preact.mjs
 var n;
 var t;
 var r;
@@ -636,7 +636,7 @@ var GESTURES = [
   ["Shift drag, or middle button", "Move"],
   ["Wheel, or right button", "Magnify"],
   ["Ctrl drag", "Roll"],
-  ["Alt drag", "Window and level of slices; shift and opacity in space"],
+  ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
   ["Ctrl click", "Put the crosshair on what is seen there"],
   ["Double click in a slice", "Window as it was"],
   ["One finger, two fingers", "Turn; move, magnify and roll"]
@@ -834,7 +834,7 @@ function ray(camera, size, x2, y3) {
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-// node_modules/preact/hooks/dist/hooks.mjs
+// ../../../main/web/node_modules/preact/hooks/dist/hooks.mjs
 var t2;
 var r2;
 var u2;
@@ -1183,7 +1183,7 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+// ../../../main/web/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var f3 = /* @__PURE__ */ Symbol.for("pv");
 var o3 = 0;
 function a3(t3, e3, n2, u3, a4, i3) {
@@ -1236,7 +1236,17 @@ function NamedNumber(props) {
   ] });
 }
 function SliderField(props) {
-  const { label, value, min, max, step = (max - min) / 200, unit: unit2 = "", disabled = false, least, most } = props;
+  const {
+    label,
+    value,
+    min,
+    max,
+    step = roundStep((max - min) / 500),
+    unit: unit2 = "",
+    disabled = false,
+    least,
+    most
+  } = props;
   const { shown = label } = props;
   return /* @__PURE__ */ a3("div", { class: "field look-slider", children: [
     shown !== "" && /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: shown }),
@@ -1255,7 +1265,7 @@ function SliderField(props) {
         onChange: () => props.onDone()
       }
     ),
-    /* @__PURE__ */ a3(NumberField, { ...props, min: least ?? min, max: most ?? max, step: "any", label: `${label}, number` })
+    /* @__PURE__ */ a3(NumberField, { ...props, min: least ?? min, max: most ?? max, step, label: `${label}, number` })
   ] });
 }
 function RelativeSlider(props) {
@@ -1664,6 +1674,28 @@ function Help({ onClose }) {
   ] });
 }
 
+// src/view/look/point_keys.ts
+function pointKey(key, isShifted, seen, rise) {
+  const share = isShifted ? 0.2 : 1;
+  const fine = share * keyStep(seen, true);
+  const coarse = keyStep(seen, false);
+  const steps = {
+    ArrowLeft: [-fine, 0],
+    ArrowRight: [fine, 0],
+    ArrowUp: [0, share * rise],
+    ArrowDown: [0, -share * rise],
+    PageDown: [-coarse, 0],
+    PageUp: [coarse, 0],
+    Home: [0, -1],
+    End: [0, 1]
+  };
+  const step = steps[key];
+  if (step !== void 0) return { does: "move", value: step[0], rise: step[1] };
+  if (key === "Delete" || key === "Backspace") return { does: "remove" };
+  if (key === "Insert") return { does: "insert" };
+  return key === "Enter" ? { does: "type" } : null;
+}
+
 // src/view/look/curve_plot.tsx
 var TEXT = {
   keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
@@ -1715,39 +1747,14 @@ function CurvePlot(props) {
   const onHandleKey = (event, index) => {
     const point = curve[index];
     if (point === void 0) return;
-    const fine = keyStep(seen, true) * (event.shiftKey ? 0.2 : 1);
-    const coarse = keyStep(seen, false);
     const rise = isMagnified ? Math.max(5e-4, 0.1 * point[1]) : 0.01;
-    const steps = {
-      ArrowLeft: [-fine, 0],
-      ArrowRight: [fine, 0],
-      ArrowUp: [0, event.shiftKey ? rise / 5 : rise],
-      ArrowDown: [0, event.shiftKey ? -rise / 5 : -rise],
-      PageDown: [-coarse, 0],
-      PageUp: [coarse, 0],
-      Home: [0, -1],
-      End: [0, 1]
-    };
-    const step = steps[event.key];
-    if (step !== void 0) {
-      props.onCurve(
-        withMoved(curve, index, [
-          Math.max(props.least ?? -Infinity, point[0] + step[0]),
-          Number((point[1] + step[1]).toPrecision(6))
-        ]),
-        index
-      );
-    } else if (event.key === "Delete" || event.key === "Backspace") {
-      if (curve.length === 1) return;
-      props.onCurve(without(curve, index), Math.min(index, curve.length - 2));
-      props.onDone();
-    } else if (event.key === "Insert") {
-      const next = curve[index + 1] ?? [point[0] + coarse, point[1]];
-      const added2 = withPoint(curve, [(point[0] + next[0]) / 2, (point[1] + next[1]) / 2]);
-      props.onCurve(added2.curve, added2.index);
-      props.onDone();
-    } else if (event.key === "Enter") props.onType();
-    else return;
+    const key = pointKey(event.key, event.shiftKey, seen, rise);
+    if (key === null || key.does === "remove" && curve.length === 1) return;
+    if (key.does === "move") {
+      const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
+      props.onCurve(withMoved(curve, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
+    } else if (key.does === "type") props.onType();
+    else changePoints(props, key.does, index);
     event.preventDefault();
     event.stopPropagation();
   };
@@ -1849,6 +1856,14 @@ function CurvePlot(props) {
       ]
     }
   );
+}
+function changePoints({ curve, seen, onCurve, onDone }, what, index) {
+  if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
+  else {
+    const added2 = withPointBeside(curve, index, seen);
+    onCurve(added2.curve, added2.index);
+  }
+  onDone();
 }
 function Handle(props) {
   const { x: x2, y: y3, isSelected, color, range, value } = props;
@@ -1972,7 +1987,7 @@ function px(value) {
 // src/view/look/color_strip.tsx
 var TEXT2 = {
   label: "Colours of the values",
-  keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
+  keys: "Left and right move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
   hidden: (n2) => `${n2} ${n2 === 1 ? "colour lies" : "colours lie"} outside; show all points`
 };
 var RAMP_PX = 16;
@@ -1995,28 +2010,11 @@ function ColorStrip(props) {
     drag.current = null;
   };
   const onKeyDown = (event, index) => {
-    const value = curve[index]?.[0] ?? 0;
-    const fine = keyStep(seen, true) * (event.shiftKey ? 0.2 : 1);
-    const steps = {
-      ArrowLeft: -fine,
-      ArrowDown: -fine,
-      ArrowRight: fine,
-      ArrowUp: fine,
-      PageDown: -keyStep(seen, false),
-      PageUp: keyStep(seen, false)
-    };
-    const step = steps[event.key];
-    if (step !== void 0) move(index, value + step);
-    else if (event.key === "Delete" || event.key === "Backspace") {
-      if (curve.length === 1) return;
-      props.onCurve(without(curve, index), Math.min(index, curve.length - 2));
-      props.onDone();
-    } else if (event.key === "Insert") {
-      const added2 = withPointBeside(curve, index, seen);
-      props.onCurve(added2.curve, added2.index);
-      props.onDone();
-    } else if (event.key === "Enter") props.onType();
-    else return;
+    const key = pointKey(event.key, event.shiftKey, seen, 0);
+    if (key === null || key.does === "remove" && curve.length === 1) return;
+    if (key.does === "move") move(index, (curve[index]?.[0] ?? 0) + key.value);
+    else if (key.does === "type") props.onType();
+    else changePoints(props, key.does, index);
     event.preventDefault();
     event.stopPropagation();
   };
@@ -2283,12 +2281,12 @@ var DEFAULT_LIGHTS = [
   { direction: [0, 0, 1], color: [0.3, 0.3, 0.3], frame: "camera" }
 ];
 var DEFAULT_BACKGROUND = "black";
-function chosen(state, layer, look) {
+function chosen(state, layer, look, composite) {
   const before = state.layers[layer]?.look;
   const operations = [set(look, "layers", layer, "look")];
   if (state.shading !== "look" && state.layers.length === 1) operations.push(set("look", "shading"));
-  const composite = look.composite === "first-hit" ? "over" : look.composite;
-  if (state.layers.length === 1) operations.push(set(composite, "render", "composite"));
+  const named = look.composite === "first-hit" ? "over" : look.composite;
+  if (state.layers.length === 1) operations.push(set(composite ?? named, "render", "composite"));
   const [old, now] = [before?.background ?? DEFAULT_BACKGROUND, look.background ?? DEFAULT_BACKGROUND];
   if (layer === 0 && state.background === old && old !== now) operations.push(set(now, "background"));
   return operations;
@@ -2545,6 +2543,7 @@ function Editor(props) {
   const seen = within(zoom, whole);
   const histogram = useHistogram(props, seen, isLog);
   const unit2 = volume.value_unit;
+  const usualWidth = volume.robust_range[1] - volume.robust_range[0] || 1;
   const path = ["layers", ui.layer, "look", "transfer_function"];
   const done2 = () => {
     base.current = null;
@@ -2695,8 +2694,8 @@ function Editor(props) {
         label: TEXT5.shift,
         unit: unit2,
         neutral: 0,
-        amount: (position) => position * (volume.robust_range[1] - volume.robust_range[0]),
-        position: (amount) => amount / (volume.robust_range[1] - volume.robust_range[0]),
+        amount: (position) => rounded(position * usualWidth, usualWidth),
+        position: (amount) => amount / usualWidth,
         onAmount: (amount) => setAll((before) => shifted(before, amount), "shift"),
         onDone: done2
       }
@@ -2797,21 +2796,18 @@ function labelRows(labels, filter = "") {
     };
   }).filter(({ number, name }) => wanted === "" || number === wanted || name.toLowerCase().includes(wanted));
 }
+var NOTHING = { opacity: 0, tint: 0, scan: 1 };
+var USUAL = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };
 function shownLabels(labels, isShown, hidden) {
   return labelRows(labels).flatMap(({ number, look, opacity, isShown: before }) => {
     if (before === isShown(number)) return [];
-    if (before) {
-      hidden.set(number, { opacity, tint: look.tint ?? 0 });
-      return [
-        set(0, "labels", "labels", number, "opacity"),
-        ...(look.tint ?? 0) > 0 ? [set(0, "labels", "labels", number, "tint")] : []
-      ];
-    }
-    const kept = hidden.get(number) ?? { opacity: LABEL_OPACITY, tint: 0 };
-    return [
-      set(kept.opacity, "labels", "labels", number, "opacity"),
-      ...kept.tint > 0 ? [set(kept.tint, "labels", "labels", number, "tint")] : []
-    ];
+    const now = { opacity, tint: look.tint ?? 0, scan: look.scan ?? (opacity > 0 ? 0 : 1) };
+    const next = before ? NOTHING : hidden.get(number) ?? USUAL;
+    if (before) hidden.set(number, now);
+    const fields = ["opacity", "tint", "scan"];
+    return fields.flatMap(
+      (field) => now[field] === next[field] ? [] : [set(next[field], "labels", "labels", number, field)]
+    );
   });
 }
 function isSoloLabel(rows, number) {
@@ -3204,6 +3200,7 @@ var TEXT9 = {
   shoulder: "Highlights",
   occlusion: "Occlusion",
   radius: "Reach",
+  reach: "Reach of occlusion",
   shadow: "Shadow",
   smoothing: "Smoothing",
   smoothingOn: "Smooth surfaces",
@@ -3348,7 +3345,7 @@ function LightFields({ store, engine, ui, welcome }) {
       /* @__PURE__ */ a3(
         CheckField,
         {
-          label: TEXT9.automatic(TEXT9.radius),
+          label: TEXT9.automatic(TEXT9.reach),
           checked: shading.occlusion_radius === null,
           onCheck: (on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])
         }
@@ -3453,8 +3450,9 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
       composite: typeof composite === "string" && store.state.layers.length === 1 ? composite : layer.look.composite,
       background: typeof store.state.background === "string" ? store.state.background : layer.look.background
     };
+    const operator = store.state.layers.length === 1 && typeof composite !== "string" ? { composite } : {};
     const picture = await pictureOf(ui.frames["3d"]);
-    if (!attempt(() => keepPreset({ name: wanted, look, picture }))) return;
+    if (!attempt(() => keepPreset({ name: wanted, look, picture, ...operator }))) return;
     setName("");
     store.change([{ op: "replace", path: `/layers/${ui.layer}/look`, value: look }]);
     ui.announce(TEXT10.saved(wanted));
@@ -3734,6 +3732,7 @@ var TEXT11 = {
   ownPreset: "Saved by you",
   alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them."
 };
+var ALIKE = 0.996;
 function PresetsPanel(props) {
   const { store, engine, ui, welcome } = props;
   const layer = store.state.layers[ui.layer];
@@ -3754,16 +3753,18 @@ function PresetsPanel(props) {
   );
   A2(() => () => pictures.close(), [pictures]);
   A2(() => store.subscribe(() => pictures.pause()), [store, pictures]);
-  const drawn2 = T2({ camera: store.state.camera, time: layer?.time });
+  const now = { camera: store.state.camera, time: layer?.time };
+  const drawn2 = T2(now);
+  w2(() => drawn2.current = now, [pictures]);
   if (layer === void 0) return null;
-  const isOld = drawn2.current.camera !== store.state.camera || drawn2.current.time !== layer.time;
+  const isOld = drawn2.current.time !== now.time || !looksAlike(drawn2.current.camera, now.camera);
   const drawAnew = () => {
-    drawn2.current = { camera: store.state.camera, time: layer.time };
+    drawn2.current = now;
     pictures.clear().forEach((name) => pictures.want(name));
     redraw(null);
   };
-  const take2 = (look) => {
-    store.change(chosen(store.state, ui.layer, look));
+  const take2 = (look, composite) => {
+    store.change(chosen(store.state, ui.layer, look, composite));
     ui.announce(TEXT11.chosen(look.name));
   };
   const choose = async (name) => {
@@ -3809,7 +3810,7 @@ function PresetsPanel(props) {
           tiles: ownTiles,
           onChoose: (name) => {
             const preset = own.find((one) => one.name === name);
-            if (preset !== void 0) take2(preset.look);
+            if (preset !== void 0) take2(preset.look, preset.composite);
           }
         }
       )
@@ -3835,6 +3836,10 @@ function PresetsPanel(props) {
     ] }),
     /* @__PURE__ */ a3(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take2 })
   ] });
+}
+function looksAlike(a4, b) {
+  const [one, other] = [axesOf(a4), axesOf(b)];
+  return Math.min(dot(one.back, other.back), dot(one.up, other.up)) > ALIKE;
 }
 
 // src/view/look/time_steps.ts
@@ -3968,7 +3973,7 @@ function windowDrag({ store, ui, welcome }, dx, dy) {
 }
 
 // src/view/look/look.css
-var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: none; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab }\n.wavesplat .look-handle:focus-visible, .wavesplat .look-mark:focus-visible { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { .look-tile { min-height: 44px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 76px }\n';
+var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 76px }\n';
 
 // src/view/descriptions.ts
 var SIDES = [

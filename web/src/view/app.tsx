@@ -15,7 +15,7 @@ import { Help } from "./help.tsx";
 import { css as lookCss, FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
 import { MeasurePanel } from "./measure_panel.tsx";
 import type { PartProps, Tool, Ui } from "./part.ts";
-import { SceneView } from "./scene_view.tsx";
+import { fit, SceneView } from "./scene_view.tsx";
 import { SettingsPanel } from "./settings_panel.tsx";
 import { openState, problemOf, SharePanel } from "./share.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
@@ -250,19 +250,6 @@ class App {
     this.store?.change([set(next, "view", "interface", "panels")]);
   };
 
-  private async fit(): Promise<void> {
-    const frame = this.frames["3d"];
-    if (this.store === null) return;
-    try {
-      const { camera } = this.store.state;
-      const asked = { camera, width: frame?.width ?? 4, height: frame?.height ?? 3 };
-      const { camera: fitted } = await this.engine.ask("fitted", asked);
-      this.store.change([set(fitted, "camera")]);
-    } catch (problem) {
-      this.ui.problem(problemOf(problem));
-    }
-  }
-
   private draw(): void {
     const { store, welcome } = this;
     if (store === null || welcome === null) {
@@ -289,7 +276,6 @@ class App {
       said: this.said,
       onKey: this.onKey,
       onPanel: this.onPanel,
-      onFit: () => void this.fit(),
       onHelp: (on) => {
         this.help = on;
         this.schedule();
@@ -319,7 +305,6 @@ interface Shown {
   readonly said: string;
   readonly onKey: (event: KeyboardEvent) => void;
   readonly onPanel: (name: string, open: boolean) => void;
-  readonly onFit: () => void;
   readonly onHelp: (on: boolean) => void;
   readonly onFigures: (on: boolean) => void;
   readonly onPanels: () => void;
@@ -346,7 +331,7 @@ function Whole(props: PartProps & { readonly app: Shown }) {
         if (file !== undefined) void openState(part, file);
       }}
     >
-      <Toolbar {...part} onHelp={() => app.onHelp(true)} onFit={app.onFit} panels={app.showsPanels} onPanels={app.onPanels} />
+      <Toolbar {...part} onHelp={() => app.onHelp(true)} onFit={() => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 })} panels={app.showsPanels} onPanels={app.onPanels} />
       <main class="views" data-layout={layout.name}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
         {(layout.name === "one-and-three" || layout.name === "two-by-two") &&

@@ -1,6 +1,6 @@
 // The picture in space: what gestures, wheel and keys do to the camera, and what lies over the picture.
 
-import type { Frame } from "../engine/engine.ts";
+import type { Frame, Problem } from "../engine/engine.ts";
 import * as cameras from "../input/camera.ts";
 import type { Gesture } from "../input/gestures.ts";
 import type { Action } from "../input/keys.ts";
@@ -27,7 +27,7 @@ const VIEW_KEYS: Partial<Record<Action, string>> = {
 };
 
 export function SceneView(props: PartProps) {
-  const { store, engine, ui, welcome } = props;
+  const { store, ui, welcome } = props;
   const camera = (): Camera => store.state.camera;
   const move = (next: Camera, gesture?: string): void => store.change([set(next, "camera")], gesture);
 
@@ -98,15 +98,15 @@ export function SceneView(props: PartProps) {
       {(frame, size) => <SceneOverlay {...props} frame={frame} size={size} />}
     </Viewport>
   );
+}
 
-  async function fit({ engine: _engine }: PartProps, size: CssSize): Promise<void> {
-    try {
-      const asked = { camera: camera(), width: Math.round(size.width), height: Math.round(size.height) };
-      const { camera: fitted } = await engine.ask("fitted", asked);
-      store.change([set(fitted, "camera")]);
-    } catch (problem) {
-      ui.problem(problem as Parameters<typeof ui.problem>[0]);
-    }
+/** Everything just in view, from where it is seen now. */
+export async function fit({ engine, store, ui }: PartProps, { width, height }: CssSize): Promise<void> {
+  try {
+    const asked = { camera: store.state.camera, width: Math.round(width), height: Math.round(height) };
+    store.change([set((await engine.ask("fitted", asked)).camera, "camera")]);
+  } catch (problem) {
+    ui.problem(problem as Problem);
   }
 }
 
@@ -125,7 +125,7 @@ export function showFrom({ store }: PartProps, target: Camera): void {
 }
 
 /** What is seen at a place: the crosshair goes there, or the tool under way gets a point. */
-async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<void> {
+export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<void> {
   const { engine, store, ui } = props;
   const asked = { x, y, width: Math.round(size.width), height: Math.round(size.height) };
   try {
@@ -137,7 +137,7 @@ async function pick(props: PartProps, x: number, y: number, size: CssSize): Prom
     if (ui.tool === "distance" || ui.tool === "angle") ui.addPoint(point);
     else store.change([set(point, "view", "slices", "crosshair")]);
   } catch (problem) {
-    ui.problem(problem as Parameters<typeof ui.problem>[0]);
+    ui.problem(problem as Problem);
   }
 }
 

@@ -4,6 +4,7 @@ import { set } from "../state/patch.ts";
 import type { Vec3 } from "../state/state.ts";
 import { Choice, NumberField } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
+import { pick } from "./scene_view.tsx";
 
 const AXES = ["x", "y", "z"] as const;
 
@@ -106,7 +107,7 @@ export function SlicesPanel(props: PartProps) {
         >
           Crosshair to the middle
         </button>
-        <button class="button" onClick={() => void toSeen(props)}>Crosshair to what is seen</button>
+        <button class="button" onClick={() => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 })}>Crosshair to what is seen</button>
         <button
           class="button"
           disabled={slices.window === undefined}
@@ -124,17 +125,4 @@ export function SlicesPanel(props: PartProps) {
       </div>
     </>
   );
-}
-
-/** The crosshair goes to what the middle of the picture in space shows. */
-async function toSeen({ engine, store, ui }: PartProps): Promise<void> {
-  const frame = ui.frames["3d"];
-  const asked = { x: 0.5, y: 0.5, width: frame?.width ?? 512, height: frame?.height ?? 512 };
-  try {
-    const { point } = await engine.ask("pick", asked);
-    if (point === null) ui.announce("Nothing is seen in the middle of the picture");
-    else store.change([set(point, "view", "slices", "crosshair")]);
-  } catch (problem) {
-    ui.problem(problem as Parameters<typeof ui.problem>[0]);
-  }
 }

@@ -337,7 +337,7 @@ function added(listeners, listener) {
   return () => listeners.delete(listener);
 }
 
-// ../../../main/web/node_modules/preact/dist/preact.mjs
+// node_modules/preact/dist/preact.mjs
 var n;
 var t;
 var r;
@@ -834,7 +834,7 @@ function ray(camera, size, x2, y3) {
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-// ../../../main/web/node_modules/preact/hooks/dist/hooks.mjs
+// node_modules/preact/hooks/dist/hooks.mjs
 var t2;
 var r2;
 var u2;
@@ -1183,7 +1183,7 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// ../../../main/web/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var f3 = /* @__PURE__ */ Symbol.for("pv");
 var o3 = 0;
 function a3(t3, e3, n2, u3, a4, i3) {
@@ -4971,7 +4971,7 @@ var VIEW_KEYS = {
   "view-bottom": "bottom"
 };
 function SceneView(props) {
-  const { store, engine, ui, welcome } = props;
+  const { store, ui, welcome } = props;
   const camera = () => store.state.camera;
   const move = (next, gesture) => store.change([set(next, "camera")], gesture);
   const onGesture = (gesture, size) => {
@@ -5066,14 +5066,13 @@ function SceneView(props) {
       children: (frame, size) => /* @__PURE__ */ a3(SceneOverlay, { ...props, frame, size })
     }
   );
-  async function fit({ engine: _engine }, size) {
-    try {
-      const asked = { camera: camera(), width: Math.round(size.width), height: Math.round(size.height) };
-      const { camera: fitted } = await engine.ask("fitted", asked);
-      store.change([set(fitted, "camera")]);
-    } catch (problem) {
-      ui.problem(problem);
-    }
+}
+async function fit({ engine, store, ui }, { width, height }) {
+  try {
+    const asked = { camera: store.state.camera, width: Math.round(width), height: Math.round(height) };
+    store.change([set((await engine.ask("fitted", asked)).camera, "camera")]);
+  } catch (problem) {
+    ui.problem(problem);
   }
 }
 var wheelTimer;
@@ -5806,7 +5805,7 @@ function SlicesPanel(props) {
           children: "Crosshair to the middle"
         }
       ),
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void toSeen(props), children: "Crosshair to what is seen" }),
+      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 }), children: "Crosshair to what is seen" }),
       /* @__PURE__ */ a3(
         "button",
         {
@@ -5827,17 +5826,6 @@ function SlicesPanel(props) {
       )
     ] })
   ] });
-}
-async function toSeen({ engine, store, ui }) {
-  const frame = ui.frames["3d"];
-  const asked = { x: 0.5, y: 0.5, width: frame?.width ?? 512, height: frame?.height ?? 512 };
-  try {
-    const { point } = await engine.ask("pick", asked);
-    if (point === null) ui.announce("Nothing is seen in the middle of the picture");
-    else store.change([set(point, "view", "slices", "crosshair")]);
-  } catch (problem) {
-    ui.problem(problem);
-  }
 }
 
 // src/view/status.tsx
@@ -6257,18 +6245,6 @@ var App = class {
     const next = open ? [...panels.filter((one) => one !== name), name] : panels.filter((one) => one !== name);
     this.store?.change([set(next, "view", "interface", "panels")]);
   };
-  async fit() {
-    const frame = this.frames["3d"];
-    if (this.store === null) return;
-    try {
-      const { camera } = this.store.state;
-      const asked = { camera, width: frame?.width ?? 4, height: frame?.height ?? 3 };
-      const { camera: fitted } = await this.engine.ask("fitted", asked);
-      this.store.change([set(fitted, "camera")]);
-    } catch (problem) {
-      this.ui.problem(problemOf(problem));
-    }
-  }
   draw() {
     const { store, welcome } = this;
     if (store === null || welcome === null) {
@@ -6292,7 +6268,6 @@ var App = class {
       said: this.said,
       onKey: this.onKey,
       onPanel: this.onPanel,
-      onFit: () => void this.fit(),
       onHelp: (on) => {
         this.help = on;
         this.schedule();
@@ -6333,7 +6308,7 @@ function Whole(props) {
         if (file !== void 0) void openState(part, file);
       },
       children: [
-        /* @__PURE__ */ a3(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: app.onFit, panels: app.showsPanels, onPanels: app.onPanels }),
+        /* @__PURE__ */ a3(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: () => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 }), panels: app.showsPanels, onPanels: app.onPanels }),
         /* @__PURE__ */ a3("main", { class: "views", "data-layout": layout.name, children: [
           (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ a3(SceneView, { ...part }),
           (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ a3(SlicePane, { ...part, pane }, pane)),

@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 
 import type { Problem, Questions } from "../engine/engine.ts";
 import { linkPart } from "../state/link.ts";
+import { Choice, Switch } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
 
 const SIZES: readonly (readonly [string, string])[] = [
@@ -87,12 +88,7 @@ export function SharePanel(props: PartProps) {
 
   return (
     <>
-      <label class="field">
-        <span>Size</span>
-        <select value={size} onChange={(event) => setSize(event.currentTarget.value)}>
-          {SIZES.map(([value, name]) => <option key={value} value={value} selected={value === size}>{name}</option>)}
-        </select>
-      </label>
+      <Choice label="Size" value={size} options={SIZES} onChoose={setSize} />
       {size === "own" && (
         <div class="row">
           {(["Width", "Height"] as const).map((name, n) => (
@@ -112,14 +108,9 @@ export function SharePanel(props: PartProps) {
           ))}
         </div>
       )}
-      <label class="field">
-        <span>Quality</span>
-        <select value={quality} onChange={(event) => setQuality(event.currentTarget.value)}>
-          {["normal", "high"].map((name) => <option key={name} value={name} selected={name === quality}>{name}</option>)}
-        </select>
-      </label>
-      <label class="row"><input type="checkbox" checked={transparent} onChange={(event) => setTransparent(event.currentTarget.checked)} />Transparent background</label>
-      <label class="row"><input type="checkbox" checked={annotated} onChange={(event) => setAnnotated(event.currentTarget.checked)} />With scale bar, letters and legend</label>
+      <Choice label="Quality" value={quality} options={[["normal", "normal"], ["high", "high"]]} onChoose={setQuality} />
+      <Switch label="Transparent background" on={transparent} onToggle={setTransparent} />
+      <Switch label="With scale bar, letters and legend" on={annotated} onToggle={setAnnotated} />
       <div class="row">
         <button class="button" disabled={part !== null} onClick={() => void picture((bytes) => ui.download("picture.png", bytes, "image/png"))}>Save picture</button>
         <button

@@ -5291,10 +5291,7 @@ function SharePanel(props) {
     await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
   };
   return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3("label", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { children: "Size" }),
-      /* @__PURE__ */ a3("select", { value: size, onChange: (event) => setSize(event.currentTarget.value), children: SIZES.map(([value, name]) => /* @__PURE__ */ a3("option", { value, selected: value === size, children: name }, value)) })
-    ] }),
+    /* @__PURE__ */ a3(Choice, { label: "Size", value: size, options: SIZES, onChoose: setSize }),
     size === "own" && /* @__PURE__ */ a3("div", { class: "row", children: ["Width", "Height"].map((name, n2) => /* @__PURE__ */ a3("label", { class: "row", children: [
       name,
       /* @__PURE__ */ a3(
@@ -5311,18 +5308,9 @@ function SharePanel(props) {
         }
       )
     ] }, name)) }),
-    /* @__PURE__ */ a3("label", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { children: "Quality" }),
-      /* @__PURE__ */ a3("select", { value: quality, onChange: (event) => setQuality(event.currentTarget.value), children: ["normal", "high"].map((name) => /* @__PURE__ */ a3("option", { value: name, selected: name === quality, children: name }, name)) })
-    ] }),
-    /* @__PURE__ */ a3("label", { class: "row", children: [
-      /* @__PURE__ */ a3("input", { type: "checkbox", checked: transparent, onChange: (event) => setTransparent(event.currentTarget.checked) }),
-      "Transparent background"
-    ] }),
-    /* @__PURE__ */ a3("label", { class: "row", children: [
-      /* @__PURE__ */ a3("input", { type: "checkbox", checked: annotated, onChange: (event) => setAnnotated(event.currentTarget.checked) }),
-      "With scale bar, letters and legend"
-    ] }),
+    /* @__PURE__ */ a3(Choice, { label: "Quality", value: quality, options: [["normal", "normal"], ["high", "high"]], onChoose: setQuality }),
+    /* @__PURE__ */ a3(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }),
+    /* @__PURE__ */ a3(Switch, { label: "With scale bar, letters and legend", on: annotated, onToggle: setAnnotated }),
     /* @__PURE__ */ a3("div", { class: "row", children: [
       /* @__PURE__ */ a3("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")), children: "Save picture" }),
       /* @__PURE__ */ a3(

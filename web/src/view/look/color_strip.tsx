@@ -19,6 +19,8 @@ export interface ColorStripProps {
   readonly seen: Range;
   readonly unit: string;
   readonly curve: Curve<ColorPoint>;
+  /** The curve as it is now: keys can come more often than the page is drawn. */
+  latest(): Curve<ColorPoint>;
   readonly selected: number | null;
   onSelect(index: number): void;
   onCurve(curve: Curve<ColorPoint>, index: number | null): void;
@@ -37,8 +39,9 @@ export function ColorStrip(props: ColorStripProps) {
   const valueAt = (x: number): number => seen[0] + ((x - MARGIN.left) / inner) * (seen[1] - seen[0]);
   const inside = (event: MouseEvent): number => event.clientX - (svg.current?.getBoundingClientRect().left ?? 0);
   const move = (index: number, value: number): void => {
-    const point = curve[index];
-    if (point !== undefined) props.onCurve(withMoved(curve, index, [value, point[1], point[2], point[3]]), index);
+    const latest = props.latest();
+    const point = latest[index];
+    if (point !== undefined) props.onCurve(withMoved(latest, index, [value, point[1], point[2], point[3]]), index);
   };
   const onUp = (): void => {
     if (drag.current !== null) props.onDone();
@@ -47,7 +50,7 @@ export function ColorStrip(props: ColorStripProps) {
   const onKeyDown = (event: KeyboardEvent, index: number): void => {
     const key = pointKey(event.key, event.shiftKey, seen, 0);
     if (key === null || (key.does === "remove" && curve.length === 1)) return;
-    if (key.does === "move") move(index, (curve[index]?.[0] ?? 0) + key.value);
+    if (key.does === "move") move(index, (props.latest()[index]?.[0] ?? 0) + key.value);
     else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();

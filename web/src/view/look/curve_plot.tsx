@@ -50,6 +50,8 @@ export interface CurvePlotProps {
   readonly whole: Range;
   readonly unit: string;
   readonly curve: Curve<OpacityPoint>;
+  /** The curve as it is now: keys can come more often than the page is drawn. */
+  latest(): Curve<OpacityPoint>;
   readonly colors: Curve<ColorPoint> | null;
   readonly histogram: Histogram | null;
   readonly isMagnified: boolean;
@@ -109,15 +111,16 @@ export function CurvePlot(props: CurvePlotProps) {
     drag.current = null;
   };
   const onHandleKey = (event: KeyboardEvent, index: number): void => {
-    const point = curve[index];
+    const latest = props.latest();
+    const point = latest[index];
     if (point === undefined) return;
     // Of magnified opacities a press is a share, so that it is seen.
     const rise = isMagnified ? Math.max(0.0005, 0.1 * point[1]) : 0.01;
     const key = pointKey(event.key, event.shiftKey, seen, rise);
-    if (key === null || (key.does === "remove" && curve.length === 1)) return;
+    if (key === null || (key.does === "remove" && latest.length === 1)) return;
     if (key.does === "move") {
       const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
-      props.onCurve(withMoved(curve, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
+      props.onCurve(withMoved(latest, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
     } else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
@@ -232,10 +235,11 @@ export function CurvePlot(props: CurvePlotProps) {
 
 /** Removes a point, or adds one beside it. */
 export function changePoints<P extends Point>(
-  { curve, seen, onCurve, onDone }: EditorOf<P>,
+  { latest, seen, onCurve, onDone }: EditorOf<P>,
   what: "remove" | "insert",
   index: number,
 ): void {
+  const curve = latest();
   if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
   else {
     const added = withPointBeside(curve, index, seen);
@@ -245,7 +249,7 @@ export function changePoints<P extends Point>(
 }
 
 interface EditorOf<P extends Point> {
-  readonly curve: Curve<P>;
+  latest(): Curve<P>;
   readonly seen: Range;
   onCurve(curve: Curve<P>, index: number | null): void;
   onDone(): void;

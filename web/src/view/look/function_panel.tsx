@@ -129,6 +129,10 @@ function Editor(props: EditorProps) {
     base.current = null;
     store.settle();
   };
+  const latest = (): TransferFunction => {
+    const now = store.state.layers[ui.layer]?.look.transfer_function;
+    return now !== undefined && isEditable(now) ? now : curves;
+  };
   const setOpacity = (curve: Curve<OpacityPoint>, index: number | null): void => {
     store.change([set(curve, ...path, "opacity")], "opacity curve");
     if (index !== null) setSelected({ kind: "opacity", index });
@@ -138,11 +142,11 @@ function Editor(props: EditorProps) {
     if (index !== null) setSelected({ kind: "color", index });
   };
   const setAll = (change: (before: TransferFunction) => TransferFunction, gesture: string): void => {
-    base.current ??= curves;
+    base.current ??= latest();
     store.change([set(change(base.current), ...path)], gesture);
   };
   const once = (change: (before: TransferFunction) => TransferFunction): void => {
-    store.change([set(change(curves), ...path)]);
+    store.change([set(change(latest()), ...path)]);
   };
   const showPoints = (): void => setZoom(around(spanOf(curves.opacity, curves.color), whole));
   const typeValue = (): void => value.current?.querySelector<HTMLInputElement>("input[type=number]")?.select();
@@ -171,6 +175,7 @@ function Editor(props: EditorProps) {
         whole={whole}
         unit={unit}
         curve={curves.opacity}
+        latest={() => latest().opacity}
         colors={curves.color}
         histogram={histogram}
         isMagnified={isMagnified}
@@ -186,6 +191,7 @@ function Editor(props: EditorProps) {
         seen={seen}
         unit={unit}
         curve={curves.color}
+        latest={() => latest().color}
         selected={colorIndex}
         onSelect={(index) => setSelected({ kind: "color", index })}
         onCurve={setColor}
@@ -292,7 +298,7 @@ function Editor(props: EditorProps) {
         </Button>
         <Button onClick={() => void reset()}>{TEXT.reset(look.name)}</Button>
       </div>
-      <GradientEditor {...props} />
+      <GradientEditor {...props} latest={() => latest().gradient_opacity ?? []} />
     </>
   );
 }

@@ -24,12 +24,13 @@ const TEXT = {
 };
 const PLOT_PX = 130;
 
-export function GradientEditor({
-  store,
-  ui,
-  curves,
-  volume,
-}: PartProps & { curves: TransferFunction; volume: VolumeInfo }) {
+export interface GradientEditorProps extends PartProps {
+  readonly curves: TransferFunction;
+  readonly volume: VolumeInfo;
+  latest(): Curve<OpacityPoint>;
+}
+
+export function GradientEditor({ store, ui, curves, volume, latest }: GradientEditorProps) {
   const curve = curves.gradient_opacity ?? [];
   const scale = strongGradient(volume);
   const least = spanOf([[0], [scale]], curve);
@@ -68,6 +69,7 @@ export function GradientEditor({
         unit={unit}
         least={0}
         curve={curve}
+        latest={latest}
         colors={null}
         histogram={null}
         isMagnified={false}

@@ -35,7 +35,7 @@ export function LabelsPanel({ store }: PartProps) {
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
   const show = (isShown: (number: string) => boolean): void =>
-    store.change(shownLabels(labels.labels, isShown, hidden));
+    store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number: string): boolean => isOnShown.get(number) ?? false;

@@ -20,19 +20,23 @@ const RADIUS_PX = 40;
 
 export interface LightPadProps {
   readonly direction: Vec3;
+  /** As it is now: keys can come more often than the page is drawn. */
+  latest(): Vec3;
   onDirection(direction: Vec3): void;
   onDone(): void;
 }
 
-export function LightPad({ direction, onDirection, onDone }: LightPadProps) {
+export function LightPad({ direction, latest, onDirection, onDone }: LightPadProps) {
   const isDragging = useRef(false);
   const [azimuth, elevation] = anglesOf(direction);
   const length = Math.hypot(...direction) || 1;
   const spot = { x: (direction[0] / length) * RADIUS_PX, y: (-direction[1] / length) * RADIUS_PX };
   const set = (direction: Vec3): void =>
     onDirection(direction.map((part) => Number(part.toFixed(4))) as unknown as Vec3);
-  const turn = (by: number, up: number): void =>
-    set(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
+  const turn = (by: number, up: number): void => {
+    const [a, e] = anglesOf(latest());
+    set(directionOf([wrapped(a + by), Math.max(-90, Math.min(90, e + up))]));
+  };
   const point = (event: PointerEvent & { readonly currentTarget: SVGSVGElement }): void => {
     const box = event.currentTarget.getBoundingClientRect();
     const x = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;

@@ -194,8 +194,9 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
       onDone={done}
     />
   );
-  const lights = shading.lights.length > 0 ? shading.lights : DEFAULT_LIGHTS;
+  const lights = lightsOf(shading);
   const first = lights[0] as Light;
+  const latest = (): Vec3 => (lightsOf(shadingOf(store.state, ui.layer).shading ?? shading)[0] ?? first).direction;
   const setDirection = (direction: Vec3): void => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
   const isSmooth = shading.gradient_smoothing > 0;
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
@@ -224,7 +225,7 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
       )}
       {slider(TEXT.shadow, "shadow", 0, 1, { step: 0.01 })}
       {first["frame"] === "world" && <p class="dim look-small">{TEXT.world}</p>}
-      <LightPad direction={first.direction} onDirection={setDirection} onDone={done} />
+      <LightPad direction={first.direction} latest={latest} onDirection={setDirection} onDone={done} />
       <CheckField
         label={TEXT.smoothingOn}
         checked={isSmooth}
@@ -259,6 +260,10 @@ function Rest({ store, welcome }: PartProps) {
       </div>
     </>
   );
+}
+
+function lightsOf({ lights }: Shading): readonly Light[] {
+  return lights.length > 0 ? lights : DEFAULT_LIGHTS;
 }
 
 function longestSide(bounds: readonly [Vec3, Vec3] | undefined): number {

@@ -1,7 +1,8 @@
 // The chosen point of a curve in numbers: its value, its opacity or colour; the points before and after; removing.
 
+import type { ComponentChildren } from "preact";
 import type { ColorPoint, OpacityPoint, TransferFunction } from "../../state/state.ts";
-import { hexOf, rgbOf, withMoved, without, type Curve } from "./curves.ts";
+import { hexOf, rgbOf, withMoved, without, type Curve, type Point as CurvePoint } from "./curves.ts";
 import { Button, ColorField, NamedNumber } from "./fields.tsx";
 import type { Selected } from "./function_panel.tsx";
 
@@ -28,98 +29,88 @@ export interface PointFieldsProps {
 }
 
 export function PointFields(props: PointFieldsProps) {
-  const { curves, selected, unit, onDone } = props;
+  const { curves, selected, onDone } = props;
   const index = selected?.index ?? -1;
-  if (selected?.kind === "opacity") {
-    const point = curves.opacity[index];
-    if (point !== undefined) {
-      const move = (value: number, opacity: number): void =>
-        props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
-      return (
-        <Point
-          {...props}
-          title={TEXT.opacityPoint(index + 1, curves.opacity.length)}
-          n={curves.opacity.length}
-          onRemove={() => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1))}
-        >
-          <NamedNumber
-            label={TEXT.value}
-            unit={unit}
-            value={point[0]}
-            onValue={(value) => move(value, point[1])}
-            onDone={onDone}
-          />
+  const [node, color] = [curves.opacity[index], curves.color[index]];
+  if (selected?.kind === "opacity" && node !== undefined) {
+    return (
+      <Point {...props} title={TEXT.opacityPoint} curve={curves.opacity} index={index} onCurve={props.onOpacity}>
+        {(move) => (
           <NamedNumber
             label={TEXT.opacity}
-            value={point[1]}
+            value={node[1]}
             min={0}
             max={1}
             step={0.01}
-            onValue={(opacity) => move(point[0], opacity)}
+            onValue={(opacity) => move([node[0], opacity])}
             onDone={onDone}
           />
-        </Point>
-      );
-    }
+        )}
+      </Point>
+    );
   }
-  if (selected?.kind === "color") {
-    const point = curves.color[index];
-    if (point !== undefined) {
-      const move = (moved: ColorPoint): void => props.onColor(withMoved(curves.color, index, moved), index);
-      return (
-        <Point
-          {...props}
-          title={TEXT.colorPoint(index + 1, curves.color.length)}
-          n={curves.color.length}
-          onRemove={() => props.onColor(without(curves.color, index), Math.max(0, index - 1))}
-        >
-          <NamedNumber
-            label={TEXT.value}
-            unit={unit}
-            value={point[0]}
-            onValue={(value) => move([value, point[1], point[2], point[3]])}
-            onDone={onDone}
-          />
+  if (selected?.kind === "color" && color !== undefined) {
+    return (
+      <Point {...props} title={TEXT.colorPoint} curve={curves.color} index={index} onCurve={props.onColor}>
+        {(move) => (
           <ColorField
             label={TEXT.color}
-            value={hexOf(point)}
-            onColor={(hex) => move([point[0], ...rgbOf(hex)])}
+            value={hexOf(color)}
+            onColor={(hex) => move([color[0], ...rgbOf(hex)])}
             onDone={onDone}
           />
-        </Point>
-      );
-    }
+        )}
+      </Point>
+    );
   }
   return <p class="dim look-small">{TEXT.none}</p>;
 }
 
-interface PointProps extends PointFieldsProps {
-  readonly title: string;
-  readonly n: number;
-  readonly children: preact.ComponentChildren;
-  onRemove(): void;
+interface PointProps<P extends CurvePoint> {
+  title(n: number, of: number): string;
+  readonly unit: string;
+  readonly selected: Selected | null;
+  readonly curve: Curve<P>;
+  readonly index: number;
+  onCurve(curve: Curve<P>, index: number): void;
+  onSelect(selected: Selected | null): void;
+  onDone(): void;
+  /** What else the point has beside its value. */
+  children(move: (point: P) => void): ComponentChildren;
 }
 
-function Point({ title, n, selected, children, onSelect, onRemove, onDone }: PointProps) {
-  const go = (index: number): void => {
-    if (selected !== null && index >= 0 && index < n) onSelect({ ...selected, index });
+function Point<P extends CurvePoint>(props: PointProps<P>) {
+  const { title, unit, selected, curve, index, onCurve, onSelect, onDone, children } = props;
+  const point = curve[index];
+  if (point === undefined) return null;
+  const move = (moved: P): void => onCurve(withMoved(curve, index, moved), index);
+  const go = (next: number): void => {
+    if (selected !== null) onSelect({ ...selected, index: next });
   };
-  const index = selected?.index ?? 0;
   return (
     <fieldset class="look-point">
-      <legend>{title}</legend>
-      <div class="row">{children}</div>
+      <legend>{title(index + 1, curve.length)}</legend>
+      <div class="row">
+        <NamedNumber
+          label={TEXT.value}
+          unit={unit}
+          value={point[0] ?? 0}
+          onValue={(value) => move([value, ...point.slice(1)] as CurvePoint as P)}
+          onDone={onDone}
+        />
+        {children(move)}
+      </div>
       <div class="row">
         <Button label={TEXT.before} disabled={index === 0} onClick={() => go(index - 1)}>
           ‹
         </Button>
-        <Button label={TEXT.after} disabled={index === n - 1} onClick={() => go(index + 1)}>
+        <Button label={TEXT.after} disabled={index === curve.length - 1} onClick={() => go(index + 1)}>
           ›
         </Button>
         <Button
-          disabled={n === 1}
+          disabled={curve.length === 1}
           onClick={() => {
-            onRemove();
+            onCurve(without(curve, index), Math.max(0, index - 1));
             onDone();
           }}
         >

@@ -21,10 +21,10 @@ const MOST_RATE = 60;
 const GESTURE = "time";
 
 export function TimeBar({ store, ui, welcome }: PartProps) {
-  const { layers } = store.state;
   const count = Math.max(1, ...welcome.volumes.map((volume) => volume.n_times));
   const series = welcome.volumes.flatMap((volume, index) => (volume.n_times > 1 ? [index] : []));
-  const time = Math.max(0, ...series.map((index) => layers[index]?.time ?? 0));
+  const timeNow = (): number => Math.max(0, ...series.map((index) => store.state.layers[index]?.time ?? 0));
+  const time = timeNow();
   const [isPlaying, setPlaying] = useState(false);
   const [rate, setRate] = useState(10);
   const [repeats, setRepeats] = useState(true);
@@ -38,7 +38,7 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
     last.current = { at: performance.now(), seq: store.seq };
   };
   const step = (by: number): void => {
-    go((time + by + count) % count);
+    go((timeNow() + by + count) % count);
     store.settle();
   };
   const stop = (): void => {

@@ -6,11 +6,15 @@ import type { Engine, Problem } from "../../engine/engine.ts";
 const SIZE_PX = 192;
 /** Pictures wait until nothing has been changed for so long. */
 const STILL_MS = 350;
+/** After the connection was lost. */
+const RETRY_MS = 2000;
 
 export class PresetPictures {
   private readonly urls = new Map<string, string>();
+  private readonly reasons = new Map<string, string>();
   private wanted: string[] = [];
   private isBusy = false;
+  private drawing: string | null = null;
   private lastChange = -Infinity;
   private isClosed = false;
 
@@ -18,7 +22,6 @@ export class PresetPictures {
     private readonly engine: Engine,
     private readonly layer: number,
     private readonly changed: () => void,
-    private readonly failed: (problem: Problem) => void,
   ) {}
 
   /** The address of a picture, where there is one. */
@@ -26,9 +29,14 @@ export class PresetPictures {
     return this.urls.get(name);
   }
 
+  /** Why there is none. */
+  reason(name: string): string | undefined {
+    return this.reasons.get(name);
+  }
+
   /** Asks for a picture, if it is not there. */
   want(name: string): void {
-    if (this.urls.has(name) || this.wanted.includes(name)) return;
+    if (this.urls.has(name) || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
     this.wanted.push(name);
     void this.next();
   }
@@ -45,7 +53,8 @@ export class PresetPictures {
 
   /** All pictures are drawn anew, as they are seen. */
   clear(): string[] {
-    const before = [...this.urls.keys()];
+    const before = [...this.urls.keys(), ...this.reasons.keys()];
+    this.reasons.clear();
     this.urls.forEach((url) => URL.revokeObjectURL(url));
     this.urls.clear();
     return before;
@@ -60,26 +69,34 @@ export class PresetPictures {
   private async next(): Promise<void> {
     if (this.isBusy || this.isClosed) return;
     this.isBusy = true;
-    try {
-      for (;;) {
-        const wait = this.lastChange + STILL_MS - performance.now();
-        if (wait > 0) {
-          await new Promise((resolve) => setTimeout(resolve, wait));
-          continue;
-        }
-        const name = this.wanted.shift();
-        if (name === undefined || this.isClosed) return;
-        const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX });
-        if (this.isClosed) return;
-        this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
-        this.changed();
+    for (;;) {
+      const wait = this.lastChange + STILL_MS - performance.now();
+      if (wait > 0) {
+        await new Promise((resolve) => setTimeout(resolve, wait));
+        continue;
       }
-    } catch (problem) {
-      // One that fails would fail again: the others of this round are left, and asked for when they are next seen.
-      this.wanted = [];
-      if (!this.isClosed) this.failed(problem as Problem);
-    } finally {
-      this.isBusy = false;
+      const name = this.wanted.shift();
+      if (name === undefined || this.isClosed) break;
+      this.drawing = name;
+      await this.draw(name);
+      this.drawing = null;
     }
+    this.isBusy = false;
+  }
+
+  private async draw(name: string): Promise<void> {
+    try {
+      const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX });
+      if (!this.isClosed) this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
+    } catch (problem) {
+      const { code, message } = problem as Problem;
+      if (code === "lost") {
+        this.wanted.unshift(name);
+        await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+        return;
+      }
+      this.reasons.set(name, message);
+    }
+    if (!this.isClosed) this.changed();
   }
 }

@@ -3,6 +3,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { PresetPictures } from "./preset_pictures.ts";
 
+const TEXT = { noPicture: "No picture" };
+
 export interface Tile {
   readonly name: string;
   readonly description: string;
@@ -63,14 +65,16 @@ export function PresetTiles({ label, tiles, selected, pictures, onChoose }: Pres
     <div class="look-tiles" role="listbox" aria-label={label} ref={list}>
       {tiles.map(({ name, description, picture }, index) => {
         const address = picture ?? pictures.get(name);
+        const reason = pictures.reason(name);
+        const about = reason === undefined ? description : `${description} ${TEXT.noPicture}: ${reason}`;
         return (
           <div
             key={name}
             class="look-tile"
             role="option"
             aria-selected={name === selected}
-            aria-label={`${name}: ${description}`}
-            title={description}
+            aria-label={`${name}: ${about}`}
+            title={about}
             tabIndex={name === entry ? 0 : -1}
             data-name={name}
             data-drawn={picture === undefined ? true : undefined}
@@ -78,7 +82,11 @@ export function PresetTiles({ label, tiles, selected, pictures, onChoose }: Pres
             onFocus={() => setFocused(name)}
             onKeyDown={(event) => onKeyDown(event, index)}
           >
-            {address ? <img src={address} alt="" width={96} height={96} /> : <span class="look-blank" />}
+            {address ? (
+              <img src={address} alt="" width={96} height={96} />
+            ) : (
+              <span class="look-blank">{reason !== undefined && TEXT.noPicture}</span>
+            )}
             <span class="look-name">{name}</span>
           </div>
         );

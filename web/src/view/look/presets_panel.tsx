@@ -38,18 +38,7 @@ export function PresetsPanel(props: PartProps) {
   const [showsAll, setShowsAll] = useState(false);
   const [own, setOwn] = useState(() => ownPresets());
   const [, redraw] = useReducer((count: number) => count + 1, 0);
-  const problem = useRef(ui.problem);
-  problem.current = ui.problem;
-  const pictures = useMemo(
-    () =>
-      new PresetPictures(
-        engine,
-        ui.layer,
-        () => redraw(null as never),
-        (found) => problem.current(found),
-      ),
-    [engine, ui.layer],
-  );
+  const pictures = useMemo(() => new PresetPictures(engine, ui.layer, () => redraw(null as never)), [engine, ui.layer]);
   useEffect(() => () => pictures.close(), [pictures]);
   useEffect(() => store.subscribe(() => pictures.pause()), [store, pictures]);
   const now = { camera: store.state.camera, time: layer?.time };

@@ -9,8 +9,7 @@ import { pointKey } from "./point_keys.ts";
 
 const TEXT = {
   label: "Colours of the values",
-  keys: "Left and right move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
-  hidden: (n: number) => `${n} ${n === 1 ? "colour lies" : "colours lie"} outside; show all points`,
+  hidden: (n: number) => `${n} outside what is seen: show all points`,
 };
 const RAMP_PX = 16;
 const HEIGHT_PX = 44;
@@ -76,8 +75,7 @@ export function ColorStrip(props: ColorStripProps) {
           const begun = drag.current;
           if (begun !== null) move(begun.index, rounded(valueAt(inside(event) - begun.x), seen[1] - seen[0]));
         }}
-        onPointerUp={onUp}
-        onPointerCancel={onUp}
+        onLostPointerCapture={onUp}
       >
         <Fill id={fill} colors={curve} xOf={xOf} />
         <rect
@@ -97,7 +95,6 @@ export function ColorStrip(props: ColorStripProps) {
               isSelected={index === selected}
               color={hexOf(point)}
               label={`Colour ${index + 1} of ${curve.length}`}
-              keys={TEXT.keys}
               value={point[0]}
               range={seen}
               text={`${hexOf(point)} at ${numberText(point[0])}${unit && ` ${unit}`}`}

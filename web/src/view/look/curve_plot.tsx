@@ -19,10 +19,11 @@ import {
 import { pointKey } from "./point_keys.ts";
 
 const TEXT = {
-  keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
-  below: (n: number) => `${n} ${n === 1 ? "point lies" : "points lie"} below what is seen; show all points`,
-  above: (n: number) => `${n} ${n === 1 ? "point lies" : "points lie"} above what is seen; show all points`,
+  below: (n: number) => `${n} below what is seen: show all points`,
+  above: (n: number) => `${n} above what is seen: show all points`,
 };
+
+const KEYS = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
 
 /** Around the drawing, CSS pixels. */
 export const MARGIN = { left: 34, right: 12, top: 12, bottom: 20 };
@@ -159,8 +160,7 @@ export function CurvePlot(props: CurvePlotProps) {
         drag.current = { index: null, x: inside(event).x, y: 0, seen };
       }}
       onPointerMove={onPlotMove}
-      onPointerUp={onPlotUp}
-      onPointerCancel={onPlotUp}
+      onLostPointerCapture={onPlotUp}
     >
       <Fill id={fill} colors={colors} xOf={xOf} />
       <g aria-hidden="true">
@@ -213,7 +213,6 @@ export function CurvePlot(props: CurvePlotProps) {
             isSelected={index === selected}
             color={null}
             label={`Point ${index + 1} of ${curve.length}`}
-            keys={TEXT.keys}
             value={point[0]}
             range={seen}
             text={`${props.what} ${numberText(point[1])} at ${numberText(point[0])}${unit && ` ${unit}`}`}
@@ -261,7 +260,6 @@ export interface HandleProps {
   readonly isSelected: boolean;
   readonly color: string | null;
   readonly label: string;
-  readonly keys: string;
   readonly value: number;
   readonly range: Range;
   readonly text: string;
@@ -284,7 +282,7 @@ export function Handle(props: HandleProps) {
       aria-valuemax={Math.max(range[1], value)}
       aria-valuenow={value}
       aria-valuetext={props.text}
-      aria-description={props.keys}
+      aria-description={KEYS}
       data-selected={isSelected}
       transform={`translate(${px(x)} ${px(y)})`}
       onFocus={props.onSelect}

@@ -51,8 +51,8 @@ const TEXT = {
   reset: (name: string) => (name === "" ? "Reset" : `Reset to ${name}`),
   gone: "The look as it was chosen is not known any more.",
   table:
-    "This function is a table of value and gradient: its colours depend on both, so it has no single curve to edit. " +
-    "Choose a preset to get one, or build another table in Python with wavesplat.TransferFunction2D.",
+    "This function is a table of value and gradient, which has no single curve to edit. " +
+    "Choose a preset to get one, or make another table in Python.",
   hint: "Double click adds a point. Wheel zooms while a point has the focus, and with Ctrl.",
 };
 const BINS = 256;

@@ -73,8 +73,7 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
         onPointerMove={(event) => {
           if (isDragging.current) point(event);
         }}
-        onPointerUp={stop}
-        onPointerCancel={stop}
+        onLostPointerCapture={stop}
         onKeyUp={onDone}
         onKeyDown={(event) => {
           const steps: Partial<Record<string, readonly [number, number]>> = {

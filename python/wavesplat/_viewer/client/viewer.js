@@ -337,7 +337,7 @@ function added(listeners, listener) {
   return () => listeners.delete(listener);
 }
 
-// ../../../main/web/node_modules/preact/dist/preact.mjs
+// node_modules/preact/dist/preact.mjs
 var n;
 var t;
 var r;
@@ -834,7 +834,7 @@ function ray(camera, size, x2, y3) {
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-// ../../../main/web/node_modules/preact/hooks/dist/hooks.mjs
+// node_modules/preact/hooks/dist/hooks.mjs
 var t2;
 var r2;
 var u2;
@@ -1183,7 +1183,7 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// ../../../main/web/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var f3 = /* @__PURE__ */ Symbol.for("pv");
 var o3 = 0;
 function a3(t3, e3, n2, u3, a4, i3) {
@@ -1745,15 +1745,14 @@ function CurvePlot(props) {
     drag.current = null;
   };
   const onHandleKey = (event, index) => {
-    const latest = props.latest();
-    const point = latest[index];
+    const point = curve[index];
     if (point === void 0) return;
     const rise = isMagnified ? Math.max(5e-4, 0.1 * point[1]) : 0.01;
     const key = pointKey(event.key, event.shiftKey, seen, rise);
-    if (key === null || key.does === "remove" && latest.length === 1) return;
+    if (key === null || key.does === "remove" && curve.length === 1) return;
     if (key.does === "move") {
       const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
-      props.onCurve(withMoved(latest, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
+      props.onCurve(withMoved(curve, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
     } else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
@@ -1858,8 +1857,7 @@ function CurvePlot(props) {
     }
   );
 }
-function changePoints({ latest, seen, onCurve, onDone }, what, index) {
-  const curve = latest();
+function changePoints({ curve, seen, onCurve, onDone }, what, index) {
   if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
   else {
     const added2 = withPointBeside(curve, index, seen);
@@ -2004,9 +2002,8 @@ function ColorStrip(props) {
   const valueAt = (x2) => seen[0] + (x2 - MARGIN.left) / inner * (seen[1] - seen[0]);
   const inside = (event) => event.clientX - (svg.current?.getBoundingClientRect().left ?? 0);
   const move = (index, value) => {
-    const latest = props.latest();
-    const point = latest[index];
-    if (point !== void 0) props.onCurve(withMoved(latest, index, [value, point[1], point[2], point[3]]), index);
+    const point = curve[index];
+    if (point !== void 0) props.onCurve(withMoved(curve, index, [value, point[1], point[2], point[3]]), index);
   };
   const onUp = () => {
     if (drag.current !== null) props.onDone();
@@ -2015,7 +2012,7 @@ function ColorStrip(props) {
   const onKeyDown = (event, index) => {
     const key = pointKey(event.key, event.shiftKey, seen, 0);
     if (key === null || key.does === "remove" && curve.length === 1) return;
-    if (key.does === "move") move(index, (props.latest()[index]?.[0] ?? 0) + key.value);
+    if (key.does === "move") move(index, (curve[index]?.[0] ?? 0) + key.value);
     else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
@@ -2102,7 +2099,12 @@ var TEXT3 = {
   delete: "Delete point"
 };
 var PLOT_PX = 130;
-function GradientEditor({ store, ui, curves, volume, latest }) {
+function GradientEditor({
+  store,
+  ui,
+  curves,
+  volume
+}) {
   const curve = curves.gradient_opacity ?? [];
   const scale = strongGradient(volume);
   const least = spanOf([[0], [scale]], curve);
@@ -2138,7 +2140,6 @@ function GradientEditor({ store, ui, curves, volume, latest }) {
         unit: unit2,
         least: 0,
         curve,
-        latest,
         colors: null,
         histogram: null,
         isMagnified: false,
@@ -2363,68 +2364,102 @@ var TEXT4 = {
   after: "Next point"
 };
 function PointFields(props) {
-  const { curves, selected, onDone } = props;
+  const { curves, selected, unit: unit2, onDone } = props;
   const index = selected?.index ?? -1;
-  const [node, color] = [curves.opacity[index], curves.color[index]];
-  if (selected?.kind === "opacity" && node !== void 0) {
-    return /* @__PURE__ */ a3(Point, { ...props, title: TEXT4.opacityPoint, curve: curves.opacity, index, onCurve: props.onOpacity, children: (move) => /* @__PURE__ */ a3(
-      NamedNumber,
-      {
-        label: TEXT4.opacity,
-        value: node[1],
-        min: 0,
-        max: 1,
-        step: 0.01,
-        onValue: (opacity) => move([node[0], opacity]),
-        onDone
-      }
-    ) });
+  if (selected?.kind === "opacity") {
+    const point = curves.opacity[index];
+    if (point !== void 0) {
+      const move = (value, opacity) => props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
+      return /* @__PURE__ */ a3(
+        Point,
+        {
+          ...props,
+          title: TEXT4.opacityPoint(index + 1, curves.opacity.length),
+          n: curves.opacity.length,
+          onRemove: () => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1)),
+          children: [
+            /* @__PURE__ */ a3(
+              NamedNumber,
+              {
+                label: TEXT4.value,
+                unit: unit2,
+                value: point[0],
+                onValue: (value) => move(value, point[1]),
+                onDone
+              }
+            ),
+            /* @__PURE__ */ a3(
+              NamedNumber,
+              {
+                label: TEXT4.opacity,
+                value: point[1],
+                min: 0,
+                max: 1,
+                step: 0.01,
+                onValue: (opacity) => move(point[0], opacity),
+                onDone
+              }
+            )
+          ]
+        }
+      );
+    }
   }
-  if (selected?.kind === "color" && color !== void 0) {
-    return /* @__PURE__ */ a3(Point, { ...props, title: TEXT4.colorPoint, curve: curves.color, index, onCurve: props.onColor, children: (move) => /* @__PURE__ */ a3(
-      ColorField,
-      {
-        label: TEXT4.color,
-        value: hexOf(color),
-        onColor: (hex) => move([color[0], ...rgbOf(hex)]),
-        onDone
-      }
-    ) });
+  if (selected?.kind === "color") {
+    const point = curves.color[index];
+    if (point !== void 0) {
+      const move = (moved) => props.onColor(withMoved(curves.color, index, moved), index);
+      return /* @__PURE__ */ a3(
+        Point,
+        {
+          ...props,
+          title: TEXT4.colorPoint(index + 1, curves.color.length),
+          n: curves.color.length,
+          onRemove: () => props.onColor(without(curves.color, index), Math.max(0, index - 1)),
+          children: [
+            /* @__PURE__ */ a3(
+              NamedNumber,
+              {
+                label: TEXT4.value,
+                unit: unit2,
+                value: point[0],
+                onValue: (value) => move([value, point[1], point[2], point[3]]),
+                onDone
+              }
+            ),
+            /* @__PURE__ */ a3(
+              ColorField,
+              {
+                label: TEXT4.color,
+                value: hexOf(point),
+                onColor: (hex) => move([point[0], ...rgbOf(hex)]),
+                onDone
+              }
+            )
+          ]
+        }
+      );
+    }
   }
   return /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT4.none });
 }
-function Point(props) {
-  const { title, unit: unit2, selected, curve, index, onCurve, onSelect, onDone, children } = props;
-  const point = curve[index];
-  if (point === void 0) return null;
-  const move = (moved) => onCurve(withMoved(curve, index, moved), index);
-  const go = (next) => {
-    if (selected !== null) onSelect({ ...selected, index: next });
+function Point({ title, n: n2, selected, children, onSelect, onRemove, onDone }) {
+  const go = (index2) => {
+    if (selected !== null && index2 >= 0 && index2 < n2) onSelect({ ...selected, index: index2 });
   };
+  const index = selected?.index ?? 0;
   return /* @__PURE__ */ a3("fieldset", { class: "look-point", children: [
-    /* @__PURE__ */ a3("legend", { children: title(index + 1, curve.length) }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        NamedNumber,
-        {
-          label: TEXT4.value,
-          unit: unit2,
-          value: point[0] ?? 0,
-          onValue: (value) => move([value, ...point.slice(1)]),
-          onDone
-        }
-      ),
-      children(move)
-    ] }),
+    /* @__PURE__ */ a3("legend", { children: title }),
+    /* @__PURE__ */ a3("div", { class: "row", children }),
     /* @__PURE__ */ a3("div", { class: "row", children: [
       /* @__PURE__ */ a3(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1), children: "‹" }),
-      /* @__PURE__ */ a3(Button, { label: TEXT4.after, disabled: index === curve.length - 1, onClick: () => go(index + 1), children: "›" }),
+      /* @__PURE__ */ a3(Button, { label: TEXT4.after, disabled: index === n2 - 1, onClick: () => go(index + 1), children: "›" }),
       /* @__PURE__ */ a3(
         Button,
         {
-          disabled: curve.length === 1,
+          disabled: n2 === 1,
           onClick: () => {
-            onCurve(without(curve, index), Math.max(0, index - 1));
+            onRemove();
             onDone();
           },
           children: TEXT4.remove
@@ -2514,10 +2549,6 @@ function Editor(props) {
     base.current = null;
     store.settle();
   };
-  const latest = () => {
-    const now = store.state.layers[ui.layer]?.look.transfer_function;
-    return now !== void 0 && isEditable(now) ? now : curves;
-  };
   const setOpacity = (curve, index) => {
     store.change([set(curve, ...path, "opacity")], "opacity curve");
     if (index !== null) setSelected({ kind: "opacity", index });
@@ -2527,11 +2558,11 @@ function Editor(props) {
     if (index !== null) setSelected({ kind: "color", index });
   };
   const setAll = (change, gesture) => {
-    base.current ??= latest();
+    base.current ??= curves;
     store.change([set(change(base.current), ...path)], gesture);
   };
   const once = (change) => {
-    store.change([set(change(latest()), ...path)]);
+    store.change([set(change(curves), ...path)]);
   };
   const showPoints = () => setZoom(around(spanOf(curves.opacity, curves.color), whole));
   const typeValue = () => value.current?.querySelector("input[type=number]")?.select();
@@ -2558,7 +2589,6 @@ function Editor(props) {
         whole,
         unit: unit2,
         curve: curves.opacity,
-        latest: () => latest().opacity,
         colors: curves.color,
         histogram,
         isMagnified,
@@ -2577,7 +2607,6 @@ function Editor(props) {
         seen,
         unit: unit2,
         curve: curves.color,
-        latest: () => latest().color,
         selected: colorIndex,
         onSelect: (index) => setSelected({ kind: "color", index }),
         onCurve: setColor,
@@ -2699,7 +2728,7 @@ function Editor(props) {
       /* @__PURE__ */ a3(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })), children: TEXT5.mirrorColor }),
       /* @__PURE__ */ a3(Button, { onClick: () => void reset(), children: TEXT5.reset(look.name) })
     ] }),
-    /* @__PURE__ */ a3(GradientEditor, { ...props, latest: () => latest().gradient_opacity ?? [] })
+    /* @__PURE__ */ a3(GradientEditor, { ...props })
   ] });
 }
 function GlobalOpacity({ store, ui }) {
@@ -2810,7 +2839,7 @@ function LabelsPanel({ store }) {
   if (labels === null) return /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.none });
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
-  const show = (isShown) => store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
+  const show = (isShown) => store.change(shownLabels(labels.labels, isShown, hidden));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number) => isOnShown.get(number) ?? false;
@@ -3029,16 +3058,13 @@ var TEXT8 = {
 };
 var SIZE_PX = 96;
 var RADIUS_PX = 40;
-function LightPad({ direction, latest, onDirection, onDone }) {
+function LightPad({ direction, onDirection, onDone }) {
   const isDragging = T2(false);
   const [azimuth, elevation] = anglesOf(direction);
   const length2 = Math.hypot(...direction) || 1;
   const spot = { x: direction[0] / length2 * RADIUS_PX, y: -direction[1] / length2 * RADIUS_PX };
   const set2 = (direction2) => onDirection(direction2.map((part) => Number(part.toFixed(4))));
-  const turn = (by, up) => {
-    const [a4, e3] = anglesOf(latest());
-    set2(directionOf([wrapped(a4 + by), Math.max(-90, Math.min(90, e3 + up))]));
-  };
+  const turn = (by, up) => set2(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
   const point = (event) => {
     const box = event.currentTarget.getBoundingClientRect();
     const x2 = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;
@@ -3301,9 +3327,8 @@ function LightFields({ store, engine, ui, welcome }) {
     },
     field
   );
-  const lights = lightsOf(shading);
+  const lights = shading.lights.length > 0 ? shading.lights : DEFAULT_LIGHTS;
   const first = lights[0];
-  const latest = () => (lightsOf(shadingOf(store.state, ui.layer).shading ?? shading)[0] ?? first).direction;
   const setDirection = (direction) => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
   const isSmooth = shading.gradient_smoothing > 0;
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
@@ -3331,7 +3356,7 @@ function LightFields({ store, engine, ui, welcome }) {
     ] }),
     slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }),
     first["frame"] === "world" && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.world }),
-    /* @__PURE__ */ a3(LightPad, { direction: first.direction, latest, onDirection: setDirection, onDone: done2 }),
+    /* @__PURE__ */ a3(LightPad, { direction: first.direction, onDirection: setDirection, onDone: done2 }),
     /* @__PURE__ */ a3(
       CheckField,
       {
@@ -3369,9 +3394,6 @@ function Rest({ store, welcome }) {
       )
     ] })
   ] });
-}
-function lightsOf({ lights }) {
-  return lights.length > 0 ? lights : DEFAULT_LIGHTS;
 }
 function longestSide(bounds) {
   if (bounds === void 0) return 1;
@@ -3849,10 +3871,10 @@ var TEXT12 = {
 var MOST_RATE = 60;
 var GESTURE = "time";
 function TimeBar({ store, ui, welcome }) {
+  const { layers } = store.state;
   const count = Math.max(1, ...welcome.volumes.map((volume) => volume.n_times));
   const series = welcome.volumes.flatMap((volume, index) => volume.n_times > 1 ? [index] : []);
-  const timeNow = () => Math.max(0, ...series.map((index) => store.state.layers[index]?.time ?? 0));
-  const time = timeNow();
+  const time = Math.max(0, ...series.map((index) => layers[index]?.time ?? 0));
   const [isPlaying, setPlaying] = d2(false);
   const [rate, setRate] = d2(10);
   const [repeats, setRepeats] = d2(true);
@@ -3865,7 +3887,7 @@ function TimeBar({ store, ui, welcome }) {
     last.current = { at: performance.now(), seq: store.seq };
   };
   const step = (by) => {
-    go((timeNow() + by + count) % count);
+    go((time + by + count) % count);
     store.settle();
   };
   const stop = () => {

@@ -141,6 +141,33 @@ def test_a_picture_at_rest_is_given_up_for_what_comes_next(session, monkeypatch)
     assert went_on[0] - changed < 0.2
 
 
+def test_what_is_hidden_comes_back(session):
+    page = Page(session)
+    page.show()
+    _, before = page.at_rest()
+    page.patch({"op": "replace", "path": "/layers/0/visible", "value": False})
+    header, payload = page.at_rest()
+    assert "no layer of the scene is visible" in header["notes"]
+    assert pixels(payload)[..., :3].max() == 0
+    time.sleep(0.3)  # in which errors are measured
+    page.patch({"op": "replace", "path": "/layers/0/visible", "value": True})
+    assert page.at_rest()[1] == before
+
+
+def test_a_renderer_that_fails_is_told_and_goes_on(session, monkeypatch):
+    original = session_module.picture_of
+    page = Page(session)
+    page.show()
+    page.at_rest()
+    monkeypatch.setattr(session_module, "picture_of", lambda *_, **__: 1 / 0)
+    page.patch(viewer_fakes.turned(session.state.camera, 5))
+    failed, _ = page.wait(lambda header: header["type"] == "failed")
+    assert "the renderer failed: ZeroDivisionError" in failed["message"]
+    monkeypatch.setattr(session_module, "picture_of", original)
+    page.patch(viewer_fakes.turned(session.state.camera, 6))
+    page.at_rest()
+
+
 def test_windows_share_the_state_and_have_their_own_views(session):
     one, other = Page(session), Page(session)
     one.show(size=(64, 48))

@@ -66,9 +66,7 @@ class Server:
             ) from None
         self.port: int = listener.getsockname()[1]
         self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(
-            target=self._run, args=(listener,), name="wavesplat-viewer-server", daemon=True
-        )
+        self._thread = threading.Thread(target=self._run, args=(listener,), name="wavesplat-viewer-server", daemon=True)
         self._thread.start()
 
     @property

@@ -299,10 +299,16 @@ class Session:
                 if not self._is_open or task is None:
                     return
             client, view, pane, at_rest = task
-            if client is None:
-                self._measure()
-            else:
-                self._draw(client, view, pane, at_rest)
+            try:
+                if client is None:
+                    self._measure()
+                else:
+                    self._draw(client, view, pane, at_rest)
+            except Exception as error:  # noqa: BLE001 - the thread must go on, and somebody has to be told
+                with self._changed:
+                    pane.wants_rest = pane.is_stale
+                if client is not None:
+                    self._tell(client, error, client.seq)
 
     def _next(self) -> tuple[Client | None, str, _Pane, bool] | None:
         """What is drawn next: first what moves, then pictures at rest; then errors are measured for the next move."""
@@ -410,9 +416,7 @@ class Session:
             return picture_of(state, view, size, scale=settings.scale, progress=goes_on)
         if self._measured_scene is state.scene and settings.scale > 0.7:
             picture = picture_of(state, view, size, psnr=settings.psnr, scale=settings.scale)
-            self._last_sampling = Sampling(
-                sheets_per_slice=picture.report["sheets_per_slice"], oversampling=picture.report["oversampling"]
-            )
+            self._keep_sampling(picture)
             return picture
         # While a look is changed its error is not known: as the last picture was drawn whose error was.
         return picture_of(state, view, size, sampling=self._last_sampling, scale=settings.scale)
@@ -438,13 +442,20 @@ class Session:
             picture = picture_of(state, "3d", pane.size, psnr=35.0, progress=goes_on)
         except CancelledError:
             return
-        except Exception:  # noqa: BLE001 - the next frame will tell what is wrong
+        except Exception:
+            # Not again; the next frame tells what is wrong.
             self._measured_scene = state.scene
-            return
-        self._last_sampling = Sampling(
-            sheets_per_slice=picture.report["sheets_per_slice"], oversampling=picture.report["oversampling"]
-        )
+            raise
+        self._keep_sampling(picture)
         self._measured_scene = state.scene
+
+    def _keep_sampling(self, picture: Picture) -> None:
+        """How a picture was drawn whose error is known; where nothing is visible nothing is told."""
+        told = picture.report
+        if "sheets_per_slice" in told and "oversampling" in told:
+            self._last_sampling = Sampling(
+                sheets_per_slice=told["sheets_per_slice"], oversampling=abs(told["oversampling"])
+            )
 
     def _encoded(self, client: Client, picture: Picture, at_rest: bool) -> tuple[str, bytes]:
         if at_rest:

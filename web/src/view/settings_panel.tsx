@@ -1,10 +1,9 @@
-// How it is drawn and shown: quality at rest and while moving, what lies over the views, background, lens, theme.
+// How it is drawn and shown: quality at rest and while moving, what lies over the views, lens, theme.
 
 import { withLens } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
 import { OVERLAYS, type Overlay } from "../state/state.ts";
 import { Choice, NumberField, Switch } from "./fields.tsx";
-import { cssColor } from "./overlay3d/scene_overlay.tsx";
 import type { PartProps } from "./part.ts";
 
 const OVERLAY_NAMES: Readonly<Record<Overlay, string>> = {
@@ -20,7 +19,7 @@ const FIRST_ANGLE = 30;
 
 export function SettingsPanel(props: PartProps & { readonly figures: boolean; readonly onFigures: (on: boolean) => void }) {
   const { store, figures, onFigures } = props;
-  const { view, render, background, camera } = store.state;
+  const { view, render, camera } = store.state;
   const qualities = ["draft", "normal", "high"] as const;
   const isNamed = typeof render.quality === "string";
   return (
@@ -53,15 +52,6 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
           onSettle={() => store.settle()}
         />
       )}
-      <label class="field">
-        <span>Background</span>
-        <input
-          type="color"
-          value={hexOf(background)}
-          onInput={(event) => store.change([set(event.currentTarget.value, "background")], "background")}
-          onChange={() => store.settle()}
-        />
-      </label>
       <Choice
         label="Theme"
         value={view.interface.theme}
@@ -82,13 +72,4 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
       </fieldset>
     </>
   );
-}
-
-/** A colour as colour pickers take it. */
-function hexOf(color: string | readonly number[] | null): string {
-  if (color === null) return "#000000";
-  const context = document.createElement("canvas").getContext("2d");
-  if (context === null) return "#000000";
-  context.fillStyle = cssColor(color);
-  return /^#[0-9a-f]{6}$/.test(String(context.fillStyle)) ? String(context.fillStyle) : "#000000";
 }

@@ -5132,7 +5132,7 @@ var OVERLAY_NAMES = {
 var FIRST_ANGLE = 30;
 function SettingsPanel(props) {
   const { store, figures, onFigures } = props;
-  const { view, render: render2, background, camera } = store.state;
+  const { view, render: render2, camera } = store.state;
   const qualities = ["draft", "normal", "high"];
   const isNamed = typeof render2.quality === "string";
   return /* @__PURE__ */ a3($, { children: [
@@ -5174,18 +5174,6 @@ function SettingsPanel(props) {
         onSettle: () => store.settle()
       }
     ),
-    /* @__PURE__ */ a3("label", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { children: "Background" }),
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "color",
-          value: hexOf2(background),
-          onInput: (event) => store.change([set(event.currentTarget.value, "background")], "background"),
-          onChange: () => store.settle()
-        }
-      )
-    ] }),
     /* @__PURE__ */ a3(
       Choice,
       {
@@ -5209,13 +5197,6 @@ function SettingsPanel(props) {
       /* @__PURE__ */ a3(Switch, { label: "Frame rate, latency, error", on: figures, onToggle: onFigures })
     ] })
   ] });
-}
-function hexOf2(color) {
-  if (color === null) return "#000000";
-  const context = document.createElement("canvas").getContext("2d");
-  if (context === null) return "#000000";
-  context.fillStyle = cssColor(color);
-  return /^#[0-9a-f]{6}$/.test(String(context.fillStyle)) ? String(context.fillStyle) : "#000000";
 }
 
 // src/view/share.tsx

@@ -337,7 +337,7 @@ function added(listeners, listener) {
   return () => listeners.delete(listener);
 }
 
-// node_modules/preact/dist/preact.mjs
+// ../../../main/web/node_modules/preact/dist/preact.mjs
 var n;
 var t;
 var r;
@@ -834,7 +834,7 @@ function ray(camera, size, x2, y3) {
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-// node_modules/preact/hooks/dist/hooks.mjs
+// ../../../main/web/node_modules/preact/hooks/dist/hooks.mjs
 var t2;
 var r2;
 var u2;
@@ -1183,7 +1183,7 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+// ../../../main/web/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var f3 = /* @__PURE__ */ Symbol.for("pv");
 var o3 = 0;
 function a3(t3, e3, n2, u3, a4, i3) {
@@ -1698,10 +1698,10 @@ function pointKey(key, isShifted, seen, rise) {
 
 // src/view/look/curve_plot.tsx
 var TEXT = {
-  keys: "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
-  below: (n2) => `${n2} ${n2 === 1 ? "point lies" : "points lie"} below what is seen; show all points`,
-  above: (n2) => `${n2} ${n2 === 1 ? "point lies" : "points lie"} above what is seen; show all points`
+  below: (n2) => `${n2} below what is seen: show all points`,
+  above: (n2) => `${n2} above what is seen: show all points`
 };
+var KEYS2 = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
 var MARGIN = { left: 34, right: 12, top: 12, bottom: 20 };
 var DOT_PX = 6;
 var REACH_PX = 13;
@@ -1745,14 +1745,15 @@ function CurvePlot(props) {
     drag.current = null;
   };
   const onHandleKey = (event, index) => {
-    const point = curve[index];
+    const latest = props.latest();
+    const point = latest[index];
     if (point === void 0) return;
     const rise = isMagnified ? Math.max(5e-4, 0.1 * point[1]) : 0.01;
     const key = pointKey(event.key, event.shiftKey, seen, rise);
-    if (key === null || key.does === "remove" && curve.length === 1) return;
+    if (key === null || key.does === "remove" && latest.length === 1) return;
     if (key.does === "move") {
       const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
-      props.onCurve(withMoved(curve, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
+      props.onCurve(withMoved(latest, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
     } else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
@@ -1790,8 +1791,7 @@ function CurvePlot(props) {
         drag.current = { index: null, x: inside(event).x, y: 0, seen };
       },
       onPointerMove: onPlotMove,
-      onPointerUp: onPlotUp,
-      onPointerCancel: onPlotUp,
+      onLostPointerCapture: onPlotUp,
       children: [
         /* @__PURE__ */ a3(Fill, { id: fill, colors, xOf }),
         /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
@@ -1836,7 +1836,6 @@ function CurvePlot(props) {
               isSelected: index === selected,
               color: null,
               label: `Point ${index + 1} of ${curve.length}`,
-              keys: TEXT.keys,
               value: point[0],
               range: seen,
               text: `${props.what} ${numberText(point[1])} at ${numberText(point[0])}${unit2 && ` ${unit2}`}`,
@@ -1857,7 +1856,8 @@ function CurvePlot(props) {
     }
   );
 }
-function changePoints({ curve, seen, onCurve, onDone }, what, index) {
+function changePoints({ latest, seen, onCurve, onDone }, what, index) {
+  const curve = latest();
   if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
   else {
     const added2 = withPointBeside(curve, index, seen);
@@ -1878,7 +1878,7 @@ function Handle(props) {
       "aria-valuemax": Math.max(range[1], value),
       "aria-valuenow": value,
       "aria-valuetext": props.text,
-      "aria-description": props.keys,
+      "aria-description": KEYS2,
       "data-selected": isSelected,
       transform: `translate(${px(x2)} ${px(y3)})`,
       onFocus: props.onSelect,
@@ -1987,8 +1987,7 @@ function px(value) {
 // src/view/look/color_strip.tsx
 var TEXT2 = {
   label: "Colours of the values",
-  keys: "Left and right move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number",
-  hidden: (n2) => `${n2} ${n2 === 1 ? "colour lies" : "colours lie"} outside; show all points`
+  hidden: (n2) => `${n2} outside what is seen: show all points`
 };
 var RAMP_PX = 16;
 var HEIGHT_PX = 44;
@@ -2002,8 +2001,9 @@ function ColorStrip(props) {
   const valueAt = (x2) => seen[0] + (x2 - MARGIN.left) / inner * (seen[1] - seen[0]);
   const inside = (event) => event.clientX - (svg.current?.getBoundingClientRect().left ?? 0);
   const move = (index, value) => {
-    const point = curve[index];
-    if (point !== void 0) props.onCurve(withMoved(curve, index, [value, point[1], point[2], point[3]]), index);
+    const latest = props.latest();
+    const point = latest[index];
+    if (point !== void 0) props.onCurve(withMoved(latest, index, [value, point[1], point[2], point[3]]), index);
   };
   const onUp = () => {
     if (drag.current !== null) props.onDone();
@@ -2012,7 +2012,7 @@ function ColorStrip(props) {
   const onKeyDown = (event, index) => {
     const key = pointKey(event.key, event.shiftKey, seen, 0);
     if (key === null || key.does === "remove" && curve.length === 1) return;
-    if (key.does === "move") move(index, (curve[index]?.[0] ?? 0) + key.value);
+    if (key.does === "move") move(index, (props.latest()[index]?.[0] ?? 0) + key.value);
     else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
@@ -2039,8 +2039,7 @@ function ColorStrip(props) {
           const begun = drag.current;
           if (begun !== null) move(begun.index, rounded(valueAt(inside(event) - begun.x), seen[1] - seen[0]));
         },
-        onPointerUp: onUp,
-        onPointerCancel: onUp,
+        onLostPointerCapture: onUp,
         children: [
           /* @__PURE__ */ a3(Fill, { id: fill, colors: curve, xOf }),
           /* @__PURE__ */ a3(
@@ -2063,7 +2062,6 @@ function ColorStrip(props) {
                 isSelected: index === selected,
                 color: hexOf(point),
                 label: `Colour ${index + 1} of ${curve.length}`,
-                keys: TEXT2.keys,
                 value: point[0],
                 range: seen,
                 text: `${hexOf(point)} at ${numberText(point[0])}${unit2 && ` ${unit2}`}`,
@@ -2099,12 +2097,7 @@ var TEXT3 = {
   delete: "Delete point"
 };
 var PLOT_PX = 130;
-function GradientEditor({
-  store,
-  ui,
-  curves,
-  volume
-}) {
+function GradientEditor({ store, ui, curves, volume, latest }) {
   const curve = curves.gradient_opacity ?? [];
   const scale = strongGradient(volume);
   const least = spanOf([[0], [scale]], curve);
@@ -2140,6 +2133,7 @@ function GradientEditor({
         unit: unit2,
         least: 0,
         curve,
+        latest,
         colors: null,
         histogram: null,
         isMagnified: false,
@@ -2364,102 +2358,68 @@ var TEXT4 = {
   after: "Next point"
 };
 function PointFields(props) {
-  const { curves, selected, unit: unit2, onDone } = props;
+  const { curves, selected, onDone } = props;
   const index = selected?.index ?? -1;
-  if (selected?.kind === "opacity") {
-    const point = curves.opacity[index];
-    if (point !== void 0) {
-      const move = (value, opacity) => props.onOpacity(withMoved(curves.opacity, index, [value, opacity]), index);
-      return /* @__PURE__ */ a3(
-        Point,
-        {
-          ...props,
-          title: TEXT4.opacityPoint(index + 1, curves.opacity.length),
-          n: curves.opacity.length,
-          onRemove: () => props.onOpacity(without(curves.opacity, index), Math.max(0, index - 1)),
-          children: [
-            /* @__PURE__ */ a3(
-              NamedNumber,
-              {
-                label: TEXT4.value,
-                unit: unit2,
-                value: point[0],
-                onValue: (value) => move(value, point[1]),
-                onDone
-              }
-            ),
-            /* @__PURE__ */ a3(
-              NamedNumber,
-              {
-                label: TEXT4.opacity,
-                value: point[1],
-                min: 0,
-                max: 1,
-                step: 0.01,
-                onValue: (opacity) => move(point[0], opacity),
-                onDone
-              }
-            )
-          ]
-        }
-      );
-    }
+  const [node, color] = [curves.opacity[index], curves.color[index]];
+  if (selected?.kind === "opacity" && node !== void 0) {
+    return /* @__PURE__ */ a3(Point, { ...props, title: TEXT4.opacityPoint, curve: curves.opacity, index, onCurve: props.onOpacity, children: (move) => /* @__PURE__ */ a3(
+      NamedNumber,
+      {
+        label: TEXT4.opacity,
+        value: node[1],
+        min: 0,
+        max: 1,
+        step: 0.01,
+        onValue: (opacity) => move([node[0], opacity]),
+        onDone
+      }
+    ) });
   }
-  if (selected?.kind === "color") {
-    const point = curves.color[index];
-    if (point !== void 0) {
-      const move = (moved) => props.onColor(withMoved(curves.color, index, moved), index);
-      return /* @__PURE__ */ a3(
-        Point,
-        {
-          ...props,
-          title: TEXT4.colorPoint(index + 1, curves.color.length),
-          n: curves.color.length,
-          onRemove: () => props.onColor(without(curves.color, index), Math.max(0, index - 1)),
-          children: [
-            /* @__PURE__ */ a3(
-              NamedNumber,
-              {
-                label: TEXT4.value,
-                unit: unit2,
-                value: point[0],
-                onValue: (value) => move([value, point[1], point[2], point[3]]),
-                onDone
-              }
-            ),
-            /* @__PURE__ */ a3(
-              ColorField,
-              {
-                label: TEXT4.color,
-                value: hexOf(point),
-                onColor: (hex) => move([point[0], ...rgbOf(hex)]),
-                onDone
-              }
-            )
-          ]
-        }
-      );
-    }
+  if (selected?.kind === "color" && color !== void 0) {
+    return /* @__PURE__ */ a3(Point, { ...props, title: TEXT4.colorPoint, curve: curves.color, index, onCurve: props.onColor, children: (move) => /* @__PURE__ */ a3(
+      ColorField,
+      {
+        label: TEXT4.color,
+        value: hexOf(color),
+        onColor: (hex) => move([color[0], ...rgbOf(hex)]),
+        onDone
+      }
+    ) });
   }
   return /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT4.none });
 }
-function Point({ title, n: n2, selected, children, onSelect, onRemove, onDone }) {
-  const go = (index2) => {
-    if (selected !== null && index2 >= 0 && index2 < n2) onSelect({ ...selected, index: index2 });
+function Point(props) {
+  const { title, unit: unit2, selected, curve, index, onCurve, onSelect, onDone, children } = props;
+  const point = curve[index];
+  if (point === void 0) return null;
+  const move = (moved) => onCurve(withMoved(curve, index, moved), index);
+  const go = (next) => {
+    if (selected !== null) onSelect({ ...selected, index: next });
   };
-  const index = selected?.index ?? 0;
   return /* @__PURE__ */ a3("fieldset", { class: "look-point", children: [
-    /* @__PURE__ */ a3("legend", { children: title }),
-    /* @__PURE__ */ a3("div", { class: "row", children }),
+    /* @__PURE__ */ a3("legend", { children: title(index + 1, curve.length) }),
+    /* @__PURE__ */ a3("div", { class: "row", children: [
+      /* @__PURE__ */ a3(
+        NamedNumber,
+        {
+          label: TEXT4.value,
+          unit: unit2,
+          value: point[0] ?? 0,
+          onValue: (value) => move([value, ...point.slice(1)]),
+          onDone
+        }
+      ),
+      children(move)
+    ] }),
     /* @__PURE__ */ a3("div", { class: "row", children: [
       /* @__PURE__ */ a3(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1), children: "‹" }),
-      /* @__PURE__ */ a3(Button, { label: TEXT4.after, disabled: index === n2 - 1, onClick: () => go(index + 1), children: "›" }),
+      /* @__PURE__ */ a3(Button, { label: TEXT4.after, disabled: index === curve.length - 1, onClick: () => go(index + 1), children: "›" }),
       /* @__PURE__ */ a3(
         Button,
         {
-          disabled: n2 === 1,
+          disabled: curve.length === 1,
           onClick: () => {
-            onRemove();
+            onCurve(without(curve, index), Math.max(0, index - 1));
             onDone();
           },
           children: TEXT4.remove
@@ -2494,7 +2454,7 @@ var TEXT5 = {
   mirrorColor: "Mirror colours",
   reset: (name) => name === "" ? "Reset" : `Reset to ${name}`,
   gone: "The look as it was chosen is not known any more.",
-  table: "This function is a table of value and gradient: its colours depend on both, so it has no single curve to edit. Choose a preset to get one, or build another table in Python with wavesplat.TransferFunction2D.",
+  table: "This function is a table of value and gradient, which has no single curve to edit. Choose a preset to get one, or make another table in Python.",
   hint: "Double click adds a point. Wheel zooms while a point has the focus, and with Ctrl."
 };
 var BINS = 256;
@@ -2549,6 +2509,10 @@ function Editor(props) {
     base.current = null;
     store.settle();
   };
+  const latest = () => {
+    const now = store.state.layers[ui.layer]?.look.transfer_function;
+    return now !== void 0 && isEditable(now) ? now : curves;
+  };
   const setOpacity = (curve, index) => {
     store.change([set(curve, ...path, "opacity")], "opacity curve");
     if (index !== null) setSelected({ kind: "opacity", index });
@@ -2558,11 +2522,11 @@ function Editor(props) {
     if (index !== null) setSelected({ kind: "color", index });
   };
   const setAll = (change, gesture) => {
-    base.current ??= curves;
+    base.current ??= latest();
     store.change([set(change(base.current), ...path)], gesture);
   };
   const once = (change) => {
-    store.change([set(change(curves), ...path)]);
+    store.change([set(change(latest()), ...path)]);
   };
   const showPoints = () => setZoom(around(spanOf(curves.opacity, curves.color), whole));
   const typeValue = () => value.current?.querySelector("input[type=number]")?.select();
@@ -2589,6 +2553,7 @@ function Editor(props) {
         whole,
         unit: unit2,
         curve: curves.opacity,
+        latest: () => latest().opacity,
         colors: curves.color,
         histogram,
         isMagnified,
@@ -2607,6 +2572,7 @@ function Editor(props) {
         seen,
         unit: unit2,
         curve: curves.color,
+        latest: () => latest().color,
         selected: colorIndex,
         onSelect: (index) => setSelected({ kind: "color", index }),
         onCurve: setColor,
@@ -2728,7 +2694,7 @@ function Editor(props) {
       /* @__PURE__ */ a3(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })), children: TEXT5.mirrorColor }),
       /* @__PURE__ */ a3(Button, { onClick: () => void reset(), children: TEXT5.reset(look.name) })
     ] }),
-    /* @__PURE__ */ a3(GradientEditor, { ...props })
+    /* @__PURE__ */ a3(GradientEditor, { ...props, latest: () => latest().gradient_opacity ?? [] })
   ] });
 }
 function GlobalOpacity({ store, ui }) {
@@ -2839,7 +2805,7 @@ function LabelsPanel({ store }) {
   if (labels === null) return /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.none });
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
-  const show = (isShown) => store.change(shownLabels(labels.labels, isShown, hidden));
+  const show = (isShown) => store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number) => isOnShown.get(number) ?? false;
@@ -3058,13 +3024,16 @@ var TEXT8 = {
 };
 var SIZE_PX = 96;
 var RADIUS_PX = 40;
-function LightPad({ direction, onDirection, onDone }) {
+function LightPad({ direction, latest, onDirection, onDone }) {
   const isDragging = T2(false);
   const [azimuth, elevation] = anglesOf(direction);
   const length2 = Math.hypot(...direction) || 1;
   const spot = { x: direction[0] / length2 * RADIUS_PX, y: -direction[1] / length2 * RADIUS_PX };
   const set2 = (direction2) => onDirection(direction2.map((part) => Number(part.toFixed(4))));
-  const turn = (by, up) => set2(directionOf([wrapped(azimuth + by), Math.max(-90, Math.min(90, elevation + up))]));
+  const turn = (by, up) => {
+    const [a4, e3] = anglesOf(latest());
+    set2(directionOf([wrapped(a4 + by), Math.max(-90, Math.min(90, e3 + up))]));
+  };
   const point = (event) => {
     const box = event.currentTarget.getBoundingClientRect();
     const x2 = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;
@@ -3102,8 +3071,7 @@ function LightPad({ direction, onDirection, onDone }) {
         onPointerMove: (event) => {
           if (isDragging.current) point(event);
         },
-        onPointerUp: stop,
-        onPointerCancel: stop,
+        onLostPointerCapture: stop,
         onKeyUp: onDone,
         onKeyDown: (event) => {
           const steps = {
@@ -3327,8 +3295,9 @@ function LightFields({ store, engine, ui, welcome }) {
     },
     field
   );
-  const lights = shading.lights.length > 0 ? shading.lights : DEFAULT_LIGHTS;
+  const lights = lightsOf(shading);
   const first = lights[0];
+  const latest = () => (lightsOf(shadingOf(store.state, ui.layer).shading ?? shading)[0] ?? first).direction;
   const setDirection = (direction) => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
   const isSmooth = shading.gradient_smoothing > 0;
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
@@ -3356,7 +3325,7 @@ function LightFields({ store, engine, ui, welcome }) {
     ] }),
     slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }),
     first["frame"] === "world" && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.world }),
-    /* @__PURE__ */ a3(LightPad, { direction: first.direction, onDirection: setDirection, onDone: done2 }),
+    /* @__PURE__ */ a3(LightPad, { direction: first.direction, latest, onDirection: setDirection, onDone: done2 }),
     /* @__PURE__ */ a3(
       CheckField,
       {
@@ -3394,6 +3363,9 @@ function Rest({ store, welcome }) {
       )
     ] })
   ] });
+}
+function lightsOf({ lights }) {
+  return lights.length > 0 ? lights : DEFAULT_LIGHTS;
 }
 function longestSide(bounds) {
   if (bounds === void 0) return 1;
@@ -3573,29 +3545,34 @@ async function pictureOf(frame) {
 // src/view/look/preset_pictures.ts
 var SIZE_PX2 = 192;
 var STILL_MS2 = 350;
+var RETRY_MS = 2e3;
 var PresetPictures = class {
-  constructor(engine, layer, changed, failed) {
+  constructor(engine, layer, changed) {
     this.engine = engine;
     this.layer = layer;
     this.changed = changed;
-    this.failed = failed;
   }
   engine;
   layer;
   changed;
-  failed;
   urls = /* @__PURE__ */ new Map();
+  reasons = /* @__PURE__ */ new Map();
   wanted = [];
   isBusy = false;
+  drawing = null;
   lastChange = -Infinity;
   isClosed = false;
   /** The address of a picture, where there is one. */
   get(name) {
     return this.urls.get(name);
   }
+  /** Why there is none. */
+  reason(name) {
+    return this.reasons.get(name);
+  }
   /** Asks for a picture, if it is not there. */
   want(name) {
-    if (this.urls.has(name) || this.wanted.includes(name)) return;
+    if (this.urls.has(name) || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
     this.wanted.push(name);
     void this.next();
   }
@@ -3609,7 +3586,8 @@ var PresetPictures = class {
   }
   /** All pictures are drawn anew, as they are seen. */
   clear() {
-    const before = [...this.urls.keys()];
+    const before = [...this.urls.keys(), ...this.reasons.keys()];
+    this.reasons.clear();
     this.urls.forEach((url) => URL.revokeObjectURL(url));
     this.urls.clear();
     return before;
@@ -3622,30 +3600,39 @@ var PresetPictures = class {
   async next() {
     if (this.isBusy || this.isClosed) return;
     this.isBusy = true;
-    try {
-      for (; ; ) {
-        const wait = this.lastChange + STILL_MS2 - performance.now();
-        if (wait > 0) {
-          await new Promise((resolve) => setTimeout(resolve, wait));
-          continue;
-        }
-        const name = this.wanted.shift();
-        if (name === void 0 || this.isClosed) return;
-        const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX2 });
-        if (this.isClosed) return;
-        this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
-        this.changed();
+    for (; ; ) {
+      const wait = this.lastChange + STILL_MS2 - performance.now();
+      if (wait > 0) {
+        await new Promise((resolve) => setTimeout(resolve, wait));
+        continue;
       }
-    } catch (problem) {
-      this.wanted = [];
-      if (!this.isClosed) this.failed(problem);
-    } finally {
-      this.isBusy = false;
+      const name = this.wanted.shift();
+      if (name === void 0 || this.isClosed) break;
+      this.drawing = name;
+      await this.draw(name);
+      this.drawing = null;
     }
+    this.isBusy = false;
+  }
+  async draw(name) {
+    try {
+      const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX2 });
+      if (!this.isClosed) this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
+    } catch (problem) {
+      const { code, message } = problem;
+      if (code === "lost") {
+        this.wanted.unshift(name);
+        await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+        return;
+      }
+      this.reasons.set(name, message);
+    }
+    if (!this.isClosed) this.changed();
   }
 };
 
 // src/view/look/preset_tiles.tsx
+var TEXT11 = { noPicture: "No picture" };
 function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
   const list = T2(null);
   const [focused, setFocused] = d2(null);
@@ -3686,14 +3673,16 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
   };
   return /* @__PURE__ */ a3("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list, children: tiles.map(({ name, description, picture }, index) => {
     const address = picture ?? pictures.get(name);
+    const reason = pictures.reason(name);
+    const about = reason === void 0 ? description : `${description} ${TEXT11.noPicture}: ${reason}`;
     return /* @__PURE__ */ a3(
       "div",
       {
         class: "look-tile",
         role: "option",
         "aria-selected": name === selected,
-        "aria-label": `${name}: ${description}`,
-        title: description,
+        "aria-label": `${name}: ${about}`,
+        title: about,
         tabIndex: name === entry ? 0 : -1,
         "data-name": name,
         "data-drawn": picture === void 0 ? true : void 0,
@@ -3701,7 +3690,7 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
         onFocus: () => setFocused(name),
         onKeyDown: (event) => onKeyDown(event, index),
         children: [
-          address ? /* @__PURE__ */ a3("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ a3("span", { class: "look-blank" }),
+          address ? /* @__PURE__ */ a3("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ a3("span", { class: "look-blank", children: reason !== void 0 && TEXT11.noPicture }),
           /* @__PURE__ */ a3("span", { class: "look-name", children: name })
         ]
       },
@@ -3719,7 +3708,7 @@ function matching(presets, search) {
 }
 
 // src/view/look/presets_panel.tsx
-var TEXT11 = {
+var TEXT12 = {
   search: "Search",
   fitting: "Presets that fit",
   own: "Your own",
@@ -3740,17 +3729,7 @@ function PresetsPanel(props) {
   const [showsAll, setShowsAll] = d2(false);
   const [own, setOwn] = d2(() => ownPresets());
   const [, redraw] = _2((count) => count + 1, 0);
-  const problem = T2(ui.problem);
-  problem.current = ui.problem;
-  const pictures = w2(
-    () => new PresetPictures(
-      engine,
-      ui.layer,
-      () => redraw(null),
-      (found2) => problem.current(found2)
-    ),
-    [engine, ui.layer]
-  );
+  const pictures = w2(() => new PresetPictures(engine, ui.layer, () => redraw(null)), [engine, ui.layer]);
   A2(() => () => pictures.close(), [pictures]);
   A2(() => store.subscribe(() => pictures.pause()), [store, pictures]);
   const now = { camera: store.state.camera, time: layer?.time };
@@ -3765,7 +3744,7 @@ function PresetsPanel(props) {
   };
   const take2 = (look, composite) => {
     store.change(chosen(store.state, ui.layer, look, composite));
-    ui.announce(TEXT11.chosen(look.name));
+    ui.announce(TEXT12.chosen(look.name));
   };
   const choose = async (name) => {
     try {
@@ -3775,21 +3754,21 @@ function PresetsPanel(props) {
     }
   };
   const tiles = [
-    { name: "auto", description: TEXT11.auto, fits: true },
+    { name: "auto", description: TEXT12.auto, fits: true },
     ...welcome.presets.map(({ name, description, layers }) => ({ name, description, fits: layers.includes(ui.layer) }))
   ];
   const found = matching(tiles, search);
   const fitting = found.filter(({ fits }) => fits);
   const rest = found.filter(({ fits }) => !fits);
   const ownTiles = matching(
-    own.map(({ name, look, picture }) => ({ name, description: look.description || TEXT11.ownPreset, picture })),
+    own.map(({ name, look, picture }) => ({ name, description: look.description || TEXT12.ownPreset, picture })),
     search
   );
   const grid = { selected: layer.look.name, pictures, onChoose: (name) => void choose(name) };
   return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
     /* @__PURE__ */ a3(LayerChoice, { ...props }),
     /* @__PURE__ */ a3("label", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { children: TEXT11.search }),
+      /* @__PURE__ */ a3("span", { children: TEXT12.search }),
       /* @__PURE__ */ a3(
         "input",
         {
@@ -3801,12 +3780,12 @@ function PresetsPanel(props) {
       )
     ] }),
     ownTiles.length > 0 && /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3("h3", { children: TEXT11.own }),
+      /* @__PURE__ */ a3("h3", { children: TEXT12.own }),
       /* @__PURE__ */ a3(
         PresetTiles,
         {
           ...grid,
-          label: TEXT11.own,
+          label: TEXT12.own,
           tiles: ownTiles,
           onChoose: (name) => {
             const preset = own.find((one) => one.name === name);
@@ -3815,7 +3794,7 @@ function PresetsPanel(props) {
         }
       )
     ] }),
-    fitting.length > 0 && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT11.fitting, tiles: fitting }),
+    fitting.length > 0 && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT12.fitting, tiles: fitting }),
     rest.length > 0 && /* @__PURE__ */ a3(
       "details",
       {
@@ -3823,16 +3802,16 @@ function PresetsPanel(props) {
         open: showsAll || search !== "",
         onToggle: (event) => search === "" && setShowsAll(event.currentTarget.open),
         children: [
-          /* @__PURE__ */ a3("summary", { children: TEXT11.all(rest.length) }),
-          (showsAll || search !== "") && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT11.all(rest.length), tiles: rest })
+          /* @__PURE__ */ a3("summary", { children: TEXT12.all(rest.length) }),
+          (showsAll || search !== "") && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT12.all(rest.length), tiles: rest })
         ]
       }
     ),
-    found.length + ownTiles.length === 0 && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT11.none }),
-    store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a3("p", { class: "look-small", children: TEXT11.alone }),
+    found.length + ownTiles.length === 0 && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT12.none }),
+    store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a3("p", { class: "look-small", children: TEXT12.alone }),
     isOld && /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT11.old }),
-      /* @__PURE__ */ a3(Button, { onClick: drawAnew, children: TEXT11.redraw })
+      /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT12.old }),
+      /* @__PURE__ */ a3(Button, { onClick: drawAnew, children: TEXT12.redraw })
     ] }),
     /* @__PURE__ */ a3(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take2 })
   ] });
@@ -3857,7 +3836,7 @@ function waitFor(now, last, perSecond) {
 }
 
 // src/view/look/time_bar.tsx
-var TEXT12 = {
+var TEXT13 = {
   title: "Time",
   of: (time, count) => `${time + 1} of ${count}`,
   before: "Time before",
@@ -3871,10 +3850,10 @@ var TEXT12 = {
 var MOST_RATE = 60;
 var GESTURE = "time";
 function TimeBar({ store, ui, welcome }) {
-  const { layers } = store.state;
   const count = Math.max(1, ...welcome.volumes.map((volume) => volume.n_times));
   const series = welcome.volumes.flatMap((volume, index) => volume.n_times > 1 ? [index] : []);
-  const time = Math.max(0, ...series.map((index) => layers[index]?.time ?? 0));
+  const timeNow = () => Math.max(0, ...series.map((index) => store.state.layers[index]?.time ?? 0));
+  const time = timeNow();
   const [isPlaying, setPlaying] = d2(false);
   const [rate, setRate] = d2(10);
   const [repeats, setRepeats] = d2(true);
@@ -3887,7 +3866,7 @@ function TimeBar({ store, ui, welcome }) {
     last.current = { at: performance.now(), seq: store.seq };
   };
   const step = (by) => {
-    go((time + by + count) % count);
+    go((timeNow() + by + count) % count);
     store.settle();
   };
   const stop = () => {
@@ -3916,16 +3895,16 @@ function TimeBar({ store, ui, welcome }) {
     return () => clearTimeout(timer);
   }, [isPlaying, isShown, time, rate, repeats]);
   if (count < 2) return null;
-  return /* @__PURE__ */ a3("div", { class: "look-time", role: "group", "aria-label": TEXT12.title, children: [
-    /* @__PURE__ */ a3(Button, { label: TEXT12.before, onClick: () => step(-1), children: "‹" }),
-    /* @__PURE__ */ a3(Button, { pressed: isPlaying, onClick: toggle, children: isPlaying ? TEXT12.pause : TEXT12.play }),
-    /* @__PURE__ */ a3(Button, { label: TEXT12.next, onClick: () => step(1), children: "›" }),
+  return /* @__PURE__ */ a3("div", { class: "look-time", role: "group", "aria-label": TEXT13.title, children: [
+    /* @__PURE__ */ a3(Button, { label: TEXT13.before, onClick: () => step(-1), children: "‹" }),
+    /* @__PURE__ */ a3(Button, { pressed: isPlaying, onClick: toggle, children: isPlaying ? TEXT13.pause : TEXT13.play }),
+    /* @__PURE__ */ a3(Button, { label: TEXT13.next, onClick: () => step(1), children: "›" }),
     /* @__PURE__ */ a3(
       "input",
       {
         type: "range",
-        "aria-label": TEXT12.title,
-        "aria-valuetext": TEXT12.of(time, count),
+        "aria-label": TEXT13.title,
+        "aria-valuetext": TEXT13.of(time, count),
         min: 0,
         max: count - 1,
         step: 1,
@@ -3937,12 +3916,12 @@ function TimeBar({ store, ui, welcome }) {
         onChange: () => store.settle()
       }
     ),
-    /* @__PURE__ */ a3("output", { class: "look-count", children: TEXT12.of(time, count) }),
+    /* @__PURE__ */ a3("output", { class: "look-count", children: TEXT13.of(time, count) }),
     /* @__PURE__ */ a3("label", { class: "row", children: [
       /* @__PURE__ */ a3(
         NumberField,
         {
-          label: TEXT12.rate,
+          label: TEXT13.rate,
           min: 0.2,
           max: MOST_RATE,
           step: 1,
@@ -3952,20 +3931,20 @@ function TimeBar({ store, ui, welcome }) {
           }
         }
       ),
-      /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: TEXT12.perSecond })
+      /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: TEXT13.perSecond })
     ] }),
-    /* @__PURE__ */ a3(CheckField, { label: TEXT12.repeat, checked: repeats, onCheck: setRepeats })
+    /* @__PURE__ */ a3(CheckField, { label: TEXT13.repeat, checked: repeats, onCheck: setRepeats })
   ] });
 }
 
 // src/view/look/window_drag.ts
-var TEXT13 = { table: "The function of this layer is a table; it has no window" };
+var TEXT14 = { table: "The function of this layer is a table; it has no window" };
 function windowDrag({ store, ui, welcome }, dx, dy) {
   const layer = store.state.layers[ui.layer];
   const range = welcome.volumes[ui.layer]?.robust_range;
   if (layer === void 0 || range === void 0 || dx === 0 && dy === 0) return;
   if (!isEditable(layer.look.transfer_function)) {
-    ui.announce(TEXT13.table);
+    ui.announce(TEXT14.table);
     return;
   }
   const { transfer_function } = windowed(layer.look, dx, dy, range);
@@ -3973,7 +3952,7 @@ function windowDrag({ store, ui, welcome }, dx, dy) {
 }
 
 // src/view/look/look.css
-var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised) }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 76px }\n';
+var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised); color: var(--dim); font-size: 12px; padding: 36px 0; text-align: center }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 76px }\n';
 
 // src/view/descriptions.ts
 var SIDES = [

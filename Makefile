@@ -25,7 +25,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench bench-layers scene-hashes roofline instructions gallery golden pictures \
-	clean fuzz fixtures wasm-check \
+	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -37,7 +37,7 @@ demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
 
 test: rust-test python-test ## set up and pass all tests
 
-check: rust-lint docs python-lint stubs spelling licences test readme ## all that CI asks for
+check: rust-lint docs python-lint stubs spelling licences test readme web-check browser-test ## all that CI asks for
 
 fmt: $(STAMPS)/tools ## format Rust and Python
 	cargo fmt --all
@@ -96,6 +96,25 @@ wasm-check: ## compile for browsers, without threads; needs rustup's target, whi
 	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
 		{ echo "wasm-check is left out: the standard library of $(WASM) is not there and cannot be fetched"; exit 0; }; \
 	cargo check --locked --target $(WASM) -p wavesplat --no-default-features
+
+web: web/node_modules ## check, test and build the viewer's page; needs Node 20
+	cd web && npm run --silent types && npm test --silent && npm run --silent build
+
+web-check: ## the same, and whether what is committed is what is built; left out without Node
+	@command -v npm >/dev/null || { echo "web-check is left out: there is no Node"; exit 0; }; \
+		$(MAKE) --no-print-directory web/node_modules && cd web && npm run --silent types && npm test --silent && \
+		node build.mjs --size && node build.mjs --check
+
+browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and in JupyterLab; left out without Node or Chromium
+	@{ command -v npm && command -v chromium; } >/dev/null || \
+		{ echo "browser-test is left out: there is no Node, or no Chromium"; exit 0; }; \
+		$(MAKE) --no-print-directory web/node_modules $(STAMPS)/lab && cd web && npm run --silent browser
+
+bench-viewer: $(STAMPS)/tools web/node_modules ## drag in Chromium before a server: frames, latency, errors; BENCH_VIEWER="--record" keeps it
+	python benches/viewer.py $(BENCH_VIEWER)
+
+viewer-pictures: $(STAMPS)/tools web/node_modules ## photograph the viewer: dark, light, narrow, magnified
+	cd web && node browser/photographs.mjs ../docs/pictures
 
 fuzz: ## feed damaged volumes to all that reads them, FUZZ_SECONDS for each target (60)
 	FUZZ_SECONDS=$(FUZZ_SECONDS) fuzz/run.sh
@@ -178,6 +197,15 @@ $(STAMPS)/package: $(NATIVE_SOURCES) $(STAMPS)/venv
 
 $(STAMPS)/tools: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras dev
+	@touch $@
+
+# A notebook in which the widget is tried.
+$(STAMPS)/lab: pyproject.toml | $(STAMPS)/tools
+	$(BIN)/pip install --quiet "jupyterlab>=4.4"
+	@touch $@
+
+web/node_modules: web/package-lock.json
+	cd web && npm ci --silent --no-audit --no-fund
 	@touch $@
 
 # VTK is what the renderer is measured against.

@@ -1,5 +1,6 @@
 // Bundles the viewer into the Python package: readable, not minified, the same bytes wherever it is built.
-// `node build.mjs --size` prints how large it is minified and compressed, and fails beyond the limits.
+// `node build.mjs --size` prints how large it is minified, and fails beyond the limit; `--check` fails if what is committed
+// is not what is built.
 import { build, transform } from "esbuild";
 import { gzipSync } from "node:zlib";
 import { readFile, writeFile } from "node:fs/promises";
@@ -39,6 +40,11 @@ if (process.argv.includes("--size")) {
   console.log(`viewer.js: ${text.length} bytes, ${small.length} minified, ${compressed} compressed`);
   if (small.length > MOST_MINIFIED) {
     console.error(`too large: at most ${MOST_MINIFIED} minified`);
+    process.exit(1);
+  }
+} else if (process.argv.includes("--check")) {
+  if ((await readFile(OUT, "utf8")) !== text) {
+    console.error("python/wavesplat/_viewer/client/viewer.js is not what web/ builds; run make web, and commit it");
     process.exit(1);
   }
 } else {

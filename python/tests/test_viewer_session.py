@@ -296,18 +296,18 @@ def test_a_thousand_frames_need_no_more_memory(session):
 def test_the_pace_goes_down_at_once_and_up_when_there_is_time():
     pace, rungs = Pace(), rungs_of("smooth", is_slice=False)
     took = lambda ms: pace.took("look", rungs, pace.chosen("look", rungs), ms=ms, n_px=1000, budget_ms=28.0)  # noqa: E731
-    assert pace.chosen("look", rungs) == Settings(35.0)
-    took(40.0)
     assert pace.chosen("look", rungs) == Settings(30.0)
-    took(80.0)
+    took(40.0)
     assert pace.chosen("look", rungs) == Settings(30.0, 0.75)
+    took(80.0)
+    assert pace.chosen("look", rungs) == Settings(30.0, 0.5)
     for _ in range(4):
         took(10.0)
-    assert pace.chosen("look", rungs) == Settings(30.0, 0.75)
+    assert pace.chosen("look", rungs) == Settings(30.0, 0.5)
     for _ in range(200):
         took(10.0)
     assert pace.chosen("look", rungs) == Settings(None)
-    assert pace.chosen("another look", rungs) == Settings(35.0)
+    assert pace.chosen("another look", rungs) == Settings(30.0)
 
 
 def test_exact_never_draws_less_than_at_rest():

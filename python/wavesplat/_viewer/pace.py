@@ -2,7 +2,8 @@
 
 Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer
 pixels. Frames that take longer than the budget move to cheaper ones at once; five that take less than 70 % of it move
-back, where what was measured there fits. What is learnt is kept for each look.
+back, where what was measured there fits. What is learnt is kept for each look; a new one begins with the cheapest
+settings that have all pixels, since frames that take too long are seen at once.
 """
 
 from __future__ import annotations
@@ -38,8 +39,7 @@ RUNGS = {
 }
 #: Slices have no wanted PSNR.
 SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
-#: Where a look begins that was never drawn, in dB; and after how many quick frames better ones are tried.
-FIRST_PSNR = 30.0
+#: After how many frames that took less than this share of the budget better ones are tried.
 QUICK_FRAMES, QUICK_SHARE = 5, 0.7
 #: Looks that are remembered; and how fast a measured time is forgotten, so that it is tried again.
 MOST_LOOKS, FORGOTTEN = 64, 0.97
@@ -106,6 +106,6 @@ class Pace:
         if learnt is None:
             if len(self._looks) >= MOST_LOOKS:
                 self._looks.pop(next(iter(self._looks)))
-            first = next((n for n, one in enumerate(rungs) if one.psnr == FIRST_PSNR), 0)
-            learnt = self._looks[look] = _Learnt(first)
+            whole = [n for n, one in enumerate(rungs) if one.scale == 1 and one.psnr is not None]
+            learnt = self._looks[look] = _Learnt(whole[-1] if whole else 0)
         return learnt

@@ -337,7 +337,7 @@ function added(listeners, listener) {
   return () => listeners.delete(listener);
 }
 
-// ../../../main/web/node_modules/preact/dist/preact.mjs
+// node_modules/preact/dist/preact.mjs
 var n;
 var t;
 var r;
@@ -834,7 +834,7 @@ function ray(camera, size, x2, y3) {
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-// ../../../main/web/node_modules/preact/hooks/dist/hooks.mjs
+// node_modules/preact/hooks/dist/hooks.mjs
 var t2;
 var r2;
 var u2;
@@ -1183,7 +1183,7 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// ../../../main/web/node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
+// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var f3 = /* @__PURE__ */ Symbol.for("pv");
 var o3 = 0;
 function a3(t3, e3, n2, u3, a4, i3) {

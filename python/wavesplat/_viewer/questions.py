@@ -6,6 +6,7 @@ Names, arguments and answers are `Questions` in `web/src/engine/engine.ts`.
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable, Mapping
 from math import isfinite
 from typing import Any, TypeAlias
@@ -23,7 +24,7 @@ from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.state import ViewerState
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, WavesplatWarning
 
 __all__ = ["answer", "state_from_text"]
 
@@ -223,7 +224,10 @@ def _fields_of_preset(state: ViewerState, layer: int, name: str) -> dict[str, An
 
 def _chosen(state: ViewerState, layer: int, name: str) -> Look:
     volume = state.scene.layers[layer].looked_at
-    return Look.auto(volume) if name.lower() == "auto" else presets.preset(name, volume)
+    with warnings.catch_warnings():
+        # Whether a preset fits is told with its name.
+        warnings.simplefilter("ignore", WavesplatWarning)
+        return Look.auto(volume) if name.lower() == "auto" else presets.preset(name, volume)
 
 
 def _preset_picture(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:

@@ -38,10 +38,10 @@ export function Toolbar(props: PartProps & { readonly onHelp: () => void; readon
     box.querySelector<HTMLElement>(`[data-tool="${next}"]`)?.focus();
   };
   return (
-    <div class="toolbar" role="toolbar" aria-label="Viewer">
-      <span class="title" title={store.state.layers.map(({ name }) => name).join(", ")}>
+    <header class="toolbar">
+      <h1 class="title" title={store.state.layers.map(({ name }) => name).join(", ")}>
         {store.state.layers.map(({ name }) => name).join(", ")}
-      </span>
+      </h1>
       <label>
         <span class="hidden">Layout</span>
         <select
@@ -71,7 +71,7 @@ export function Toolbar(props: PartProps & { readonly onHelp: () => void; readon
             key={view}
             class="icon-button"
             title={`From the ${view} (${n + 1})`}
-            aria-label={`From the ${view}`}
+            aria-label={`${letterOf(view, welcome.axis_ends)}, from the ${view}`}
             onClick={() => {
               const camera = welcome.standard_views[view];
               if (camera !== undefined) showFrom(props, camera);
@@ -114,7 +114,7 @@ export function Toolbar(props: PartProps & { readonly onHelp: () => void; readon
       </button>
       <button class="icon-button" title="Keys and gestures (?)" aria-label="Keys and gestures" onClick={onHelp}><Icon name="help" /></button>
       <button class="icon-button" title="Panels" aria-label="Panels" aria-pressed={props.panels} onClick={props.onPanels}><Icon name="panels" /></button>
-    </div>
+    </header>
   );
 }
 

@@ -48,7 +48,7 @@ export function Cube(props: PartProps & { readonly camera: Camera; readonly widt
             data-handle
             role="button"
             tabIndex={-1}
-            aria-label={`From the ${view}`}
+            aria-label={`${name}, from the ${view}`}
             onClick={go}
             onPointerDown={(event) => event.stopPropagation()}
             style={{ cursor: "pointer" }}

@@ -1,0 +1,71 @@
+"""Cameras and what is done to them: `web/schema/cameras.json`, to which the functions of the viewer's page are held.
+
+The page turns about the up direction of the picture, `Camera.turned` about +z: these are one where up is +z.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import wavesplat as ws
+
+PATH = Path(__file__).resolve().parents[2] / "web" / "schema" / "cameras.json"
+#: At right angles to the line of sight, as the page's cameras have it after the first turn.
+UP = tuple(np.cross(np.cross((27, -76, 40), (0.2, 0.1, 1)), (27, -76, 40)).tolist())
+CAMERAS = (
+    ws.Camera((0, 100, 0), (0, 0, 0), (0, 0, 1), parallel_scale=50),
+    ws.Camera((30, -80, 45), (3, -4, 5), UP, parallel_scale=12.5),
+    ws.Camera((30, -80, 45), (3, -4, 5), UP, view_angle=28),
+)
+
+
+def fixtures() -> list[dict[str, Any]]:
+    """What the file holds."""
+    return [_fixture(camera) for camera in CAMERAS]
+
+
+def text() -> str:
+    """The text of the file."""
+    return json.dumps(fixtures(), indent=1) + "\n"
+
+
+def _fixture(camera: ws.Camera) -> dict[str, Any]:
+    # A pixel is a degree where the view has a height of 180 pixels.
+    steps = [{"what": "turned", "numbers": [dx, 0], "camera": camera.turned(azimuth=-dx).as_json()} for dx in (10, -35)]
+    steps += [
+        {"what": "turned", "numbers": [0, dy], "camera": camera.turned(elevation=dy).as_json()} for dy in (12, -7)
+    ]
+    steps += [
+        {"what": "rolled", "numbers": [angle], "camera": camera.turned(roll=angle).as_json()} for angle in (15, -40)
+    ]
+    if camera.view_angle is None:
+        steps.append({"what": "zoomed", "numbers": [1.5], "camera": camera.zoomed(1.5).as_json()})
+    points = [[1, 2, 3], [-7, 5, 11], [3, -4, 5]]
+    return {
+        "camera": camera.as_json(),
+        "steps": steps,
+        "points": [{"size": [320, 200], "point": point, "place": _place(camera, point, 320, 200)} for point in points],
+    }
+
+
+def _place(camera: ws.Camera, point: list[float], width: int, height: int) -> list[float]:
+    """Where a point is in the picture: pixels from the top left corner."""
+    back = np.subtract(camera.position, camera.focal_point)
+    back = back / np.linalg.norm(back)
+    right = np.cross(camera.view_up, back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    away = np.subtract(point, camera.position)
+    if camera.view_angle is None:
+        pixel = 2 * camera.parallel_scale / height
+    else:
+        pixel = 2 * -(away @ back) * np.tan(np.radians(camera.view_angle) / 2) / height
+    return [float(width / 2 + away @ right / pixel), float(height / 2 - away @ up / pixel)]
+
+
+if __name__ == "__main__":
+    PATH.write_text(text(), encoding="utf-8")

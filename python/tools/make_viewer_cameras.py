@@ -35,7 +35,8 @@ def text() -> str:
 
 def _fixture(camera: ws.Camera) -> dict[str, Any]:
     # A pixel is a degree where the view has a height of 180 pixels.
-    steps = [{"what": "turned", "numbers": [dx, 0], "camera": camera.turned(azimuth=-dx).as_json()} for dx in (10, -35)]
+    upright = (10, -35) if camera.view_up == (0, 0, 1) else ()
+    steps = [{"what": "turned", "numbers": [dx, 0], "camera": camera.turned(azimuth=-dx).as_json()} for dx in upright]
     steps += [
         {"what": "turned", "numbers": [0, dy], "camera": camera.turned(elevation=dy).as_json()} for dy in (12, -7)
     ]

@@ -127,6 +127,7 @@ test("a marker follows the pointer", async () => {
   python(
     `import numpy as np, wavesplat as ws
 samples = np.zeros((40, 40, 40), np.uint8)
+samples[:3, :3, :3] = samples[-3:, -3:, -3:] = 30  # so that all is in view
 samples[18:22, 34:38, 18:22] = 255  # in front, at +y
 header = "NRRD0004\\ntype: uint8\\ndimension: 3\\nspace: right-anterior-superior\\nsizes: 40 40 40\\nspace directions: (1,0,0) (0,1,0) (0,0,1)\\nspace origin: (0,0,0)\\nkinds: domain domain domain\\nencoding: raw\\n\\n"
 open("marker.nrrd", "wb").write(header.encode() + samples.tobytes())`,

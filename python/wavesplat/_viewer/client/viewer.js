@@ -5398,24 +5398,24 @@ var COARSE2 = 10;
 var PROBE_MS = 40;
 function SlicePane(props) {
   const { pane, store, ui, welcome } = props;
-  const frame = ui.frames[pane];
+  const frame = () => ui.frames[pane];
   const slices = () => store.state.view.slices;
   const step = () => sampleStep(welcome.volumes[0]?.affine ?? [], normalOf(store.state, pane));
   const scroll = (n2, gesture) => {
-    const range = frame?.slice?.range;
+    const range = frame()?.slice?.range;
     if (range === void 0) return;
     store.change([set(stepped(store.state, pane, n2 * step(), range), "view", "slices", "crosshair")], gesture);
   };
   const window2 = (dx, dy, size) => {
     const volume = welcome.volumes[0];
-    const now = slices().window ?? frame?.slice?.window;
+    const now = slices().window ?? frame()?.slice?.window;
     if (volume === void 0 || !now) return;
     const span = volume.robust_range[1] - volume.robust_range[0] || 1;
     const width = Math.max(now[1] + dx / size.width * span, span * 1e-4);
     store.change([set([now[0] - dy / size.height * span, width], "view", "slices", "window")], "window");
   };
   const moveTo = (x2, y3, size, gesture) => {
-    const on = sliceFrame(frame, size);
+    const on = sliceFrame(frame(), size);
     if (on !== null) store.change([set(worldAt(on, x2, y3), "view", "slices", "crosshair")], gesture);
   };
   const zoom = (factor) => {
@@ -5424,7 +5424,7 @@ function SlicePane(props) {
   };
   const onGesture = (gesture, size) => {
     if (gesture.kind === "tap") {
-      const on = sliceFrame(frame, size);
+      const on = sliceFrame(frame(), size);
       if ((ui.tool === "distance" || ui.tool === "angle") && on !== null) ui.addPoint(worldAt(on, gesture.x, gesture.y));
       else if (gesture.double && slices().window !== void 0) store.change([{ op: "remove", path: "/view/slices/window" }]);
       else moveTo(gesture.x, gesture.y, size);
@@ -5439,7 +5439,7 @@ function SlicePane(props) {
     else if (gesture.what === "main" || gesture.what === "pan") moveTo(gesture.x, gesture.y, size, "crosshair");
   };
   const onAction = (action, shift, size) => {
-    const on = sliceFrame(frame, size);
+    const on = sliceFrame(frame(), size);
     const nudge = (right, down) => {
       if (on === null) return true;
       const { geometry } = on;
@@ -5475,7 +5475,7 @@ function SlicePane(props) {
         return false;
     }
   };
-  const position = frame?.slice === void 0 ? "" : shortNumber(frame.slice.position, 4);
+  const position = frame()?.slice === void 0 ? "" : shortNumber(frame.slice.position, 4);
   return /* @__PURE__ */ a3(
     Viewport,
     {
@@ -5489,7 +5489,7 @@ function SlicePane(props) {
         else scroll(-steps, "wheel slice");
         settleSoon(store);
       },
-      onHover: (place, size) => probe(props, place === null ? null : sliceFrame(frame, size), place),
+      onHover: (place, size) => probe(props, place === null ? null : sliceFrame(frame(), size), place),
       children: (shown, size) => /* @__PURE__ */ a3(SliceOverlay, { ...props, frame: shown, size })
     }
   );

@@ -26,24 +26,25 @@ const PROBE_MS = 40;
 
 export function SlicePane(props: PartProps & { readonly pane: Pane }) {
   const { pane, store, ui, welcome } = props;
-  const frame = ui.frames[pane];
+  // The newest, whenever something is done: it may have come since this was drawn.
+  const frame = (): Frame | undefined => ui.frames[pane];
   const slices = () => store.state.view.slices;
   const step = (): number => sampleStep(welcome.volumes[0]?.affine ?? [], normalOf(store.state, pane));
   const scroll = (n: number, gesture: string): void => {
-    const range = frame?.slice?.range;
+    const range = frame()?.slice?.range;
     if (range === undefined) return;
     store.change([set(stepped(store.state, pane, n * step(), range), "view", "slices", "crosshair")], gesture);
   };
   const window = (dx: number, dy: number, size: CssSize): void => {
     const volume = welcome.volumes[0];
-    const now = slices().window ?? frame?.slice?.window;
+    const now = slices().window ?? frame()?.slice?.window;
     if (volume === undefined || !now) return;
     const span = volume.robust_range[1] - volume.robust_range[0] || 1;
     const width = Math.max(now[1] + (dx / size.width) * span, span * 1e-4);
     store.change([set([now[0] - (dy / size.height) * span, width], "view", "slices", "window")], "window");
   };
   const moveTo = (x: number, y: number, size: CssSize, gesture?: string): void => {
-    const on = sliceFrame(frame, size);
+    const on = sliceFrame(frame(), size);
     if (on !== null) store.change([set(worldAt(on, x, y), "view", "slices", "crosshair")], gesture);
   };
   const zoom = (factor: number): void => {
@@ -53,7 +54,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
 
   const onGesture = (gesture: Gesture, size: CssSize): void => {
     if (gesture.kind === "tap") {
-      const on = sliceFrame(frame, size);
+      const on = sliceFrame(frame(), size);
       if ((ui.tool === "distance" || ui.tool === "angle") && on !== null) ui.addPoint(worldAt(on, gesture.x, gesture.y));
       else if (gesture.double && slices().window !== undefined) store.change([{ op: "remove", path: "/view/slices/window" }]);
       else moveTo(gesture.x, gesture.y, size);
@@ -69,7 +70,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
   };
 
   const onAction = (action: Action, shift: boolean, size: CssSize): boolean => {
-    const on = sliceFrame(frame, size);
+    const on = sliceFrame(frame(), size);
     const nudge = (right: number, down: number): boolean => {
       if (on === null) return true;
       const { geometry } = on;
@@ -93,7 +94,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     }
   };
 
-  const position = frame?.slice === undefined ? "" : shortNumber(frame.slice.position, 4);
+  const position = frame()?.slice === undefined ? "" : shortNumber(frame.slice.position, 4);
   return (
     <Viewport
       {...props}
@@ -106,7 +107,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
         else scroll(-steps, "wheel slice");
         settleSoon(store);
       }}
-      onHover={(place, size) => probe(props, place === null ? null : sliceFrame(frame, size), place)}
+      onHover={(place, size) => probe(props, place === null ? null : sliceFrame(frame(), size), place)}
     >
       {(shown, size) => <SliceOverlay {...props} frame={shown} size={size} />}
     </Viewport>

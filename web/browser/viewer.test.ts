@@ -31,6 +31,8 @@ afterAll(async () => {
 });
 
 beforeEach(async () => {
+  // Browsers draw pages behind others once a second.
+  await page.bringToFront();
   await change(page, { op: "replace", path: "", value: first });
   await atRest(page);
 });
@@ -258,10 +260,10 @@ describe("each control does what it says", () => {
     await page.keyboard.down("Alt");
     await drag(page, 40, 0, { view: "axial" });
     await page.keyboard.up("Alt");
-    expect((await state(page)).view.slices.window).toBeDefined();
+    await expect.poll(async () => (await state(page)).view.slices.window).toBeDefined();
     await page.getByRole("slider", { name: "Tilt the coronal plane" }).first().focus();
     await page.keyboard.press("PageUp");
-    expect((await state(page)).view.slices.normals?.coronal).toBeDefined();
+    await expect.poll(async () => (await state(page)).view.slices.normals?.coronal).toBeDefined();
     await page.getByRole("radio", { name: "Measure a distance" }).click();
     await page.mouse.click(x - 40, y + 30);
     await page.mouse.click(x + 40, y + 30);

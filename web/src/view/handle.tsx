@@ -68,7 +68,7 @@ export function Handle(props: HandleProps) {
     <g
       data-handle
       role="slider"
-      tabIndex={0}
+      tabindex={0}
       aria-label={label}
       aria-valuenow={Number(value.toFixed(3))}
       aria-valuemin={Number(range[0].toFixed(3))}

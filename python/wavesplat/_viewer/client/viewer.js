@@ -4030,7 +4030,7 @@ function Handle2(props) {
     {
       "data-handle": true,
       role: "slider",
-      tabIndex: 0,
+      tabindex: 0,
       "aria-label": label,
       "aria-valuenow": Number(value.toFixed(3)),
       "aria-valuemin": Number(range[0].toFixed(3)),
@@ -4401,7 +4401,7 @@ function Cube(props) {
       {
         "data-handle": true,
         role: "button",
-        tabIndex: -1,
+        tabindex: -1,
         "aria-label": `${name}, from the ${view}`,
         onClick: go,
         onPointerDown: (event) => event.stopPropagation(),
@@ -5475,7 +5475,8 @@ function SlicePane(props) {
         return false;
     }
   };
-  const position = frame()?.slice === void 0 ? "" : shortNumber(frame.slice.position, 4);
+  const cutAt = frame()?.slice;
+  const position = cutAt === void 0 ? "" : shortNumber(cutAt.position, 4);
   return /* @__PURE__ */ a3(
     Viewport,
     {

@@ -47,7 +47,7 @@ export function Cube(props: PartProps & { readonly camera: Camera; readonly widt
             key={view}
             data-handle
             role="button"
-            tabIndex={-1}
+            tabindex={-1}
             aria-label={`${name}, from the ${view}`}
             onClick={go}
             onPointerDown={(event) => event.stopPropagation()}

@@ -94,7 +94,8 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     }
   };
 
-  const position = frame()?.slice === undefined ? "" : shortNumber(frame.slice.position, 4);
+  const cutAt = frame()?.slice;
+  const position = cutAt === undefined ? "" : shortNumber(cutAt.position, 4);
   return (
     <Viewport
       {...props}

@@ -32,6 +32,8 @@ __all__ = ["view"]
 
 #: Of the window in which the first view must fit.
 FIRST_SIZE = (1024, 768)
+#: Seconds in which a page must come to be told why there is nothing to see.
+TELLING_S = 5.0
 EXAMPLES = ("ct_pelvis", "mri_head", "ripples")
 
 
@@ -117,8 +119,9 @@ def view(
             )
         except WavesplatError as error:
             server.fail(str(error))
-            # So that the page gets it.
-            threading.Event().wait(0.3)
+            # So that the page gets it, which may not be there yet.
+            if server.has_told.wait(TELLING_S if browser else 0):
+                threading.Event().wait(0.3)
             raise
         _serve(server, first)
     except KeyboardInterrupt:

@@ -12,6 +12,11 @@ export function render({ model, el }: { readonly model: WidgetModel; readonly el
   const page = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16)).join("");
   const box = document.createElement("div");
   box.style.cssText = `display:block;height:${HEIGHT_PX}px;resize:vertical;overflow:hidden`;
+  // Keys are the viewer's while it has the focus: JupyterLab asks this attribute, others see none of them.
+  box.dataset["lmSuppressShortcuts"] = "true";
+  box.addEventListener("keydown", (event) => {
+    if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
+  });
   el.append(box);
   const engine = remoteEngine(commChannel(model, page), { hello: () => ({}), repeatHelloMs: REPEAT_MS });
   const close = mountApp(box, engine, { kind: "widget" });

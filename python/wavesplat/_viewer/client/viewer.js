@@ -6380,6 +6380,10 @@ function render({ model, el }) {
   const page = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16)).join("");
   const box = document.createElement("div");
   box.style.cssText = `display:block;height:${HEIGHT_PX2}px;resize:vertical;overflow:hidden`;
+  box.dataset["lmSuppressShortcuts"] = "true";
+  box.addEventListener("keydown", (event) => {
+    if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
+  });
   el.append(box);
   const engine = remoteEngine(commChannel(model, page), { hello: () => ({}), repeatHelloMs: REPEAT_MS });
   const close = mountApp(box, engine, { kind: "widget" });

@@ -15,8 +15,8 @@ const options = {
   target: "es2022",
   charset: "utf8",
   loader: { ".css": "text" },
-  jsx: "automatic",
-  jsxImportSource: "preact",
+  tsconfigRaw: { compilerOptions: { jsx: "react", jsxFactory: "h", jsxFragmentFactory: "Fragment", target: "ES2022" } },
+  inject: [new URL("src/jsx.ts", import.meta.url).pathname],
   legalComments: "inline",
   write: false,
 };

@@ -319,10 +319,10 @@ def test_exact_never_draws_less_than_at_rest():
 
 def test_a_rung_that_was_too_slow_is_not_tried_again_at_once():
     pace, rungs = Pace(), rungs_of("balanced", is_slice=False)
-    costs = {Settings(None): 100.0, Settings(45.0): 90.0, Settings(40.0): 70.0, Settings(35.0): 20.0}
+    costs = dict(zip(rungs, (100.0, 95.0, 90.0, 70.0, 20.0), strict=True))
     chosen = []
     for _ in range(60):
         settings = pace.chosen("look", rungs)
         chosen.append(settings)
         pace.took("look", rungs, settings, ms=costs[settings], n_px=1000, budget_ms=60.0)
-    assert chosen.count(Settings(35.0)) > 50
+    assert chosen.count(Settings(36.0)) > 45

@@ -1,7 +1,7 @@
 """How well frames are drawn while something moves, so that they come in time.
 
 Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer
-pixels. Frames that take longer than the budget move to cheaper ones at once; five that take less than 70 % of it move
+pixels. Frames that take longer than the budget move to cheaper ones at once; five that take less than 80 % of it move
 back, where what was measured there fits. What is learnt is kept for each look; a new one begins with the cheapest
 settings that have all pixels, since frames that take too long are seen at once.
 """
@@ -28,19 +28,21 @@ RUNGS = {
     "smooth": (
         Settings(None),
         Settings(45.0),
-        Settings(40.0),
-        Settings(35.0),
+        Settings(42.0),
+        Settings(39.0),
+        Settings(36.0),
+        Settings(33.0),
         Settings(30.0),
         Settings(30.0, 0.75),
         Settings(30.0, 0.5),
     ),
-    "balanced": (Settings(None), Settings(45.0), Settings(40.0), Settings(35.0)),
+    "balanced": (Settings(None), Settings(45.0), Settings(42.0), Settings(39.0), Settings(36.0)),
     "exact": (Settings(None),),
 }
 #: Slices have no wanted PSNR.
 SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
 #: After how many frames that took less than this share of the budget better ones are tried.
-QUICK_FRAMES, QUICK_SHARE = 5, 0.7
+QUICK_FRAMES, QUICK_SHARE = 5, 0.8
 #: Looks that are remembered; and how fast a measured time is forgotten, so that it is tried again.
 MOST_LOOKS, FORGOTTEN = 64, 0.97
 

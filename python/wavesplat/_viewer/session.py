@@ -333,7 +333,8 @@ class Session:
     def _is_slow(self, view: str, pane: _Pane) -> bool:
         """Whether the picture at rest takes so long that a quick one goes before."""
         expected = self._pace.expected_ms(self._look(view), Settings(None), pane.size[0] * pane.size[1])
-        return expected is not None and expected > SLOW_MS
+        # A look that was never drawn is prepared first, and slow for once.
+        return expected is None or expected > SLOW_MS
 
     def _until_rest(self) -> float | None:
         """Seconds until a picture is at rest; None if none waits for that."""

@@ -5,6 +5,7 @@ import { render } from "preact";
 import type { Connection, Engine, Frame, Problem, Questions, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
+import { parseViewerState } from "../state/parse.ts";
 import { set } from "../state/patch.ts";
 import { PANES, type Vec3, type ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
@@ -117,7 +118,8 @@ class App {
     try {
       const { fingerprint, state } = await fromLink(this.host.link);
       if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
-      const { state: checked } = await this.engine.ask("open_state", { text: JSON.stringify(state) });
+      const text = JSON.stringify(parseViewerState(state));
+      const { state: checked } = await this.engine.ask("open_state", { text });
       this.store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {
       this.problem = problemOf(problem);

@@ -1,22 +1,293 @@
 // Built from web/ by `make web`; change that, not this.
+// node_modules/preact/dist/preact.mjs
+var n;
+var t;
+var r;
+var u;
+var i;
+var f;
+var o;
+var e;
+var l;
+var c;
+var a;
+var s;
+var h = /* @__PURE__ */ Symbol.for("pv");
+var p = {};
+var y = [];
+var v = /^m(i|n|o|s|text|space)$/;
+var w = Array.isArray;
+var d = y.slice;
+var _ = Object.assign;
+function g(n2) {
+  n2 && n2.parentNode && n2.remove();
+}
+function k(n2, t3, r3) {
+  var u3, i3, f3, o3 = {}, e3 = arguments.length;
+  for (f3 in t3) "key" == f3 ? u3 = t3[f3] : "ref" == f3 && "function" != typeof n2 ? i3 = t3[f3] : o3[f3] = t3[f3];
+  return e3 > 2 && (o3.children = e3 > 3 ? d.call(arguments, 2) : r3), m(n2, o3, u3, i3, null);
+}
+function m(r3, u3, i3, f3, o3) {
+  var e3 = { type: r3, props: u3, key: i3, ref: f3, __k: null, __: null, __b: 0, __e: null, __c: null, constructor: h, __v: o3 || ++t, __i: -1, __u: 0 };
+  return !o3 && n.vnode && n.vnode(e3), e3;
+}
+function $(n2) {
+  return n2.children;
+}
+function x(n2, t3) {
+  this.props = n2, this.context = t3, this.__g = 0;
+}
+function S(n2, t3) {
+  if (null == t3) return n2.__ && S(n2.__, n2.__i + 1);
+  for (var r3; t3 < n2.__k.length; t3++) if ((r3 = n2.__k[t3]) && r3.__e) return r3.__e;
+  return "function" != typeof n2.type || n2.props.__P ? null : S(n2);
+}
+function C(t3) {
+  var r3, u3 = t3.__v, i3 = u3.__e, f3 = [], o3 = [], e3 = t3.__P;
+  e3 && ((r3 = _({ constructor: h }, u3)).__v = u3.__v + 1, n.vnode && n.vnode(r3), z(e3, r3, u3, t3.__n, e3.namespaceURI, 32 & u3.__u ? [i3] : null, f3, i3 || S(u3), 32 & u3.__u, o3), r3.__v = u3.__v, r3.__.__k[r3.__i] = r3, E(f3, r3, o3), u3.__ = u3.__e = null, r3.__e != i3 && j(r3));
+}
+function j(n2) {
+  if ((n2 = n2.__) && n2.__c && !n2.props.__P) return n2.__e = null, n2.__k.some(function(t3) {
+    return t3 && (n2.__e = t3.__e);
+  }), j(n2);
+}
+function L(t3) {
+  (8 & t3.__g || (t3.__g |= 8, u.push(t3), f++)) && i == n.debounceRendering || ((i = n.debounceRendering) || queueMicrotask)(H);
+}
+function H() {
+  try {
+    for (var n2, t3 = 1; u.length; ) u.length > t3 && u.sort(o), n2 = u.shift(), t3 = u.length, 8 & n2.__g && C(n2);
+  } finally {
+    (f = u.length) && (i || queueMicrotask)(H);
+  }
+}
+function I(n2, t3, r3, u3, i3, f3, o3, e3, l3, c3, a3) {
+  var s3, h3, v3, w3, d3, _3, g3 = u3.__k || y, k3 = t3.length;
+  for (l3 = q(r3, t3, g3, l3, k3), s3 = 0; s3 < k3; s3++) null != (v3 = r3.__k[s3]) && (h3 = ~v3.__i && g3[v3.__i] || p, v3.__i = s3, _3 = z(n2, v3, h3, i3, f3, o3, e3, l3, c3, a3), w3 = v3.__e, (h3.ref != v3.ref || 8 & h3.__u) && (h3.ref && G(h3.ref, null, v3, h3), v3.ref && a3.push(v3.ref, v3.__c || w3, v3)), d3 = d3 || w3, 4 & v3.__u ? (l3 = A(v3, l3, n2, !h3.__v), h3.__e && (h3.__e = null)) : "function" == typeof v3.type && void 0 !== _3 ? l3 = _3 : w3 && (l3 = w3.nextSibling), v3.__u &= -21);
+  return r3.__e = d3, l3;
+}
+function q(n2, t3, r3, u3, i3) {
+  var f3, o3, e3, l3, c3, a3, s3, p3, y3, v3 = r3.length, d3 = v3, _3 = 0, g3 = 0, k3 = n2.__k = Array(i3);
+  for (f3 = 0; f3 < i3; f3++) null != (o3 = t3[f3]) && "boolean" != typeof o3 && "function" != typeof o3 ? ("object" != typeof o3 || o3.constructor === String ? o3 = k3[f3] = m(null, o3) : w(o3) ? o3 = k3[f3] = m($, { children: o3 }) : o3.constructor === h && o3.__b ? o3 = k3[f3] = m(o3.type, o3.props, o3.key, o3.ref, o3.__v) : k3[f3] = o3, l3 = f3 + _3, o3.__ = n2, o3.__b = n2.__b + 1, e3 = null, ~(c3 = o3.__i = P(o3, r3, l3, d3)) && (d3--, (e3 = r3[c3]) && (e3.__u |= 2)), e3 && e3.__v ? (o3.__u |= 16, c3 == l3 - 1 ? _3-- : c3 == l3 + 1 ? _3++ : c3 != l3 && (c3 > l3 ? _3-- : _3++, g3 = 1)) : (~c3 || (i3 > v3 ? _3-- : i3 < v3 && _3++), "function" != typeof o3.type && (o3.__u |= 4))) : k3[f3] = null;
+  if (g3) {
+    for (a3 = [], s3 = [], f3 = 0; f3 < i3; f3++) if ((o3 = k3[f3]) && 16 & o3.__u) {
+      for (_3 = 0, p3 = a3.length; _3 < p3; ) a3[y3 = _3 + p3 >> 1] < o3.__i ? _3 = y3 + 1 : p3 = y3;
+      a3[_3] = o3.__i, s3[f3] = _3 + 1;
+    }
+    for (_3 = a3.length; f3--; ) s3[f3] && (s3[f3] == _3 ? _3-- : k3[f3].__u |= 4);
+  }
+  if (d3) for (f3 = 0; f3 < v3; f3++) !(e3 = r3[f3]) || 2 & e3.__u || (e3.__e == u3 && (u3 = S(e3)), J(e3, e3));
+  return u3;
+}
+function A(n2, t3, r3, u3) {
+  var i3, f3, o3, e3;
+  if ("function" == typeof n2.type) {
+    if (n2.props.__P) return t3;
+    if (i3 = n2.__k) for (f3 = 0; f3 < i3.length; f3++) i3[f3] && (i3[f3].__ = n2, t3 = A(i3[f3], t3, r3, false));
+    return t3;
+  }
+  for (t3 && !t3.parentNode && (t3 = S(n2)) && !t3.parentNode && (t3 = null), o3 = n2.__e, e3 = t3; e3 && 8 == e3.nodeType; ) e3 = e3.nextSibling;
+  for (o3 != e3 && (!u3 && r3.moveBefore && o3.parentNode ? r3.moveBefore(o3, t3) : r3.insertBefore(o3, t3 || null)), t3 = o3; (t3 = t3 && t3.nextSibling) && 8 == t3.nodeType && !t3.data.startsWith("$s"); ) ;
+  return t3;
+}
+function P(n2, t3, r3, u3) {
+  var i3, f3 = n2.key, o3 = n2.type, e3 = t3[r3], l3 = e3 && !(2 & e3.__u);
+  if (null === e3 && null == f3 || l3 && f3 == e3.key && o3 == e3.type) return r3;
+  if (u3 > (l3 ? 1 : 0)) {
+    for (i3 = r3 - 1; i3 >= 0; i3--) if ((e3 = t3[i3]) && !(2 & e3.__u) && f3 == e3.key && o3 == e3.type) return i3;
+    for (i3 = r3 + 1; i3 < t3.length; i3++) if ((e3 = t3[i3]) && !(2 & e3.__u) && f3 == e3.key && o3 == e3.type) return i3;
+  }
+  return -1;
+}
+function T(n2, t3, r3) {
+  null == r3 && (r3 = ""), "-" == t3[0] ? n2.setProperty(t3, r3) : n2[t3] = r3;
+}
+function N(n2, t3, r3, u3, i3) {
+  var f3, o3;
+  if ("style" == t3) if ("string" == typeof r3) n2.style.cssText = r3;
+  else {
+    if ("string" == typeof u3 && (n2.style.cssText = u3 = ""), u3) for (t3 in u3) r3 && t3 in r3 || T(n2.style, t3);
+    if (r3) for (t3 in r3) u3 && r3[t3] == u3[t3] || T(n2.style, t3, r3[t3]);
+  }
+  else if ("o" == t3[0] && "n" == t3[1]) "function" != typeof r3 && (r3 = null), "function" != typeof u3 && (u3 = null), (n2.__e || (n2.__e = {}))[t3] = r3, r3 && u3 || (o3 = a[t3] || (a[t3] = V(t3)), (n2.__a || (n2.__a = {}))[t3] = c, f3 = t3 != (t3 = t3.replace(l, "$1")), (t3 = t3.slice(2))[0] < "a" && (t3 = t3.toLowerCase()), r3 ? n2.addEventListener(t3, o3, f3) : n2.removeEventListener(t3, o3, f3));
+  else {
+    if ("http://www.w3.org/2000/svg" == i3) t3 = t3.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
+    else if ("width" != t3 && "height" != t3 && "href" != t3 && "list" != t3 && "form" != t3 && "tabIndex" != t3 && "download" != t3 && "rowSpan" != t3 && "colSpan" != t3 && "role" != t3 && "popover" != t3 && t3 in n2) try {
+      return void (n2[t3] = null == r3 ? "" : r3);
+    } catch (n3) {
+    }
+    if ("function" == typeof r3) return;
+    null == r3 || false === r3 && "-" != t3[4] ? n2.removeAttribute(t3) : n2.setAttribute(t3, "popover" == t3 && 1 == r3 ? "" : r3);
+  }
+}
+function V(t3) {
+  return function(r3) {
+    var u3 = this.__e;
+    if (u3) {
+      if (u3 = u3[t3], null == r3[e]) r3[e] = c++;
+      else if (r3[e] < this.__a[t3]) return;
+      return u3(n.event ? n.event(r3) : r3);
+    }
+  };
+}
+function z(t3, r3, u3, i3, f3, o3, e3, l3, c3, a3) {
+  var s3, p3, v3, d3, k3, b, m3, M, C3, j2, L2, H2, q2, A3, O, P3, T3, N2, V2 = r3.type;
+  if (r3.constructor !== h) return null;
+  128 & u3.__u && (c3 = 32 & u3.__u, s3 = u3.__c.__z) && (r3.__u |= c3, p3 = o3 = [], 8 == s3.nodeType ? l3 = B(s3, o3) : o3.push(s3), l3 = o3[0] || l3), (s3 = n.__b) && s3(r3);
+  n: if ("function" == typeof V2) {
+    v3 = e3.length;
+    try {
+      if (M = r3.props, C3 = (s3 = V2.prototype) && s3.render, j2 = (s3 = V2.contextType) && i3[s3.__c], L2 = s3 ? j2 ? j2.props.value : s3.__ : i3, (d3 = u3.__c) ? (r3.__c = d3, 2 & d3.__g && (d3.__g |= 1)) : (C3 ? r3.__c = d3 = new V2(M, L2) : (r3.__c = d3 = new x(M, L2), d3.constructor = V2, d3.render = K), j2 && j2.sub(d3), d3.state || (d3.state = {}), d3.__n = i3, d3.__g |= 8, d3.__h = [], d3.__k = []), C3 && (d3.__s || (d3.__s = d3.state), V2.getDerivedStateFromProps && (d3.__s == d3.state && (d3.__s = _({}, d3.__s)), _(d3.__s, V2.getDerivedStateFromProps(M, d3.__s)))), k3 = d3.props, b = d3.state, d3.__v = r3, u3.__c) {
+        if (M !== k3 && C3 && !V2.getDerivedStateFromProps && d3.componentWillReceiveProps && d3.componentWillReceiveProps(M, L2), r3.__v == u3.__v && !(8 & d3.__g) || !(4 & d3.__g) && d3.shouldComponentUpdate && false === d3.shouldComponentUpdate(M, d3.__s, L2)) {
+          r3.__v != u3.__v && (d3.props = M, d3.state = d3.__s, d3.__g &= -9), r3.__e = u3.__e, r3.__k = u3.__k, r3.__k.some(function(n2) {
+            n2 && (n2.__ = r3);
+          }), y.push.apply(d3.__h, d3.__k), d3.__k = [], d3.__h.length && e3.push(d3), l3 = S(u3);
+          break n;
+        }
+        d3.componentWillUpdate && d3.componentWillUpdate(M, d3.__s, L2), C3 && d3.componentDidUpdate && d3.__h.push(function() {
+          d3.componentDidUpdate(k3, b, m3);
+        });
+      } else C3 && !V2.getDerivedStateFromProps && d3.componentWillMount && d3.componentWillMount(), C3 && d3.componentDidMount && d3.__h.push(d3.componentDidMount);
+      d3.context = L2, d3.props = M, d3.__P = t3, d3.__g &= -5, H2 = n.__r, q2 = C3 ? 25 : 0;
+      do {
+        d3.__g &= -9, H2 && H2(r3), s3 = d3.render(d3.props, d3.state = d3.__s, d3.context);
+      } while (8 & d3.__g && ++q2 < 25);
+      C3 && (y.push.apply(d3.__h, d3.__k), d3.__k = []), d3.state = d3.__s, d3.getChildContext && (i3 = _({}, i3, d3.getChildContext())), C3 && u3.__c && d3.getSnapshotBeforeUpdate && (m3 = d3.getSnapshotBeforeUpdate(k3, b)), A3 = s3 && s3.type === $ && null == s3.key ? s3.props.children : s3, M.__P && (s3 = l3, f3 = (t3 = M.__P).namespaceURI, c3 = o3 = null, u3.props && u3.props.__P != t3 && (u3.__k.some(function(n2) {
+        n2 && J(n2, n2);
+      }), u3.__k = null), l3 = u3.__k ? S(u3, 0) : null), l3 = I(t3, w(A3) ? A3 : [A3], r3, u3, i3, f3, o3, e3, l3, c3, a3), M.__P && (r3.__e = null, l3 = s3), r3.__u &= -161, p3 && p3.some(g), d3.__h.length && e3.push(d3), 1 & d3.__g && (d3.__g &= -4);
+    } catch (t4) {
+      if (e3.length = v3, r3.__v = null, c3 || o3) if (t4 && t4.then) {
+        if (r3.__u |= 128 | c3, o3) {
+          for (~(T3 = o3.indexOf(l3 || void 0)) || (T3 = o3.length); (N2 = o3[T3 - 1]) && 8 == N2.nodeType; ) T3--;
+          for (; T3 < o3.length; T3++) if (N2 = o3[T3]) if (o3[T3] = null, O) {
+            if (N2 == P3) break;
+          } else {
+            if (8 != N2.nodeType) break;
+            N2.data.startsWith("$s") && (P3 = B(O = N2));
+          }
+        }
+        if (!O) {
+          for (; l3 && 8 == l3.nodeType && l3.nextSibling; ) l3 = l3.nextSibling;
+          O = l3;
+        }
+        (s3 = B(O = r3.__c.__z || (r3.__c.__z = O))) ? (r3.__e = O, l3 = s3) : r3.__e = l3, l3 = l3 && l3.nextSibling;
+      } else o3 && o3.some(g);
+      else r3.__e = u3.__e;
+      r3.__k || (r3.__k = u3.__k || []), t4 && t4.then || D(r3), n.__e(t4, r3, u3);
+    }
+  } else l3 = r3.__e = F(u3.__e, r3, u3, i3, f3, o3, e3, c3, a3, t3);
+  return (s3 = n.diffed) && s3(r3), l3;
+}
+function B(n2, t3) {
+  if (n2 && 8 == n2.nodeType && n2.data.startsWith("$s")) for (var r3 = 1; n2 = n2.nextSibling; ) {
+    if (8 == n2.nodeType) {
+      if (n2.data.startsWith("$s")) r3++;
+      else if (n2.data.startsWith("/$s") && !--r3) return n2;
+    }
+    t3 && t3.push(n2);
+  }
+}
+function D(n2) {
+  n2 && (n2.__c && (n2.__c.__g |= 4), n2.__k && n2.__k.some(D));
+}
+function E(t3, r3, u3) {
+  for (var i3 = 0; i3 < u3.length; ) G(u3[i3++], u3[i3++], u3[i3++]);
+  n.__c && n.__c(r3, t3), t3.some(function(r4) {
+    try {
+      t3 = r4.__h, r4.__h = [], t3.some(function(n2) {
+        n2.call(r4);
+      });
+    } catch (t4) {
+      n.__e(t4, r4.__v);
+    }
+  });
+}
+function F(t3, r3, u3, i3, f3, o3, e3, l3, c3, a3) {
+  var s3, h3, y3, _3, k3, b, m3, M, $2 = u3.props || p, x2 = r3.props, C3 = r3.type;
+  if ("svg" == C3 ? f3 = "http://www.w3.org/2000/svg" : "math" == C3 ? f3 = "http://www.w3.org/1998/Math/MathML" : f3 || (f3 = "http://www.w3.org/1999/xhtml"), o3) {
+    for (s3 = 0; s3 < o3.length; s3++) if ((k3 = o3[s3]) && (C3 ? k3.localName == C3 : 3 == k3.nodeType)) {
+      t3 = k3, o3[s3] = null;
+      break;
+    }
+  }
+  if (!t3) {
+    if (M = a3.ownerDocument || document, !C3) return M.createTextNode(x2);
+    t3 = M.createElementNS(f3, C3, x2.is ? x2 : a3), l3 && (n.__m && n.__m(r3, o3), l3 = false), o3 = null;
+  }
+  if (C3) {
+    if (a3 = "template" == C3 && t3.content || t3, o3 = "textarea" == C3 && null != x2.defaultValue ? null : o3 && d.call(a3.childNodes), !l3 && o3) for ($2 = {}, s3 = 0; s3 < t3.attributes.length; s3++) $2[(k3 = t3.attributes[s3]).name] = k3.value;
+    for (s3 in $2) k3 = $2[s3], "dangerouslySetInnerHTML" == s3 ? y3 = k3 : "children" == s3 || s3 in x2 || "value" == s3 && "defaultValue" in x2 || "checked" == s3 && "defaultChecked" in x2 || N(t3, s3, null, k3, f3);
+    for (s3 in x2) k3 = x2[s3], "children" == s3 ? _3 = k3 : "dangerouslySetInnerHTML" == s3 ? h3 = k3 : "value" == s3 ? b = k3 : "checked" == s3 ? m3 = k3 : l3 && "function" != typeof k3 || $2[s3] === k3 || N(t3, s3, k3, $2[s3], f3);
+    h3 ? (l3 || y3 && (h3.__html == y3.__html || h3.__html == t3.innerHTML) || (t3.innerHTML = h3.__html), r3.__k = []) : (y3 && (t3.textContent = ""), ("foreignObject" == C3 || "http://www.w3.org/1998/Math/MathML" == f3 && v.test(C3)) && (f3 = "http://www.w3.org/1999/xhtml"), I(a3, w(_3) ? _3 : [_3], r3, u3, i3, f3, o3, e3, o3 ? o3[0] : u3.__k && S(u3, 0), l3, c3), o3 && o3.some(g)), l3 && "textarea" != C3 || (s3 = "value", "progress" == C3 && null == b ? t3.removeAttribute(s3) : null == b || b === t3[s3] && ("progress" != C3 || b) || N(t3, s3, b, $2[s3], f3), s3 = "checked", null != m3 && m3 != t3[s3] && N(t3, s3, m3, $2[s3], f3));
+  } else $2 === x2 || l3 && t3.data == x2 || (t3.data = x2);
+  return t3;
+}
+function G(t3, r3, u3, i3) {
+  try {
+    "function" == typeof t3 ? r3 ? r3.__x = t3(r3) || 1 : i3 && (i3 = i3.__c || i3.__e) && (r3 = i3.__x) && (i3.__x = null, "function" == typeof r3 ? r3() : t3(null)) : t3.current = r3;
+  } catch (t4) {
+    n.__e(t4, u3);
+  }
+}
+function J(t3, r3, u3) {
+  var i3, f3, o3, e3;
+  if (n.unmount && n.unmount(t3), !(i3 = t3.ref) || i3.current && i3.current != t3.__e || G(i3, null, r3, t3), i3 = t3.__c) {
+    if (i3.componentWillUnmount) try {
+      i3.componentWillUnmount();
+    } catch (t4) {
+      n.__e(t4, r3);
+    }
+    i3.__P = i3.__n = null;
+  }
+  if (i3 = t3.__k) for (e3 = 0; e3 < i3.length; e3++) i3[e3] && J(i3[e3], r3, "function" != typeof t3.type || u3 && !t3.props.__P);
+  !u3 && (i3 = t3.__c) && (i3 = i3.__z) && (f3 = B(i3, o3 = [])) && (i3 == t3.__e && o3.some(g), g(f3), g(i3)), u3 || g(t3.__e), t3.__e = t3.__c = t3.__ = null;
+}
+function K(n2, t3, r3) {
+  return this.constructor(n2, r3);
+}
+function Q(t3, r3) {
+  var u3, i3, f3, o3;
+  n.__ && n.__(t3, r3), 9 == r3.nodeType && (r3 = r3.documentElement), i3 = (u3 = t3 && 32 & t3.__u) ? null : r3.__k, r3.__k = m($, { children: [t3] }), f3 = [], o3 = [], z(r3, r3.__k, i3 || p, p, r3.namespaceURI, i3 ? null : r3.firstChild ? d.call(r3.childNodes) : null, f3, i3 ? i3.__e : r3.firstChild, u3, o3), E(f3, r3.__k, o3), r3.__k.props.children = null;
+}
+n = { __e: function(n2, t3, r3, u3) {
+  for (var i3, o3, e3; t3 = t3.__; ) if ((i3 = t3.__c) && !(1 & i3.__g)) {
+    i3.__g |= 4;
+    try {
+      if ((e3 = (o3 = i3.constructor) && o3.getDerivedStateFromError) && i3.setState(o3.getDerivedStateFromError(n2)), i3.componentDidCatch && (i3.componentDidCatch(n2, u3 || {}), e3 = 1), e3 && 8 & i3.__g) return void (i3.__g |= 2);
+    } catch (t4) {
+      n2 = t4;
+    }
+  }
+  throw f = 0, n2;
+} }, t = 0, r = function(n2) {
+  return null != n2 && n2.constructor === h;
+}, x.prototype.setState = function(n2, t3) {
+  var r3 = this.__s;
+  r3 && r3 != this.state || (r3 = this.__s = _({}, this.state)), "function" == typeof n2 && (n2 = n2(_({}, r3), this.props)), n2 && (_(r3, n2), this.__v && (t3 && this.__k.push(t3), L(this)));
+}, x.prototype.forceUpdate = function(n2) {
+  this.__v && (this.__g |= 4, n2 && this.__h.push(n2), L(this));
+}, x.prototype.render = $, u = [], f = 0, o = function(n2, t3) {
+  return n2.__v.__b - t3.__v.__b;
+}, e = /* @__PURE__ */ Symbol(), l = /(PointerCapture)$|Capture$/i, c = 0, a = {}, s = 0;
+
 // src/engine/framing.ts
 function packed(header, payload = new Uint8Array()) {
-  const text = new TextEncoder().encode(JSON.stringify(header));
-  const message = new Uint8Array(4 + text.length + payload.length);
-  new DataView(message.buffer).setUint32(0, text.length, true);
-  message.set(text, 4);
-  message.set(payload, 4 + text.length);
+  const text2 = new TextEncoder().encode(JSON.stringify(header));
+  const message = new Uint8Array(4 + text2.length + payload.length);
+  new DataView(message.buffer).setUint32(0, text2.length, true);
+  message.set(text2, 4);
+  message.set(payload, 4 + text2.length);
   return message;
 }
 function unpacked(message) {
   if (message.byteLength < 4) throw new Error("message: it is shorter than the length of a header");
-  const length2 = new DataView(message).getUint32(0, true);
-  if (length2 > message.byteLength - 4) throw new Error(`message: the header has ${length2} bytes, which did not come`);
-  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length2)));
+  const length3 = new DataView(message).getUint32(0, true);
+  if (length3 > message.byteLength - 4) throw new Error(`message: the header has ${length3} bytes, which did not come`);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length3)));
   if (typeof header !== "object" || header === null || Array.isArray(header)) {
     throw new Error("message: the header must be an object");
   }
-  return { header, payload: new Uint8Array(message, 4 + length2) };
+  return { header, payload: new Uint8Array(message, 4 + length3) };
 }
 
 // src/engine/channel_socket.ts
@@ -81,8 +352,8 @@ function socketChannel(url) {
 var MOST_STEPS = 16;
 function patched(document2, operations) {
   let changed = document2;
-  operations.forEach((operation, number) => {
-    const what = `patch: operations[${number}]: '${operation.path}'`;
+  operations.forEach((operation, number2) => {
+    const what = `patch: operations[${number2}]: '${operation.path}'`;
     const value = operation.op === "remove" ? void 0 : operation.value;
     changed = done(changed, operation.op, stepsOf(operation.path, what), value, what);
   });
@@ -108,15 +379,15 @@ function done(inside, op, steps, value, what) {
   }
   if (Array.isArray(inside)) return doneInList([...inside], op, step, rest, value, what);
   if (typeof inside !== "object" || inside === null) throw new Error(`${what}: before '${step}' stands no object`);
-  const fields = inside;
-  if ((rest.length > 0 || op !== "add") && !Object.hasOwn(fields, step)) {
+  const fields2 = inside;
+  if ((rest.length > 0 || op !== "add") && !Object.hasOwn(fields2, step)) {
     throw new Error(`${what}: there is no field '${step}'`);
   }
   if (rest.length === 0 && op === "remove") {
-    return Object.fromEntries(Object.entries(fields).filter(([name]) => name !== step));
+    return Object.fromEntries(Object.entries(fields2).filter(([name]) => name !== step));
   }
-  const inner = rest.length > 0 ? done(fields[step], op, rest, value, what) : value;
-  return Object.fromEntries([...Object.entries(fields).filter(([name]) => name !== step), [step, inner]]);
+  const inner = rest.length > 0 ? done(fields2[step], op, rest, value, what) : value;
+  return Object.fromEntries([...Object.entries(fields2).filter(([name]) => name !== step), [step, inner]]);
 }
 function doneInList(items, op, step, rest, value, what) {
   if (step === "-" && op === "add" && rest.length === 0) return [...items, value];
@@ -149,7 +420,7 @@ function remoteEngine(channel, options) {
     failed = reject;
   });
   welcome.catch(() => void 0);
-  let state = null;
+  let state2 = null;
   let seq = 0;
   let nextId = 1;
   let outgoing = [];
@@ -187,15 +458,15 @@ function remoteEngine(channel, options) {
   const start = (header) => {
     clearInterval(helloTimer);
     if (typeof header["session"] === "string") options.onSession?.(header["session"]);
-    const isFirst = state === null;
+    const isFirst = state2 === null;
     isOpen = true;
     if (isFirst) {
-      state = header.state;
+      state2 = header.state;
       welcomed(header);
     }
     for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
-    if (!isFirst && state !== null) {
-      outgoing = [{ op: "replace", path: "", value: state }];
+    if (!isFirst && state2 !== null) {
+      outgoing = [{ op: "replace", path: "", value: state2 }];
       isMoving = false;
       flush();
     }
@@ -214,7 +485,7 @@ function remoteEngine(channel, options) {
       waiting.delete(id);
       return;
     }
-    if (state === null) {
+    if (state2 === null) {
       failed(problem);
       tell({ kind: "lost", problem, retries: false });
       return;
@@ -231,14 +502,14 @@ function remoteEngine(channel, options) {
         const part = typeof header["part"] === "number" ? header["part"] : void 0;
         if (typeof header["id"] === "number") waiting.get(header["id"])?.progress?.(part ?? 0);
         else {
-          const text = String(header["text"] ?? "");
-          tell(part === void 0 ? { kind: "connecting", text } : { kind: "connecting", text, part });
+          const text2 = String(header["text"] ?? "");
+          tell(part === void 0 ? { kind: "connecting", text: text2 } : { kind: "connecting", text: text2, part });
         }
         return;
       }
       case "patch": {
         const operations = header["operations"];
-        if (state !== null) state = patched(state, operations);
+        if (state2 !== null) state2 = patched(state2, operations);
         states.forEach((listener) => listener(operations));
         return;
       }
@@ -260,7 +531,7 @@ function remoteEngine(channel, options) {
   channel.onMessage(receive);
   channel.onState((next) => {
     if (next.kind === "open") {
-      if (state === null) tell({ kind: "connecting", text: "Opening" });
+      if (state2 === null) tell({ kind: "connecting", text: "Opening" });
       sayHello();
       clearInterval(helloTimer);
       if (options.repeatHelloMs) helloTimer = setInterval(sayHello, options.repeatHelloMs);
@@ -280,13 +551,13 @@ function remoteEngine(channel, options) {
       message: next.reason || "The program that draws refused this page",
       remedy: "Open the link that the command has printed, or a new one."
     };
-    if (!next.retries && state === null) failed(problem);
+    if (!next.retries && state2 === null) failed(problem);
     tell({ kind: "lost", problem, retries: next.retries });
   });
   return {
     welcome,
     patch(operations, moving) {
-      if (state !== null) state = patched(state, operations);
+      if (state2 !== null) state2 = patched(state2, operations);
       seq += 1;
       outgoing.push(...operations);
       isMoving = moving;
@@ -336,272 +607,6 @@ function added(listeners, listener) {
   listeners.add(listener);
   return () => listeners.delete(listener);
 }
-
-// node_modules/preact/dist/preact.mjs
-var n;
-var t;
-var r;
-var u;
-var i;
-var f;
-var o;
-var e;
-var l;
-var c;
-var a;
-var s;
-var h = /* @__PURE__ */ Symbol.for("pv");
-var p = {};
-var y = [];
-var v = /^m(i|n|o|s|text|space)$/;
-var w = Array.isArray;
-var d = y.slice;
-var _ = Object.assign;
-function g(n2) {
-  n2 && n2.parentNode && n2.remove();
-}
-function m(r3, u3, i3, f4, o4) {
-  var e3 = { type: r3, props: u3, key: i3, ref: f4, __k: null, __: null, __b: 0, __e: null, __c: null, constructor: h, __v: o4 || ++t, __i: -1, __u: 0 };
-  return !o4 && n.vnode && n.vnode(e3), e3;
-}
-function $(n2) {
-  return n2.children;
-}
-function x(n2, t3) {
-  this.props = n2, this.context = t3, this.__g = 0;
-}
-function S(n2, t3) {
-  if (null == t3) return n2.__ && S(n2.__, n2.__i + 1);
-  for (var r3; t3 < n2.__k.length; t3++) if ((r3 = n2.__k[t3]) && r3.__e) return r3.__e;
-  return "function" != typeof n2.type || n2.props.__P ? null : S(n2);
-}
-function C(t3) {
-  var r3, u3 = t3.__v, i3 = u3.__e, f4 = [], o4 = [], e3 = t3.__P;
-  e3 && ((r3 = _({ constructor: h }, u3)).__v = u3.__v + 1, n.vnode && n.vnode(r3), z(e3, r3, u3, t3.__n, e3.namespaceURI, 32 & u3.__u ? [i3] : null, f4, i3 || S(u3), 32 & u3.__u, o4), r3.__v = u3.__v, r3.__.__k[r3.__i] = r3, E(f4, r3, o4), u3.__ = u3.__e = null, r3.__e != i3 && j(r3));
-}
-function j(n2) {
-  if ((n2 = n2.__) && n2.__c && !n2.props.__P) return n2.__e = null, n2.__k.some(function(t3) {
-    return t3 && (n2.__e = t3.__e);
-  }), j(n2);
-}
-function L(t3) {
-  (8 & t3.__g || (t3.__g |= 8, u.push(t3), f++)) && i == n.debounceRendering || ((i = n.debounceRendering) || queueMicrotask)(H);
-}
-function H() {
-  try {
-    for (var n2, t3 = 1; u.length; ) u.length > t3 && u.sort(o), n2 = u.shift(), t3 = u.length, 8 & n2.__g && C(n2);
-  } finally {
-    (f = u.length) && (i || queueMicrotask)(H);
-  }
-}
-function I(n2, t3, r3, u3, i3, f4, o4, e3, l3, c3, a4) {
-  var s3, h3, v3, w3, d3, _3, g3 = u3.__k || y, k2 = t3.length;
-  for (l3 = q(r3, t3, g3, l3, k2), s3 = 0; s3 < k2; s3++) null != (v3 = r3.__k[s3]) && (h3 = ~v3.__i && g3[v3.__i] || p, v3.__i = s3, _3 = z(n2, v3, h3, i3, f4, o4, e3, l3, c3, a4), w3 = v3.__e, (h3.ref != v3.ref || 8 & h3.__u) && (h3.ref && G(h3.ref, null, v3, h3), v3.ref && a4.push(v3.ref, v3.__c || w3, v3)), d3 = d3 || w3, 4 & v3.__u ? (l3 = A(v3, l3, n2, !h3.__v), h3.__e && (h3.__e = null)) : "function" == typeof v3.type && void 0 !== _3 ? l3 = _3 : w3 && (l3 = w3.nextSibling), v3.__u &= -21);
-  return r3.__e = d3, l3;
-}
-function q(n2, t3, r3, u3, i3) {
-  var f4, o4, e3, l3, c3, a4, s3, p3, y3, v3 = r3.length, d3 = v3, _3 = 0, g3 = 0, k2 = n2.__k = Array(i3);
-  for (f4 = 0; f4 < i3; f4++) null != (o4 = t3[f4]) && "boolean" != typeof o4 && "function" != typeof o4 ? ("object" != typeof o4 || o4.constructor === String ? o4 = k2[f4] = m(null, o4) : w(o4) ? o4 = k2[f4] = m($, { children: o4 }) : o4.constructor === h && o4.__b ? o4 = k2[f4] = m(o4.type, o4.props, o4.key, o4.ref, o4.__v) : k2[f4] = o4, l3 = f4 + _3, o4.__ = n2, o4.__b = n2.__b + 1, e3 = null, ~(c3 = o4.__i = P(o4, r3, l3, d3)) && (d3--, (e3 = r3[c3]) && (e3.__u |= 2)), e3 && e3.__v ? (o4.__u |= 16, c3 == l3 - 1 ? _3-- : c3 == l3 + 1 ? _3++ : c3 != l3 && (c3 > l3 ? _3-- : _3++, g3 = 1)) : (~c3 || (i3 > v3 ? _3-- : i3 < v3 && _3++), "function" != typeof o4.type && (o4.__u |= 4))) : k2[f4] = null;
-  if (g3) {
-    for (a4 = [], s3 = [], f4 = 0; f4 < i3; f4++) if ((o4 = k2[f4]) && 16 & o4.__u) {
-      for (_3 = 0, p3 = a4.length; _3 < p3; ) a4[y3 = _3 + p3 >> 1] < o4.__i ? _3 = y3 + 1 : p3 = y3;
-      a4[_3] = o4.__i, s3[f4] = _3 + 1;
-    }
-    for (_3 = a4.length; f4--; ) s3[f4] && (s3[f4] == _3 ? _3-- : k2[f4].__u |= 4);
-  }
-  if (d3) for (f4 = 0; f4 < v3; f4++) !(e3 = r3[f4]) || 2 & e3.__u || (e3.__e == u3 && (u3 = S(e3)), J(e3, e3));
-  return u3;
-}
-function A(n2, t3, r3, u3) {
-  var i3, f4, o4, e3;
-  if ("function" == typeof n2.type) {
-    if (n2.props.__P) return t3;
-    if (i3 = n2.__k) for (f4 = 0; f4 < i3.length; f4++) i3[f4] && (i3[f4].__ = n2, t3 = A(i3[f4], t3, r3, false));
-    return t3;
-  }
-  for (t3 && !t3.parentNode && (t3 = S(n2)) && !t3.parentNode && (t3 = null), o4 = n2.__e, e3 = t3; e3 && 8 == e3.nodeType; ) e3 = e3.nextSibling;
-  for (o4 != e3 && (!u3 && r3.moveBefore && o4.parentNode ? r3.moveBefore(o4, t3) : r3.insertBefore(o4, t3 || null)), t3 = o4; (t3 = t3 && t3.nextSibling) && 8 == t3.nodeType && !t3.data.startsWith("$s"); ) ;
-  return t3;
-}
-function P(n2, t3, r3, u3) {
-  var i3, f4 = n2.key, o4 = n2.type, e3 = t3[r3], l3 = e3 && !(2 & e3.__u);
-  if (null === e3 && null == f4 || l3 && f4 == e3.key && o4 == e3.type) return r3;
-  if (u3 > (l3 ? 1 : 0)) {
-    for (i3 = r3 - 1; i3 >= 0; i3--) if ((e3 = t3[i3]) && !(2 & e3.__u) && f4 == e3.key && o4 == e3.type) return i3;
-    for (i3 = r3 + 1; i3 < t3.length; i3++) if ((e3 = t3[i3]) && !(2 & e3.__u) && f4 == e3.key && o4 == e3.type) return i3;
-  }
-  return -1;
-}
-function T(n2, t3, r3) {
-  null == r3 && (r3 = ""), "-" == t3[0] ? n2.setProperty(t3, r3) : n2[t3] = r3;
-}
-function N(n2, t3, r3, u3, i3) {
-  var f4, o4;
-  if ("style" == t3) if ("string" == typeof r3) n2.style.cssText = r3;
-  else {
-    if ("string" == typeof u3 && (n2.style.cssText = u3 = ""), u3) for (t3 in u3) r3 && t3 in r3 || T(n2.style, t3);
-    if (r3) for (t3 in r3) u3 && r3[t3] == u3[t3] || T(n2.style, t3, r3[t3]);
-  }
-  else if ("o" == t3[0] && "n" == t3[1]) "function" != typeof r3 && (r3 = null), "function" != typeof u3 && (u3 = null), (n2.__e || (n2.__e = {}))[t3] = r3, r3 && u3 || (o4 = a[t3] || (a[t3] = V(t3)), (n2.__a || (n2.__a = {}))[t3] = c, f4 = t3 != (t3 = t3.replace(l, "$1")), (t3 = t3.slice(2))[0] < "a" && (t3 = t3.toLowerCase()), r3 ? n2.addEventListener(t3, o4, f4) : n2.removeEventListener(t3, o4, f4));
-  else {
-    if ("http://www.w3.org/2000/svg" == i3) t3 = t3.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
-    else if ("width" != t3 && "height" != t3 && "href" != t3 && "list" != t3 && "form" != t3 && "tabIndex" != t3 && "download" != t3 && "rowSpan" != t3 && "colSpan" != t3 && "role" != t3 && "popover" != t3 && t3 in n2) try {
-      return void (n2[t3] = null == r3 ? "" : r3);
-    } catch (n3) {
-    }
-    if ("function" == typeof r3) return;
-    null == r3 || false === r3 && "-" != t3[4] ? n2.removeAttribute(t3) : n2.setAttribute(t3, "popover" == t3 && 1 == r3 ? "" : r3);
-  }
-}
-function V(t3) {
-  return function(r3) {
-    var u3 = this.__e;
-    if (u3) {
-      if (u3 = u3[t3], null == r3[e]) r3[e] = c++;
-      else if (r3[e] < this.__a[t3]) return;
-      return u3(n.event ? n.event(r3) : r3);
-    }
-  };
-}
-function z(t3, r3, u3, i3, f4, o4, e3, l3, c3, a4) {
-  var s3, p3, v3, d3, k2, b, m3, M, C3, j2, L2, H2, q2, A3, O, P3, T3, N2, V2 = r3.type;
-  if (r3.constructor !== h) return null;
-  128 & u3.__u && (c3 = 32 & u3.__u, s3 = u3.__c.__z) && (r3.__u |= c3, p3 = o4 = [], 8 == s3.nodeType ? l3 = B(s3, o4) : o4.push(s3), l3 = o4[0] || l3), (s3 = n.__b) && s3(r3);
-  n: if ("function" == typeof V2) {
-    v3 = e3.length;
-    try {
-      if (M = r3.props, C3 = (s3 = V2.prototype) && s3.render, j2 = (s3 = V2.contextType) && i3[s3.__c], L2 = s3 ? j2 ? j2.props.value : s3.__ : i3, (d3 = u3.__c) ? (r3.__c = d3, 2 & d3.__g && (d3.__g |= 1)) : (C3 ? r3.__c = d3 = new V2(M, L2) : (r3.__c = d3 = new x(M, L2), d3.constructor = V2, d3.render = K), j2 && j2.sub(d3), d3.state || (d3.state = {}), d3.__n = i3, d3.__g |= 8, d3.__h = [], d3.__k = []), C3 && (d3.__s || (d3.__s = d3.state), V2.getDerivedStateFromProps && (d3.__s == d3.state && (d3.__s = _({}, d3.__s)), _(d3.__s, V2.getDerivedStateFromProps(M, d3.__s)))), k2 = d3.props, b = d3.state, d3.__v = r3, u3.__c) {
-        if (M !== k2 && C3 && !V2.getDerivedStateFromProps && d3.componentWillReceiveProps && d3.componentWillReceiveProps(M, L2), r3.__v == u3.__v && !(8 & d3.__g) || !(4 & d3.__g) && d3.shouldComponentUpdate && false === d3.shouldComponentUpdate(M, d3.__s, L2)) {
-          r3.__v != u3.__v && (d3.props = M, d3.state = d3.__s, d3.__g &= -9), r3.__e = u3.__e, r3.__k = u3.__k, r3.__k.some(function(n2) {
-            n2 && (n2.__ = r3);
-          }), y.push.apply(d3.__h, d3.__k), d3.__k = [], d3.__h.length && e3.push(d3), l3 = S(u3);
-          break n;
-        }
-        d3.componentWillUpdate && d3.componentWillUpdate(M, d3.__s, L2), C3 && d3.componentDidUpdate && d3.__h.push(function() {
-          d3.componentDidUpdate(k2, b, m3);
-        });
-      } else C3 && !V2.getDerivedStateFromProps && d3.componentWillMount && d3.componentWillMount(), C3 && d3.componentDidMount && d3.__h.push(d3.componentDidMount);
-      d3.context = L2, d3.props = M, d3.__P = t3, d3.__g &= -5, H2 = n.__r, q2 = C3 ? 25 : 0;
-      do {
-        d3.__g &= -9, H2 && H2(r3), s3 = d3.render(d3.props, d3.state = d3.__s, d3.context);
-      } while (8 & d3.__g && ++q2 < 25);
-      C3 && (y.push.apply(d3.__h, d3.__k), d3.__k = []), d3.state = d3.__s, d3.getChildContext && (i3 = _({}, i3, d3.getChildContext())), C3 && u3.__c && d3.getSnapshotBeforeUpdate && (m3 = d3.getSnapshotBeforeUpdate(k2, b)), A3 = s3 && s3.type === $ && null == s3.key ? s3.props.children : s3, M.__P && (s3 = l3, f4 = (t3 = M.__P).namespaceURI, c3 = o4 = null, u3.props && u3.props.__P != t3 && (u3.__k.some(function(n2) {
-        n2 && J(n2, n2);
-      }), u3.__k = null), l3 = u3.__k ? S(u3, 0) : null), l3 = I(t3, w(A3) ? A3 : [A3], r3, u3, i3, f4, o4, e3, l3, c3, a4), M.__P && (r3.__e = null, l3 = s3), r3.__u &= -161, p3 && p3.some(g), d3.__h.length && e3.push(d3), 1 & d3.__g && (d3.__g &= -4);
-    } catch (t4) {
-      if (e3.length = v3, r3.__v = null, c3 || o4) if (t4 && t4.then) {
-        if (r3.__u |= 128 | c3, o4) {
-          for (~(T3 = o4.indexOf(l3 || void 0)) || (T3 = o4.length); (N2 = o4[T3 - 1]) && 8 == N2.nodeType; ) T3--;
-          for (; T3 < o4.length; T3++) if (N2 = o4[T3]) if (o4[T3] = null, O) {
-            if (N2 == P3) break;
-          } else {
-            if (8 != N2.nodeType) break;
-            N2.data.startsWith("$s") && (P3 = B(O = N2));
-          }
-        }
-        if (!O) {
-          for (; l3 && 8 == l3.nodeType && l3.nextSibling; ) l3 = l3.nextSibling;
-          O = l3;
-        }
-        (s3 = B(O = r3.__c.__z || (r3.__c.__z = O))) ? (r3.__e = O, l3 = s3) : r3.__e = l3, l3 = l3 && l3.nextSibling;
-      } else o4 && o4.some(g);
-      else r3.__e = u3.__e;
-      r3.__k || (r3.__k = u3.__k || []), t4 && t4.then || D(r3), n.__e(t4, r3, u3);
-    }
-  } else l3 = r3.__e = F(u3.__e, r3, u3, i3, f4, o4, e3, c3, a4, t3);
-  return (s3 = n.diffed) && s3(r3), l3;
-}
-function B(n2, t3) {
-  if (n2 && 8 == n2.nodeType && n2.data.startsWith("$s")) for (var r3 = 1; n2 = n2.nextSibling; ) {
-    if (8 == n2.nodeType) {
-      if (n2.data.startsWith("$s")) r3++;
-      else if (n2.data.startsWith("/$s") && !--r3) return n2;
-    }
-    t3 && t3.push(n2);
-  }
-}
-function D(n2) {
-  n2 && (n2.__c && (n2.__c.__g |= 4), n2.__k && n2.__k.some(D));
-}
-function E(t3, r3, u3) {
-  for (var i3 = 0; i3 < u3.length; ) G(u3[i3++], u3[i3++], u3[i3++]);
-  n.__c && n.__c(r3, t3), t3.some(function(r4) {
-    try {
-      t3 = r4.__h, r4.__h = [], t3.some(function(n2) {
-        n2.call(r4);
-      });
-    } catch (t4) {
-      n.__e(t4, r4.__v);
-    }
-  });
-}
-function F(t3, r3, u3, i3, f4, o4, e3, l3, c3, a4) {
-  var s3, h3, y3, _3, k2, b, m3, M, $2 = u3.props || p, x2 = r3.props, C3 = r3.type;
-  if ("svg" == C3 ? f4 = "http://www.w3.org/2000/svg" : "math" == C3 ? f4 = "http://www.w3.org/1998/Math/MathML" : f4 || (f4 = "http://www.w3.org/1999/xhtml"), o4) {
-    for (s3 = 0; s3 < o4.length; s3++) if ((k2 = o4[s3]) && (C3 ? k2.localName == C3 : 3 == k2.nodeType)) {
-      t3 = k2, o4[s3] = null;
-      break;
-    }
-  }
-  if (!t3) {
-    if (M = a4.ownerDocument || document, !C3) return M.createTextNode(x2);
-    t3 = M.createElementNS(f4, C3, x2.is ? x2 : a4), l3 && (n.__m && n.__m(r3, o4), l3 = false), o4 = null;
-  }
-  if (C3) {
-    if (a4 = "template" == C3 && t3.content || t3, o4 = "textarea" == C3 && null != x2.defaultValue ? null : o4 && d.call(a4.childNodes), !l3 && o4) for ($2 = {}, s3 = 0; s3 < t3.attributes.length; s3++) $2[(k2 = t3.attributes[s3]).name] = k2.value;
-    for (s3 in $2) k2 = $2[s3], "dangerouslySetInnerHTML" == s3 ? y3 = k2 : "children" == s3 || s3 in x2 || "value" == s3 && "defaultValue" in x2 || "checked" == s3 && "defaultChecked" in x2 || N(t3, s3, null, k2, f4);
-    for (s3 in x2) k2 = x2[s3], "children" == s3 ? _3 = k2 : "dangerouslySetInnerHTML" == s3 ? h3 = k2 : "value" == s3 ? b = k2 : "checked" == s3 ? m3 = k2 : l3 && "function" != typeof k2 || $2[s3] === k2 || N(t3, s3, k2, $2[s3], f4);
-    h3 ? (l3 || y3 && (h3.__html == y3.__html || h3.__html == t3.innerHTML) || (t3.innerHTML = h3.__html), r3.__k = []) : (y3 && (t3.textContent = ""), ("foreignObject" == C3 || "http://www.w3.org/1998/Math/MathML" == f4 && v.test(C3)) && (f4 = "http://www.w3.org/1999/xhtml"), I(a4, w(_3) ? _3 : [_3], r3, u3, i3, f4, o4, e3, o4 ? o4[0] : u3.__k && S(u3, 0), l3, c3), o4 && o4.some(g)), l3 && "textarea" != C3 || (s3 = "value", "progress" == C3 && null == b ? t3.removeAttribute(s3) : null == b || b === t3[s3] && ("progress" != C3 || b) || N(t3, s3, b, $2[s3], f4), s3 = "checked", null != m3 && m3 != t3[s3] && N(t3, s3, m3, $2[s3], f4));
-  } else $2 === x2 || l3 && t3.data == x2 || (t3.data = x2);
-  return t3;
-}
-function G(t3, r3, u3, i3) {
-  try {
-    "function" == typeof t3 ? r3 ? r3.__x = t3(r3) || 1 : i3 && (i3 = i3.__c || i3.__e) && (r3 = i3.__x) && (i3.__x = null, "function" == typeof r3 ? r3() : t3(null)) : t3.current = r3;
-  } catch (t4) {
-    n.__e(t4, u3);
-  }
-}
-function J(t3, r3, u3) {
-  var i3, f4, o4, e3;
-  if (n.unmount && n.unmount(t3), !(i3 = t3.ref) || i3.current && i3.current != t3.__e || G(i3, null, r3, t3), i3 = t3.__c) {
-    if (i3.componentWillUnmount) try {
-      i3.componentWillUnmount();
-    } catch (t4) {
-      n.__e(t4, r3);
-    }
-    i3.__P = i3.__n = null;
-  }
-  if (i3 = t3.__k) for (e3 = 0; e3 < i3.length; e3++) i3[e3] && J(i3[e3], r3, "function" != typeof t3.type || u3 && !t3.props.__P);
-  !u3 && (i3 = t3.__c) && (i3 = i3.__z) && (f4 = B(i3, o4 = [])) && (i3 == t3.__e && o4.some(g), g(f4), g(i3)), u3 || g(t3.__e), t3.__e = t3.__c = t3.__ = null;
-}
-function K(n2, t3, r3) {
-  return this.constructor(n2, r3);
-}
-function Q(t3, r3) {
-  var u3, i3, f4, o4;
-  n.__ && n.__(t3, r3), 9 == r3.nodeType && (r3 = r3.documentElement), i3 = (u3 = t3 && 32 & t3.__u) ? null : r3.__k, r3.__k = m($, { children: [t3] }), f4 = [], o4 = [], z(r3, r3.__k, i3 || p, p, r3.namespaceURI, i3 ? null : r3.firstChild ? d.call(r3.childNodes) : null, f4, i3 ? i3.__e : r3.firstChild, u3, o4), E(f4, r3.__k, o4), r3.__k.props.children = null;
-}
-n = { __e: function(n2, t3, r3, u3) {
-  for (var i3, o4, e3; t3 = t3.__; ) if ((i3 = t3.__c) && !(1 & i3.__g)) {
-    i3.__g |= 4;
-    try {
-      if ((e3 = (o4 = i3.constructor) && o4.getDerivedStateFromError) && i3.setState(o4.getDerivedStateFromError(n2)), i3.componentDidCatch && (i3.componentDidCatch(n2, u3 || {}), e3 = 1), e3 && 8 & i3.__g) return void (i3.__g |= 2);
-    } catch (t4) {
-      n2 = t4;
-    }
-  }
-  throw f = 0, n2;
-} }, t = 0, r = function(n2) {
-  return null != n2 && n2.constructor === h;
-}, x.prototype.setState = function(n2, t3) {
-  var r3 = this.__s;
-  r3 && r3 != this.state || (r3 = this.__s = _({}, this.state)), "function" == typeof n2 && (n2 = n2(_({}, r3), this.props)), n2 && (_(r3, n2), this.__v && (t3 && this.__k.push(t3), L(this)));
-}, x.prototype.forceUpdate = function(n2) {
-  this.__v && (this.__g |= 4, n2 && this.__h.push(n2), L(this));
-}, x.prototype.render = $, u = [], f = 0, o = function(n2, t3) {
-  return n2.__v.__b - t3.__v.__b;
-}, e = /* @__PURE__ */ Symbol(), l = /(PointerCapture)$|Capture$/i, c = 0, a = {}, s = 0;
 
 // src/input/keys.ts
 var KEYS = [
@@ -653,17 +658,17 @@ function actionOf(name) {
 
 // src/state/link.ts
 var MOST_CHARACTERS = 8e3;
-async function linkPart(state, fingerprint) {
-  const text = JSON.stringify({ fingerprint, state });
-  const packed2 = await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw"));
+async function linkPart(state2, fingerprint) {
+  const text2 = JSON.stringify({ fingerprint, state: state2 });
+  const packed2 = await through(new TextEncoder().encode(text2), new CompressionStream("deflate-raw"));
   const part = btoa(Array.from(packed2, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
   return part.length > MOST_CHARACTERS ? null : part;
 }
 async function fromLink(part) {
   const binary = atob(part.replaceAll("-", "+").replaceAll("_", "/"));
   const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
-  const text = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
-  const found = JSON.parse(text);
+  const text2 = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
+  const found = JSON.parse(text2);
   if (typeof found !== "object" || found === null || !("fingerprint" in found) || !("state" in found)) {
     throw new Error("the link holds no state of the viewer");
   }
@@ -678,11 +683,157 @@ async function through(bytes, stream) {
 var PANES = ["axial", "coronal", "sagittal"];
 var OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"];
 
+// src/state/parse.ts
+function refuse(value, where, must) {
+  const text2 = JSON.stringify(value) ?? "missing";
+  throw new Error(`${where} is ${text2.length > 60 ? `${text2.slice(0, 60)}…` : text2}; it must be ${must}`);
+}
+var number = (low = -Infinity, high = Infinity) => (value, where) => {
+  if (typeof value !== "number" || !Number.isFinite(value) || value < low || value > high) {
+    refuse(value, where, low === -Infinity ? "a number" : `a number from ${low} to ${high}`);
+  }
+};
+var kind = (name) => (value, where) => {
+  if (typeof value !== name) refuse(value, where, name === "string" ? "a text" : "true or false");
+};
+var oneOf = (...known) => (value, where) => {
+  if (!known.includes(value)) refuse(value, where, `one of ${known.join(", ")}`);
+};
+var either = (wanted, check) => (value, where) => {
+  if (value !== wanted) check(value, where);
+};
+var list = (check, low = 0, high = Infinity) => (value, where) => {
+  if (!Array.isArray(value) || value.length < low || value.length > high) {
+    refuse(value, where, `a list${low === high ? ` of ${low}` : low > 0 ? ` of at least ${low}` : ""}`);
+  }
+  value.forEach((one, n2) => check(one, `${where}[${n2}]`));
+};
+var fields = (known) => (value, where) => {
+  if (typeof value !== "object" || value === null || Array.isArray(value)) refuse(value, where, "an object");
+  const found = value;
+  const inside = (name) => where === "" ? name : `${where}.${name}`;
+  for (const [name, check] of Object.entries(known)) {
+    const plain = name.replace("?", "");
+    if (name === "*") continue;
+    if (Object.hasOwn(found, plain)) check(found[plain], inside(plain));
+    else if (plain === name) throw new Error(`field '${inside(name)}' is missing`);
+  }
+  for (const name of Object.keys(found)) {
+    if (name in known || `${name}?` in known) continue;
+    const other = known["*"];
+    if (other === void 0) throw new Error(`${where || "state"}: unknown field '${name}'`);
+    other(found[name], inside(name));
+  }
+};
+var share = number(0, 1);
+var any = () => void 0;
+var text = kind("string");
+var flag = kind("boolean");
+var point = list(number(), 3, 3);
+var color = (value, where) => typeof value === "string" ? void 0 : list(share, 3, 4)(value, where);
+var box = fields({ lower: point, upper: point, "space?": oneOf("world", "index") });
+var nodes = (...columns) => list((node, where) => {
+  list(any, columns.length, columns.length)(node, where);
+  columns.forEach((check, n2) => check(node[n2], where));
+}, 1);
+var volume = fields({ path: oneOf(null), "name?": text });
+var shading = fields({ ...Object.fromEntries(["ambient", "diffuse", "specular", "specular_power"].map((name) => [`${name}?`, number(0)])), "*": any });
+var curves = (value, where) => {
+  const isTable = typeof value === "object" && value !== null && "rgba" in value;
+  if (isTable) return;
+  fields({
+    "opacity_unit?": either(null, number(0)),
+    opacity: nodes(number(), share),
+    color: nodes(number(), share, share, share),
+    "gradient_opacity?": nodes(number(0), share)
+  })(value, where);
+};
+var COMPOSITES = ["over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"];
+var composite = (value, where) => {
+  if (value === null || typeof value === "string") oneOf(null, ...COMPOSITES)(value, where);
+  else fields(Object.fromEntries(COMPOSITES.map((name) => [`${name}?`, fields({ "*": either(null, any) })])))(value, where);
+};
+var clip = (value, where) => {
+  fields({ "keep?": box, "cut_out?": box, "plane?": fields({ point, normal: point }) })(value, where);
+  if (Object.keys(value).length !== 1) refuse(value, where, "an object of one field: keep, plane or cut_out");
+};
+var length = number(0);
+var state = fields({
+  wavesplat: oneOf("scene"),
+  version: oneOf(1),
+  layers: list(
+    fields({
+      volume,
+      "name?": text,
+      look: fields({ transfer_function: curves, "shading?": either(null, shading), "*": either(null, text) }),
+      "visible?": flag,
+      "opacity?": share,
+      "time?": (value, where) => Number.isInteger(value) ? void 0 : refuse(value, where, "a whole number")
+    }),
+    1,
+    8
+  ),
+  labels: either(null, fields({ volume, "labels?": fields({ "*": fields({ color, "name?": text, "*": share }) }), "smooth?": flag })),
+  shading: either("look", either(null, shading)),
+  clip: list(clip),
+  background: either(null, color),
+  camera: fields({
+    version: oneOf(1),
+    position: point,
+    focal_point: point,
+    view_up: point,
+    "parallel_scale?": number(Number.MIN_VALUE),
+    "view_angle?": number(Number.MIN_VALUE, 180)
+  }),
+  render: fields({
+    "size?": list(number(1), 2, 2),
+    quality: (value, where) => typeof value === "string" ? oneOf("draft", "normal", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
+    "kernel?": text,
+    "composite?": composite
+  }),
+  view: fields({
+    "layout?": fields({ "name?": oneOf("3d", "one-and-three", "two-by-two", "single"), "main?": oneOf("3d", ...PANES) }),
+    "slices?": fields({
+      "crosshair?": point,
+      "window?": (value, where) => {
+        list(number(), 2, 2)(value, where);
+        number(Number.MIN_VALUE)(value[1], where);
+      },
+      "thickness?": length,
+      "slab?": oneOf("maximum", "minimum", "mean"),
+      "zoom?": number(0.01, 1e3),
+      "normals?": fields(
+        Object.fromEntries(
+          PANES.map((pane) => [
+            `${pane}?`,
+            (value, where) => {
+              point(value, where);
+              if (!value.some((one) => one !== 0)) refuse(value, where, "a direction");
+            }
+          ])
+        )
+      )
+    }),
+    "measures?": list((value, where) => {
+      fields({ kind: oneOf("distance", "angle"), points: list(point) })(value, where);
+      const { kind: what, points } = value;
+      list(any, what === "angle" ? 3 : 2, what === "angle" ? 3 : 2)(points, `${where}.points`);
+    }, 0, 1e3),
+    "overlays?": fields(Object.fromEntries(OVERLAYS.map((name) => [`${name}?`, flag]))),
+    "quality?": fields({ "moving?": oneOf("smooth", "balanced", "exact") }),
+    "interface?": fields({ "theme?": oneOf("system", "dark", "light"), "panels?": list(text, 0, 100) })
+  })
+});
+function parseViewerState(document2) {
+  state(document2, "");
+  return document2;
+}
+
 // src/state/store.ts
 var MOST_STEPS2 = 200;
 var INTERFACE = ["/view/interface", "/view/layout"];
 function createStore(initial, engine) {
-  let state = initial;
+  let state2 = initial;
   let seq = 0;
   let gesture = null;
   let past = [];
@@ -694,26 +845,26 @@ function createStore(initial, engine) {
     future = [];
   };
   const go = (target) => {
-    const { layout, interface: shown } = state.view;
-    state = { ...target, view: { ...target.view, layout, interface: shown } };
+    const { layout, interface: shown } = state2.view;
+    state2 = { ...target, view: { ...target.view, layout, interface: shown } };
     gesture = null;
-    seq = engine.patch([{ op: "replace", path: "", value: state }], false);
+    seq = engine.patch([{ op: "replace", path: "", value: state2 }], false);
     tell();
   };
   engine.onState((operations) => {
-    state = patched(state, operations);
+    state2 = patched(state2, operations);
     tell();
   });
   return {
     get state() {
-      return state;
+      return state2;
     },
     get seq() {
       return seq;
     },
     change(operations, name) {
-      const before = state;
-      state = patched(state, operations);
+      const before = state2;
+      state2 = patched(state2, operations);
       const isStep = operations.some(({ path }) => !INTERFACE.some((start) => path.startsWith(start)));
       if (isStep && (name === void 0 || name !== gesture)) remember(before);
       if (isStep) gesture = name ?? null;
@@ -729,14 +880,14 @@ function createStore(initial, engine) {
       const target = past.at(-1);
       if (target === void 0) return;
       past = past.slice(0, -1);
-      future = [...future, state];
+      future = [...future, state2];
       go(target);
     },
     redo() {
       const target = future.at(-1);
       if (target === void 0) return;
       future = future.slice(0, -1);
-      past = [...past, state];
+      past = [...past, state2];
       go(target);
     },
     get canUndo() {
@@ -756,17 +907,17 @@ function createStore(initial, engine) {
 var TURN_DEG = 180;
 var LEAST_ANGLE_DEG = 0.01;
 var MOST_ANGLE_DEG = 170;
-var add = (a4, b) => [a4[0] + b[0], a4[1] + b[1], a4[2] + b[2]];
-var sub = (a4, b) => [a4[0] - b[0], a4[1] - b[1], a4[2] - b[2]];
-var scaled = (a4, factor) => [a4[0] * factor, a4[1] * factor, a4[2] * factor];
-var dot = (a4, b) => a4[0] * b[0] + a4[1] * b[1] + a4[2] * b[2];
-var cross = (a4, b) => [
-  a4[1] * b[2] - a4[2] * b[1],
-  a4[2] * b[0] - a4[0] * b[2],
-  a4[0] * b[1] - a4[1] * b[0]
+var add = (a3, b) => [a3[0] + b[0], a3[1] + b[1], a3[2] + b[2]];
+var sub = (a3, b) => [a3[0] - b[0], a3[1] - b[1], a3[2] - b[2]];
+var scaled = (a3, factor) => [a3[0] * factor, a3[1] * factor, a3[2] * factor];
+var dot = (a3, b) => a3[0] * b[0] + a3[1] * b[1] + a3[2] * b[2];
+var cross = (a3, b) => [
+  a3[1] * b[2] - a3[2] * b[1],
+  a3[2] * b[0] - a3[0] * b[2],
+  a3[0] * b[1] - a3[1] * b[0]
 ];
-var length = (a4) => Math.hypot(a4[0], a4[1], a4[2]);
-var unit = (a4) => scaled(a4, 1 / length(a4));
+var length2 = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
+var unit = (a3) => scaled(a3, 1 / length2(a3));
 function axesOf(camera) {
   const back = unit(sub(camera.position, camera.focal_point));
   const right = unit(cross(camera.view_up, back));
@@ -795,7 +946,7 @@ function rolled(camera, angle) {
 }
 function unitsPerPixel(camera, height, distance2) {
   if (camera.parallel_scale !== void 0) return 2 * camera.parallel_scale / height;
-  const away = distance2 ?? length(sub(camera.position, camera.focal_point));
+  const away = distance2 ?? length2(sub(camera.position, camera.focal_point));
   return 2 * away * Math.tan((camera.view_angle ?? 30) / 2 * Math.PI / 180) / height;
 }
 function panned(camera, dx, dy, height) {
@@ -818,9 +969,9 @@ function withLens(camera, angle) {
   const away = half / Math.tan(bounded / 2 * Math.PI / 180);
   return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
 }
-function project(camera, size, point) {
+function project(camera, size, point2) {
   const { right, up, back } = axesOf(camera);
-  const away = sub(point, camera.position);
+  const away = sub(point2, camera.position);
   const depth = -dot(away, back);
   if (camera.parallel_scale === void 0 && depth <= 0) return null;
   const pixel = unitsPerPixel(camera, size.height, depth);
@@ -859,27 +1010,27 @@ function d2(n2) {
   return f2 = 1, _2(G2, n2);
 }
 function _2(n2, u3, i3) {
-  var f4 = y2(t2++, 2);
-  if (f4.t = n2, !f4.__c && (f4.__ = [i3 ? i3(u3) : G2(void 0, u3), function(n3) {
-    var t3 = (f4.__N || f4.__)[0], r3 = f4.t(t3, n3);
-    o2(t3, r3) || (f4.__N = [r3, f4.__[1]], f4.__c.setState({}));
-  }], f4.__c = r2, !r2.__f)) {
+  var f3 = y2(t2++, 2);
+  if (f3.t = n2, !f3.__c && (f3.__ = [i3 ? i3(u3) : G2(void 0, u3), function(n3) {
+    var t3 = (f3.__N || f3.__)[0], r3 = f3.t(t3, n3);
+    o2(t3, r3) || (f3.__N = [r3, f3.__[1]], f3.__c.setState({}));
+  }], f3.__c = r2, !r2.__f)) {
     r2.__f = true;
     var c3 = r2.shouldComponentUpdate;
     r2.shouldComponentUpdate = function(n3, t3, r3) {
       var u4 = this.__H;
       if (!u4) return true;
-      var i4 = false, f5 = this.props != n3;
+      var i4 = false, f4 = this.props != n3;
       if (u4.__.some(function(n4) {
-        n4.__N && (i4 = true, o2(n4.__[0], n4.__N[0]) || (f5 = true));
+        n4.__N && (i4 = true, o2(n4.__[0], n4.__N[0]) || (f4 = true));
       }), c3) {
         var e3 = c3.call(this, n3, t3, r3);
-        return i4 ? e3 || f5 : e3;
+        return i4 ? e3 || f4 : e3;
       }
-      return !i4 || f5;
+      return !i4 || f4;
     };
   }
-  return f4.__;
+  return f3.__;
 }
 function A2(n2, u3) {
   var i3 = y2(t2++, 3);
@@ -970,12 +1121,12 @@ a2.__b = function(n2) {
     }
   }), u3.__H = void 0, t3 && a2.__e(t3, u3.__v));
 };
-var k = "function" == typeof requestAnimationFrame;
+var k2 = "function" == typeof requestAnimationFrame;
 function z2(n2) {
   var t3, r3 = function() {
-    clearTimeout(u3), k && cancelAnimationFrame(t3), setTimeout(n2);
+    clearTimeout(u3), k2 && cancelAnimationFrame(t3), setTimeout(n2);
   }, u3 = setTimeout(r3, 35);
-  k && (t3 = requestAnimationFrame(r3));
+  k2 && (t3 = requestAnimationFrame(r3));
 }
 function B2(n2) {
   1 != n2 && i2 == a2.requestAnimationFrame || ((i2 = a2.requestAnimationFrame) || z2)(g2);
@@ -1000,22 +1151,22 @@ function G2(n2, t3) {
 // src/view/look/curves.ts
 var WIDTH_PX = 250;
 var LEVEL_PX = 500;
-function isEditable(curves) {
-  return !("rgba" in curves);
+function isEditable(curves2) {
+  return !("rgba" in curves2);
 }
 function at(curve, value) {
-  const next = curve.findIndex((point) => valueOf(point) > value);
+  const next = curve.findIndex((point2) => valueOf(point2) > value);
   const right = next < 0 ? curve.length - 1 : next;
-  const [a4, b] = [curve[next < 0 ? right : Math.max(0, right - 1)], curve[right]];
-  if (a4 === void 0 || b === void 0) return [];
-  const width = valueOf(b) - valueOf(a4);
-  const share = width > 0 ? clamped((value - valueOf(a4)) / width, 0, 1) : 0;
-  return a4.slice(1).map((start, k2) => start + share * ((b[k2 + 1] ?? start) - start));
+  const [a3, b] = [curve[next < 0 ? right : Math.max(0, right - 1)], curve[right]];
+  if (a3 === void 0 || b === void 0) return [];
+  const width = valueOf(b) - valueOf(a3);
+  const share2 = width > 0 ? clamped((value - valueOf(a3)) / width, 0, 1) : 0;
+  return a3.slice(1).map((start, k3) => start + share2 * ((b[k3 + 1] ?? start) - start));
 }
-function withPoint(curve, point) {
-  const next = curve.findIndex((other) => valueOf(other) > valueOf(point));
+function withPoint(curve, point2) {
+  const next = curve.findIndex((other) => valueOf(other) > valueOf(point2));
   const index = next < 0 ? curve.length : next;
-  return { curve: [...curve.slice(0, index), point, ...curve.slice(index)], index };
+  return { curve: [...curve.slice(0, index), point2, ...curve.slice(index)], index };
 }
 function withPointOn(curve, value) {
   return withPoint(curve, [value, ...at(curve, value)]);
@@ -1027,46 +1178,46 @@ function withPointBeside(curve, index, span) {
   if (before !== void 0 && valueOf(before) < here) return withPointOn(curve, (here + valueOf(before)) / 2);
   return withPointOn(curve, here + 0.1 * (span[1] - span[0]));
 }
-function withMoved(curve, index, point) {
+function withMoved(curve, index, point2) {
   const least = index > 0 ? valueOf(curve[index - 1] ?? []) : -Infinity;
   const most = index < curve.length - 1 ? valueOf(curve[index + 1] ?? []) : Infinity;
-  const moved = [clamped(valueOf(point), least, most), ...point.slice(1).map((share) => clamped(share, 0, 1))];
-  return curve.map((other, k2) => k2 === index ? moved : other);
+  const moved = [clamped(valueOf(point2), least, most), ...point2.slice(1).map((share2) => clamped(share2, 0, 1))];
+  return curve.map((other, k3) => k3 === index ? moved : other);
 }
 function without(curve, index) {
-  return curve.length > 1 ? curve.filter((_3, k2) => k2 !== index) : curve;
+  return curve.length > 1 ? curve.filter((_3, k3) => k3 !== index) : curve;
 }
-function spanOf(...curves) {
-  const values = curves.flat().map(valueOf);
+function spanOf(...curves2) {
+  const values = curves2.flat().map(valueOf);
   return [Math.min(...values), Math.max(...values)];
 }
-function spanOfFunction(curves) {
-  return spanOf(curves.opacity, curves.color);
+function spanOfFunction(curves2) {
+  return spanOf(curves2.opacity, curves2.color);
 }
 function mapped(curve, factor, centre, shift = 0) {
-  const points = curve.map((point) => {
-    const value = centre + factor * (valueOf(point) - centre) + shift;
-    return [value, ...point.slice(1)];
+  const points = curve.map((point2) => {
+    const value = centre + factor * (valueOf(point2) - centre) + shift;
+    return [value, ...point2.slice(1)];
   });
   return factor < 0 ? points.reverse() : points;
 }
-function shifted(curves, shift) {
-  return onValues(curves, 1, 0, shift);
+function shifted(curves2, shift) {
+  return onValues(curves2, 1, 0, shift);
 }
-function widened(curves, factor) {
-  return onValues(curves, factor, middle(spanOfFunction(curves)), 0);
+function widened(curves2, factor) {
+  return onValues(curves2, factor, middle(spanOfFunction(curves2)), 0);
 }
-function withOpacities(curves, factor) {
-  const opacity = curves.opacity.map(([value, alpha]) => [value, clamped(factor * alpha, 0, 1)]);
-  return { ...curves, opacity };
+function withOpacities(curves2, factor) {
+  const opacity = curves2.opacity.map(([value, alpha]) => [value, clamped(factor * alpha, 0, 1)]);
+  return { ...curves2, opacity };
 }
 function mirrored(curve) {
   return mapped(curve, -1, middle(spanOf(curve)));
 }
 function windowed(look, dx, dy, range) {
-  const curves = look.transfer_function;
-  if (!isEditable(curves)) return look;
-  const wide = widened(curves, Math.exp(dx / WIDTH_PX));
+  const curves2 = look.transfer_function;
+  if (!isEditable(curves2)) return look;
+  const wide = widened(curves2, Math.exp(dx / WIDTH_PX));
   return { ...look, transfer_function: shifted(wide, -dy / LEVEL_PX * (range[1] - range[0])) };
 }
 function firstGradientCurve(scale) {
@@ -1075,28 +1226,28 @@ function firstGradientCurve(scale) {
     [0.5 * scale, 1]
   ];
 }
-function surfaceValue(curves, range) {
-  if (!isEditable(curves)) return middle(range);
-  const half = Math.max(...curves.opacity.map(([, alpha]) => alpha)) / 2;
-  const next = curves.opacity.findIndex(([, alpha]) => alpha >= half);
-  const [a4, b] = [curves.opacity[Math.max(0, next - 1)], curves.opacity[next]];
-  if (half <= 0 || a4 === void 0 || b === void 0) return middle(range);
-  const rise = b[1] - a4[1];
-  return rise > 0 ? a4[0] + (half - a4[1]) / rise * (b[0] - a4[0]) : b[0];
+function surfaceValue(curves2, range) {
+  if (!isEditable(curves2)) return middle(range);
+  const half = Math.max(...curves2.opacity.map(([, alpha]) => alpha)) / 2;
+  const next = curves2.opacity.findIndex(([, alpha]) => alpha >= half);
+  const [a3, b] = [curves2.opacity[Math.max(0, next - 1)], curves2.opacity[next]];
+  if (half <= 0 || a3 === void 0 || b === void 0) return middle(range);
+  const rise = b[1] - a3[1];
+  return rise > 0 ? a3[0] + (half - a3[1]) / rise * (b[0] - a3[0]) : b[0];
 }
 function outline(curve, [low, high], pieces = 1) {
   const ends = [low, high].map((value) => [value, at(curve, value)[0] ?? 0]);
   const inside = curve.filter(([value]) => value > low && value < high);
   const [first, last] = ends;
   const corners2 = [first, ...inside, last];
-  return corners2.flatMap((to, k2) => {
-    const from = corners2[k2 - 1];
+  return corners2.flatMap((to, k3) => {
+    const from = corners2[k3 - 1];
     if (from === void 0 || pieces === 1 || from[0] === to[0] || from[1] === to[1]) return [to];
     return Array.from({ length: pieces }, (_3, n2) => between(from, to, (n2 + 1) / pieces));
   });
 }
 function hexOf([, red, green, blue]) {
-  const byte = (share) => Math.round(255 * clamped(share, 0, 1)).toString(16).padStart(2, "0");
+  const byte = (share2) => Math.round(255 * clamped(share2, 0, 1)).toString(16).padStart(2, "0");
   return `#${byte(red)}${byte(green)}${byte(blue)}`;
 }
 function rgbOf(hex) {
@@ -1109,18 +1260,18 @@ function clamped(value, least, most) {
 function middle([low, high]) {
   return (low + high) / 2;
 }
-function between(a4, b, share) {
-  return [a4[0] + share * (b[0] - a4[0]), a4[1] + share * (b[1] - a4[1])];
+function between(a3, b, share2) {
+  return [a3[0] + share2 * (b[0] - a3[0]), a3[1] + share2 * (b[1] - a3[1])];
 }
-function onValues(curves, factor, centre, shift) {
+function onValues(curves2, factor, centre, shift) {
   return {
-    ...curves,
-    opacity: mapped(curves.opacity, factor, centre, shift),
-    color: mapped(curves.color, factor, centre, shift)
+    ...curves2,
+    opacity: mapped(curves2.opacity, factor, centre, shift),
+    color: mapped(curves2.color, factor, centre, shift)
   };
 }
-function valueOf(point) {
-  return point[0] ?? 0;
+function valueOf(point2) {
+  return point2[0] ?? 0;
 }
 
 // src/view/look/axis.ts
@@ -1133,8 +1284,8 @@ function wholeOf(data, points) {
 function zoomed2(seen, factor, centre, whole) {
   const most = whole[1] - whole[0];
   const width = clamped((seen[1] - seen[0]) / factor, CLOSEST * most, most);
-  const share = clamped((centre - seen[0]) / (seen[1] - seen[0]), 0, 1);
-  return within([centre - share * width, centre + (1 - share) * width], whole);
+  const share2 = clamped((centre - seen[0]) / (seen[1] - seen[0]), 0, 1);
+  return within([centre - share2 * width, centre + (1 - share2) * width], whole);
 }
 function within([low, high], whole) {
   const width = Math.min(high - low, whole[1] - whole[0]);
@@ -1145,7 +1296,7 @@ function ticks([low, high], n2 = 5) {
   const step = roundStep((high - low) / n2);
   const first = Math.ceil(low / step - 1e-9);
   const count = Math.floor(high / step + 1e-9) - first + 1;
-  return Array.from({ length: Math.max(0, Math.min(count, 50)) }, (_3, k2) => tidy((first + k2) * step, step));
+  return Array.from({ length: Math.max(0, Math.min(count, 50)) }, (_3, k3) => tidy((first + k3) * step, step));
 }
 function rounded(value, span) {
   const step = 10 ** Math.floor(Math.log10(Math.max(Math.abs(span), Number.MIN_VALUE) / 1e3));
@@ -1183,17 +1334,6 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var f3 = /* @__PURE__ */ Symbol.for("pv");
-var o3 = 0;
-function a3(t3, e3, n2, u3, a4, i3) {
-  e3 || (e3 = {});
-  var c3, l3, p3 = e3;
-  if ("ref" in p3 && "function" != typeof t3) for (l3 in p3 = {}, e3) "ref" == l3 ? c3 = e3[l3] : p3[l3] = e3[l3];
-  var s3 = { type: t3, props: p3, key: n2, ref: c3, __k: null, __: null, __b: 0, __e: null, __c: null, constructor: f3, __v: --o3, __i: -1, __u: 0 };
-  return (a4 || i3) && (s3.__source = a4, s3.__self = i3), n.vnode && n.vnode(s3), s3;
-}
-
 // src/view/look/fields.tsx
 function NumberField(props) {
   const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id } = props;
@@ -1202,7 +1342,7 @@ function NumberField(props) {
     setTyped(null);
     props.onDone();
   };
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "input",
     {
       type: "number",
@@ -1216,8 +1356,8 @@ function NumberField(props) {
       onInput: (event) => {
         const field = event.currentTarget;
         setTyped(field.value);
-        const number = field.valueAsNumber;
-        if (Number.isFinite(number)) props.onValue(clamped(number, min ?? -Infinity, max ?? Infinity));
+        const number2 = field.valueAsNumber;
+        if (Number.isFinite(number2)) props.onValue(clamped(number2, min ?? -Infinity, max ?? Infinity));
       },
       onChange: done2,
       onBlur: done2,
@@ -1229,11 +1369,7 @@ function NumberField(props) {
 }
 function NamedNumber(props) {
   const { label, shown = label, unit: unit2 = "" } = props;
-  return /* @__PURE__ */ a3("span", { class: "look-named", children: [
-    /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: shown }),
-    /* @__PURE__ */ a3(NumberField, { ...props }),
-    unit2 !== "" && /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: unit2 })
-  ] });
+  return /* @__PURE__ */ k("span", { class: "look-named" }, /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, shown), /* @__PURE__ */ k(NumberField, { ...props }), unit2 !== "" && /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, unit2));
 }
 function SliderField(props) {
   const {
@@ -1248,25 +1384,21 @@ function SliderField(props) {
     most
   } = props;
   const { shown = label } = props;
-  return /* @__PURE__ */ a3("div", { class: "field look-slider", children: [
-    shown !== "" && /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: shown }),
-    /* @__PURE__ */ a3(
-      "input",
-      {
-        type: "range",
-        "aria-label": label,
-        "aria-valuetext": `${numberText(value)}${unit2 && ` ${unit2}`}`,
-        value,
-        min,
-        max,
-        step,
-        disabled,
-        onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
-        onChange: () => props.onDone()
-      }
-    ),
-    /* @__PURE__ */ a3(NumberField, { ...props, min: least ?? min, max: most ?? max, step, label: `${label}, number` })
-  ] });
+  return /* @__PURE__ */ k("div", { class: "field look-slider" }, shown !== "" && /* @__PURE__ */ k("span", { "aria-hidden": "true" }, shown), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "range",
+      "aria-label": label,
+      "aria-valuetext": `${numberText(value)}${unit2 && ` ${unit2}`}`,
+      value,
+      min,
+      max,
+      step,
+      disabled,
+      onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
+      onChange: () => props.onDone()
+    }
+  ), /* @__PURE__ */ k(NumberField, { ...props, min: least ?? min, max: most ?? max, step, label: `${label}, number` }));
 }
 function RelativeSlider(props) {
   const { label, neutral, unit: unit2 = "", disabled = false } = props;
@@ -1277,72 +1409,62 @@ function RelativeSlider(props) {
     props.onDone();
   };
   const apply = () => {
-    const number = Number(typed);
+    const number2 = Number(typed);
     setTyped("");
-    if (typed.trim() === "" || !Number.isFinite(number)) return;
-    props.onAmount(number);
+    if (typed.trim() === "" || !Number.isFinite(number2)) return;
+    props.onAmount(number2);
     done2();
   };
   const shown = numberText(amount ?? neutral);
-  return /* @__PURE__ */ a3("div", { class: "field look-slider", children: [
-    /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: label }),
-    /* @__PURE__ */ a3(
-      "input",
-      {
-        type: "range",
-        "aria-label": label,
-        "aria-valuetext": `${shown}${unit2 && ` ${unit2}`}`,
-        min: -1,
-        max: 1,
-        step: 0.01,
-        value: amount === null ? 0 : props.position(amount),
-        disabled,
-        onInput: (event) => {
-          const next = props.amount(event.currentTarget.valueAsNumber);
-          setAmount(next);
-          props.onAmount(next);
-        },
-        onChange: done2
+  return /* @__PURE__ */ k("div", { class: "field look-slider" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, label), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "range",
+      "aria-label": label,
+      "aria-valuetext": `${shown}${unit2 && ` ${unit2}`}`,
+      min: -1,
+      max: 1,
+      step: 0.01,
+      value: amount === null ? 0 : props.position(amount),
+      disabled,
+      onInput: (event) => {
+        const next = props.amount(event.currentTarget.valueAsNumber);
+        setAmount(next);
+        props.onAmount(next);
+      },
+      onChange: done2
+    }
+  ), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      step: "any",
+      "aria-label": `${label}, number${unit2 && `, ${unit2}`}`,
+      value: amount === null ? typed : Number(amount.toPrecision(3)),
+      placeholder: numberText(neutral),
+      disabled,
+      onInput: (event) => setTyped(event.currentTarget.value),
+      onBlur: apply,
+      onKeyDown: (event) => {
+        if (event.key === "Enter") apply();
       }
-    ),
-    /* @__PURE__ */ a3(
-      "input",
-      {
-        type: "number",
-        step: "any",
-        "aria-label": `${label}, number${unit2 && `, ${unit2}`}`,
-        value: amount === null ? typed : Number(amount.toPrecision(3)),
-        placeholder: numberText(neutral),
-        disabled,
-        onInput: (event) => setTyped(event.currentTarget.value),
-        onBlur: apply,
-        onKeyDown: (event) => {
-          if (event.key === "Enter") apply();
-        }
-      }
-    )
-  ] });
+    }
+  ));
 }
 function SelectField({ label, value, options, onChoice }) {
-  return /* @__PURE__ */ a3("label", { class: "field", children: [
-    /* @__PURE__ */ a3("span", { children: label }),
-    /* @__PURE__ */ a3("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value), children: options.map((option) => /* @__PURE__ */ a3("option", { value: option.value, disabled: option.disabled ?? false, children: option.text }, option.value)) })
-  ] });
+  return /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, label), /* @__PURE__ */ k("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value) }, options.map((option) => /* @__PURE__ */ k("option", { key: option.value, value: option.value, disabled: option.disabled ?? false }, option.text))));
 }
 function CheckField({
   label,
   checked,
   onCheck
 }) {
-  return /* @__PURE__ */ a3("label", { class: "row look-check", children: [
-    /* @__PURE__ */ a3("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }),
-    /* @__PURE__ */ a3("span", { children: label })
-  ] });
+  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label));
 }
 function ColorField({ label, value, onColor, onDone }) {
   const [picked, setPicked] = d2(null);
   A2(() => setPicked(null), [value]);
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "input",
     {
       type: "color",
@@ -1358,7 +1480,7 @@ function ColorField({ label, value, onColor, onDone }) {
   );
 }
 function Button(props) {
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "button",
     {
       type: "button",
@@ -1367,27 +1489,27 @@ function Button(props) {
       title: props.label,
       "aria-pressed": props.pressed,
       disabled: props.disabled ?? false,
-      onClick: () => props.onClick(),
-      children: props.children
-    }
+      onClick: () => props.onClick()
+    },
+    props.children
   );
 }
 
 // src/view/fields.tsx
 function NumberField2(props) {
   const { onInput, onSettle, ...others } = props;
-  return /* @__PURE__ */ a3(SliderField, { ...others, least: -Infinity, most: Infinity, onValue: onInput, onDone: onSettle });
+  return /* @__PURE__ */ k(SliderField, { ...others, least: -Infinity, most: Infinity, onValue: onInput, onDone: onSettle });
 }
 function Choice(props) {
   const { label, value, options, onChoose } = props;
-  return /* @__PURE__ */ a3(SelectField, { ...{ label, value }, options: options.map(([name, text]) => ({ value: name, text })), onChoice: onChoose });
+  return /* @__PURE__ */ k(SelectField, { ...{ label, value }, options: options.map(([name, text2]) => ({ value: name, text: text2 })), onChoice: onChoose });
 }
 function Switch(props) {
-  return /* @__PURE__ */ a3(CheckField, { label: props.label, checked: props.on, onCheck: props.onToggle });
+  return /* @__PURE__ */ k(CheckField, { label: props.label, checked: props.on, onCheck: props.onToggle });
 }
 function Panel(props) {
   const { name, title, open, onToggle, children } = props;
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "details",
     {
       class: "panel",
@@ -1396,12 +1518,10 @@ function Panel(props) {
       onToggle: (event) => {
         const now = event.currentTarget.open;
         if (now !== open) onToggle(name, now);
-      },
-      children: [
-        /* @__PURE__ */ a3("summary", { children: title }),
-        open && /* @__PURE__ */ a3("div", { class: "body", children })
-      ]
-    }
+      }
+    },
+    /* @__PURE__ */ k("summary", null, title),
+    open && /* @__PURE__ */ k("div", { class: "body" }, children)
   );
 }
 
@@ -1410,28 +1530,28 @@ var FACES = [0, 1, 2].flatMap((axis) => [
   { axis, side: "lower" },
   { axis, side: "upper" }
 ]);
-function corners(box) {
+function corners(box2) {
   return [...Array(8).keys()].map(
-    (bits) => [0, 1, 2].map((axis) => (bits >> axis & 1 ? box.upper : box.lower)[axis])
+    (bits) => [0, 1, 2].map((axis) => (bits >> axis & 1 ? box2.upper : box2.lower)[axis])
   );
 }
 var EDGES = [0, 1, 2].flatMap(
   (axis) => [...Array(8).keys()].filter((bits) => !(bits >> axis & 1)).map((bits) => ({ a: bits, b: bits | 1 << axis, axis }))
 );
-function faceCenter(box, { axis, side }) {
-  const middle2 = center(box);
-  return middle2.map((value, a4) => a4 === axis ? box[side][axis] : value);
+function faceCenter(box2, { axis, side }) {
+  const middle2 = center(box2);
+  return middle2.map((value, a3) => a3 === axis ? box2[side][axis] : value);
 }
-var center = (box) => scaled(add(box.lower, box.upper), 0.5);
-function isSeen(box, face, camera) {
-  const outward = [0, 0, 0].map((_3, a4) => a4 === face.axis ? face.side === "upper" ? 1 : -1 : 0);
-  const toEye = camera.parallel_scale === void 0 ? sub(camera.position, faceCenter(box, face)) : axesOf(camera).back;
+var center = (box2) => scaled(add(box2.lower, box2.upper), 0.5);
+function isSeen(box2, face, camera) {
+  const outward = [0, 0, 0].map((_3, a3) => a3 === face.axis ? face.side === "upper" ? 1 : -1 : 0);
+  const toEye = camera.parallel_scale === void 0 ? sub(camera.position, faceCenter(box2, face)) : axesOf(camera).back;
   return dot(outward, toEye) > 0;
 }
-function isHidden(box, edge, camera) {
+function isHidden(box2, edge, camera) {
   return [0, 1, 2].filter((axis) => axis !== edge.axis).every((axis) => {
     const side = edge.a >> axis & 1 ? "upper" : "lower";
-    return !isSeen(box, { axis, side }, camera);
+    return !isSeen(box2, { axis, side }, camera);
   });
 }
 function alongAxis(camera, size, from, axis, dx, dy) {
@@ -1442,19 +1562,19 @@ function alongAxis(camera, size, from, axis, dx, dy) {
   const square = ux * ux + uy * uy;
   return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
 }
-function withFace(box, face, to, bounds, least) {
+function withFace(box2, face, to, bounds, least) {
   const { axis, side } = face;
   const [low, high] = [bounds[0][axis], bounds[1][axis]];
-  const inside = side === "lower" ? Math.max(low, Math.min(to, box.upper[axis] - least)) : Math.min(high, Math.max(to, box.lower[axis] + least));
-  const moved = box[side].map((value, a4) => a4 === axis ? inside : value);
-  return { ...box, [side]: moved };
+  const inside = side === "lower" ? Math.max(low, Math.min(to, box2.upper[axis] - least)) : Math.min(high, Math.max(to, box2.lower[axis] + least));
+  const moved = box2[side].map((value, a3) => a3 === axis ? inside : value);
+  return { ...box2, [side]: moved };
 }
-function movedBy(box, by, bounds) {
-  const clamped2 = by.map((way, a4) => {
-    const [room, back] = [(bounds[1][a4] ?? 0) - (box.upper[a4] ?? 0), (bounds[0][a4] ?? 0) - (box.lower[a4] ?? 0)];
+function movedBy(box2, by, bounds) {
+  const clamped2 = by.map((way, a3) => {
+    const [room, back] = [(bounds[1][a3] ?? 0) - (box2.upper[a3] ?? 0), (bounds[0][a3] ?? 0) - (box2.lower[a3] ?? 0)];
     return Math.min(Math.max(way, back), room);
   });
-  return { ...box, lower: add(box.lower, clamped2), upper: add(box.upper, clamped2) };
+  return { ...box2, lower: add(box2.lower, clamped2), upper: add(box2.upper, clamped2) };
 }
 function inPicture(camera, size, from, dx, dy) {
   const here = project(camera, size, from);
@@ -1464,149 +1584,122 @@ function inPicture(camera, size, from, dx, dy) {
   const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
   return sub(add(moved.origin, scaled(moved.direction, depth)), from);
 }
-var placeOfBox = (clips, kind) => clips.findIndex((clip) => kind in clip && !isIndexed(boxOf(clip)));
-function boxOf(clip) {
-  return "keep" in clip ? clip.keep : "cut_out" in clip ? clip.cut_out : null;
+var placeOfBox = (clips, kind2) => clips.findIndex((clip2) => kind2 in clip2 && !isIndexed(boxOf(clip2)));
+function boxOf(clip2) {
+  return "keep" in clip2 ? clip2.keep : "cut_out" in clip2 ? clip2.cut_out : null;
 }
-var isIndexed = (box) => box?.space === "index";
+var isIndexed = (box2) => box2?.space === "index";
 
 // src/view/cut_panel.tsx
 var AXES = ["x", "y", "z"];
 function CutPanel(props) {
   const { store, welcome } = props;
-  const { clip, view } = store.state;
+  const { clip: clip2, view } = store.state;
   const whole = { lower: welcome.bounds[0], upper: welcome.bounds[1], space: "world" };
   const add2 = (one) => store.change([set(one, "clip", "-"), set(true, "view", "overlays", "crop_box")]);
   const remove = (place) => store.change([{ op: "remove", path: `/clip/${place}` }]);
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(
-      Switch,
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    Switch,
+    {
+      label: "Handles in the views",
+      on: view.overlays.crop_box,
+      onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
+    }
+  ), ["keep", "cut_out"].map((kind2) => {
+    const place = placeOfBox(clip2, kind2);
+    const found = clip2[place];
+    const box2 = found === void 0 ? null : boxOf(found);
+    const title = kind2 === "keep" ? "Crop box" : "Box that is cut out";
+    return /* @__PURE__ */ k("fieldset", { key: kind2 }, /* @__PURE__ */ k("legend", null, title), box2 === null ? /* @__PURE__ */ k(
+      "button",
       {
-        label: "Handles in the views",
-        on: view.overlays.crop_box,
-        onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
+        class: "button",
+        onClick: () => add2({ [kind2]: kind2 === "keep" ? whole : corner(whole) })
+      },
+      kind2 === "keep" ? "Crop" : "Cut a corner out"
+    ) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k(BoxNumbers, { ...props, kind: kind2, place, box: box2 }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => store.change([set({ [kind2]: whole }, "clip", place)]) }, "Reset"), /* @__PURE__ */ k("button", { class: "button", onClick: () => remove(place) }, "Remove"))));
+  }), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, "Clip planes"), clip2.map(
+    (one, place) => "plane" in one ? /* @__PURE__ */ k(PlaneNumbers, { key: place, ...props, place, plane: one.plane, onRemove: () => remove(place) }) : null
+  ), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      onClick: () => {
+        const { back } = axesOf(store.state.camera);
+        add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
       }
-    ),
-    ["keep", "cut_out"].map((kind) => {
-      const place = placeOfBox(clip, kind);
-      const found = clip[place];
-      const box = found === void 0 ? null : boxOf(found);
-      const title = kind === "keep" ? "Crop box" : "Box that is cut out";
-      return /* @__PURE__ */ a3("fieldset", { children: [
-        /* @__PURE__ */ a3("legend", { children: title }),
-        box === null ? /* @__PURE__ */ a3(
-          "button",
-          {
-            class: "button",
-            onClick: () => add2({ [kind]: kind === "keep" ? whole : corner(whole) }),
-            children: kind === "keep" ? "Crop" : "Cut a corner out"
-          }
-        ) : /* @__PURE__ */ a3($, { children: [
-          /* @__PURE__ */ a3(BoxNumbers, { ...props, kind, place, box }),
-          /* @__PURE__ */ a3("div", { class: "row", children: [
-            /* @__PURE__ */ a3("button", { class: "button", onClick: () => store.change([set({ [kind]: whole }, "clip", place)]), children: "Reset" }),
-            /* @__PURE__ */ a3("button", { class: "button", onClick: () => remove(place), children: "Remove" })
-          ] })
-        ] })
-      ] }, kind);
-    }),
-    /* @__PURE__ */ a3("fieldset", { children: [
-      /* @__PURE__ */ a3("legend", { children: "Clip planes" }),
-      clip.map(
-        (one, place) => "plane" in one ? /* @__PURE__ */ a3(PlaneNumbers, { ...props, place, plane: one.plane, onRemove: () => remove(place) }, place) : null
-      ),
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          onClick: () => {
-            const { back } = axesOf(store.state.camera);
-            add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
-          },
-          children: "Add a plane that faces you"
-        }
-      )
-    ] })
-  ] });
+    },
+    "Add a plane that faces you"
+  )));
 }
-function corner(box) {
-  const middle2 = (axis) => ((box.lower[axis] ?? 0) + (box.upper[axis] ?? 0)) / 2;
-  return { ...box, lower: [box.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box.upper[1], box.upper[2]] };
+function corner(box2) {
+  const middle2 = (axis) => ((box2.lower[axis] ?? 0) + (box2.upper[axis] ?? 0)) / 2;
+  return { ...box2, lower: [box2.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box2.upper[1], box2.upper[2]] };
 }
 function BoxNumbers(props) {
-  const { store, welcome, kind, place, box } = props;
+  const { store, welcome, kind: kind2, place, box: box2 } = props;
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
   const unitName = welcome.volumes[0]?.unit ?? "units";
-  return /* @__PURE__ */ a3($, { children: AXES.flatMap(
-    (name, a4) => ["lower", "upper"].map((side) => {
-      const face = { axis: a4, side };
-      const [low, high] = [welcome.bounds[0][a4] ?? 0, welcome.bounds[1][a4] ?? 1];
-      return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k($, null, AXES.flatMap(
+    (name, a3) => ["lower", "upper"].map((side) => {
+      const face = { axis: a3, side };
+      const [low, high] = [welcome.bounds[0][a3] ?? 0, welcome.bounds[1][a3] ?? 1];
+      return /* @__PURE__ */ k(
         NumberField2,
         {
+          key: `${name}${side}`,
           label: `${name} ${side === "lower" ? "from" : "to"}`,
           unit: unitName,
-          value: box[side][a4] ?? 0,
+          value: box2[side][a3] ?? 0,
           min: low,
           max: high,
           onInput: (value) => store.change(
-            [set({ [kind]: withFace(box, face, value, welcome.bounds, spacing[a4] ?? 1) }, "clip", place)],
-            `${kind} ${name} ${side}`
+            [set({ [kind2]: withFace(box2, face, value, welcome.bounds, spacing[a3] ?? 1) }, "clip", place)],
+            `${kind2} ${name} ${side}`
           ),
           onSettle: () => store.settle()
-        },
-        `${name}${side}`
+        }
       );
     })
-  ) });
+  ));
 }
 function PlaneNumbers(props) {
   const { store, welcome, place, plane, onRemove } = props;
   const normal = unit(plane.normal);
   const [lower, upper] = welcome.bounds;
-  const ends = [0, 1, 2].map((a4) => [(lower[a4] ?? 0) * (normal[a4] ?? 0), (upper[a4] ?? 0) * (normal[a4] ?? 0)]);
+  const ends = [0, 1, 2].map((a3) => [(lower[a3] ?? 0) * (normal[a3] ?? 0), (upper[a3] ?? 0) * (normal[a3] ?? 0)]);
   const low = ends.reduce((sum, end) => sum + Math.min(...end), 0);
   const high = ends.reduce((sum, end) => sum + Math.max(...end), 0);
   const along = dot(plane.point, normal);
   const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
-  const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
-  return /* @__PURE__ */ a3("div", { class: "plane", children: [
-    /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: `Plane ${number} at`,
-        unit: welcome.volumes[0]?.unit ?? "units",
-        value: along,
-        min: low,
-        max: high,
-        onInput: (value) => {
-          const point = plane.point.map((x2, a4) => x2 + (value - along) * (normal[a4] ?? 0));
-          change({ ...plane, point }, "plane at");
-        },
-        onSettle: () => store.settle()
+  const number2 = store.state.clip.slice(0, place + 1).filter((clip2) => "plane" in clip2).length;
+  return /* @__PURE__ */ k("div", { class: "plane" }, /* @__PURE__ */ k(
+    NumberField2,
+    {
+      label: `Plane ${number2} at`,
+      unit: welcome.volumes[0]?.unit ?? "units",
+      value: along,
+      min: low,
+      max: high,
+      onInput: (value) => {
+        const point2 = plane.point.map((x2, a3) => x2 + (value - along) * (normal[a3] ?? 0));
+        change({ ...plane, point: point2 }, "plane at");
+      },
+      onSettle: () => store.settle()
+    }
+  ), /* @__PURE__ */ k("div", { class: "row" }, AXES.map((name, a3) => /* @__PURE__ */ k("label", { key: name, class: "row" }, `Normal ${name}`, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      step: "any",
+      value: Number((normal[a3] ?? 0).toFixed(4)),
+      onChange: (event) => {
+        const value = event.currentTarget.valueAsNumber;
+        const next = normal.map((x2, b) => b === a3 ? value : x2);
+        if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
       }
-    ),
-    /* @__PURE__ */ a3("div", { class: "row", children: AXES.map((name, a4) => /* @__PURE__ */ a3("label", { class: "row", children: [
-      `Normal ${name}`,
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "number",
-          step: "any",
-          value: Number((normal[a4] ?? 0).toFixed(4)),
-          onChange: (event) => {
-            const value = event.currentTarget.valueAsNumber;
-            const next = normal.map((x2, b) => b === a4 ? value : x2);
-            if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
-          }
-        }
-      )
-    ] }, name)) }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }), children: "Flip" }),
-      /* @__PURE__ */ a3("button", { class: "button", onClick: onRemove, children: "Remove" })
-    ] })
-  ] });
+    }
+  )))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }) }, "Flip"), /* @__PURE__ */ k("button", { class: "button", onClick: onRemove }, "Remove")));
 }
 
 // src/view/frame_statistics.ts
@@ -1643,7 +1736,7 @@ var FrameStatistics = class {
   }
 };
 function median(values) {
-  const sorted = [...values].sort((a4, b) => a4 - b);
+  const sorted = [...values].sort((a3, b) => a3 - b);
   return sorted[Math.floor(sorted.length / 2)] ?? null;
 }
 
@@ -1653,37 +1746,19 @@ function Help({ onClose }) {
   A2(() => {
     dialog.current?.showModal();
   }, []);
-  return /* @__PURE__ */ a3("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose, children: [
-    /* @__PURE__ */ a3("h2", { id: "help-title", children: "Keys and gestures" }),
-    /* @__PURE__ */ a3("p", { class: "dim", children: "Keys act in the view that has the focus. In a slice arrows move the crosshair." }),
-    /* @__PURE__ */ a3("table", { children: [
-      /* @__PURE__ */ a3("caption", { class: "hidden", children: "Mouse and touch" }),
-      /* @__PURE__ */ a3("tbody", { children: GESTURES.map(([gesture, what]) => /* @__PURE__ */ a3("tr", { children: [
-        /* @__PURE__ */ a3("th", { scope: "row", children: gesture }),
-        /* @__PURE__ */ a3("td", { children: what })
-      ] }, gesture)) })
-    ] }),
-    /* @__PURE__ */ a3("table", { children: [
-      /* @__PURE__ */ a3("caption", { class: "hidden", children: "Keys" }),
-      /* @__PURE__ */ a3("tbody", { children: KEYS.map(({ shown, text }) => /* @__PURE__ */ a3("tr", { children: [
-        /* @__PURE__ */ a3("th", { scope: "row", children: /* @__PURE__ */ a3("kbd", { children: shown }) }),
-        /* @__PURE__ */ a3("td", { children: text })
-      ] }, shown)) })
-    ] }),
-    /* @__PURE__ */ a3("form", { method: "dialog", children: /* @__PURE__ */ a3("button", { class: "button", children: "Close" }) })
-  ] });
+  return /* @__PURE__ */ k("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose }, /* @__PURE__ */ k("h2", { id: "help-title" }, "Keys and gestures"), /* @__PURE__ */ k("p", { class: "dim" }, "Keys act in the view that has the focus. In a slice arrows move the crosshair."), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Mouse and touch"), /* @__PURE__ */ k("tbody", null, GESTURES.map(([gesture, what]) => /* @__PURE__ */ k("tr", { key: gesture }, /* @__PURE__ */ k("th", { scope: "row" }, gesture), /* @__PURE__ */ k("td", null, what))))), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Keys"), /* @__PURE__ */ k("tbody", null, KEYS.map(({ shown, text: text2 }) => /* @__PURE__ */ k("tr", { key: shown }, /* @__PURE__ */ k("th", { scope: "row" }, /* @__PURE__ */ k("kbd", null, shown)), /* @__PURE__ */ k("td", null, text2))))), /* @__PURE__ */ k("form", { method: "dialog" }, /* @__PURE__ */ k("button", { class: "button" }, "Close")));
 }
 
 // src/view/look/point_keys.ts
 function pointKey(key, isShifted, seen, rise) {
-  const share = isShifted ? 0.2 : 1;
-  const fine = share * keyStep(seen, true);
+  const share2 = isShifted ? 0.2 : 1;
+  const fine = share2 * keyStep(seen, true);
   const coarse = keyStep(seen, false);
   const steps = {
     ArrowLeft: [-fine, 0],
     ArrowRight: [fine, 0],
-    ArrowUp: [0, share * rise],
-    ArrowDown: [0, -share * rise],
+    ArrowUp: [0, share2 * rise],
+    ArrowDown: [0, -share2 * rise],
     PageDown: [-coarse, 0],
     PageUp: [coarse, 0],
     Home: [0, -1],
@@ -1721,8 +1796,8 @@ function CurvePlot(props) {
   const valueAt = (x2) => seen[0] + (x2 - MARGIN.left) / inner.width * (seen[1] - seen[0]);
   const alphaAt = (y3) => clamped(1 - (y3 - MARGIN.top) / inner.height, 0, 1) ** (1 / power);
   const inside = (event) => {
-    const box = svg.current?.getBoundingClientRect();
-    return { x: event.clientX - (box?.left ?? 0), y: event.clientY - (box?.top ?? 0) };
+    const box2 = svg.current?.getBoundingClientRect();
+    return { x: event.clientX - (box2?.left ?? 0), y: event.clientY - (box2?.top ?? 0) };
   };
   const tidy2 = (value, alpha) => [
     Math.max(props.least ?? -Infinity, rounded(value, seen[1] - seen[0])),
@@ -1746,14 +1821,14 @@ function CurvePlot(props) {
   };
   const onHandleKey = (event, index) => {
     const latest = props.latest();
-    const point = latest[index];
-    if (point === void 0) return;
-    const rise = isMagnified ? Math.max(5e-4, 0.1 * point[1]) : 0.01;
+    const point2 = latest[index];
+    if (point2 === void 0) return;
+    const rise = isMagnified ? Math.max(5e-4, 0.1 * point2[1]) : 0.01;
     const key = pointKey(event.key, event.shiftKey, seen, rise);
     if (key === null || key.does === "remove" && latest.length === 1) return;
     if (key.does === "move") {
-      const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
-      props.onCurve(withMoved(latest, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
+      const value = Math.max(props.least ?? -Infinity, point2[0] + key.value);
+      props.onCurve(withMoved(latest, index, [value, Number((point2[1] + key.rise).toPrecision(6))]), index);
     } else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
@@ -1765,7 +1840,7 @@ function CurvePlot(props) {
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
   const marked = ticks(seen, N_TICKS).filter((value) => unit2 === "" || xOf(value) > MARGIN.left + 14);
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "svg",
     {
       ref: svg,
@@ -1791,69 +1866,53 @@ function CurvePlot(props) {
         drag.current = { index: null, x: inside(event).x, y: 0, seen };
       },
       onPointerMove: onPlotMove,
-      onLostPointerCapture: onPlotUp,
-      children: [
-        /* @__PURE__ */ a3(Fill, { id: fill, colors, xOf }),
-        /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
-          marks.map((alpha) => /* @__PURE__ */ a3("g", { children: [
-            /* @__PURE__ */ a3("line", { class: "look-grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: yOf(alpha), y2: yOf(alpha) }),
-            /* @__PURE__ */ a3("text", { class: "look-tick", x: MARGIN.left - 4, y: yOf(alpha) + 4, "text-anchor": "end", children: alpha })
-          ] }, alpha)),
-          marked.map((value) => /* @__PURE__ */ a3("g", { children: [
-            /* @__PURE__ */ a3("line", { class: "look-grid", x1: xOf(value), x2: xOf(value), y1: MARGIN.top, y2: height - MARGIN.bottom + 3 }),
-            /* @__PURE__ */ a3("text", { class: "look-tick", x: Math.min(xOf(value), width - 20), y: height - 5, "text-anchor": "middle", children: numberText(value) })
-          ] }, value)),
-          /* @__PURE__ */ a3("text", { class: "look-tick", x: MARGIN.left - 4, y: height - 5, "text-anchor": "end", children: unit2 }),
-          /* @__PURE__ */ a3(
-            "polygon",
-            {
-              points: `${line.join(" ")} ${px(xOf(seen[1]))},${yOf(0)} ${px(xOf(seen[0]))},${yOf(0)}`,
-              fill: colors === null ? "var(--accent)" : `url(#${fill})`,
-              "fill-opacity": 0.7
-            }
-          ),
-          histogram !== null && /* @__PURE__ */ a3("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }),
-          /* @__PURE__ */ a3("polyline", { class: "look-line-under", points: line.join(" ") }),
-          /* @__PURE__ */ a3("polyline", { class: "look-line", points: line.join(" ") })
-        ] }),
-        hidden.below > 0 && /* @__PURE__ */ a3(Mark, { side: "left", x: MARGIN.left, y: height / 2, text: TEXT.below(hidden.below), onClick: props.onShowPoints }),
-        hidden.above > 0 && /* @__PURE__ */ a3(
-          Mark,
-          {
-            side: "right",
-            x: width - MARGIN.right,
-            y: height / 2,
-            text: TEXT.above(hidden.above),
-            onClick: props.onShowPoints
+      onLostPointerCapture: onPlotUp
+    },
+    /* @__PURE__ */ k(Fill, { id: fill, colors, xOf }),
+    /* @__PURE__ */ k("g", { "aria-hidden": "true" }, marks.map((alpha) => /* @__PURE__ */ k("g", { key: alpha }, /* @__PURE__ */ k("line", { class: "look-grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: yOf(alpha), y2: yOf(alpha) }), /* @__PURE__ */ k("text", { class: "look-tick", x: MARGIN.left - 4, y: yOf(alpha) + 4, "text-anchor": "end" }, alpha))), marked.map((value) => /* @__PURE__ */ k("g", { key: value }, /* @__PURE__ */ k("line", { class: "look-grid", x1: xOf(value), x2: xOf(value), y1: MARGIN.top, y2: height - MARGIN.bottom + 3 }), /* @__PURE__ */ k("text", { class: "look-tick", x: Math.min(xOf(value), width - 20), y: height - 5, "text-anchor": "middle" }, numberText(value)))), /* @__PURE__ */ k("text", { class: "look-tick", x: MARGIN.left - 4, y: height - 5, "text-anchor": "end" }, unit2), /* @__PURE__ */ k(
+      "polygon",
+      {
+        points: `${line.join(" ")} ${px(xOf(seen[1]))},${yOf(0)} ${px(xOf(seen[0]))},${yOf(0)}`,
+        fill: colors === null ? "var(--accent)" : `url(#${fill})`,
+        "fill-opacity": 0.7
+      }
+    ), histogram !== null && /* @__PURE__ */ k("path", { class: "look-counts", d: barsPath(histogram, xOf, inner.height, seen) }), /* @__PURE__ */ k("polyline", { class: "look-line-under", points: line.join(" ") }), /* @__PURE__ */ k("polyline", { class: "look-line", points: line.join(" ") })),
+    hidden.below > 0 && /* @__PURE__ */ k(Mark, { side: "left", x: MARGIN.left, y: height / 2, text: TEXT.below(hidden.below), onClick: props.onShowPoints }),
+    hidden.above > 0 && /* @__PURE__ */ k(
+      Mark,
+      {
+        side: "right",
+        x: width - MARGIN.right,
+        y: height / 2,
+        text: TEXT.above(hidden.above),
+        onClick: props.onShowPoints
+      }
+    ),
+    curve.map(
+      (point2, index) => point2[0] < seen[0] || point2[0] > seen[1] ? null : /* @__PURE__ */ k(
+        Handle,
+        {
+          key: index,
+          x: xOf(point2[0]),
+          y: yOf(point2[1]),
+          isSelected: index === selected,
+          color: null,
+          label: `Point ${index + 1} of ${curve.length}`,
+          value: point2[0],
+          range: seen,
+          text: `${props.what} ${numberText(point2[1])} at ${numberText(point2[0])}${unit2 && ` ${unit2}`}`,
+          onSelect: () => props.onSelect(index),
+          onKeyDown: (event) => onHandleKey(event, index),
+          onKeyUp: () => props.onDone(),
+          onGrab: (event) => {
+            const { x: x2, y: y3 } = inside(event);
+            svg.current?.setPointerCapture(event.pointerId);
+            drag.current = { index, x: x2 - xOf(point2[0]), y: y3 - yOf(point2[1]), seen };
           }
-        ),
-        curve.map(
-          (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a3(
-            Handle,
-            {
-              x: xOf(point[0]),
-              y: yOf(point[1]),
-              isSelected: index === selected,
-              color: null,
-              label: `Point ${index + 1} of ${curve.length}`,
-              value: point[0],
-              range: seen,
-              text: `${props.what} ${numberText(point[1])} at ${numberText(point[0])}${unit2 && ` ${unit2}`}`,
-              onSelect: () => props.onSelect(index),
-              onKeyDown: (event) => onHandleKey(event, index),
-              onKeyUp: () => props.onDone(),
-              onGrab: (event) => {
-                const { x: x2, y: y3 } = inside(event);
-                svg.current?.setPointerCapture(event.pointerId);
-                drag.current = { index, x: x2 - xOf(point[0]), y: y3 - yOf(point[1]), seen };
-              }
-            },
-            index
-          )
-        ),
-        props.children
-      ]
-    }
+        }
+      )
+    ),
+    props.children
   );
 }
 function changePoints({ latest, seen, onCurve, onDone }, what, index) {
@@ -1866,8 +1925,8 @@ function changePoints({ latest, seen, onCurve, onDone }, what, index) {
   onDone();
 }
 function Handle(props) {
-  const { x: x2, y: y3, isSelected, color, range, value } = props;
-  return /* @__PURE__ */ a3(
+  const { x: x2, y: y3, isSelected, color: color2, range, value } = props;
+  return /* @__PURE__ */ k(
     "g",
     {
       class: "look-handle",
@@ -1892,25 +1951,23 @@ function Handle(props) {
         event.currentTarget.focus();
         props.onSelect();
         props.onGrab(event);
-      },
-      children: [
-        /* @__PURE__ */ a3("title", { children: props.text }),
-        /* @__PURE__ */ a3("circle", { class: "look-reach", r: REACH_PX }),
-        color === null ? /* @__PURE__ */ a3("circle", { class: "look-dot", r: DOT_PX }) : /* @__PURE__ */ a3("path", { class: "look-dot", d: "M0 -10 L7 -2 V9 H-7 V-2 Z", style: { fill: color } })
-      ]
-    }
+      }
+    },
+    /* @__PURE__ */ k("title", null, props.text),
+    /* @__PURE__ */ k("circle", { class: "look-reach", r: REACH_PX }),
+    color2 === null ? /* @__PURE__ */ k("circle", { class: "look-dot", r: DOT_PX }) : /* @__PURE__ */ k("path", { class: "look-dot", d: "M0 -10 L7 -2 V9 H-7 V-2 Z", style: { fill: color2 } })
   );
 }
 function Mark(props) {
-  const { side, x: x2, y: y3, text, onClick } = props;
+  const { side, x: x2, y: y3, text: text2, onClick } = props;
   const stop = (event) => event.stopPropagation();
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "g",
     {
       class: "look-mark",
       role: "button",
       tabindex: 0,
-      "aria-label": text,
+      "aria-label": text2,
       transform: `translate(${x2} ${y3})${side === "left" ? "" : " scale(-1 1)"}`,
       onPointerDown: stop,
       onDblClick: stop,
@@ -1920,13 +1977,11 @@ function Mark(props) {
         event.preventDefault();
         event.stopPropagation();
         onClick();
-      },
-      children: [
-        /* @__PURE__ */ a3("title", { children: text }),
-        /* @__PURE__ */ a3("rect", { class: "look-reach", x: -6, y: -14, width: 28, height: 28 }),
-        /* @__PURE__ */ a3("path", { d: "M1 0 L13 -8 V8 Z" })
-      ]
-    }
+      }
+    },
+    /* @__PURE__ */ k("title", null, text2),
+    /* @__PURE__ */ k("rect", { class: "look-reach", x: -6, y: -14, width: 28, height: 28 }),
+    /* @__PURE__ */ k("path", { d: "M1 0 L13 -8 V8 Z" })
   );
 }
 function Fill({
@@ -1937,7 +1992,7 @@ function Fill({
   const [first, last] = [colors?.[0], colors?.at(-1)];
   if (colors === null || first === void 0 || last === void 0) return null;
   const width = last[0] - first[0] || 1;
-  return /* @__PURE__ */ a3("defs", { children: /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k("defs", null, /* @__PURE__ */ k(
     "linearGradient",
     {
       id,
@@ -1945,10 +2000,10 @@ function Fill({
       x1: xOf(first[0]),
       x2: xOf(first[0] + width),
       y1: 0,
-      y2: 0,
-      children: colors.map((point, index) => /* @__PURE__ */ a3("stop", { offset: (point[0] - first[0]) / width, "stop-color": hexOf(point) }, index))
-    }
-  ) });
+      y2: 0
+    },
+    colors.map((point2, index) => /* @__PURE__ */ k("stop", { key: index, offset: (point2[0] - first[0]) / width, "stop-color": hexOf(point2) }))
+  ));
 }
 function useWidth() {
   const element = T2(null);
@@ -1968,12 +2023,12 @@ function barsPath({ heights: heights2, range }, xOf, height, seen) {
   const bin = (range[1] - range[0]) / heights2.length;
   const [left, right] = [xOf(seen[0]), xOf(seen[1])];
   const bottom = MARGIN.top + height;
-  const steps = heights2.flatMap((share, k2) => {
-    const [a4, b] = [xOf(range[0] + k2 * bin), xOf(range[0] + (k2 + 1) * bin)];
-    if (b < left || a4 > right) return [];
+  const steps = heights2.flatMap((share2, k3) => {
+    const [a3, b] = [xOf(range[0] + k3 * bin), xOf(range[0] + (k3 + 1) * bin)];
+    if (b < left || a3 > right) return [];
     return [
-      `L${px(Math.max(a4, left))} ${px(bottom - share * height)}`,
-      `L${px(Math.min(b, right))} ${px(bottom - share * height)}`
+      `L${px(Math.max(a3, left))} ${px(bottom - share2 * height)}`,
+      `L${px(Math.min(b, right))} ${px(bottom - share2 * height)}`
     ];
   });
   const first = clamped(xOf(range[0]), left, right);
@@ -2002,8 +2057,8 @@ function ColorStrip(props) {
   const inside = (event) => event.clientX - (svg.current?.getBoundingClientRect().left ?? 0);
   const move = (index, value) => {
     const latest = props.latest();
-    const point = latest[index];
-    if (point !== void 0) props.onCurve(withMoved(latest, index, [value, point[1], point[2], point[3]]), index);
+    const point2 = latest[index];
+    if (point2 !== void 0) props.onCurve(withMoved(latest, index, [value, point2[1], point2[2], point2[3]]), index);
   };
   const onUp = () => {
     if (drag.current !== null) props.onDone();
@@ -2021,66 +2076,61 @@ function ColorStrip(props) {
   const { below, above } = outOfSight(curve, seen);
   const only = curve[0];
   const isPlain = curve.length === 1 && only !== void 0;
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(
-      "svg",
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    "svg",
+    {
+      ref: svg,
+      class: "look-plot",
+      height: HEIGHT_PX,
+      role: "group",
+      "aria-label": TEXT2.label,
+      onDblClick: (event) => {
+        const added2 = withPointOn(curve, rounded(valueAt(inside(event)), seen[1] - seen[0]));
+        props.onCurve(added2.curve, added2.index);
+        props.onDone();
+      },
+      onPointerMove: (event) => {
+        const begun = drag.current;
+        if (begun !== null) move(begun.index, rounded(valueAt(inside(event) - begun.x), seen[1] - seen[0]));
+      },
+      onLostPointerCapture: onUp
+    },
+    /* @__PURE__ */ k(Fill, { id: fill, colors: curve, xOf }),
+    /* @__PURE__ */ k(
+      "rect",
       {
-        ref: svg,
-        class: "look-plot",
-        height: HEIGHT_PX,
-        role: "group",
-        "aria-label": TEXT2.label,
-        onDblClick: (event) => {
-          const added2 = withPointOn(curve, rounded(valueAt(inside(event)), seen[1] - seen[0]));
-          props.onCurve(added2.curve, added2.index);
-          props.onDone();
-        },
-        onPointerMove: (event) => {
-          const begun = drag.current;
-          if (begun !== null) move(begun.index, rounded(valueAt(inside(event) - begun.x), seen[1] - seen[0]));
-        },
-        onLostPointerCapture: onUp,
-        children: [
-          /* @__PURE__ */ a3(Fill, { id: fill, colors: curve, xOf }),
-          /* @__PURE__ */ a3(
-            "rect",
-            {
-              class: "look-ramp",
-              x: MARGIN.left,
-              y: 1,
-              width: Math.max(0, inner),
-              height: RAMP_PX,
-              fill: isPlain ? hexOf(only) : `url(#${fill})`
-            }
-          ),
-          curve.map(
-            (point, index) => point[0] < seen[0] || point[0] > seen[1] ? null : /* @__PURE__ */ a3(
-              Handle,
-              {
-                x: xOf(point[0]),
-                y: RAMP_PX + 13,
-                isSelected: index === selected,
-                color: hexOf(point),
-                label: `Colour ${index + 1} of ${curve.length}`,
-                value: point[0],
-                range: seen,
-                text: `${hexOf(point)} at ${numberText(point[0])}${unit2 && ` ${unit2}`}`,
-                onSelect: () => props.onSelect(index),
-                onKeyDown: (event) => onKeyDown(event, index),
-                onKeyUp: () => props.onDone(),
-                onGrab: (event) => {
-                  svg.current?.setPointerCapture(event.pointerId);
-                  drag.current = { index, x: inside(event) - xOf(point[0]) };
-                }
-              },
-              index
-            )
-          )
-        ]
+        class: "look-ramp",
+        x: MARGIN.left,
+        y: 1,
+        width: Math.max(0, inner),
+        height: RAMP_PX,
+        fill: isPlain ? hexOf(only) : `url(#${fill})`
       }
     ),
-    below + above > 0 && /* @__PURE__ */ a3("button", { type: "button", class: "button", onClick: () => props.onShowPoints(), children: TEXT2.hidden(below + above) })
-  ] });
+    curve.map(
+      (point2, index) => point2[0] < seen[0] || point2[0] > seen[1] ? null : /* @__PURE__ */ k(
+        Handle,
+        {
+          key: index,
+          x: xOf(point2[0]),
+          y: RAMP_PX + 13,
+          isSelected: index === selected,
+          color: hexOf(point2),
+          label: `Colour ${index + 1} of ${curve.length}`,
+          value: point2[0],
+          range: seen,
+          text: `${hexOf(point2)} at ${numberText(point2[0])}${unit2 && ` ${unit2}`}`,
+          onSelect: () => props.onSelect(index),
+          onKeyDown: (event) => onKeyDown(event, index),
+          onKeyUp: () => props.onDone(),
+          onGrab: (event) => {
+            svg.current?.setPointerCapture(event.pointerId);
+            drag.current = { index, x: inside(event) - xOf(point2[0]) };
+          }
+        }
+      )
+    )
+  ), below + above > 0 && /* @__PURE__ */ k("button", { type: "button", class: "button", onClick: () => props.onShowPoints() }, TEXT2.hidden(below + above)));
 }
 
 // src/view/look/gradient_editor.tsx
@@ -2097,111 +2147,95 @@ var TEXT3 = {
   delete: "Delete point"
 };
 var PLOT_PX = 130;
-function GradientEditor({ store, ui, curves, volume, latest }) {
-  const curve = curves.gradient_opacity ?? [];
-  const scale = strongGradient(volume);
+function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest }) {
+  const curve = curves2.gradient_opacity ?? [];
+  const scale = strongGradient(volume2);
   const least = spanOf([[0], [scale]], curve);
   const whole = [0, 1.1 * least[1]];
   const [zoom, setZoom] = d2(null);
   const [chosen2, setChosen] = d2(0);
   const path = ["layers", ui.layer, "look", "transfer_function", "gradient_opacity"];
   const index = Math.min(chosen2, curve.length - 1);
-  const point = curve[index];
+  const point2 = curve[index];
   const change = (next, at2) => {
     store.change([set(next, ...path)], "gradient opacity");
     if (at2 !== null) setChosen(at2);
   };
   const done2 = () => store.settle();
-  const unit2 = [volume.value_unit, volume.unit].every((one) => one) ? `${volume.value_unit}/${volume.unit}` : "";
-  if (point === void 0) {
-    return /* @__PURE__ */ a3("details", { class: "look-details", children: [
-      /* @__PURE__ */ a3("summary", { children: TEXT3.title }),
-      /* @__PURE__ */ a3("p", { class: "dim", children: TEXT3.none }),
-      /* @__PURE__ */ a3(Button, { onClick: () => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)]), children: TEXT3.add })
-    ] });
+  const unit2 = [volume2.value_unit, volume2.unit].every((one) => one) ? `${volume2.value_unit}/${volume2.unit}` : "";
+  if (point2 === void 0) {
+    return /* @__PURE__ */ k("details", { class: "look-details" }, /* @__PURE__ */ k("summary", null, TEXT3.title), /* @__PURE__ */ k("p", { class: "dim" }, TEXT3.none), /* @__PURE__ */ k(Button, { onClick: () => store.change([set(firstGradientCurve(rounded(scale, 10 * scale)), ...path)]) }, TEXT3.add));
   }
-  return /* @__PURE__ */ a3("details", { class: "look-details", open: true, children: [
-    /* @__PURE__ */ a3("summary", { children: TEXT3.title }),
-    /* @__PURE__ */ a3(
-      CurvePlot,
-      {
-        label: TEXT3.label,
-        what: TEXT3.what,
-        height: PLOT_PX,
-        seen: within(zoom ?? whole, whole),
-        whole,
-        unit: unit2,
-        least: 0,
-        curve,
-        latest,
-        colors: null,
-        histogram: null,
-        isMagnified: false,
-        selected: index,
-        onSelect: setChosen,
-        onCurve: change,
-        onDone: done2,
-        onSeen: setZoom,
-        onShowPoints: () => setZoom(around(spanOf(curve), whole)),
-        onType: () => {
-        }
+  return /* @__PURE__ */ k("details", { class: "look-details", open: true }, /* @__PURE__ */ k("summary", null, TEXT3.title), /* @__PURE__ */ k(
+    CurvePlot,
+    {
+      label: TEXT3.label,
+      what: TEXT3.what,
+      height: PLOT_PX,
+      seen: within(zoom ?? whole, whole),
+      whole,
+      unit: unit2,
+      least: 0,
+      curve,
+      latest,
+      colors: null,
+      histogram: null,
+      isMagnified: false,
+      selected: index,
+      onSelect: setChosen,
+      onCurve: change,
+      onDone: done2,
+      onSeen: setZoom,
+      onShowPoints: () => setZoom(around(spanOf(curve), whole)),
+      onType: () => {
       }
-    ),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        NamedNumber,
-        {
-          label: TEXT3.gradient,
-          unit: unit2,
-          min: 0,
-          value: point[0],
-          onValue: (value) => change(withMoved(curve, index, [value, point[1]]), index),
-          onDone: done2
-        }
-      ),
-      /* @__PURE__ */ a3(
-        NamedNumber,
-        {
-          label: TEXT3.factor,
-          min: 0,
-          max: 1,
-          step: 0.01,
-          value: point[1],
-          onValue: (factor) => change(withMoved(curve, index, [point[0], factor]), index),
-          onDone: done2
-        }
-      )
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        Button,
-        {
-          onClick: () => {
-            const added2 = withPointBeside(curve, index, whole);
-            change(added2.curve, added2.index);
-            done2();
-          },
-          children: TEXT3.addPoint
-        }
-      ),
-      /* @__PURE__ */ a3(
-        Button,
-        {
-          disabled: curve.length === 1,
-          onClick: () => {
-            change(without(curve, index), Math.max(0, index - 1));
-            done2();
-          },
-          children: TEXT3.delete
-        }
-      ),
-      /* @__PURE__ */ a3(Button, { onClick: () => store.change([{ op: "remove", path: `/${path.join("/")}` }]), children: TEXT3.remove })
-    ] })
-  ] });
+    }
+  ), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    NamedNumber,
+    {
+      label: TEXT3.gradient,
+      unit: unit2,
+      min: 0,
+      value: point2[0],
+      onValue: (value) => change(withMoved(curve, index, [value, point2[1]]), index),
+      onDone: done2
+    }
+  ), /* @__PURE__ */ k(
+    NamedNumber,
+    {
+      label: TEXT3.factor,
+      min: 0,
+      max: 1,
+      step: 0.01,
+      value: point2[1],
+      onValue: (factor) => change(withMoved(curve, index, [point2[0], factor]), index),
+      onDone: done2
+    }
+  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    Button,
+    {
+      onClick: () => {
+        const added2 = withPointBeside(curve, index, whole);
+        change(added2.curve, added2.index);
+        done2();
+      }
+    },
+    TEXT3.addPoint
+  ), /* @__PURE__ */ k(
+    Button,
+    {
+      disabled: curve.length === 1,
+      onClick: () => {
+        change(without(curve, index), Math.max(0, index - 1));
+        done2();
+      }
+    },
+    TEXT3.delete
+  ), /* @__PURE__ */ k(Button, { onClick: () => store.change([{ op: "remove", path: `/${path.join("/")}` }]) }, TEXT3.remove)));
 }
-function strongGradient(volume) {
-  const [low, high] = volume.robust_range;
-  return 0.5 * (high - low || 1) / Math.min(...volume.spacing);
+function strongGradient(volume2) {
+  const [low, high] = volume2.robust_range;
+  return 0.5 * (high - low || 1) / Math.min(...volume2.spacing);
 }
 
 // src/view/look/own_presets.ts
@@ -2275,19 +2309,19 @@ var DEFAULT_LIGHTS = [
   { direction: [0, 0, 1], color: [0.3, 0.3, 0.3], frame: "camera" }
 ];
 var DEFAULT_BACKGROUND = "black";
-function chosen(state, layer, look, composite) {
-  const before = state.layers[layer]?.look;
+function chosen(state2, layer, look, composite2) {
+  const before = state2.layers[layer]?.look;
   const operations = [set(look, "layers", layer, "look")];
-  if (state.shading !== "look" && state.layers.length === 1) operations.push(set("look", "shading"));
+  if (state2.shading !== "look" && state2.layers.length === 1) operations.push(set("look", "shading"));
   const named = look.composite === "first-hit" ? "over" : look.composite;
-  if (state.layers.length === 1) operations.push(set(composite ?? named, "render", "composite"));
+  if (state2.layers.length === 1) operations.push(set(composite2 ?? named, "render", "composite"));
   const [old, now] = [before?.background ?? DEFAULT_BACKGROUND, look.background ?? DEFAULT_BACKGROUND];
-  if (layer === 0 && state.background === old && old !== now) operations.push(set(now, "background"));
+  if (layer === 0 && state2.background === old && old !== now) operations.push(set(now, "background"));
   return operations;
 }
-function shadingOf(state, layer) {
-  if (state.shading !== "look") return { shading: state.shading, path: ["shading"] };
-  return { shading: state.layers[layer]?.look.shading ?? null, path: ["layers", layer, "look", "shading"] };
+function shadingOf(state2, layer) {
+  if (state2.shading !== "look") return { shading: state2.shading, path: ["shading"] };
+  return { shading: state2.layers[layer]?.look.shading ?? null, path: ["layers", layer, "look", "shading"] };
 }
 async function lookAsChosen(engine, welcome, layer, name) {
   const own = ownPreset(name);
@@ -2301,8 +2335,8 @@ function lookText(look) {
   return `${JSON.stringify({ version: 1, ...look }, null, 2)}
 `;
 }
-function lookFromText(text) {
-  const found = JSON.parse(text);
+function lookFromText(text2) {
+  const found = JSON.parse(text2);
   if (typeof found !== "object" || found === null || !("transfer_function" in found)) {
     throw new Error("it has no field 'transfer_function'; choose a file that was exported here or by Look.save");
   }
@@ -2319,21 +2353,21 @@ function lookFromText(text) {
 }
 function anglesOf([x2, y3, z3]) {
   const degrees = 180 / Math.PI;
-  const length2 = Math.hypot(x2, y3, z3) || 1;
-  return [degrees * Math.atan2(x2, z3), degrees * Math.asin(y3 / length2)];
+  const length3 = Math.hypot(x2, y3, z3) || 1;
+  return [degrees * Math.atan2(x2, z3), degrees * Math.asin(y3 / length3)];
 }
 function directionOf([azimuth, elevation]) {
-  const [a4, e3] = [azimuth * Math.PI / 180, elevation * Math.PI / 180];
-  return [Math.sin(a4) * Math.cos(e3), Math.sin(e3), Math.cos(a4) * Math.cos(e3)];
+  const [a3, e3] = [azimuth * Math.PI / 180, elevation * Math.PI / 180];
+  return [Math.sin(a3) * Math.cos(e3), Math.sin(e3), Math.cos(a3) * Math.cos(e3)];
 }
-function hexColor(color, named) {
-  if (color === null) return "#000000";
-  if (typeof color !== "string") {
-    const byte = (share) => Math.round(255 * Math.min(1, Math.max(0, share))).toString(16).padStart(2, "0");
-    return `#${color.slice(0, 3).map(byte).join("")}`;
+function hexColor(color2, named) {
+  if (color2 === null) return "#000000";
+  if (typeof color2 !== "string") {
+    const byte = (share2) => Math.round(255 * Math.min(1, Math.max(0, share2))).toString(16).padStart(2, "0");
+    return `#${color2.slice(0, 3).map(byte).join("")}`;
   }
-  const digits = /^#([0-9a-f]{3,8})$/i.exec(color)?.[1];
-  if (digits === void 0) return named(color);
+  const digits = /^#([0-9a-f]{3,8})$/i.exec(color2)?.[1];
+  if (digits === void 0) return named(color2);
   const six = digits.length < 6 ? digits.slice(0, 3).replace(/./g, "$&$&") : digits.slice(0, 6);
   return `#${six.toLowerCase()}`;
 }
@@ -2358,11 +2392,11 @@ var TEXT4 = {
   after: "Next point"
 };
 function PointFields(props) {
-  const { curves, selected, onDone } = props;
+  const { curves: curves2, selected, onDone } = props;
   const index = selected?.index ?? -1;
-  const [node, color] = [curves.opacity[index], curves.color[index]];
+  const [node, color2] = [curves2.opacity[index], curves2.color[index]];
   if (selected?.kind === "opacity" && node !== void 0) {
-    return /* @__PURE__ */ a3(Point, { ...props, title: TEXT4.opacityPoint, curve: curves.opacity, index, onCurve: props.onOpacity, children: (move) => /* @__PURE__ */ a3(
+    return /* @__PURE__ */ k(Point, { ...props, title: TEXT4.opacityPoint, curve: curves2.opacity, index, onCurve: props.onOpacity }, (move) => /* @__PURE__ */ k(
       NamedNumber,
       {
         label: TEXT4.opacity,
@@ -2373,60 +2407,49 @@ function PointFields(props) {
         onValue: (opacity) => move([node[0], opacity]),
         onDone
       }
-    ) });
+    ));
   }
-  if (selected?.kind === "color" && color !== void 0) {
-    return /* @__PURE__ */ a3(Point, { ...props, title: TEXT4.colorPoint, curve: curves.color, index, onCurve: props.onColor, children: (move) => /* @__PURE__ */ a3(
+  if (selected?.kind === "color" && color2 !== void 0) {
+    return /* @__PURE__ */ k(Point, { ...props, title: TEXT4.colorPoint, curve: curves2.color, index, onCurve: props.onColor }, (move) => /* @__PURE__ */ k(
       ColorField,
       {
         label: TEXT4.color,
-        value: hexOf(color),
-        onColor: (hex) => move([color[0], ...rgbOf(hex)]),
+        value: hexOf(color2),
+        onColor: (hex) => move([color2[0], ...rgbOf(hex)]),
         onDone
       }
-    ) });
+    ));
   }
-  return /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT4.none });
+  return /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT4.none);
 }
 function Point(props) {
   const { title, unit: unit2, selected, curve, index, onCurve, onSelect, onDone, children } = props;
-  const point = curve[index];
-  if (point === void 0) return null;
+  const point2 = curve[index];
+  if (point2 === void 0) return null;
   const move = (moved) => onCurve(withMoved(curve, index, moved), index);
   const go = (next) => {
     if (selected !== null) onSelect({ ...selected, index: next });
   };
-  return /* @__PURE__ */ a3("fieldset", { class: "look-point", children: [
-    /* @__PURE__ */ a3("legend", { children: title(index + 1, curve.length) }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        NamedNumber,
-        {
-          label: TEXT4.value,
-          unit: unit2,
-          value: point[0] ?? 0,
-          onValue: (value) => move([value, ...point.slice(1)]),
-          onDone
-        }
-      ),
-      children(move)
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1), children: "‹" }),
-      /* @__PURE__ */ a3(Button, { label: TEXT4.after, disabled: index === curve.length - 1, onClick: () => go(index + 1), children: "›" }),
-      /* @__PURE__ */ a3(
-        Button,
-        {
-          disabled: curve.length === 1,
-          onClick: () => {
-            onCurve(without(curve, index), Math.max(0, index - 1));
-            onDone();
-          },
-          children: TEXT4.remove
-        }
-      )
-    ] })
-  ] });
+  return /* @__PURE__ */ k("fieldset", { class: "look-point" }, /* @__PURE__ */ k("legend", null, title(index + 1, curve.length)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    NamedNumber,
+    {
+      label: TEXT4.value,
+      unit: unit2,
+      value: point2[0] ?? 0,
+      onValue: (value) => move([value, ...point2.slice(1)]),
+      onDone
+    }
+  ), children(move)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1) }, "‹"), /* @__PURE__ */ k(Button, { label: TEXT4.after, disabled: index === curve.length - 1, onClick: () => go(index + 1) }, "›"), /* @__PURE__ */ k(
+    Button,
+    {
+      disabled: curve.length === 1,
+      onClick: () => {
+        onCurve(without(curve, index), Math.max(0, index - 1));
+        onDone();
+      }
+    },
+    TEXT4.remove
+  )));
 }
 
 // src/view/look/function_panel.tsx
@@ -2465,21 +2488,15 @@ var MOST_WIDTH = 4;
 function FunctionPanel(props) {
   const { store, ui, welcome } = props;
   const layer = store.state.layers[ui.layer];
-  const volume = welcome.volumes[ui.layer];
-  if (layer === void 0 || volume === void 0) return null;
-  const curves = layer.look.transfer_function;
-  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
-    /* @__PURE__ */ a3(LayerChoice, { ...props }),
-    isEditable(curves) ? /* @__PURE__ */ a3(Editor, { ...props, curves, look: layer.look, volume }, ui.layer) : /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3("p", { children: TEXT5.table }),
-      /* @__PURE__ */ a3(GlobalOpacity, { ...props })
-    ] })
-  ] });
+  const volume2 = welcome.volumes[ui.layer];
+  if (layer === void 0 || volume2 === void 0) return null;
+  const curves2 = layer.look.transfer_function;
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), isEditable(curves2) ? /* @__PURE__ */ k(Editor, { key: ui.layer, ...props, curves: curves2, look: layer.look, volume: volume2 }) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k("p", null, TEXT5.table), /* @__PURE__ */ k(GlobalOpacity, { ...props })));
 }
 function LayerChoice({ store, ui }) {
   const { layers } = store.state;
   if (layers.length < 2) return null;
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     SelectField,
     {
       label: TEXT5.layer,
@@ -2490,10 +2507,10 @@ function LayerChoice({ store, ui }) {
   );
 }
 function Editor(props) {
-  const { store, engine, ui, welcome, curves, look, volume } = props;
-  const span = spanOfFunction(curves);
-  const whole = wholeOf(volume.range, span);
-  const usual = wholeOf(volume.robust_range, span);
+  const { store, engine, ui, welcome, curves: curves2, look, volume: volume2 } = props;
+  const span = spanOfFunction(curves2);
+  const whole = wholeOf(volume2.range, span);
+  const usual = wholeOf(volume2.robust_range, span);
   const [zoom, setZoom] = d2(usual);
   const [selected, setSelected] = d2(null);
   const [isLog, setLog] = d2(true);
@@ -2502,8 +2519,8 @@ function Editor(props) {
   const value = T2(null);
   const seen = within(zoom, whole);
   const histogram = useHistogram(props, seen, isLog);
-  const unit2 = volume.value_unit;
-  const usualWidth = volume.robust_range[1] - volume.robust_range[0] || 1;
+  const unit2 = volume2.value_unit;
+  const usualWidth = volume2.robust_range[1] - volume2.robust_range[0] || 1;
   const path = ["layers", ui.layer, "look", "transfer_function"];
   const done2 = () => {
     base.current = null;
@@ -2511,7 +2528,7 @@ function Editor(props) {
   };
   const latest = () => {
     const now = store.state.layers[ui.layer]?.look.transfer_function;
-    return now !== void 0 && isEditable(now) ? now : curves;
+    return now !== void 0 && isEditable(now) ? now : curves2;
   };
   const setOpacity = (curve, index) => {
     store.change([set(curve, ...path, "opacity")], "opacity curve");
@@ -2528,11 +2545,11 @@ function Editor(props) {
   const once = (change) => {
     store.change([set(change(latest()), ...path)]);
   };
-  const showPoints = () => setZoom(around(spanOf(curves.opacity, curves.color), whole));
+  const showPoints = () => setZoom(around(spanOf(curves2.opacity, curves2.color), whole));
   const typeValue = () => value.current?.querySelector("input[type=number]")?.select();
-  const chosenIndex = (kind, length2) => selected?.kind === kind && selected.index < length2 ? selected.index : null;
-  const opacityIndex = chosenIndex("opacity", curves.opacity.length);
-  const colorIndex = chosenIndex("color", curves.color.length);
+  const chosenIndex = (kind2, length3) => selected?.kind === kind2 && selected.index < length3 ? selected.index : null;
+  const opacityIndex = chosenIndex("opacity", curves2.opacity.length);
+  const colorIndex = chosenIndex("color", curves2.color.length);
   const reset = async () => {
     try {
       const first = await lookAsChosen(engine, welcome, ui.layer, look.name);
@@ -2542,164 +2559,130 @@ function Editor(props) {
       ui.problem(problem);
     }
   };
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(
-      CurvePlot,
-      {
-        label: TEXT5.curve,
-        what: TEXT5.opacity,
-        height: PLOT_PX2,
-        seen,
-        whole,
-        unit: unit2,
-        curve: curves.opacity,
-        latest: () => latest().opacity,
-        colors: curves.color,
-        histogram,
-        isMagnified,
-        selected: opacityIndex,
-        onSelect: (index) => setSelected({ kind: "opacity", index }),
-        onCurve: setOpacity,
-        onDone: done2,
-        onSeen: setZoom,
-        onShowPoints: showPoints,
-        onType: typeValue
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    CurvePlot,
+    {
+      label: TEXT5.curve,
+      what: TEXT5.opacity,
+      height: PLOT_PX2,
+      seen,
+      whole,
+      unit: unit2,
+      curve: curves2.opacity,
+      latest: () => latest().opacity,
+      colors: curves2.color,
+      histogram,
+      isMagnified,
+      selected: opacityIndex,
+      onSelect: (index) => setSelected({ kind: "opacity", index }),
+      onCurve: setOpacity,
+      onDone: done2,
+      onSeen: setZoom,
+      onShowPoints: showPoints,
+      onType: typeValue
+    }
+  ), /* @__PURE__ */ k(
+    ColorStrip,
+    {
+      seen,
+      unit: unit2,
+      curve: curves2.color,
+      latest: () => latest().color,
+      selected: colorIndex,
+      onSelect: (index) => setSelected({ kind: "color", index }),
+      onCurve: setColor,
+      onDone: done2,
+      onType: typeValue,
+      onShowPoints: showPoints
+    }
+  ), /* @__PURE__ */ k("div", { ref: value }, /* @__PURE__ */ k(
+    PointFields,
+    {
+      curves: curves2,
+      selected,
+      unit: unit2,
+      onOpacity: setOpacity,
+      onColor: setColor,
+      onDone: done2,
+      onSelect: setSelected
+    }
+  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    Button,
+    {
+      onClick: () => {
+        const added2 = withPointBeside(curves2.opacity, opacityIndex ?? widestGap(curves2.opacity), seen);
+        setOpacity(added2.curve, added2.index);
+        done2();
       }
-    ),
-    /* @__PURE__ */ a3(
-      ColorStrip,
-      {
-        seen,
-        unit: unit2,
-        curve: curves.color,
-        latest: () => latest().color,
-        selected: colorIndex,
-        onSelect: (index) => setSelected({ kind: "color", index }),
-        onCurve: setColor,
-        onDone: done2,
-        onType: typeValue,
-        onShowPoints: showPoints
+    },
+    TEXT5.addOpacity
+  ), /* @__PURE__ */ k(
+    Button,
+    {
+      onClick: () => {
+        const added2 = withPointBeside(curves2.color, colorIndex ?? widestGap(curves2.color), seen);
+        setColor(added2.curve, added2.index);
+        done2();
       }
-    ),
-    /* @__PURE__ */ a3("div", { ref: value, children: /* @__PURE__ */ a3(
-      PointFields,
-      {
-        curves,
-        selected,
-        unit: unit2,
-        onOpacity: setOpacity,
-        onColor: setColor,
-        onDone: done2,
-        onSelect: setSelected
+    },
+    TEXT5.addColor
+  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    NamedNumber,
+    {
+      shown: TEXT5.seen,
+      label: TEXT5.from,
+      value: rounded(seen[0], seen[1] - seen[0]),
+      onValue: (low) => low < seen[1] && setZoom([low, seen[1]]),
+      onDone: () => {
       }
-    ) }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        Button,
-        {
-          onClick: () => {
-            const added2 = withPointBeside(curves.opacity, opacityIndex ?? widestGap(curves.opacity), seen);
-            setOpacity(added2.curve, added2.index);
-            done2();
-          },
-          children: TEXT5.addOpacity
-        }
-      ),
-      /* @__PURE__ */ a3(
-        Button,
-        {
-          onClick: () => {
-            const added2 = withPointBeside(curves.color, colorIndex ?? widestGap(curves.color), seen);
-            setColor(added2.curve, added2.index);
-            done2();
-          },
-          children: TEXT5.addColor
-        }
-      )
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        NamedNumber,
-        {
-          shown: TEXT5.seen,
-          label: TEXT5.from,
-          value: rounded(seen[0], seen[1] - seen[0]),
-          onValue: (low) => low < seen[1] && setZoom([low, seen[1]]),
-          onDone: () => {
-          }
-        }
-      ),
-      /* @__PURE__ */ a3(
-        NamedNumber,
-        {
-          shown: "–",
-          label: TEXT5.to,
-          unit: unit2,
-          value: rounded(seen[1], seen[1] - seen[0]),
-          onValue: (high) => high > seen[0] && setZoom([seen[0], high]),
-          onDone: () => {
-          }
-        }
-      ),
-      /* @__PURE__ */ a3(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)), children: "+" }),
-      /* @__PURE__ */ a3(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)), children: "−" })
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(Button, { onClick: () => setZoom(usual), children: TEXT5.usual }),
-      /* @__PURE__ */ a3(Button, { onClick: () => setZoom(whole), children: TEXT5.all }),
-      /* @__PURE__ */ a3(Button, { onClick: showPoints, children: TEXT5.points })
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }),
-      /* @__PURE__ */ a3(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })
-    ] }),
-    /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT5.hint }),
-    /* @__PURE__ */ a3(
-      RelativeSlider,
-      {
-        label: TEXT5.shift,
-        unit: unit2,
-        neutral: 0,
-        amount: (position) => rounded(position * usualWidth, usualWidth),
-        position: (amount) => amount / usualWidth,
-        onAmount: (amount) => setAll((before) => shifted(before, amount), "shift"),
-        onDone: done2
+    }
+  ), /* @__PURE__ */ k(
+    NamedNumber,
+    {
+      shown: "–",
+      label: TEXT5.to,
+      unit: unit2,
+      value: rounded(seen[1], seen[1] - seen[0]),
+      onValue: (high) => high > seen[0] && setZoom([seen[0], high]),
+      onDone: () => {
       }
-    ),
-    /* @__PURE__ */ a3(
-      RelativeSlider,
-      {
-        label: `${TEXT5.width} ×`,
-        neutral: 1,
-        amount: (position) => MOST_WIDTH ** position,
-        position: (amount) => Math.log(amount) / Math.log(MOST_WIDTH),
-        onAmount: (amount) => amount > 0 && setAll((before) => widened(before, amount), "width"),
-        onDone: done2
-      }
-    ),
-    /* @__PURE__ */ a3(
-      RelativeSlider,
-      {
-        label: TEXT5.opacities,
-        neutral: 1,
-        amount: (position) => MOST_OPACITY ** position,
-        position: (amount) => Math.log(amount) / Math.log(MOST_OPACITY),
-        onAmount: (amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities"),
-        onDone: done2
-      }
-    ),
-    /* @__PURE__ */ a3(GlobalOpacity, { ...props }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(Button, { onClick: () => once((before) => ({ ...before, opacity: mirrored(before.opacity) })), children: TEXT5.mirrorOpacity }),
-      /* @__PURE__ */ a3(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })), children: TEXT5.mirrorColor }),
-      /* @__PURE__ */ a3(Button, { onClick: () => void reset(), children: TEXT5.reset(look.name) })
-    ] }),
-    /* @__PURE__ */ a3(GradientEditor, { ...props, latest: () => latest().gradient_opacity ?? [] })
-  ] });
+    }
+  ), /* @__PURE__ */ k(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)) }, "+"), /* @__PURE__ */ k(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)) }, "−")), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => setZoom(usual) }, TEXT5.usual), /* @__PURE__ */ k(Button, { onClick: () => setZoom(whole) }, TEXT5.all), /* @__PURE__ */ k(Button, { onClick: showPoints }, TEXT5.points)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }), /* @__PURE__ */ k(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })), /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT5.hint), /* @__PURE__ */ k(
+    RelativeSlider,
+    {
+      label: TEXT5.shift,
+      unit: unit2,
+      neutral: 0,
+      amount: (position) => rounded(position * usualWidth, usualWidth),
+      position: (amount) => amount / usualWidth,
+      onAmount: (amount) => setAll((before) => shifted(before, amount), "shift"),
+      onDone: done2
+    }
+  ), /* @__PURE__ */ k(
+    RelativeSlider,
+    {
+      label: `${TEXT5.width} ×`,
+      neutral: 1,
+      amount: (position) => MOST_WIDTH ** position,
+      position: (amount) => Math.log(amount) / Math.log(MOST_WIDTH),
+      onAmount: (amount) => amount > 0 && setAll((before) => widened(before, amount), "width"),
+      onDone: done2
+    }
+  ), /* @__PURE__ */ k(
+    RelativeSlider,
+    {
+      label: TEXT5.opacities,
+      neutral: 1,
+      amount: (position) => MOST_OPACITY ** position,
+      position: (amount) => Math.log(amount) / Math.log(MOST_OPACITY),
+      onAmount: (amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities"),
+      onDone: done2
+    }
+  ), /* @__PURE__ */ k(GlobalOpacity, { ...props }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => once((before) => ({ ...before, opacity: mirrored(before.opacity) })) }, TEXT5.mirrorOpacity), /* @__PURE__ */ k(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })) }, TEXT5.mirrorColor), /* @__PURE__ */ k(Button, { onClick: () => void reset() }, TEXT5.reset(look.name))), /* @__PURE__ */ k(GradientEditor, { ...props, latest: () => latest().gradient_opacity ?? [] }));
 }
 function GlobalOpacity({ store, ui }) {
   const opacity = store.state.layers[ui.layer]?.opacity ?? 1;
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     SliderField,
     {
       label: TEXT5.global,
@@ -2736,48 +2719,48 @@ function useHistogram({ engine, store, ui }, seen, isLog) {
   return found === null ? null : { heights: heights(found.counts, isLog), range: found.range };
 }
 function widestGap(curve) {
-  const gaps = curve.slice(1).map((point, k2) => (point[0] ?? 0) - (curve[k2]?.[0] ?? 0));
+  const gaps = curve.slice(1).map((point2, k3) => (point2[0] ?? 0) - (curve[k3]?.[0] ?? 0));
   return gaps.length === 0 ? 0 : gaps.indexOf(Math.max(...gaps));
 }
 
 // src/view/look/layers.ts
 var LABEL_OPACITY = 0.8;
 function isSolo(layers, index) {
-  return layers.every((layer, k2) => layer.visible === (k2 === index));
+  return layers.every((layer, k3) => layer.visible === (k3 === index));
 }
 function soloLayer(layers, index) {
   const all = isSolo(layers, index);
-  return layers.map((_3, k2) => set(all || k2 === index, "layers", k2, "visible"));
+  return layers.map((_3, k3) => set(all || k3 === index, "layers", k3, "visible"));
 }
 function labelRows(labels, filter = "") {
   const wanted = filter.trim().toLowerCase();
-  return Object.entries(labels).sort(([a4], [b]) => Number(a4) - Number(b)).map(([number, look]) => {
+  return Object.entries(labels).sort(([a3], [b]) => Number(a3) - Number(b)).map(([number2, look]) => {
     const opacity = look.opacity ?? LABEL_OPACITY;
     return {
-      number,
+      number: number2,
       look,
-      name: look.name || `Label ${number}`,
+      name: look.name || `Label ${number2}`,
       opacity,
       isShown: opacity > 0 || (look.tint ?? 0) > 0
     };
-  }).filter(({ number, name }) => wanted === "" || number === wanted || name.toLowerCase().includes(wanted));
+  }).filter(({ number: number2, name }) => wanted === "" || number2 === wanted || name.toLowerCase().includes(wanted));
 }
 var NOTHING = { opacity: 0, tint: 0, scan: 1 };
 var USUAL = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };
 function shownLabels(labels, isShown, hidden) {
-  return labelRows(labels).flatMap(({ number, look, opacity, isShown: before }) => {
-    if (before === isShown(number)) return [];
+  return labelRows(labels).flatMap(({ number: number2, look, opacity, isShown: before }) => {
+    if (before === isShown(number2)) return [];
     const now = { opacity, tint: look.tint ?? 0, scan: look.scan ?? (opacity > 0 ? 0 : 1) };
-    const next = before ? NOTHING : hidden.get(number) ?? USUAL;
-    if (before) hidden.set(number, now);
-    const fields = ["opacity", "tint", "scan"];
-    return fields.flatMap(
-      (field) => now[field] === next[field] ? [] : [set(next[field], "labels", "labels", number, field)]
+    const next = before ? NOTHING : hidden.get(number2) ?? USUAL;
+    if (before) hidden.set(number2, now);
+    const fields2 = ["opacity", "tint", "scan"];
+    return fields2.flatMap(
+      (field) => now[field] === next[field] ? [] : [set(next[field], "labels", "labels", number2, field)]
     );
   });
 }
-function isSoloLabel(rows, number) {
-  return rows.every((row) => row.isShown === (row.number === number));
+function isSoloLabel(rows, number2) {
+  return rows.every((row) => row.isShown === (row.number === number2));
 }
 
 // src/view/look/labels_panel.tsx
@@ -2802,88 +2785,68 @@ function LabelsPanel({ store }) {
   const [filter, setFilter] = d2("");
   const hidden = w2(() => /* @__PURE__ */ new Map(), [store]);
   const labels = store.state.labels;
-  if (labels === null) return /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.none });
+  if (labels === null) return /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.none);
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
   const show = (isShown) => store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
-  const inRows = new Set(rows.map(({ number }) => number));
-  const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
-  const others = (number) => isOnShown.get(number) ?? false;
-  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
-    all.length >= FILTERED_FROM && /* @__PURE__ */ a3("label", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { children: TEXT6.filter }),
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "search",
-          class: "look-grow",
-          value: filter,
-          onInput: (event) => setFilter(event.currentTarget.value)
-        }
-      )
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(Button, { onClick: () => show((number) => inRows.has(number) || others(number)), children: TEXT6.showAll }),
-      /* @__PURE__ */ a3(Button, { onClick: () => show((number) => !inRows.has(number) && others(number)), children: TEXT6.hideAll }),
-      /* @__PURE__ */ a3("span", { class: "dim", children: TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length) })
-    ] }),
-    rows.length === 0 && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.empty }),
-    /* @__PURE__ */ a3("ul", { class: "look-list", "aria-label": "Labels", children: rows.slice(0, MOST_ROWS).map(({ number, name, look, opacity, isShown }) => /* @__PURE__ */ a3("li", { class: "look-label", children: [
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "checkbox",
-          "aria-label": TEXT6.shown(name),
-          checked: isShown,
-          onChange: (event) => {
-            const on = event.currentTarget.checked;
-            show((other) => other === number ? on : others(other));
-          }
-        }
-      ),
-      /* @__PURE__ */ a3(
-        ColorField,
-        {
-          label: TEXT6.color(name),
-          value: hexColor(look.color, namedColor),
-          onColor: (hex) => store.change([set(hex, "labels", "labels", number, "color")], `colour of label ${number}`),
-          onDone: () => store.settle()
-        }
-      ),
-      /* @__PURE__ */ a3("span", { class: "look-grow look-name", title: `${name} (${number})`, children: name }),
-      /* @__PURE__ */ a3(
-        Button,
-        {
-          label: TEXT6.soloThis(name),
-          pressed: all.length > 1 && isSoloLabel(all, number),
-          onClick: () => show((other) => isSoloLabel(all, number) || other === number),
-          children: TEXT6.solo
-        }
-      ),
-      /* @__PURE__ */ a3(
-        SliderField,
-        {
-          label: TEXT6.opacity(name),
-          shown: "",
-          min: 0,
-          max: 1,
-          step: 0.01,
-          value: opacity,
-          onValue: (value) => store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`),
-          onDone: () => store.settle()
-        }
-      )
-    ] }, number)) }),
-    rows.length > MOST_ROWS && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT6.more(rows.length - MOST_ROWS) }),
-    /* @__PURE__ */ a3(
-      CheckField,
-      {
-        label: TEXT6.smooth,
-        checked: labels.smooth,
-        onCheck: (on) => store.change([set(on, "labels", "smooth")])
+  const inRows = new Set(rows.map(({ number: number2 }) => number2));
+  const isOnShown = new Map(all.map(({ number: number2, isShown }) => [number2, isShown]));
+  const others = (number2) => isOnShown.get(number2) ?? false;
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, all.length >= FILTERED_FROM && /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT6.filter), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "search",
+      class: "look-grow",
+      value: filter,
+      onInput: (event) => setFilter(event.currentTarget.value)
+    }
+  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => show((number2) => inRows.has(number2) || others(number2)) }, TEXT6.showAll), /* @__PURE__ */ k(Button, { onClick: () => show((number2) => !inRows.has(number2) && others(number2)) }, TEXT6.hideAll), /* @__PURE__ */ k("span", { class: "dim" }, TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length))), rows.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.empty), /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Labels" }, rows.slice(0, MOST_ROWS).map(({ number: number2, name, look, opacity, isShown }) => /* @__PURE__ */ k("li", { key: number2, class: "look-label" }, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "checkbox",
+      "aria-label": TEXT6.shown(name),
+      checked: isShown,
+      onChange: (event) => {
+        const on = event.currentTarget.checked;
+        show((other) => other === number2 ? on : others(other));
       }
-    )
-  ] });
+    }
+  ), /* @__PURE__ */ k(
+    ColorField,
+    {
+      label: TEXT6.color(name),
+      value: hexColor(look.color, namedColor),
+      onColor: (hex) => store.change([set(hex, "labels", "labels", number2, "color")], `colour of label ${number2}`),
+      onDone: () => store.settle()
+    }
+  ), /* @__PURE__ */ k("span", { class: "look-grow look-name", title: `${name} (${number2})` }, name), /* @__PURE__ */ k(
+    Button,
+    {
+      label: TEXT6.soloThis(name),
+      pressed: all.length > 1 && isSoloLabel(all, number2),
+      onClick: () => show((other) => isSoloLabel(all, number2) || other === number2)
+    },
+    TEXT6.solo
+  ), /* @__PURE__ */ k(
+    SliderField,
+    {
+      label: TEXT6.opacity(name),
+      shown: "",
+      min: 0,
+      max: 1,
+      step: 0.01,
+      value: opacity,
+      onValue: (value) => store.change([set(value, "labels", "labels", number2, "opacity")], `opacity of label ${number2}`),
+      onDone: () => store.settle()
+    }
+  )))), rows.length > MOST_ROWS && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.more(rows.length - MOST_ROWS)), /* @__PURE__ */ k(
+    CheckField,
+    {
+      label: TEXT6.smooth,
+      checked: labels.smooth,
+      onCheck: (on) => store.change([set(on, "labels", "smooth")])
+    }
+  ));
 }
 
 // src/view/look/layers_panel.tsx
@@ -2900,81 +2863,68 @@ var TEXT7 = {
 };
 function LayersPanel({ store, ui }) {
   const { layers } = store.state;
-  return /* @__PURE__ */ a3("ul", { class: "look-list", "aria-label": "Layers", children: layers.map((layer, index) => /* @__PURE__ */ a3("li", { class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1, children: [
-    /* @__PURE__ */ a3("div", { class: "row look-nowrap", children: [
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "checkbox",
-          "aria-label": TEXT7.shown(layer.name),
-          title: TEXT7.shown(layer.name),
-          checked: layer.visible,
-          onChange: (event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])
-        }
-      ),
-      /* @__PURE__ */ a3(Ramp, { layer }),
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "text",
-          class: "look-grow",
-          "aria-label": TEXT7.name(index),
-          value: layer.name,
-          maxLength: 200,
-          onChange: (event) => {
-            const name = event.currentTarget.value.trim();
-            if (name === "") event.currentTarget.value = layer.name;
-            else store.change([set(name, "layers", index, "name")]);
-          }
-        }
-      ),
-      layers.length > 1 && /* @__PURE__ */ a3(
-        Button,
-        {
-          label: TEXT7.soloThis(layer.name),
-          pressed: isSolo(layers, index),
-          onClick: () => store.change(soloLayer(layers, index)),
-          children: TEXT7.solo
-        }
-      )
-    ] }),
-    /* @__PURE__ */ a3(
-      SliderField,
-      {
-        label: layers.length > 1 ? TEXT7.opacityOf(layer.name) : TEXT7.opacity,
-        shown: TEXT7.opacity,
-        min: 0,
-        max: 1,
-        step: 0.01,
-        value: layer.opacity,
-        onValue: (value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`),
-        onDone: () => store.settle()
+  return /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Layers" }, layers.map((layer, index) => /* @__PURE__ */ k("li", { key: index, class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1 }, /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "checkbox",
+      "aria-label": TEXT7.shown(layer.name),
+      title: TEXT7.shown(layer.name),
+      checked: layer.visible,
+      onChange: (event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])
+    }
+  ), /* @__PURE__ */ k(Ramp, { layer }), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "text",
+      class: "look-grow",
+      "aria-label": TEXT7.name(index),
+      value: layer.name,
+      maxLength: 200,
+      onChange: (event) => {
+        const name = event.currentTarget.value.trim();
+        if (name === "") event.currentTarget.value = layer.name;
+        else store.change([set(name, "layers", index, "name")]);
       }
-    ),
-    layers.length > 1 && /* @__PURE__ */ a3("label", { class: "row look-check", children: [
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "radio",
-          name: "look-layer",
-          "aria-label": TEXT7.editThis(layer.name),
-          checked: index === ui.layer,
-          onChange: () => ui.setLayer(index)
-        }
-      ),
-      /* @__PURE__ */ a3("span", { children: TEXT7.edit }),
-      /* @__PURE__ */ a3("span", { class: "dim", children: TEXT7.look(layer.look.name) })
-    ] })
-  ] }, index)) });
+    }
+  ), layers.length > 1 && /* @__PURE__ */ k(
+    Button,
+    {
+      label: TEXT7.soloThis(layer.name),
+      pressed: isSolo(layers, index),
+      onClick: () => store.change(soloLayer(layers, index))
+    },
+    TEXT7.solo
+  )), /* @__PURE__ */ k(
+    SliderField,
+    {
+      label: layers.length > 1 ? TEXT7.opacityOf(layer.name) : TEXT7.opacity,
+      shown: TEXT7.opacity,
+      min: 0,
+      max: 1,
+      step: 0.01,
+      value: layer.opacity,
+      onValue: (value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`),
+      onDone: () => store.settle()
+    }
+  ), layers.length > 1 && /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "radio",
+      name: "look-layer",
+      "aria-label": TEXT7.editThis(layer.name),
+      checked: index === ui.layer,
+      onChange: () => ui.setLayer(index)
+    }
+  ), /* @__PURE__ */ k("span", null, TEXT7.edit), /* @__PURE__ */ k("span", { class: "dim" }, TEXT7.look(layer.look.name))))));
 }
 function Ramp({ layer }) {
-  const curves = layer.look.transfer_function;
-  if (!isEditable(curves)) return /* @__PURE__ */ a3("span", { class: "chip" });
-  const [low, high] = spanOf(curves.color);
-  const stops = curves.color.map((point) => `${hexOf(point)} ${100 * (point[0] - low) / (high - low || 1)}%`);
-  const first = curves.color[0];
+  const curves2 = layer.look.transfer_function;
+  if (!isEditable(curves2)) return /* @__PURE__ */ k("span", { class: "chip" });
+  const [low, high] = spanOf(curves2.color);
+  const stops = curves2.color.map((point2) => `${hexOf(point2)} ${100 * (point2[0] - low) / (high - low || 1)}%`);
+  const first = curves2.color[0];
   const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
-  return /* @__PURE__ */ a3("span", { class: "chip look-chip", style: { background } });
+  return /* @__PURE__ */ k("span", { class: "chip look-chip", style: { background } });
 }
 
 // src/view/look/composites.ts
@@ -2998,15 +2948,15 @@ var KERNEL_NAMES = {
 };
 var DIMMING = 0.6;
 var SHADED = ["over", "first-hit"];
-function nameOf(composite) {
-  return typeof composite === "string" ? composite : Object.keys(composite)[0] ?? "over";
+function nameOf(composite2) {
+  return typeof composite2 === "string" ? composite2 : Object.keys(composite2)[0] ?? "over";
 }
-function numberOf(composite, field) {
-  return typeof composite === "string" ? null : composite[nameOf(composite)]?.[field] ?? null;
+function numberOf(composite2, field) {
+  return typeof composite2 === "string" ? null : composite2[nameOf(composite2)]?.[field] ?? null;
 }
-function withNumber(composite, field, value) {
-  const name = nameOf(composite);
-  const before = typeof composite === "string" ? {} : composite[name] ?? {};
+function withNumber(composite2, field, value) {
+  const name = nameOf(composite2);
+  const before = typeof composite2 === "string" ? {} : composite2[name] ?? {};
   return { [name]: { ...before, [field]: value } };
 }
 function compositeNamed(name, isoValue) {
@@ -3027,119 +2977,107 @@ var RADIUS_PX = 40;
 function LightPad({ direction, latest, onDirection, onDone }) {
   const isDragging = T2(false);
   const [azimuth, elevation] = anglesOf(direction);
-  const length2 = Math.hypot(...direction) || 1;
-  const spot = { x: direction[0] / length2 * RADIUS_PX, y: -direction[1] / length2 * RADIUS_PX };
+  const length3 = Math.hypot(...direction) || 1;
+  const spot = { x: direction[0] / length3 * RADIUS_PX, y: -direction[1] / length3 * RADIUS_PX };
   const set2 = (direction2) => onDirection(direction2.map((part) => Number(part.toFixed(4))));
   const turn = (by, up) => {
-    const [a4, e3] = anglesOf(latest());
-    set2(directionOf([wrapped(a4 + by), Math.max(-90, Math.min(90, e3 + up))]));
+    const [a3, e3] = anglesOf(latest());
+    set2(directionOf([wrapped(a3 + by), Math.max(-90, Math.min(90, e3 + up))]));
   };
-  const point = (event) => {
-    const box = event.currentTarget.getBoundingClientRect();
-    const x2 = (event.clientX - box.left - SIZE_PX / 2) / RADIUS_PX;
-    const y3 = -(event.clientY - box.top - SIZE_PX / 2) / RADIUS_PX;
-    const share = Math.max(1, Math.hypot(x2, y3));
-    const [a4, b] = [x2 / share, y3 / share];
-    const front = Math.sqrt(Math.max(0, 1 - a4 * a4 - b * b));
-    set2([a4, b, front]);
+  const point2 = (event) => {
+    const box2 = event.currentTarget.getBoundingClientRect();
+    const x2 = (event.clientX - box2.left - SIZE_PX / 2) / RADIUS_PX;
+    const y3 = -(event.clientY - box2.top - SIZE_PX / 2) / RADIUS_PX;
+    const share2 = Math.max(1, Math.hypot(x2, y3));
+    const [a3, b] = [x2 / share2, y3 / share2];
+    const front = Math.sqrt(Math.max(0, 1 - a3 * a3 - b * b));
+    set2([a3, b, front]);
   };
   const stop = () => {
     if (isDragging.current) onDone();
     isDragging.current = false;
   };
-  return /* @__PURE__ */ a3("div", { class: "row look-nowrap", children: [
-    /* @__PURE__ */ a3(
-      "svg",
-      {
-        class: "look-pad",
-        width: SIZE_PX,
-        height: SIZE_PX,
-        viewBox: `${-SIZE_PX / 2} ${-SIZE_PX / 2} ${SIZE_PX} ${SIZE_PX}`,
-        role: "slider",
-        tabindex: 0,
-        "aria-label": TEXT8.pad,
-        "aria-valuemin": -180,
-        "aria-valuemax": 180,
-        "aria-valuenow": Math.round(azimuth),
-        "aria-valuetext": TEXT8.text(azimuth, elevation),
-        "aria-description": TEXT8.keys,
-        onPointerDown: (event) => {
-          event.currentTarget.setPointerCapture(event.pointerId);
-          isDragging.current = true;
-          point(event);
-        },
-        onPointerMove: (event) => {
-          if (isDragging.current) point(event);
-        },
-        onLostPointerCapture: stop,
-        onKeyUp: onDone,
-        onKeyDown: (event) => {
-          const steps = {
-            ArrowLeft: [-2, 0],
-            ArrowRight: [2, 0],
-            ArrowUp: [0, 2],
-            ArrowDown: [0, -2],
-            PageUp: [0, 15],
-            PageDown: [0, -15],
-            Home: [-15, 0],
-            End: [15, 0]
-          };
-          const step = steps[event.key];
-          if (step === void 0) return;
-          event.preventDefault();
-          event.stopPropagation();
-          turn(...step);
-        },
-        children: [
-          /* @__PURE__ */ a3("circle", { class: "look-ball", r: RADIUS_PX }),
-          /* @__PURE__ */ a3("path", { class: "look-grid", d: `M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}` }),
-          /* @__PURE__ */ a3("circle", { class: "look-spot", cx: spot.x, cy: spot.y, r: 6, "data-behind": direction[2] < 0 })
-        ]
+  return /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
+    "svg",
+    {
+      class: "look-pad",
+      width: SIZE_PX,
+      height: SIZE_PX,
+      viewBox: `${-SIZE_PX / 2} ${-SIZE_PX / 2} ${SIZE_PX} ${SIZE_PX}`,
+      role: "slider",
+      tabindex: 0,
+      "aria-label": TEXT8.pad,
+      "aria-valuemin": -180,
+      "aria-valuemax": 180,
+      "aria-valuenow": Math.round(azimuth),
+      "aria-valuetext": TEXT8.text(azimuth, elevation),
+      "aria-description": TEXT8.keys,
+      onPointerDown: (event) => {
+        event.currentTarget.setPointerCapture(event.pointerId);
+        isDragging.current = true;
+        point2(event);
+      },
+      onPointerMove: (event) => {
+        if (isDragging.current) point2(event);
+      },
+      onLostPointerCapture: stop,
+      onKeyUp: onDone,
+      onKeyDown: (event) => {
+        const steps = {
+          ArrowLeft: [-2, 0],
+          ArrowRight: [2, 0],
+          ArrowUp: [0, 2],
+          ArrowDown: [0, -2],
+          PageUp: [0, 15],
+          PageDown: [0, -15],
+          Home: [-15, 0],
+          End: [15, 0]
+        };
+        const step = steps[event.key];
+        if (step === void 0) return;
+        event.preventDefault();
+        event.stopPropagation();
+        turn(...step);
       }
-    ),
-    /* @__PURE__ */ a3("div", { class: "look-grow look-angles", children: [
-      /* @__PURE__ */ a3(
-        Angle,
-        {
-          label: TEXT8.azimuth,
-          value: azimuth,
-          most: 180,
-          onValue: (angle) => set2(directionOf([angle, elevation])),
-          onDone
-        }
-      ),
-      /* @__PURE__ */ a3(
-        Angle,
-        {
-          label: TEXT8.elevation,
-          value: elevation,
-          most: 90,
-          onValue: (angle) => set2(directionOf([azimuth, angle])),
-          onDone
-        }
-      )
-    ] })
-  ] });
+    },
+    /* @__PURE__ */ k("circle", { class: "look-ball", r: RADIUS_PX }),
+    /* @__PURE__ */ k("path", { class: "look-grid", d: `M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}` }),
+    /* @__PURE__ */ k("circle", { class: "look-spot", cx: spot.x, cy: spot.y, r: 6, "data-behind": direction[2] < 0 })
+  ), /* @__PURE__ */ k("div", { class: "look-grow look-angles" }, /* @__PURE__ */ k(
+    Angle,
+    {
+      label: TEXT8.azimuth,
+      value: azimuth,
+      most: 180,
+      onValue: (angle) => set2(directionOf([angle, elevation])),
+      onDone
+    }
+  ), /* @__PURE__ */ k(
+    Angle,
+    {
+      label: TEXT8.elevation,
+      value: elevation,
+      most: 90,
+      onValue: (angle) => set2(directionOf([azimuth, angle])),
+      onDone
+    }
+  )));
 }
 function Angle(props) {
   const { label, value, most, onValue, onDone } = props;
-  return /* @__PURE__ */ a3("div", { class: "row", children: [
-    /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: label }),
-    /* @__PURE__ */ a3(
-      NumberField,
-      {
-        label,
-        unit: "degrees",
-        min: -most,
-        max: most,
-        step: 1,
-        value: Math.round(10 * value) / 10,
-        onValue,
-        onDone
-      }
-    ),
-    /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: TEXT8.degrees })
-  ] });
+  return /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, label), /* @__PURE__ */ k(
+    NumberField,
+    {
+      label,
+      unit: "degrees",
+      min: -most,
+      max: most,
+      step: 1,
+      value: Math.round(10 * value) / 10,
+      onValue,
+      onDone
+    }
+  ), /* @__PURE__ */ k("span", { "aria-hidden": "true" }, TEXT8.degrees));
 }
 function wrapped(degrees) {
   return ((degrees + 180) % 360 + 360) % 360 - 180;
@@ -3180,26 +3118,21 @@ var SMOOTHING = [0.5, 1.25];
 var SMOOTH = 0.8;
 var WATER = 2059e-8;
 function LightPanel(props) {
-  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
-    /* @__PURE__ */ a3(Operator, { ...props }),
-    /* @__PURE__ */ a3(LayerChoice, { ...props }),
-    /* @__PURE__ */ a3(LightFields, { ...props }),
-    /* @__PURE__ */ a3(Rest, { ...props })
-  ] });
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(Operator, { ...props }), /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k(LightFields, { ...props }), /* @__PURE__ */ k(Rest, { ...props }));
 }
 function Operator({ store, ui, welcome }) {
   const { render: render2, layers, labels } = store.state;
-  const volume = welcome.volumes[ui.layer];
+  const volume2 = welcome.volumes[ui.layer];
   const name = nameOf(render2.composite);
   const isOverOnly = layers.filter((layer) => layer.visible).length > 1 || labels !== null;
   const look = layers[ui.layer]?.look;
-  const [low, high] = volume?.range ?? [0, 1];
+  const [low, high] = volume2?.range ?? [0, 1];
   const surface = () => {
-    const usual = volume?.robust_range ?? [0, 1];
+    const usual = volume2?.robust_range ?? [0, 1];
     return look === void 0 ? (low + high) / 2 : rounded(surfaceValue(look.transfer_function, usual), high - low);
   };
-  const number = (field, value, gesture) => store.change([set(withNumber(render2.composite, field, value), "render", "composite")], gesture);
-  const slider = (label, field, value, min, max, unit3 = "", beyond = {}) => /* @__PURE__ */ a3(
+  const number2 = (field, value, gesture) => store.change([set(withNumber(render2.composite, field, value), "render", "composite")], gesture);
+  const slider = (label, field, value, min, max, unit3 = "", beyond = {}) => /* @__PURE__ */ k(
     SliderField,
     {
       label,
@@ -3208,161 +3141,118 @@ function Operator({ store, ui, welcome }) {
       max,
       value,
       ...beyond,
-      onValue: (next) => number(field, next, `${name} ${field}`),
+      onValue: (next) => number2(field, next, `${name} ${field}`),
       onDone: () => store.settle()
     }
   );
   const optional = (label, field, first, min, max, unit3 = "") => {
     const value = numberOf(render2.composite, field);
-    return /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3(
-        CheckField,
-        {
-          label: TEXT9.automatic(label),
-          checked: value === null,
-          onCheck: (on) => number(field, on ? null : first)
-        }
-      ),
-      value !== null && slider(label, field, value, min, max, unit3, { least: -Infinity, most: Infinity })
-    ] });
-  };
-  const unit2 = volume?.value_unit ?? "";
-  const attenuation = unit2 === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume?.bounds));
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(
-      SelectField,
+    return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+      CheckField,
       {
-        label: TEXT9.composite,
-        value: name,
-        options: welcome.composites.map((value) => ({
-          value,
-          text: COMPOSITE_NAMES[value] ?? value,
-          disabled: isOverOnly && value !== "over" && value !== name
-        })),
-        onChoice: (value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])
+        label: TEXT9.automatic(label),
+        checked: value === null,
+        onCheck: (on) => number2(field, on ? null : first)
       }
-    ),
-    isOverOnly && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.overOnly }),
-    name === "first-hit" && slider(TEXT9.iso, "iso_value", numberOf(render2.composite, "iso_value") ?? surface(), low, high, unit2),
-    name === "local-maximum" && optional(TEXT9.threshold, "threshold", surface(), low, high, unit2),
-    name === "depth-shaded-maximum" && slider(TEXT9.strength, "strength", numberOf(render2.composite, "strength") ?? DIMMING, 0, 1),
-    name === "x-ray" && optional(TEXT9.clear, "clear", low, low, high, unit2),
-    name === "x-ray" && optional(TEXT9.attenuation, "attenuation", attenuation, attenuation / 100, 5 * attenuation)
-  ] });
+    ), value !== null && slider(label, field, value, min, max, unit3, { least: -Infinity, most: Infinity }));
+  };
+  const unit2 = volume2?.value_unit ?? "";
+  const attenuation = unit2 === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume2?.bounds));
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    SelectField,
+    {
+      label: TEXT9.composite,
+      value: name,
+      options: welcome.composites.map((value) => ({
+        value,
+        text: COMPOSITE_NAMES[value] ?? value,
+        disabled: isOverOnly && value !== "over" && value !== name
+      })),
+      onChoice: (value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])
+    }
+  ), isOverOnly && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.overOnly), name === "first-hit" && slider(TEXT9.iso, "iso_value", numberOf(render2.composite, "iso_value") ?? surface(), low, high, unit2), name === "local-maximum" && optional(TEXT9.threshold, "threshold", surface(), low, high, unit2), name === "depth-shaded-maximum" && slider(TEXT9.strength, "strength", numberOf(render2.composite, "strength") ?? DIMMING, 0, 1), name === "x-ray" && optional(TEXT9.clear, "clear", low, low, high, unit2), name === "x-ray" && optional(TEXT9.attenuation, "attenuation", attenuation, attenuation / 100, 5 * attenuation));
 }
 function LightFields({ store, engine, ui, welcome }) {
-  const { state } = store;
-  const { shading, path } = shadingOf(state, ui.layer);
-  const look = state.layers[ui.layer]?.look;
+  const { state: state2 } = store;
+  const { shading: shading2, path } = shadingOf(state2, ui.layer);
+  const look = state2.layers[ui.layer]?.look;
   const kept = T2(null);
-  if (shading !== null) kept.current = shading;
-  const name = nameOf(state.render.composite);
+  if (shading2 !== null) kept.current = shading2;
+  const name = nameOf(state2.render.composite);
   const isShaded = SHADED.includes(name);
   const reset = async () => {
     try {
       const first2 = look === void 0 ? null : await lookAsChosen(engine, welcome, ui.layer, look.name);
-      const operations = state.shading === "look" ? [] : [set("look", "shading")];
+      const operations = state2.shading === "look" ? [] : [set("look", "shading")];
       if (first2 !== null) store.change([...operations, set(first2.shading, "layers", ui.layer, "look", "shading")]);
     } catch (problem) {
       ui.problem(problem);
     }
   };
   const toggle = (on) => store.change([set(on ? kept.current ?? DEFAULT_SHADING : null, ...path)]);
-  const resetButton = /* @__PURE__ */ a3(Button, { onClick: () => void reset(), children: TEXT9.reset });
-  const head = /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(CheckField, { label: TEXT9.shading, checked: shading !== null, onCheck: toggle }),
-    !isShaded && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.unshaded }),
-    state.shading !== "look" && state.layers.length > 1 && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.all })
-  ] });
-  if (shading === null) {
-    return /* @__PURE__ */ a3($, { children: [
-      head,
-      resetButton
-    ] });
+  const resetButton = /* @__PURE__ */ k(Button, { onClick: () => void reset() }, TEXT9.reset);
+  const head = /* @__PURE__ */ k($, null, /* @__PURE__ */ k(CheckField, { label: TEXT9.shading, checked: shading2 !== null, onCheck: toggle }), !isShaded && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.unshaded), state2.shading !== "look" && state2.layers.length > 1 && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.all));
+  if (shading2 === null) {
+    return /* @__PURE__ */ k($, null, head, resetButton);
   }
   const change = (field, value) => store.change([set(value, ...path, field)], `light ${field}`);
   const done2 = () => store.settle();
-  const slider = (label, field, min, max, more = {}) => /* @__PURE__ */ a3(
+  const slider = (label, field, min, max, more = {}) => /* @__PURE__ */ k(
     SliderField,
     {
+      key: field,
       label,
       min,
       max,
-      value: shading[field] ?? min,
+      value: shading2[field] ?? min,
       ...more,
       onValue: (value) => change(field, value),
       onDone: done2
-    },
-    field
+    }
   );
-  const lights = lightsOf(shading);
+  const lights = lightsOf(shading2);
   const first = lights[0];
-  const latest = () => (lightsOf(shadingOf(store.state, ui.layer).shading ?? shading)[0] ?? first).direction;
+  const latest = () => (lightsOf(shadingOf(store.state, ui.layer).shading ?? shading2)[0] ?? first).direction;
   const setDirection = (direction) => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
-  const isSmooth = shading.gradient_smoothing > 0;
+  const isSmooth = shading2.gradient_smoothing > 0;
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
-  return /* @__PURE__ */ a3($, { children: [
-    head,
-    slider(TEXT9.exposure, "exposure", 0, 3, { most: 100, step: 0.01 }),
-    slider(TEXT9.ambient, "ambient", 0, 1, { most: 10, step: 0.01 }),
-    slider(TEXT9.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 }),
-    slider(TEXT9.specular, "specular", 0, 1, { most: 10, step: 0.01 }),
-    slider(TEXT9.power, "specular_power", 1, 100, { most: 1e3, step: 1 }),
-    slider(TEXT9.shoulder, "shoulder", 0, 1, { step: 0.01 }),
-    slider(TEXT9.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 }),
-    shading.ambient_occlusion > 0 && /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3(
-        CheckField,
-        {
-          label: TEXT9.automatic(TEXT9.reach),
-          checked: shading.occlusion_radius === null,
-          onCheck: (on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])
-        }
-      ),
-      shading.occlusion_radius !== null && slider(TEXT9.radius, "occlusion_radius", side / 500, side / 2, {
-        unit: welcome.volumes[ui.layer]?.unit ?? ""
-      })
-    ] }),
-    slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }),
-    first["frame"] === "world" && /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT9.world }),
-    /* @__PURE__ */ a3(LightPad, { direction: first.direction, latest, onDirection: setDirection, onDone: done2 }),
-    /* @__PURE__ */ a3(
-      CheckField,
-      {
-        label: TEXT9.smoothingOn,
-        checked: isSmooth,
-        onCheck: (on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])
-      }
-    ),
-    isSmooth ? slider(TEXT9.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 }) : slider(TEXT9.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 }),
-    resetButton
-  ] });
+  return /* @__PURE__ */ k($, null, head, slider(TEXT9.exposure, "exposure", 0, 3, { most: 100, step: 0.01 }), slider(TEXT9.ambient, "ambient", 0, 1, { most: 10, step: 0.01 }), slider(TEXT9.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 }), slider(TEXT9.specular, "specular", 0, 1, { most: 10, step: 0.01 }), slider(TEXT9.power, "specular_power", 1, 100, { most: 1e3, step: 1 }), slider(TEXT9.shoulder, "shoulder", 0, 1, { step: 0.01 }), slider(TEXT9.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 }), shading2.ambient_occlusion > 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    CheckField,
+    {
+      label: TEXT9.automatic(TEXT9.reach),
+      checked: shading2.occlusion_radius === null,
+      onCheck: (on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])
+    }
+  ), shading2.occlusion_radius !== null && slider(TEXT9.radius, "occlusion_radius", side / 500, side / 2, {
+    unit: welcome.volumes[ui.layer]?.unit ?? ""
+  })), slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }), first["frame"] === "world" && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.world), /* @__PURE__ */ k(LightPad, { direction: first.direction, latest, onDirection: setDirection, onDone: done2 }), /* @__PURE__ */ k(
+    CheckField,
+    {
+      label: TEXT9.smoothingOn,
+      checked: isSmooth,
+      onCheck: (on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])
+    }
+  ), isSmooth ? slider(TEXT9.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 }) : slider(TEXT9.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 }), resetButton);
 }
 function Rest({ store, welcome }) {
   const { render: render2, background } = store.state;
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(
-      SelectField,
-      {
-        label: TEXT9.kernel,
-        value: render2.kernel,
-        options: welcome.kernels.map((value) => ({ value, text: KERNEL_NAMES[value] ?? value })),
-        onChoice: (value) => store.change([set(value, "render", "kernel")])
-      }
-    ),
-    /* @__PURE__ */ a3("div", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { "aria-hidden": "true", children: TEXT9.background }),
-      /* @__PURE__ */ a3(
-        ColorField,
-        {
-          label: TEXT9.background,
-          value: hexColor(background, namedColor),
-          onColor: (hex) => store.change([set(hex, "background")], "background"),
-          onDone: () => store.settle()
-        }
-      )
-    ] })
-  ] });
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    SelectField,
+    {
+      label: TEXT9.kernel,
+      value: render2.kernel,
+      options: welcome.kernels.map((value) => ({ value, text: KERNEL_NAMES[value] ?? value })),
+      onChoice: (value) => store.change([set(value, "render", "kernel")])
+    }
+  ), /* @__PURE__ */ k("div", { class: "field" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, TEXT9.background), /* @__PURE__ */ k(
+    ColorField,
+    {
+      label: TEXT9.background,
+      value: hexColor(background, namedColor),
+      onColor: (hex) => store.change([set(hex, "background")], "background"),
+      onDone: () => store.settle()
+    }
+  )));
 }
 function lightsOf({ lights }) {
   return lights.length > 0 ? lights : DEFAULT_LIGHTS;
@@ -3415,14 +3305,14 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
   const save = async () => {
     const wanted = checked();
     if (wanted === null) return;
-    const composite = store.state.render.composite;
+    const composite2 = store.state.render.composite;
     const look = {
       ...layer.look,
       name: wanted,
-      composite: typeof composite === "string" && store.state.layers.length === 1 ? composite : layer.look.composite,
+      composite: typeof composite2 === "string" && store.state.layers.length === 1 ? composite2 : layer.look.composite,
       background: typeof store.state.background === "string" ? store.state.background : layer.look.background
     };
-    const operator = store.state.layers.length === 1 && typeof composite !== "string" ? { composite } : {};
+    const operator = store.state.layers.length === 1 && typeof composite2 !== "string" ? { composite: composite2 } : {};
     const picture = await pictureOf(ui.frames["3d"]);
     if (!attempt(() => keepPreset({ name: wanted, look, picture, ...operator }))) return;
     setName("");
@@ -3439,86 +3329,66 @@ function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
     }
     input.value = "";
   };
-  return /* @__PURE__ */ a3("details", { class: "look-details", children: [
-    /* @__PURE__ */ a3("summary", { children: TEXT10.title }),
-    /* @__PURE__ */ a3(
-      "form",
-      {
-        class: "look-panel",
-        onSubmit: (event) => {
-          event.preventDefault();
-          void save();
-        },
-        children: [
-          /* @__PURE__ */ a3("label", { class: "field", children: [
-            /* @__PURE__ */ a3("span", { children: TEXT10.name }),
-            /* @__PURE__ */ a3(
-              "input",
-              {
-                type: "text",
-                class: "look-grow",
-                value: name,
-                maxLength: 100,
-                "aria-invalid": why !== "",
-                onInput: (event) => {
-                  setName(event.currentTarget.value);
-                  setWhy("");
-                }
-              }
-            )
-          ] }),
-          why !== "" && /* @__PURE__ */ a3("p", { role: "alert", class: "look-why", children: why }),
-          /* @__PURE__ */ a3("div", { class: "row", children: [
-            /* @__PURE__ */ a3("button", { type: "submit", class: "button", children: TEXT10.save }),
-            chosen2 !== void 0 && /* @__PURE__ */ a3($, { children: [
-              /* @__PURE__ */ a3(
-                Button,
-                {
-                  label: `${TEXT10.rename} ${chosen2.name}`,
-                  onClick: () => {
-                    const wanted = checked();
-                    if (wanted === null || !attempt(() => renamePreset(chosen2.name, wanted))) return;
-                    setName("");
-                    rename(wanted);
-                  },
-                  children: TEXT10.rename
-                }
-              ),
-              /* @__PURE__ */ a3(
-                Button,
-                {
-                  label: `${TEXT10.remove} ${chosen2.name}`,
-                  onClick: () => attempt(() => dropPreset(chosen2.name)) && ui.announce(TEXT10.removed(chosen2.name)),
-                  children: TEXT10.remove
-                }
-              )
-            ] })
-          ] }),
-          /* @__PURE__ */ a3("div", { class: "row", children: [
-            /* @__PURE__ */ a3(
-              Button,
-              {
-                onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json"),
-                children: TEXT10.export
-              }
-            ),
-            /* @__PURE__ */ a3("label", { class: "button look-file", children: [
-              TEXT10.import,
-              /* @__PURE__ */ a3(
-                "input",
-                {
-                  type: "file",
-                  class: "hidden",
-                  accept: ".json,application/json",
-                  onChange: (event) => void open(event.currentTarget)
-                }
-              )
-            ] })
-          ] })
-        ]
+  return /* @__PURE__ */ k("details", { class: "look-details" }, /* @__PURE__ */ k("summary", null, TEXT10.title), /* @__PURE__ */ k(
+    "form",
+    {
+      class: "look-panel",
+      onSubmit: (event) => {
+        event.preventDefault();
+        void save();
       }
-    )
-  ] });
+    },
+    /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT10.name), /* @__PURE__ */ k(
+      "input",
+      {
+        type: "text",
+        class: "look-grow",
+        value: name,
+        maxLength: 100,
+        "aria-invalid": why !== "",
+        onInput: (event) => {
+          setName(event.currentTarget.value);
+          setWhy("");
+        }
+      }
+    )),
+    why !== "" && /* @__PURE__ */ k("p", { role: "alert", class: "look-why" }, why),
+    /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { type: "submit", class: "button" }, TEXT10.save), chosen2 !== void 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+      Button,
+      {
+        label: `${TEXT10.rename} ${chosen2.name}`,
+        onClick: () => {
+          const wanted = checked();
+          if (wanted === null || !attempt(() => renamePreset(chosen2.name, wanted))) return;
+          setName("");
+          rename(wanted);
+        }
+      },
+      TEXT10.rename
+    ), /* @__PURE__ */ k(
+      Button,
+      {
+        label: `${TEXT10.remove} ${chosen2.name}`,
+        onClick: () => attempt(() => dropPreset(chosen2.name)) && ui.announce(TEXT10.removed(chosen2.name))
+      },
+      TEXT10.remove
+    ))),
+    /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+      Button,
+      {
+        onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json")
+      },
+      TEXT10.export
+    ), /* @__PURE__ */ k("label", { class: "button look-file" }, TEXT10.import, /* @__PURE__ */ k(
+      "input",
+      {
+        type: "file",
+        class: "hidden",
+        accept: ".json,application/json",
+        onChange: (event) => void open(event.currentTarget)
+      }
+    )))
+  ));
 }
 async function pictureOf(frame) {
   if (frame === void 0) return "";
@@ -3634,7 +3504,7 @@ var PresetPictures = class {
 // src/view/look/preset_tiles.tsx
 var TEXT11 = { noPicture: "No picture" };
 function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
-  const list = T2(null);
+  const list2 = T2(null);
   const [focused, setFocused] = d2(null);
   const entry = [focused, selected].find((name) => tiles.some((tile) => tile.name === name)) ?? tiles[0]?.name;
   const names = tiles.map(({ name }) => name).join("\n");
@@ -3646,11 +3516,11 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
         else pictures.leave(name);
       }
     });
-    list.current?.querySelectorAll("[data-drawn]").forEach((tile) => seen.observe(tile));
+    list2.current?.querySelectorAll("[data-drawn]").forEach((tile) => seen.observe(tile));
     return () => seen.disconnect();
   }, [pictures, names]);
   const onKeyDown = (event, index) => {
-    const all = [...list.current?.querySelectorAll("[role=option]") ?? []];
+    const all = [...list2.current?.querySelectorAll("[role=option]") ?? []];
     const columns = Math.max(
       1,
       all.findIndex((tile) => tile.offsetTop > (all[0]?.offsetTop ?? 0))
@@ -3671,13 +3541,14 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
     event.preventDefault();
     event.stopPropagation();
   };
-  return /* @__PURE__ */ a3("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list, children: tiles.map(({ name, description, picture }, index) => {
+  return /* @__PURE__ */ k("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list2 }, tiles.map(({ name, description, picture }, index) => {
     const address = picture ?? pictures.get(name);
     const reason = pictures.reason(name);
     const about = reason === void 0 ? description : `${description} ${TEXT11.noPicture}: ${reason}`;
-    return /* @__PURE__ */ a3(
+    return /* @__PURE__ */ k(
       "div",
       {
+        key: name,
         class: "look-tile",
         role: "option",
         "aria-selected": name === selected,
@@ -3688,21 +3559,18 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
         "data-drawn": picture === void 0 ? true : void 0,
         onClick: () => onChoose(name),
         onFocus: () => setFocused(name),
-        onKeyDown: (event) => onKeyDown(event, index),
-        children: [
-          address ? /* @__PURE__ */ a3("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ a3("span", { class: "look-blank", children: reason !== void 0 && TEXT11.noPicture }),
-          /* @__PURE__ */ a3("span", { class: "look-name", children: name })
-        ]
+        onKeyDown: (event) => onKeyDown(event, index)
       },
-      name
+      address ? /* @__PURE__ */ k("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ k("span", { class: "look-blank" }, reason !== void 0 && TEXT11.noPicture),
+      /* @__PURE__ */ k("span", { class: "look-name" }, name)
     );
-  }) });
+  }));
 }
 
 // src/view/look/preset_search.ts
 function matching(presets, search) {
   const words = search.toLowerCase().split(/[\s_-]+/).filter((word) => word !== "");
-  const has = (text) => words.every((word) => text.toLowerCase().includes(word));
+  const has = (text2) => words.every((word) => text2.toLowerCase().includes(word));
   const found = presets.filter(({ name, description }) => has(`${name} ${description}`));
   return words.length === 0 ? found : [...found.filter(({ name }) => has(name)), ...found.filter(({ name }) => !has(name))];
 }
@@ -3742,8 +3610,8 @@ function PresetsPanel(props) {
     pictures.clear().forEach((name) => pictures.want(name));
     redraw(null);
   };
-  const take2 = (look, composite) => {
-    store.change(chosen(store.state, ui.layer, look, composite));
+  const take2 = (look, composite2) => {
+    store.change(chosen(store.state, ui.layer, look, composite2));
     ui.announce(TEXT12.chosen(look.name));
   };
   const choose = async (name) => {
@@ -3765,59 +3633,38 @@ function PresetsPanel(props) {
     search
   );
   const grid = { selected: layer.look.name, pictures, onChoose: (name) => void choose(name) };
-  return /* @__PURE__ */ a3("div", { class: "look-panel", children: [
-    /* @__PURE__ */ a3(LayerChoice, { ...props }),
-    /* @__PURE__ */ a3("label", { class: "field", children: [
-      /* @__PURE__ */ a3("span", { children: TEXT12.search }),
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "search",
-          class: "look-grow",
-          value: search,
-          onInput: (event) => setSearch(event.currentTarget.value)
-        }
-      )
-    ] }),
-    ownTiles.length > 0 && /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3("h3", { children: TEXT12.own }),
-      /* @__PURE__ */ a3(
-        PresetTiles,
-        {
-          ...grid,
-          label: TEXT12.own,
-          tiles: ownTiles,
-          onChoose: (name) => {
-            const preset = own.find((one) => one.name === name);
-            if (preset !== void 0) take2(preset.look, preset.composite);
-          }
-        }
-      )
-    ] }),
-    fitting.length > 0 && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT12.fitting, tiles: fitting }),
-    rest.length > 0 && /* @__PURE__ */ a3(
-      "details",
-      {
-        class: "look-details",
-        open: showsAll || search !== "",
-        onToggle: (event) => search === "" && setShowsAll(event.currentTarget.open),
-        children: [
-          /* @__PURE__ */ a3("summary", { children: TEXT12.all(rest.length) }),
-          (showsAll || search !== "") && /* @__PURE__ */ a3(PresetTiles, { ...grid, label: TEXT12.all(rest.length), tiles: rest })
-        ]
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT12.search), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "search",
+      class: "look-grow",
+      value: search,
+      onInput: (event) => setSearch(event.currentTarget.value)
+    }
+  )), ownTiles.length > 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k("h3", null, TEXT12.own), /* @__PURE__ */ k(
+    PresetTiles,
+    {
+      ...grid,
+      label: TEXT12.own,
+      tiles: ownTiles,
+      onChoose: (name) => {
+        const preset = own.find((one) => one.name === name);
+        if (preset !== void 0) take2(preset.look, preset.composite);
       }
-    ),
-    found.length + ownTiles.length === 0 && /* @__PURE__ */ a3("p", { class: "dim", children: TEXT12.none }),
-    store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ a3("p", { class: "look-small", children: TEXT12.alone }),
-    isOld && /* @__PURE__ */ a3($, { children: [
-      /* @__PURE__ */ a3("p", { class: "dim look-small", children: TEXT12.old }),
-      /* @__PURE__ */ a3(Button, { onClick: drawAnew, children: TEXT12.redraw })
-    ] }),
-    /* @__PURE__ */ a3(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take2 })
-  ] });
+    }
+  )), fitting.length > 0 && /* @__PURE__ */ k(PresetTiles, { ...grid, label: TEXT12.fitting, tiles: fitting }), rest.length > 0 && /* @__PURE__ */ k(
+    "details",
+    {
+      class: "look-details",
+      open: showsAll || search !== "",
+      onToggle: (event) => search === "" && setShowsAll(event.currentTarget.open)
+    },
+    /* @__PURE__ */ k("summary", null, TEXT12.all(rest.length)),
+    (showsAll || search !== "") && /* @__PURE__ */ k(PresetTiles, { ...grid, label: TEXT12.all(rest.length), tiles: rest })
+  ), found.length + ownTiles.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT12.none), store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ k("p", { class: "look-small" }, TEXT12.alone), isOld && /* @__PURE__ */ k($, null, /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT12.old), /* @__PURE__ */ k(Button, { onClick: drawAnew }, TEXT12.redraw)), /* @__PURE__ */ k(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take2 }));
 }
-function looksAlike(a4, b) {
-  const [one, other] = [axesOf(a4), axesOf(b)];
+function looksAlike(a3, b) {
+  const [one, other] = [axesOf(a3), axesOf(b)];
   return Math.min(dot(one.back, other.back), dot(one.up, other.up)) > ALIKE;
 }
 
@@ -3850,8 +3697,8 @@ var TEXT13 = {
 var MOST_RATE = 60;
 var GESTURE = "time";
 function TimeBar({ store, ui, welcome }) {
-  const count = Math.max(1, ...welcome.volumes.map((volume) => volume.n_times));
-  const series = welcome.volumes.flatMap((volume, index) => volume.n_times > 1 ? [index] : []);
+  const count = Math.max(1, ...welcome.volumes.map((volume2) => volume2.n_times));
+  const series = welcome.volumes.flatMap((volume2, index) => volume2.n_times > 1 ? [index] : []);
   const timeNow = () => Math.max(0, ...series.map((index) => store.state.layers[index]?.time ?? 0));
   const time = timeNow();
   const [isPlaying, setPlaying] = d2(false);
@@ -3895,46 +3742,35 @@ function TimeBar({ store, ui, welcome }) {
     return () => clearTimeout(timer);
   }, [isPlaying, isShown, time, rate, repeats]);
   if (count < 2) return null;
-  return /* @__PURE__ */ a3("div", { class: "look-time", role: "group", "aria-label": TEXT13.title, children: [
-    /* @__PURE__ */ a3(Button, { label: TEXT13.before, onClick: () => step(-1), children: "‹" }),
-    /* @__PURE__ */ a3(Button, { pressed: isPlaying, onClick: toggle, children: isPlaying ? TEXT13.pause : TEXT13.play }),
-    /* @__PURE__ */ a3(Button, { label: TEXT13.next, onClick: () => step(1), children: "›" }),
-    /* @__PURE__ */ a3(
-      "input",
-      {
-        type: "range",
-        "aria-label": TEXT13.title,
-        "aria-valuetext": TEXT13.of(time, count),
-        min: 0,
-        max: count - 1,
-        step: 1,
-        value: time,
-        onInput: (event) => {
-          setPlaying(false);
-          go(event.currentTarget.valueAsNumber);
-        },
-        onChange: () => store.settle()
+  return /* @__PURE__ */ k("div", { class: "look-time", role: "group", "aria-label": TEXT13.title }, /* @__PURE__ */ k(Button, { label: TEXT13.before, onClick: () => step(-1) }, "‹"), /* @__PURE__ */ k(Button, { pressed: isPlaying, onClick: toggle }, isPlaying ? TEXT13.pause : TEXT13.play), /* @__PURE__ */ k(Button, { label: TEXT13.next, onClick: () => step(1) }, "›"), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "range",
+      "aria-label": TEXT13.title,
+      "aria-valuetext": TEXT13.of(time, count),
+      min: 0,
+      max: count - 1,
+      step: 1,
+      value: time,
+      onInput: (event) => {
+        setPlaying(false);
+        go(event.currentTarget.valueAsNumber);
+      },
+      onChange: () => store.settle()
+    }
+  ), /* @__PURE__ */ k("output", { class: "look-count" }, TEXT13.of(time, count)), /* @__PURE__ */ k("label", { class: "row" }, /* @__PURE__ */ k(
+    NumberField,
+    {
+      label: TEXT13.rate,
+      min: 0.2,
+      max: MOST_RATE,
+      step: 1,
+      value: rate,
+      onValue: setRate,
+      onDone: () => {
       }
-    ),
-    /* @__PURE__ */ a3("output", { class: "look-count", children: TEXT13.of(time, count) }),
-    /* @__PURE__ */ a3("label", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        NumberField,
-        {
-          label: TEXT13.rate,
-          min: 0.2,
-          max: MOST_RATE,
-          step: 1,
-          value: rate,
-          onValue: setRate,
-          onDone: () => {
-          }
-        }
-      ),
-      /* @__PURE__ */ a3("span", { class: "dim", "aria-hidden": "true", children: TEXT13.perSecond })
-    ] }),
-    /* @__PURE__ */ a3(CheckField, { label: TEXT13.repeat, checked: repeats, onCheck: setRepeats })
-  ] });
+    }
+  ), /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, TEXT13.perSecond)), /* @__PURE__ */ k(CheckField, { label: TEXT13.repeat, checked: repeats, onCheck: setRepeats }));
 }
 
 // src/view/look/window_drag.ts
@@ -3964,16 +3800,16 @@ var SIDES = [
   ["below", [0, 0, -1]]
 ];
 var NAMED = 0.35;
-function sceneLabel(state) {
-  const shown = state.layers.filter((layer) => layer.visible);
+function sceneLabel(state2) {
+  const shown = state2.layers.filter((layer) => layer.visible);
   const what = shown.map((layer) => `${layer.name} as ${layer.look.name}`).join(", ") || "nothing";
-  const { back } = axesOf(state.camera);
-  const sides = SIDES.map(([name, way]) => [name, dot(back, way)]).filter(([, share]) => share > NAMED).sort((a4, b) => b[1] - a4[1]).map(([name]) => name === "above" || name === "below" ? name : `the ${name}`);
-  const cut = state.clip.length > 0 ? ", cut open" : "";
+  const { back } = axesOf(state2.camera);
+  const sides = SIDES.map(([name, way]) => [name, dot(back, way)]).filter(([, share2]) => share2 > NAMED).sort((a3, b) => b[1] - a3[1]).map(([name]) => name === "above" || name === "below" ? name : `the ${name}`);
+  const cut = state2.clip.length > 0 ? ", cut open" : "";
   return `${what}, seen from ${sides.join(" and ")}${cut}`;
 }
-function compositeName(composite) {
-  return typeof composite === "string" ? composite : Object.keys(composite)[0] ?? "over";
+function compositeName(composite2) {
+  return typeof composite2 === "string" ? composite2 : Object.keys(composite2)[0] ?? "over";
 }
 function shortNumber(value, digits = 3) {
   if (value === 0 || !Number.isFinite(value)) return String(value);
@@ -4003,16 +3839,16 @@ function take(event) {
   event.stopPropagation();
 }
 function Handle2(props) {
-  const { label, text, value, range, x: x2, y: y3, color, round, onDrag, onKey, onEnd, onDouble } = props;
+  const { label, text: text2, value, range, x: x2, y: y3, color: color2, round, onDrag, onKey, onEnd, onDouble } = props;
   const down = (event) => {
     event.stopPropagation();
     const element = event.currentTarget;
     element.setPointerCapture(event.pointerId);
     element.focus({ preventScroll: true });
-    const box = element.ownerSVGElement?.getBoundingClientRect();
+    const box2 = element.ownerSVGElement?.getBoundingClientRect();
     let [px2, py] = [event.clientX, event.clientY];
     const move = (moved) => {
-      onDrag(moved.clientX - (box?.left ?? 0), moved.clientY - (box?.top ?? 0), moved.clientX - px2, moved.clientY - py);
+      onDrag(moved.clientX - (box2?.left ?? 0), moved.clientY - (box2?.top ?? 0), moved.clientX - px2, moved.clientY - py);
       [px2, py] = [moved.clientX, moved.clientY];
     };
     const up = () => {
@@ -4025,7 +3861,7 @@ function Handle2(props) {
     element.addEventListener("pointerup", up);
     element.addEventListener("pointercancel", up);
   };
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "g",
     {
       "data-handle": true,
@@ -4035,24 +3871,22 @@ function Handle2(props) {
       "aria-valuenow": Number(value.toFixed(3)),
       "aria-valuemin": Number(range[0].toFixed(3)),
       "aria-valuemax": Number(range[1].toFixed(3)),
-      "aria-valuetext": text,
+      "aria-valuetext": text2,
       transform: `translate(${x2} ${y3})`,
       onPointerDown: down,
       onKeyDown: onKey,
       onKeyUp: onEnd,
-      onDblClick: onDouble,
-      children: [
-        /* @__PURE__ */ a3("circle", { r: "13", fill: "transparent", stroke: "none" }),
-        round ? /* @__PURE__ */ a3("circle", { r: "5", fill: "#000", stroke: color, "stroke-width": "2" }) : /* @__PURE__ */ a3("rect", { x: "-5", y: "-5", width: "10", height: "10", fill: color, stroke: "#000", "stroke-width": "1" })
-      ]
-    }
+      onDblClick: onDouble
+    },
+    /* @__PURE__ */ k("circle", { r: "13", fill: "transparent", stroke: "none" }),
+    round ? /* @__PURE__ */ k("circle", { r: "5", fill: "#000", stroke: color2, "stroke-width": "2" }) : /* @__PURE__ */ k("rect", { x: "-5", y: "-5", width: "10", height: "10", fill: color2, stroke: "#000", "stroke-width": "1" })
   );
 }
 
 // src/view/slices/geometry.ts
 var AXES2 = { axial: [0, 0, 1], coronal: [0, 1, 0], sagittal: [1, 0, 0] };
-function normalOf(state, pane) {
-  const tilted2 = state.view.slices.normals?.[pane];
+function normalOf(state2, pane) {
+  const tilted2 = state2.view.slices.normals?.[pane];
   return tilted2 === void 0 ? AXES2[pane] : unit(tilted2);
 }
 function worldAt({ geometry, size, width, height }, x2, y3) {
@@ -4060,9 +3894,9 @@ function worldAt({ geometry, size, width, height }, x2, y3) {
   const across = scaled(geometry.right, column * geometry.pixel);
   return add(geometry.origin, add(across, scaled(geometry.down, row * geometry.pixel)));
 }
-function placeOf(frame, point) {
+function placeOf(frame, point2) {
   const { geometry, size, width, height } = frame;
-  const from = sub(point, geometry.origin);
+  const from = sub(point2, geometry.origin);
   const column = dot(from, geometry.right) / geometry.pixel;
   const row = dot(from, geometry.down) / geometry.pixel;
   return {
@@ -4073,7 +3907,7 @@ function placeOf(frame, point) {
 }
 function lineOf(frame, other) {
   const along = cross(frame.geometry.normal, other);
-  if (length(along) < 1e-6) return null;
+  if (length2(along) < 1e-6) return null;
   const [dx, dy] = [dot(along, frame.geometry.right), dot(along, frame.geometry.down)];
   const norm = Math.hypot(dx, dy);
   return norm < 1e-9 ? null : { dx: dx / norm, dy: dy / norm };
@@ -4089,9 +3923,9 @@ function tilted(frame, other, dx, dy) {
   const sign = Math.sign(dot(axis, normal)) || 1;
   return unit(turnedAbout(other, scaled(normal, sign), angle * (Math.sign(dot(axis, scaled(normal, sign))) || 1)));
 }
-function stepped(state, pane, distance2, range) {
-  const normal = normalOf(state, pane);
-  const { crosshair } = state.view.slices;
+function stepped(state2, pane, distance2, range) {
+  const normal = normalOf(state2, pane);
+  const { crosshair } = state2.view.slices;
   const now = dot(normal, crosshair);
   const next = Math.min(Math.max(now + distance2, range[0]), range[1]);
   return add(crosshair, scaled(normal, next - now));
@@ -4100,10 +3934,10 @@ function sampleStep(affine, direction) {
   const column = (axis) => [0, 1, 2].map((row) => affine[row]?.[axis] ?? 0);
   const shares = [0, 1, 2].map((axis) => {
     const step = column(axis);
-    const size = length(step);
+    const size = length2(step);
     return { size, share: Math.abs(dot(step, direction)) / size };
   });
-  const best = shares.reduce((a4, b) => b.share > a4.share ? b : a4);
+  const best = shares.reduce((a3, b) => b.share > a3.share ? b : a3);
   return best.size * best.share;
 }
 function barLength(longest) {
@@ -4113,12 +3947,12 @@ function barLength(longest) {
 }
 var othersOf = (pane) => PANES.filter((one) => one !== pane);
 function angleDeg(points) {
-  const [a4, b, c3] = points;
-  const [from, to] = [sub(a4, b), sub(c3, b)];
-  const cos = dot(from, to) / (length(from) * length(to));
+  const [a3, b, c3] = points;
+  const [from, to] = [sub(a3, b), sub(c3, b)];
+  const cos = dot(from, to) / (length2(from) * length2(to));
   return Math.acos(Math.min(1, Math.max(-1, cos))) * 180 / Math.PI;
 }
-var distance = (points) => length(sub(points[1], points[0]));
+var distance = (points) => length2(sub(points[1], points[0]));
 
 // src/view/slices/measures.tsx
 var COLOR = "#7df0ff";
@@ -4129,80 +3963,73 @@ function Drawn(props) {
   const { store, welcome, ui, placed, moved, isNear } = props;
   const unit2 = welcome.volumes[0]?.unit ?? "units";
   const pending = ui.points.map(placed);
-  return /* @__PURE__ */ a3("g", { children: [
-    store.state.view.measures.map((measure, n2) => {
-      const places = measure.points.map(placed);
-      if (!isNear(measure.points) || places.some((place) => place === null)) return null;
-      const points = places;
-      const middle2 = points[measure.kind === "angle" ? 1 : 0];
-      const text = measured(measure, unit2);
-      return /* @__PURE__ */ a3("g", { children: [
-        /* @__PURE__ */ a3("path", { d: `M${points.map(({ x: x2, y: y3 }) => `${x2} ${y3}`).join("L")}`, fill: "none", stroke: COLOR, "stroke-width": "1.5" }),
-        /* @__PURE__ */ a3("text", { x: middle2.x + 10, y: middle2.y - 8, children: text }),
-        points.map(({ x: x2, y: y3 }, k2) => {
-          const change = (to, gesture) => store.change([set(to, "view", "measures", n2, "points", k2)], gesture);
-          const now = () => store.state.view.measures[n2]?.points[k2] ?? measure.points[k2];
-          return /* @__PURE__ */ a3(
-            Handle2,
-            {
-              round: true,
-              label: `Measure ${n2 + 1}, point ${k2 + 1}`,
-              text,
-              value: k2,
-              range: [0, points.length],
-              x: x2,
-              y: y3,
-              color: COLOR,
-              onDrag: (_x, _y, dx, dy) => change(moved(now(), dx, dy), "measure"),
-              onKey: (event) => {
-                const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
-                if (event.key === "Delete") {
-                  event.preventDefault();
-                  store.change([{ op: "remove", path: `/view/measures/${n2}` }]);
-                }
-                if (way === void 0) return;
-                take(event);
-                change(moved(now(), way[0] ?? 0, way[1] ?? 0), "key measure");
-              },
-              onEnd: () => store.settle()
-            },
-            k2
-          );
-        })
-      ] }, n2);
-    }),
-    pending.map((place, k2) => place && /* @__PURE__ */ a3("circle", { cx: place.x, cy: place.y, r: "4", fill: COLOR, stroke: "#000" }, k2))
-  ] });
+  return /* @__PURE__ */ k("g", null, store.state.view.measures.map((measure, n2) => {
+    const places = measure.points.map(placed);
+    if (!isNear(measure.points) || places.some((place) => place === null)) return null;
+    const points = places;
+    const middle2 = points[measure.kind === "angle" ? 1 : 0];
+    const text2 = measured(measure, unit2);
+    return /* @__PURE__ */ k("g", { key: n2 }, /* @__PURE__ */ k("path", { d: `M${points.map(({ x: x2, y: y3 }) => `${x2} ${y3}`).join("L")}`, fill: "none", stroke: COLOR, "stroke-width": "1.5" }), /* @__PURE__ */ k("text", { x: middle2.x + 10, y: middle2.y - 8 }, text2), points.map(({ x: x2, y: y3 }, k3) => {
+      const change = (to, gesture) => store.change([set(to, "view", "measures", n2, "points", k3)], gesture);
+      const now = () => store.state.view.measures[n2]?.points[k3] ?? measure.points[k3];
+      return /* @__PURE__ */ k(
+        Handle2,
+        {
+          key: k3,
+          round: true,
+          label: `Measure ${n2 + 1}, point ${k3 + 1}`,
+          text: text2,
+          value: k3,
+          range: [0, points.length],
+          x: x2,
+          y: y3,
+          color: COLOR,
+          onDrag: (_x, _y, dx, dy) => change(moved(now(), dx, dy), "measure"),
+          onKey: (event) => {
+            const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+            if (event.key === "Delete") {
+              event.preventDefault();
+              store.change([{ op: "remove", path: `/view/measures/${n2}` }]);
+            }
+            if (way === void 0) return;
+            take(event);
+            change(moved(now(), way[0] ?? 0, way[1] ?? 0), "key measure");
+          },
+          onEnd: () => store.settle()
+        }
+      );
+    }));
+  }), pending.map((place, k3) => place && /* @__PURE__ */ k("circle", { key: k3, cx: place.x, cy: place.y, r: "4", fill: COLOR, stroke: "#000" })));
 }
 function MeasuresOnSlice(props) {
   const { on, store } = props;
   const thickness = Math.max(store.state.view.slices.thickness / 2, on.geometry.pixel * 1.5);
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     Drawn,
     {
       ...props,
-      placed: (point) => placeOf(on, point),
-      moved: (point, dx, dy) => {
-        const { x: x2, y: y3 } = placeOf(on, point);
-        return add(point, sub(worldAt(on, x2 + dx, y3 + dy), worldAt(on, x2, y3)));
+      placed: (point2) => placeOf(on, point2),
+      moved: (point2, dx, dy) => {
+        const { x: x2, y: y3 } = placeOf(on, point2);
+        return add(point2, sub(worldAt(on, x2 + dx, y3 + dy), worldAt(on, x2, y3)));
       },
-      isNear: (points) => points.every((point) => placeOf(on, point).away <= thickness)
+      isNear: (points) => points.every((point2) => placeOf(on, point2).away <= thickness)
     }
   );
 }
 function Measures3d(props) {
   const { camera, size } = props;
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     Drawn,
     {
       ...props,
-      placed: (point) => project(camera, size, point),
-      moved: (point, dx, dy) => add(point, inPicture(camera, size, point, dx, dy)),
+      placed: (point2) => project(camera, size, point2),
+      moved: (point2, dx, dy) => add(point2, inPicture(camera, size, point2, dx, dy)),
       isNear: () => true
     }
   );
 }
-var isMeasure = (points) => points.every((point, n2) => n2 === 0 || length(sub(point, scaled(points[n2 - 1], 1))) > 0);
+var isMeasure = (points) => points.every((point2, n2) => n2 === 0 || length2(sub(point2, scaled(points[n2 - 1], 1))) > 0);
 
 // src/view/measure_panel.tsx
 function MeasurePanel({ store, welcome, ui }) {
@@ -4210,62 +4037,45 @@ function MeasurePanel({ store, welcome, ui }) {
   const unit2 = welcome.volumes[0]?.unit ?? "units";
   const csv = () => ["kind,value,unit,points", ...measures.map((one) => {
     const [value, of] = measured(one, unit2).replace("°", " degree").split(" ");
-    return `${one.kind},${value},${of},"${one.points.map((point) => point.join(" ")).join("; ")}"`;
+    return `${one.kind},${value},${of},"${one.points.map((point2) => point2.join(" ")).join("; ")}"`;
   })].join("\n");
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      ["distance", "angle"].map((tool) => /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          "aria-pressed": ui.tool === tool,
-          onClick: () => ui.setTool(ui.tool === tool ? "turn" : tool),
-          children: tool === "distance" ? "Distance" : "Angle"
-        },
-        tool
-      )),
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          onClick: () => {
-            const { crosshair } = store.state.view.slices;
-            ui.addPoint(crosshair);
-          },
-          disabled: ui.tool !== "distance" && ui.tool !== "angle",
-          children: "Point at the crosshair"
-        }
-      )
-    ] }),
-    ui.points.length > 0 && /* @__PURE__ */ a3("p", { class: "dim", children: `${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points` }),
-    measures.length === 0 ? /* @__PURE__ */ a3("p", { class: "dim", children: "Choose distance or angle, then click in a slice or in space." }) : /* @__PURE__ */ a3("ol", { children: measures.map((one, n2) => /* @__PURE__ */ a3("li", { children: [
-      /* @__PURE__ */ a3("span", { class: "row", children: [
-        measured(one, unit2),
-        /* @__PURE__ */ a3(
-          "button",
-          {
-            class: "icon-button",
-            "aria-label": `Delete measure ${n2 + 1}`,
-            onClick: () => store.change([{ op: "remove", path: `/view/measures/${n2}` }]),
-            children: "×"
-          }
-        )
-      ] }),
-      /* @__PURE__ */ a3("span", { class: "dim", children: one.points.map((point) => `(${point.map((x2) => shortNumber(x2, 4)).join(", ")})`).join(" – ") })
-    ] }, n2)) }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]), children: "Delete all" }),
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          disabled: measures.length === 0,
-          onClick: () => ui.download("measures.csv", csv(), "text/csv"),
-          children: "Save as CSV"
-        }
-      )
-    ] })
-  ] });
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("div", { class: "row" }, ["distance", "angle"].map((tool) => /* @__PURE__ */ k(
+    "button",
+    {
+      key: tool,
+      class: "button",
+      "aria-pressed": ui.tool === tool,
+      onClick: () => ui.setTool(ui.tool === tool ? "turn" : tool)
+    },
+    tool === "distance" ? "Distance" : "Angle"
+  )), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      onClick: () => {
+        const { crosshair } = store.state.view.slices;
+        ui.addPoint(crosshair);
+      },
+      disabled: ui.tool !== "distance" && ui.tool !== "angle"
+    },
+    "Point at the crosshair"
+  )), ui.points.length > 0 && /* @__PURE__ */ k("p", { class: "dim" }, `${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points`), measures.length === 0 ? /* @__PURE__ */ k("p", { class: "dim" }, "Choose distance or angle, then click in a slice or in space.") : /* @__PURE__ */ k("ol", null, measures.map((one, n2) => /* @__PURE__ */ k("li", { key: n2 }, /* @__PURE__ */ k("span", { class: "row" }, measured(one, unit2), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "icon-button",
+      "aria-label": `Delete measure ${n2 + 1}`,
+      onClick: () => store.change([{ op: "remove", path: `/view/measures/${n2}` }])
+    },
+    "×"
+  )), /* @__PURE__ */ k("span", { class: "dim" }, one.points.map((point2) => `(${point2.map((x2) => shortNumber(x2, 4)).join(", ")})`).join(" – "))))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]) }, "Delete all"), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      disabled: measures.length === 0,
+      onClick: () => ui.download("measures.csv", csv(), "text/csv")
+    },
+    "Save as CSV"
+  )));
 }
 function ProbeLine({ ui, welcome }) {
   const { probe: probe2, probed } = ui;
@@ -4275,95 +4085,91 @@ function ProbeLine({ ui, welcome }) {
     return value === null ? "outside" : `${shortNumber(value, 5)} ${unit2}`.trim();
   });
   const label = probed.label === null ? "" : ` · ${probed.label.name}`;
-  return /* @__PURE__ */ a3("span", { children: `${values.join(", ")}${label} at (${probe2.map((x2) => shortNumber(x2, 4)).join(", ")})` });
+  return /* @__PURE__ */ k("span", null, `${values.join(", ")}${label} at (${probe2.map((x2) => shortNumber(x2, 4)).join(", ")})`);
 }
 
 // src/view/overlay3d/box_handles.tsx
 var NAMES = ["x", "y", "z"];
 var UNITS = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 function BoxHandles(props) {
-  const { store, welcome, kind, place, box, camera, size } = props;
-  const color = kind === "keep" ? "#ffd166" : "#ff8fb1";
-  const what = kind === "keep" ? "Crop" : "Cut-out";
+  const { store, welcome, kind: kind2, place, box: box2, camera, size } = props;
+  const color2 = kind2 === "keep" ? "#ffd166" : "#ff8fb1";
+  const what = kind2 === "keep" ? "Crop" : "Cut-out";
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
-  const change = (next, gesture) => store.change([set({ [kind]: next }, "clip", place)], gesture);
+  const change = (next, gesture) => store.change([set({ [kind2]: next }, "clip", place)], gesture);
   const now = () => {
-    const clip = store.state.clip[place];
-    return clip?.[kind] ?? box;
+    const clip2 = store.state.clip[place];
+    return clip2?.[kind2] ?? box2;
   };
-  const points = corners(box).map((corner2) => project(camera, size, corner2));
-  const middle2 = project(camera, size, center(box));
+  const points = corners(box2).map((corner2) => project(camera, size, corner2));
+  const middle2 = project(camera, size, center(box2));
   const moveFace = (face, to, gesture) => change(withFace(now(), face, to, welcome.bounds, spacing[face.axis]), gesture);
-  return /* @__PURE__ */ a3("g", { children: [
-    EDGES.map((edge) => {
-      const [a4, b] = [points[edge.a], points[edge.b]];
-      if (!a4 || !b) return null;
-      const hidden = isHidden(box, edge, camera);
-      const line = `M${a4.x} ${a4.y}L${b.x} ${b.y}`;
-      return /* @__PURE__ */ a3("path", { d: line, stroke: color, "stroke-width": "1.3", opacity: hidden ? 0.3 : 0.95 }, `${edge.a}${edge.b}`);
-    }),
-    FACES.map((face) => {
-      const at2 = project(camera, size, faceCenter(box, face));
-      if (at2 === null) return null;
-      const value = box[face.side][face.axis];
-      const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-      const name = `${what}, ${NAMES[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
-      const keys = (event) => {
-        const n2 = stepOf(event);
-        const end = { Home: bounds[0], End: bounds[1] }[event.key];
-        if (n2 === void 0 && end === void 0) return;
-        take(event);
-        moveFace(face, end ?? now()[face.side][face.axis] + (n2 ?? 0) * spacing[face.axis], "key face");
-      };
-      return /* @__PURE__ */ a3("g", { opacity: isSeen(box, face, camera) ? 1 : 0.5, children: /* @__PURE__ */ a3(
-        Handle2,
-        {
-          label: name,
-          text: `${name} ${shortNumber(value, 4)}`,
-          value,
-          range: bounds,
-          x: at2.x,
-          y: at2.y,
-          color,
-          onDrag: (_x, _y, dx, dy) => {
-            const before = now();
-            const axis = UNITS[face.axis];
-            const way = alongAxis(camera, size, faceCenter(before, face), axis, dx, dy);
-            moveFace(face, before[face.side][face.axis] + way, "face");
-          },
-          onKey: keys,
-          onEnd: () => store.settle(),
-          onDouble: () => moveFace(face, bounds[face.side === "lower" ? 0 : 1], "face")
-        }
-      ) }, name);
-    }),
-    middle2 !== null && /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k("g", null, EDGES.map((edge) => {
+    const [a3, b] = [points[edge.a], points[edge.b]];
+    if (!a3 || !b) return null;
+    const hidden = isHidden(box2, edge, camera);
+    const line = `M${a3.x} ${a3.y}L${b.x} ${b.y}`;
+    return /* @__PURE__ */ k("path", { key: `${edge.a}${edge.b}`, d: line, stroke: color2, "stroke-width": "1.3", opacity: hidden ? 0.3 : 0.95 });
+  }), FACES.map((face) => {
+    const at2 = project(camera, size, faceCenter(box2, face));
+    if (at2 === null) return null;
+    const value = box2[face.side][face.axis];
+    const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
+    const name = `${what}, ${NAMES[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
+    const keys = (event) => {
+      const n2 = stepOf(event);
+      const end = { Home: bounds[0], End: bounds[1] }[event.key];
+      if (n2 === void 0 && end === void 0) return;
+      take(event);
+      moveFace(face, end ?? now()[face.side][face.axis] + (n2 ?? 0) * spacing[face.axis], "key face");
+    };
+    return /* @__PURE__ */ k("g", { key: name, opacity: isSeen(box2, face, camera) ? 1 : 0.5 }, /* @__PURE__ */ k(
       Handle2,
       {
-        label: `${what} box`,
-        text: `${what} box, middle`,
-        value: 0,
-        range: [0, 0],
-        x: middle2.x,
-        y: middle2.y,
-        color,
-        round: true,
+        label: name,
+        text: `${name} ${shortNumber(value, 4)}`,
+        value,
+        range: bounds,
+        x: at2.x,
+        y: at2.y,
+        color: color2,
         onDrag: (_x, _y, dx, dy) => {
           const before = now();
-          change(movedBy(before, inPicture(camera, size, center(before), dx, dy), welcome.bounds), "box");
+          const axis = UNITS[face.axis];
+          const way = alongAxis(camera, size, faceCenter(before, face), axis, dx, dy);
+          moveFace(face, before[face.side][face.axis] + way, "face");
         },
-        onKey: (event) => {
-          const axis = { ArrowRight: 0, ArrowLeft: 0, ArrowUp: 2, ArrowDown: 2, PageUp: 1, PageDown: 1 }[event.key];
-          if (axis === void 0) return;
-          take(event);
-          const sign = event.key === "ArrowRight" || event.key === "ArrowUp" || event.key === "PageUp" ? 1 : -1;
-          const by = UNITS[axis]?.map((one) => one * sign * (spacing[axis] ?? 1));
-          change(movedBy(now(), add(by, [0, 0, 0]), welcome.bounds), "key box");
-        },
-        onEnd: () => store.settle()
+        onKey: keys,
+        onEnd: () => store.settle(),
+        onDouble: () => moveFace(face, bounds[face.side === "lower" ? 0 : 1], "face")
       }
-    )
-  ] });
+    ));
+  }), middle2 !== null && /* @__PURE__ */ k(
+    Handle2,
+    {
+      label: `${what} box`,
+      text: `${what} box, middle`,
+      value: 0,
+      range: [0, 0],
+      x: middle2.x,
+      y: middle2.y,
+      color: color2,
+      round: true,
+      onDrag: (_x, _y, dx, dy) => {
+        const before = now();
+        change(movedBy(before, inPicture(camera, size, center(before), dx, dy), welcome.bounds), "box");
+      },
+      onKey: (event) => {
+        const axis = { ArrowRight: 0, ArrowLeft: 0, ArrowUp: 2, ArrowDown: 2, PageUp: 1, PageDown: 1 }[event.key];
+        if (axis === void 0) return;
+        take(event);
+        const sign = event.key === "ArrowRight" || event.key === "ArrowUp" || event.key === "PageUp" ? 1 : -1;
+        const by = UNITS[axis]?.map((one) => one * sign * (spacing[axis] ?? 1));
+        change(movedBy(now(), add(by, [0, 0, 0]), welcome.bounds), "key box");
+      },
+      onEnd: () => store.settle()
+    }
+  ));
 }
 
 // src/view/overlay3d/cube.tsx
@@ -4380,15 +4186,15 @@ var SIDES2 = [
 function Cube(props) {
   const { camera, width, welcome } = props;
   const { right, up, back } = axesOf(camera);
-  const flat = (point) => `${(dot(point, right) * HALF).toFixed(2)} ${(-dot(point, up) * HALF).toFixed(2)}`;
-  const seen = SIDES2.map((side, n2) => ({ ...side, name: welcome.axis_ends[n2] ?? "", towards: dot(side.outward, back) })).filter(({ towards }) => towards > 0.02).sort((a4, b) => a4.towards - b.towards);
-  return /* @__PURE__ */ a3("g", { transform: `translate(${width - MARGIN2} ${MARGIN2})`, children: seen.map(({ outward, view, name, towards }) => {
+  const flat = (point2) => `${(dot(point2, right) * HALF).toFixed(2)} ${(-dot(point2, up) * HALF).toFixed(2)}`;
+  const seen = SIDES2.map((side, n2) => ({ ...side, name: welcome.axis_ends[n2] ?? "", towards: dot(side.outward, back) })).filter(({ towards }) => towards > 0.02).sort((a3, b) => a3.towards - b.towards);
+  return /* @__PURE__ */ k("g", { transform: `translate(${width - MARGIN2} ${MARGIN2})` }, seen.map(({ outward, view, name, towards }) => {
     const axis = outward.findIndex((one) => one !== 0);
-    const corner2 = (a4, b) => {
-      const point = [...outward];
-      point[(axis + 1) % 3] = a4;
-      point[(axis + 2) % 3] = b;
-      return point;
+    const corner2 = (a3, b) => {
+      const point2 = [...outward];
+      point2[(axis + 1) % 3] = a3;
+      point2[(axis + 2) % 3] = b;
+      return point2;
     };
     const outline2 = [corner2(1, 1), corner2(1, -1), corner2(-1, -1), corner2(-1, 1)].map(flat).join("L");
     const target = welcome.standard_views[view];
@@ -4396,33 +4202,31 @@ function Cube(props) {
       if (target !== void 0) showFrom(props, target);
     };
     const shade = Math.round(38 + 70 * towards);
-    return /* @__PURE__ */ a3(
+    return /* @__PURE__ */ k(
       "g",
       {
+        key: view,
         "data-handle": true,
         role: "button",
         tabindex: -1,
         "aria-label": `${name}, from the ${view}`,
         onClick: go,
         onPointerDown: (event) => event.stopPropagation(),
-        style: { cursor: "pointer" },
-        children: [
-          /* @__PURE__ */ a3("path", { d: `M${outline2}Z`, fill: `rgb(${shade},${shade},${shade})`, stroke: "#cfd6e0", "stroke-width": "1" }),
-          towards > 0.3 && /* @__PURE__ */ a3(
-            "text",
-            {
-              x: dot(outward, right) * HALF,
-              y: -dot(outward, up) * HALF + 5,
-              "text-anchor": "middle",
-              style: { strokeWidth: 0, fontWeight: 600 },
-              children: name
-            }
-          )
-        ]
+        style: { cursor: "pointer" }
       },
-      view
+      /* @__PURE__ */ k("path", { d: `M${outline2}Z`, fill: `rgb(${shade},${shade},${shade})`, stroke: "#cfd6e0", "stroke-width": "1" }),
+      towards > 0.3 && /* @__PURE__ */ k(
+        "text",
+        {
+          x: dot(outward, right) * HALF,
+          y: -dot(outward, up) * HALF + 5,
+          "text-anchor": "middle",
+          style: { strokeWidth: 0, fontWeight: 600 }
+        },
+        name
+      )
     );
-  }) });
+  }));
 }
 
 // src/view/overlay3d/plane_handles.tsx
@@ -4435,8 +4239,8 @@ function PlaneHandles(props) {
   const normal = unit(plane.normal);
   const at2 = project(camera, size, plane.point);
   if (at2 === null) return null;
-  const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
-  const extent = length(sub(welcome.bounds[1], welcome.bounds[0]));
+  const number2 = store.state.clip.slice(0, place + 1).filter((clip2) => "plane" in clip2).length;
+  const extent = length2(sub(welcome.bounds[1], welcome.bounds[0]));
   const arm = ARM_PX * unitsPerPixel(camera, size.height, at2.depth);
   const now = () => store.state.clip[place]?.plane ?? plane;
   const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
@@ -4445,7 +4249,7 @@ function PlaneHandles(props) {
   const second = cross(normal, first);
   const ends = [add(plane.point, scaled(first, arm)), add(plane.point, scaled(second, arm))];
   const square = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(
-    ([a4, b]) => project(camera, size, add(plane.point, add(scaled(first, (a4 ?? 0) * arm), scaled(second, (b ?? 0) * arm))))
+    ([a3, b]) => project(camera, size, add(plane.point, add(scaled(first, (a3 ?? 0) * arm), scaled(second, (b ?? 0) * arm))))
   );
   const tip = project(camera, size, add(plane.point, scaled(normal, arm * 0.6)));
   const slide = (way, gesture) => {
@@ -4456,56 +4260,51 @@ function PlaneHandles(props) {
     const before = now();
     change({ ...before, normal: turnedAbout(unit(before.normal), axis, angle) }, gesture);
   };
-  return /* @__PURE__ */ a3("g", { stroke: COLOR2, fill: "none", children: [
-    square.every((corner2) => corner2 !== null) && /* @__PURE__ */ a3("path", { d: `M${square.map((corner2) => `${corner2?.x} ${corner2?.y}`).join("L")}Z`, "stroke-width": "1.3", fill: COLOR2, "fill-opacity": "0.08" }),
-    tip !== null && /* @__PURE__ */ a3("path", { d: `M${at2.x} ${at2.y}L${tip.x} ${tip.y}`, "stroke-width": "2" }),
-    /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k("g", { stroke: COLOR2, fill: "none" }, square.every((corner2) => corner2 !== null) && /* @__PURE__ */ k("path", { d: `M${square.map((corner2) => `${corner2?.x} ${corner2?.y}`).join("L")}Z`, "stroke-width": "1.3", fill: COLOR2, "fill-opacity": "0.08" }), tip !== null && /* @__PURE__ */ k("path", { d: `M${at2.x} ${at2.y}L${tip.x} ${tip.y}`, "stroke-width": "2" }), /* @__PURE__ */ k(
+    Handle2,
+    {
+      label: `Clip plane ${number2}`,
+      text: `Clip plane ${number2}, ${shortNumber(dot(plane.point, normal), 4)} along its normal`,
+      value: dot(plane.point, normal),
+      range: [-extent, extent],
+      x: at2.x,
+      y: at2.y,
+      color: COLOR2,
+      onDrag: (_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane"),
+      onKey: (event) => {
+        const n2 = stepOf(event);
+        if (n2 !== void 0) slide(n2 * STEP_SHARE * extent, "key plane");
+      },
+      onEnd: () => store.settle()
+    }
+  ), ends.map((end, k3) => {
+    const shown = project(camera, size, end);
+    if (shown === null) return null;
+    const axis = k3 === 0 ? second : first;
+    return /* @__PURE__ */ k(
       Handle2,
       {
-        label: `Clip plane ${number}`,
-        text: `Clip plane ${number}, ${shortNumber(dot(plane.point, normal), 4)} along its normal`,
-        value: dot(plane.point, normal),
-        range: [-extent, extent],
-        x: at2.x,
-        y: at2.y,
+        key: k3,
+        round: true,
+        label: `Tilt clip plane ${number2}, ${k3 === 0 ? "forwards" : "sideways"}`,
+        text: `Normal ${normal.map((one) => shortNumber(one, 2)).join(", ")}`,
+        value: 0,
+        range: [-180, 180],
+        x: shown.x,
+        y: shown.y,
         color: COLOR2,
-        onDrag: (_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane"),
+        onDrag: (_x, _y, dx, dy) => {
+          const way = alongAxis(camera, size, end, normal, dx, dy);
+          tilt(axis, (k3 === 0 ? -1 : 1) * Math.atan2(way, arm), "tilt plane");
+        },
         onKey: (event) => {
           const n2 = stepOf(event);
-          if (n2 !== void 0) slide(n2 * STEP_SHARE * extent, "key plane");
+          if (n2 !== void 0) tilt(axis, n2 * STEP_DEG * Math.PI / 180, "key tilt plane");
         },
         onEnd: () => store.settle()
       }
-    ),
-    ends.map((end, k2) => {
-      const shown = project(camera, size, end);
-      if (shown === null) return null;
-      const axis = k2 === 0 ? second : first;
-      return /* @__PURE__ */ a3(
-        Handle2,
-        {
-          round: true,
-          label: `Tilt clip plane ${number}, ${k2 === 0 ? "forwards" : "sideways"}`,
-          text: `Normal ${normal.map((one) => shortNumber(one, 2)).join(", ")}`,
-          value: 0,
-          range: [-180, 180],
-          x: shown.x,
-          y: shown.y,
-          color: COLOR2,
-          onDrag: (_x, _y, dx, dy) => {
-            const way = alongAxis(camera, size, end, normal, dx, dy);
-            tilt(axis, (k2 === 0 ? -1 : 1) * Math.atan2(way, arm), "tilt plane");
-          },
-          onKey: (event) => {
-            const n2 = stepOf(event);
-            if (n2 !== void 0) tilt(axis, n2 * STEP_DEG * Math.PI / 180, "key tilt plane");
-          },
-          onEnd: () => store.settle()
-        },
-        k2
-      );
-    })
-  ] });
+    );
+  }));
 }
 
 // src/view/overlay3d/scene_overlay.tsx
@@ -4516,55 +4315,38 @@ function SceneOverlay(props) {
   const { overlays } = store.state.view;
   const camera = frame.camera ?? store.state.camera;
   const clips = store.state.clip;
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3("svg", { class: "over", children: [
-      overlays.crosshair && /* @__PURE__ */ a3(Crosshair, { ...props, camera }),
-      overlays.crop_box && ["keep", "cut_out"].map((kind) => {
-        const place = placeOfBox(clips, kind);
-        const clip = clips[place];
-        const box = clip === void 0 ? null : boxOf(clip);
-        return box === null ? null : /* @__PURE__ */ a3(BoxHandles, { ...props, ...{ kind, place, box, camera, size } }, kind);
-      }),
-      overlays.crop_box && clips.map(
-        (clip, place) => "plane" in clip ? /* @__PURE__ */ a3(PlaneHandles, { ...props, ...{ place, plane: clip.plane, camera, size } }, place) : null
-      ),
-      /* @__PURE__ */ a3(Measures3d, { ...props, camera }),
-      overlays.letters && /* @__PURE__ */ a3(EdgeLetters, { ...props, camera }),
-      overlays.scale_bar && /* @__PURE__ */ a3(ScaleBar, { ...props, camera }),
-      overlays.cube && /* @__PURE__ */ a3(Cube, { ...props, camera, width: size.width })
-    ] }),
-    overlays.color_bar && /* @__PURE__ */ a3(ColorBar, { ...props }),
-    overlays.legend && /* @__PURE__ */ a3(Legend, { ...props })
-  ] });
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("svg", { class: "over" }, overlays.crosshair && /* @__PURE__ */ k(Crosshair, { ...props, camera }), overlays.crop_box && ["keep", "cut_out"].map((kind2) => {
+    const place = placeOfBox(clips, kind2);
+    const clip2 = clips[place];
+    const box2 = clip2 === void 0 ? null : boxOf(clip2);
+    return box2 === null ? null : /* @__PURE__ */ k(BoxHandles, { key: kind2, ...props, ...{ kind: kind2, place, box: box2, camera, size } });
+  }), overlays.crop_box && clips.map(
+    (clip2, place) => "plane" in clip2 ? /* @__PURE__ */ k(PlaneHandles, { key: place, ...props, ...{ place, plane: clip2.plane, camera, size } }) : null
+  ), /* @__PURE__ */ k(Measures3d, { ...props, camera }), overlays.letters && /* @__PURE__ */ k(EdgeLetters, { ...props, camera }), overlays.scale_bar && /* @__PURE__ */ k(ScaleBar, { ...props, camera }), overlays.cube && /* @__PURE__ */ k(Cube, { ...props, camera, width: size.width })), overlays.color_bar && /* @__PURE__ */ k(ColorBar, { ...props }), overlays.legend && /* @__PURE__ */ k(Legend, { ...props }));
 }
 function Crosshair({ store, welcome, camera, size }) {
   const { crosshair } = store.state.view.slices;
   if (store.state.view.layout.name === "3d") return null;
   const [lower, upper] = welcome.bounds;
   const colors = ["#6ba8ff", "#6bd46b", "#ff6b6b"];
-  return /* @__PURE__ */ a3("g", { "aria-hidden": "true", "stroke-width": "1.2", opacity: "0.8", children: [0, 1, 2].map((axis) => {
-    const end = (from) => crosshair.map((value, a5) => a5 === axis ? from[a5] : value);
-    const [a4, b] = [project(camera, size, end(lower)), project(camera, size, end(upper))];
-    return a4 && b ? /* @__PURE__ */ a3("path", { d: `M${a4.x} ${a4.y}L${b.x} ${b.y}`, stroke: colors[axis] }, axis) : null;
-  }) });
+  return /* @__PURE__ */ k("g", { "aria-hidden": "true", "stroke-width": "1.2", opacity: "0.8" }, [0, 1, 2].map((axis) => {
+    const end = (from) => crosshair.map((value, a4) => a4 === axis ? from[a4] : value);
+    const [a3, b] = [project(camera, size, end(lower)), project(camera, size, end(upper))];
+    return a3 && b ? /* @__PURE__ */ k("path", { key: axis, d: `M${a3.x} ${a3.y}L${b.x} ${b.y}`, stroke: colors[axis] }) : null;
+  }));
 }
 function edgeNames(camera, names) {
   const { right, up } = axesOf(camera);
   const name = (way) => {
     const shares = DIRECTIONS.map((direction, n2) => ({ n: n2, share: dot(direction, way) }));
-    return shares.filter(({ share }) => share > NAMED2).sort((a4, b) => b.share - a4.share).map(({ n: n2 }) => names[n2] ?? "").slice(0, 2).join("");
+    return shares.filter(({ share: share2 }) => share2 > NAMED2).sort((a3, b) => b.share - a3.share).map(({ n: n2 }) => names[n2] ?? "").slice(0, 2).join("");
   };
   return { left: name(scaled(right, -1)), right: name(right), top: name(up), bottom: name(scaled(up, -1)) };
 }
 function EdgeLetters({ welcome, camera, size }) {
   if (!welcome.volumes[0]?.is_anatomical) return null;
   const names = edgeNames(camera, welcome.axis_ends);
-  return /* @__PURE__ */ a3("g", { "aria-hidden": "true", "text-anchor": "middle", children: [
-    /* @__PURE__ */ a3("text", { x: 16, y: size.height / 2, children: names.left }),
-    /* @__PURE__ */ a3("text", { x: size.width - 16, y: size.height / 2, children: names.right }),
-    /* @__PURE__ */ a3("text", { x: size.width / 2, y: 18, children: names.top }),
-    /* @__PURE__ */ a3("text", { x: size.width / 2, y: size.height - 8, children: names.bottom })
-  ] });
+  return /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { x: 16, y: size.height / 2 }, names.left), /* @__PURE__ */ k("text", { x: size.width - 16, y: size.height / 2 }, names.right), /* @__PURE__ */ k("text", { x: size.width / 2, y: 18 }, names.top), /* @__PURE__ */ k("text", { x: size.width / 2, y: size.height - 8 }, names.bottom));
 }
 function ScaleBar({ welcome, camera, size }) {
   const perPixel = unitsPerPixel(camera, size.height);
@@ -4572,11 +4354,7 @@ function ScaleBar({ welcome, camera, size }) {
   const unit2 = welcome.volumes[0]?.unit ?? "units";
   const where = camera.parallel_scale === void 0 ? " at the middle" : "";
   const [x2, y3] = [12, size.height - 14];
-  return /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
-    /* @__PURE__ */ a3("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#000", "stroke-width": "5" }),
-    /* @__PURE__ */ a3("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#fff", "stroke-width": "2.5" }),
-    /* @__PURE__ */ a3("text", { x: x2, y: y3 - 6, children: `${shortNumber(bar)} ${unit2}${where}` })
-  ] });
+  return /* @__PURE__ */ k("g", { "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: x2, y: y3 - 6 }, `${shortNumber(bar)} ${unit2}${where}`));
 }
 function ColorBar({ store, welcome, ui }) {
   const layer = store.state.layers[ui.layer];
@@ -4588,32 +4366,24 @@ function ColorBar({ store, welcome, ui }) {
   const stops = points.map(
     ([value, ...rgb]) => `rgb(${rgb.map((one) => Math.round(255 * one)).join()}) ${100 * (value - first[0]) / (last[0] - first[0])}%`
   );
-  return /* @__PURE__ */ a3("div", { class: "corner right low color-bar", role: "img", "aria-label": `Colours from ${shortNumber(first[0])} to ${shortNumber(last[0])} ${info.value_unit}`, children: [
-    /* @__PURE__ */ a3("span", { children: `${shortNumber(last[0])} ${info.value_unit}` }),
-    /* @__PURE__ */ a3("span", { class: "ramp", style: { background: `linear-gradient(to top, ${stops.join(", ")})` } }),
-    /* @__PURE__ */ a3("span", { children: shortNumber(first[0]) })
-  ] });
+  return /* @__PURE__ */ k("div", { class: "corner right low color-bar", role: "img", "aria-label": `Colours from ${shortNumber(first[0])} to ${shortNumber(last[0])} ${info.value_unit}` }, /* @__PURE__ */ k("span", null, `${shortNumber(last[0])} ${info.value_unit}`), /* @__PURE__ */ k("span", { class: "ramp", style: { background: `linear-gradient(to top, ${stops.join(", ")})` } }), /* @__PURE__ */ k("span", null, shortNumber(first[0])));
 }
 function Legend({ store }) {
   const { labels, layers } = store.state;
-  const rows = Object.entries(labels?.labels ?? {}).filter(([, look]) => (look.opacity ?? 0.8) > 0 || (look.tint ?? 0) > 0).map(([number, look]) => ({ name: look.name || number, color: cssColor(look.color) }));
+  const rows = Object.entries(labels?.labels ?? {}).filter(([, look]) => (look.opacity ?? 0.8) > 0 || (look.tint ?? 0) > 0).map(([number2, look]) => ({ name: look.name || number2, color: cssColor(look.color) }));
   if (layers.length > 1 && compositeName(store.state.render.composite) !== "first-hit") {
     rows.push(...layers.filter(({ visible }) => visible).map((layer) => ({ name: layer.name, color: brightest(layer.look.transfer_function) })));
   }
   if (rows.length === 0) return null;
-  return /* @__PURE__ */ a3("ul", { class: "corner legend", "aria-label": "Legend", children: rows.slice(0, 24).map(({ name, color }) => /* @__PURE__ */ a3("li", { children: [
-    /* @__PURE__ */ a3("span", { class: "chip", style: { background: color } }),
-    " ",
-    name
-  ] }, name)) });
+  return /* @__PURE__ */ k("ul", { class: "corner legend", "aria-label": "Legend" }, rows.slice(0, 24).map(({ name, color: color2 }) => /* @__PURE__ */ k("li", { key: name }, /* @__PURE__ */ k("span", { class: "chip", style: { background: color2 } }), " ", name)));
 }
-function cssColor(color) {
-  return typeof color === "string" ? color : `rgb(${color.slice(0, 3).map((one) => Math.round(255 * one)).join()})`;
+function cssColor(color2) {
+  return typeof color2 === "string" ? color2 : `rgb(${color2.slice(0, 3).map((one) => Math.round(255 * one)).join()})`;
 }
-function brightest(curves) {
-  const points = curves.color ?? [];
-  const sum = (point) => point[1] + point[2] + point[3];
-  const best = points.reduce((a4, b) => a4 === null || sum(b) > sum(a4) ? b : a4, null);
+function brightest(curves2) {
+  const points = curves2.color ?? [];
+  const sum = (point2) => point2[1] + point2[2] + point2[3];
+  const best = points.reduce((a3, b) => a3 === null || sum(b) > sum(a3) ? b : a3, null);
   return best === null ? "#888" : cssColor(best.slice(1));
 }
 
@@ -4729,7 +4499,7 @@ function wheelSteps(deltaY, deltaMode) {
 var RESIZED_MS = 60;
 function Viewport(props) {
   const { view, store, ui, label, children, transform } = props;
-  const box = T2(null);
+  const box2 = T2(null);
   const canvas = T2(null);
   const [size, setSize] = d2({ width: 0, height: 0 });
   const [hint, setHint] = d2(false);
@@ -4738,10 +4508,10 @@ function Viewport(props) {
   const sizeNow = T2(size);
   sizeNow.current = size;
   const frame = ui.frames[view];
-  useSize(box, props, setSize);
+  useSize(box2, props, setSize);
   useFrames(canvas, latest);
   F2(() => {
-    const element = box.current;
+    const element = box2.current;
     if (element === null) return void 0;
     const noted = (at2, act) => {
       const before = store.seq;
@@ -4819,27 +4589,25 @@ function Viewport(props) {
     };
   }, []);
   const moved = frame !== void 0 && transform !== void 0 && size.width > 0 ? transform(frame, size) : "";
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     "div",
     {
       class: "viewport",
-      ref: box,
+      ref: box2,
       tabIndex: 0,
       role: "group",
       "aria-label": view === "3d" ? "Picture in space" : `Slice, ${view}`,
       "data-view": view,
-      onPointerDown: () => setHint(false),
-      children: [
-        /* @__PURE__ */ a3("canvas", { ref: canvas, role: "img", "aria-label": label, style: { transform: moved } }),
-        frame !== void 0 && size.width > 0 && children?.(frame, size),
-        hint && /* @__PURE__ */ a3("p", { class: "hint", children: "Click first, or hold Ctrl, to magnify with the wheel" })
-      ]
-    }
+      onPointerDown: () => setHint(false)
+    },
+    /* @__PURE__ */ k("canvas", { ref: canvas, role: "img", "aria-label": label, style: { transform: moved } }),
+    frame !== void 0 && size.width > 0 && children?.(frame, size),
+    hint && /* @__PURE__ */ k("p", { class: "hint" }, "Click first, or hold Ctrl, to magnify with the wheel")
   );
 }
-function useSize(box, { engine, view }, setSize) {
+function useSize(box2, { engine, view }, setSize) {
   A2(() => {
-    const element = box.current;
+    const element = box2.current;
     if (element === null) return void 0;
     let timer;
     let pixels = null;
@@ -5029,7 +4797,7 @@ function SceneView(props) {
         return false;
     }
   };
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     Viewport,
     {
       ...props,
@@ -5041,9 +4809,9 @@ function SceneView(props) {
         move(zoomed(camera(), factor), "wheel");
         settleSoon(store);
       },
-      transform: (frame, size) => instant(frame, camera(), size),
-      children: (frame, size) => /* @__PURE__ */ a3(SceneOverlay, { ...props, frame, size })
-    }
+      transform: (frame, size) => instant(frame, camera(), size)
+    },
+    (frame, size) => /* @__PURE__ */ k(SceneOverlay, { ...props, frame, size })
   );
 }
 async function fit({ engine, store, ui }, { width, height }) {
@@ -5068,13 +4836,13 @@ async function pick(props, x2, y3, size) {
   const { engine, store, ui } = props;
   const asked = { x: x2, y: y3, width: Math.round(size.width), height: Math.round(size.height) };
   try {
-    const { point } = await engine.ask("pick", asked);
-    if (point === null) {
+    const { point: point2 } = await engine.ask("pick", asked);
+    if (point2 === null) {
       ui.announce("Nothing is seen there");
       return;
     }
-    if (ui.tool === "distance" || ui.tool === "angle") ui.addPoint(point);
-    else store.change([set(point, "view", "slices", "crosshair")]);
+    if (ui.tool === "distance" || ui.tool === "angle") ui.addPoint(point2);
+    else store.change([set(point2, "view", "slices", "crosshair")]);
   } catch (problem) {
     ui.problem(problem);
   }
@@ -5084,15 +4852,15 @@ function instant(frame, camera, size) {
   if (before === void 0 || before === camera) return "";
   const [old, now] = [axesOf(before), axesOf(camera)];
   if (dot(old.back, now.back) < 1 - 1e-9 || before.view_angle !== camera.view_angle) return "";
-  const at2 = (seen, point) => project(seen, size, point);
+  const at2 = (seen, point2) => project(seen, size, point2);
   const beside = add(before.focal_point, old.right);
-  const [a4, b] = [at2(before, before.focal_point), at2(before, beside)];
+  const [a3, b] = [at2(before, before.focal_point), at2(before, beside)];
   const [A3, B3] = [at2(camera, before.focal_point), at2(camera, beside)];
-  if (a4 === null || b === null || A3 === null || B3 === null) return "";
-  const [dx, dy, DX, DY] = [b.x - a4.x, b.y - a4.y, B3.x - A3.x, B3.y - A3.y];
+  if (a3 === null || b === null || A3 === null || B3 === null) return "";
+  const [dx, dy, DX, DY] = [b.x - a3.x, b.y - a3.y, B3.x - A3.x, B3.y - A3.y];
   const square = dx * dx + dy * dy;
   const [p3, q2] = [(DX * dx + DY * dy) / square, (DY * dx - DX * dy) / square];
-  const [tx, ty] = [A3.x - p3 * a4.x + q2 * a4.y, A3.y - q2 * a4.x - p3 * a4.y];
+  const [tx, ty] = [A3.x - p3 * a3.x + q2 * a3.y, A3.y - q2 * a3.x - p3 * a3.y];
   const numbers = [p3, q2, -q2, p3, tx, ty].map((value) => value.toFixed(6));
   return numbers.join() === IDENTITY ? "" : `matrix(${numbers.join()})`;
 }
@@ -5114,68 +4882,57 @@ function SettingsPanel(props) {
   const { view, render: render2, camera } = store.state;
   const qualities = ["draft", "normal", "high"];
   const isNamed = typeof render2.quality === "string";
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(
-      Choice,
-      {
-        label: "At rest",
-        value: isNamed ? render2.quality : "own",
-        options: [...qualities.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
-        onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
-      }
-    ),
-    /* @__PURE__ */ a3(
-      Choice,
-      {
-        label: "While moving",
-        value: view.quality.moving,
-        options: [["smooth", "Smooth: 30 frames a second"], ["balanced", "Balanced: a better picture"], ["exact", "Exact: never less than at rest"]],
-        onChoose: (value) => store.change([set(value, "view", "quality", "moving")])
-      }
-    ),
-    /* @__PURE__ */ a3(
-      Switch,
-      {
-        label: "Perspective",
-        on: camera.view_angle !== void 0,
-        onToggle: (on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : void 0), "camera")])
-      }
-    ),
-    camera.view_angle !== void 0 && /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: "View angle",
-        unit: "°",
-        value: camera.view_angle,
-        min: 5,
-        max: 100,
-        onInput: (value) => store.change([set(withLens(camera, value), "camera")], "view angle"),
-        onSettle: () => store.settle()
-      }
-    ),
-    /* @__PURE__ */ a3(
-      Choice,
-      {
-        label: "Theme",
-        value: view.interface.theme,
-        options: [["system", "As the system"], ["dark", "Dark"], ["light", "Light"]],
-        onChoose: (value) => store.change([set(value, "view", "interface", "theme")])
-      }
-    ),
-    /* @__PURE__ */ a3("fieldset", { children: [
-      /* @__PURE__ */ a3("legend", { children: "Over the views" }),
-      OVERLAYS.map((name) => /* @__PURE__ */ a3(
-        Switch,
-        {
-          label: OVERLAY_NAMES[name],
-          on: view.overlays[name],
-          onToggle: (on) => store.change([set(on, "view", "overlays", name)])
-        },
-        name
-      )),
-      /* @__PURE__ */ a3(Switch, { label: "Frame rate, latency, error", on: figures, onToggle: onFigures })
-    ] })
-  ] });
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    Choice,
+    {
+      label: "At rest",
+      value: isNamed ? render2.quality : "own",
+      options: [...qualities.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
+      onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
+    }
+  ), /* @__PURE__ */ k(
+    Choice,
+    {
+      label: "While moving",
+      value: view.quality.moving,
+      options: [["smooth", "Smooth: 30 frames a second"], ["balanced", "Balanced: a better picture"], ["exact", "Exact: never less than at rest"]],
+      onChoose: (value) => store.change([set(value, "view", "quality", "moving")])
+    }
+  ), /* @__PURE__ */ k(
+    Switch,
+    {
+      label: "Perspective",
+      on: camera.view_angle !== void 0,
+      onToggle: (on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : void 0), "camera")])
+    }
+  ), camera.view_angle !== void 0 && /* @__PURE__ */ k(
+    NumberField2,
+    {
+      label: "View angle",
+      unit: "°",
+      value: camera.view_angle,
+      min: 5,
+      max: 100,
+      onInput: (value) => store.change([set(withLens(camera, value), "camera")], "view angle"),
+      onSettle: () => store.settle()
+    }
+  ), /* @__PURE__ */ k(
+    Choice,
+    {
+      label: "Theme",
+      value: view.interface.theme,
+      options: [["system", "As the system"], ["dark", "Dark"], ["light", "Light"]],
+      onChoose: (value) => store.change([set(value, "view", "interface", "theme")])
+    }
+  ), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, "Over the views"), OVERLAYS.map((name) => /* @__PURE__ */ k(
+    Switch,
+    {
+      key: name,
+      label: OVERLAY_NAMES[name],
+      on: view.overlays[name],
+      onToggle: (on) => store.change([set(on, "view", "overlays", name)])
+    }
+  )), /* @__PURE__ */ k(Switch, { label: "Frame rate, latency, error", on: figures, onToggle: onFigures })));
 }
 
 // src/view/share.tsx
@@ -5196,7 +4953,7 @@ function SharePanel(props) {
   const [annotated, setAnnotated] = d2(false);
   const [part, setPart] = d2(null);
   const [abort, setAbort] = d2(null);
-  const [text, setText] = d2("");
+  const [text2, setText] = d2("");
   const pixels = () => {
     const frame = ui.frames["3d"];
     const scale = Number(frame?.settings["scale"] ?? 1);
@@ -5250,77 +5007,48 @@ function SharePanel(props) {
     }
     await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
   };
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3(Choice, { label: "Size", value: size, options: SIZES, onChoose: setSize }),
-    size === "own" && /* @__PURE__ */ a3("div", { class: "row", children: ["Width", "Height"].map((name, n2) => /* @__PURE__ */ a3("label", { class: "row", children: [
-      name,
-      /* @__PURE__ */ a3(
-        "input",
-        {
-          type: "number",
-          min: 1,
-          max: MOST_SIDE,
-          value: own[n2],
-          onChange: (event) => {
-            const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
-            setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
-          }
-        }
-      )
-    ] }, name)) }),
-    /* @__PURE__ */ a3(Choice, { label: "Quality", value: quality, options: [["normal", "normal"], ["high", "high"]], onChoose: setQuality }),
-    /* @__PURE__ */ a3(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }),
-    /* @__PURE__ */ a3(Switch, { label: "With scale bar, letters and legend", on: annotated, onToggle: setAnnotated }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")), children: "Save picture" }),
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          disabled: part !== null,
-          onClick: () => void picture(async (bytes) => {
-            if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
-            await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
-            ui.announce("The picture is copied");
-          }),
-          children: "Copy picture"
-        }
-      ),
-      abort !== null && /* @__PURE__ */ a3("button", { class: "button", onClick: () => abort.abort(), children: "Cancel" })
-    ] }),
-    part !== null && /* @__PURE__ */ a3("progress", { "aria-label": "Drawing the picture", max: 1, value: part }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("python", (found) => copy(found, "The Python program")), children: "Copy as Python" }),
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("command", (found) => copy(found, "The command")), children: "Copy as command" }),
-      ui.host === "page" && /* @__PURE__ */ a3("button", { class: "button", onClick: () => void link(), children: "Copy link" })
-    ] }),
-    text !== "" && /* @__PURE__ */ a3("textarea", { "aria-label": "What was copied", readOnly: true, rows: 5, value: text, onFocus: (event) => event.currentTarget.select() }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("state", (found, name) => ui.download(name, found, "application/json")), children: "Save state" }),
-      /* @__PURE__ */ a3("label", { class: "button", children: [
-        "Open state",
-        /* @__PURE__ */ a3(
-          "input",
-          {
-            class: "hidden",
-            type: "file",
-            accept: ".json,application/json",
-            onChange: (event) => {
-              const file = event.currentTarget.files?.[0];
-              event.currentTarget.value = "";
-              if (file !== void 0) void openState(props, file);
-            }
-          }
-        )
-      ] }),
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void code("html", (found, name) => ui.download(name, found, "text/html")), children: "Save page (HTML)" })
-    ] })
-  ] });
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(Choice, { label: "Size", value: size, options: SIZES, onChoose: setSize }), size === "own" && /* @__PURE__ */ k("div", { class: "row" }, ["Width", "Height"].map((name, n2) => /* @__PURE__ */ k("label", { key: name, class: "row" }, name, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      min: 1,
+      max: MOST_SIDE,
+      value: own[n2],
+      onChange: (event) => {
+        const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
+        setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
+      }
+    }
+  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: [["normal", "normal"], ["high", "high"]], onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar, letters and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      disabled: part !== null,
+      onClick: () => void picture(async (bytes) => {
+        if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
+        await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
+        ui.announce("The picture is copied");
+      })
+    },
+    "Copy picture"
+  ), abort !== null && /* @__PURE__ */ k("button", { class: "button", onClick: () => abort.abort() }, "Cancel")), part !== null && /* @__PURE__ */ k("progress", { "aria-label": "Drawing the picture", max: 1, value: part }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("python", (found) => copy(found, "The Python program")) }, "Copy as Python"), /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("command", (found) => copy(found, "The command")) }, "Copy as command"), ui.host === "page" && /* @__PURE__ */ k("button", { class: "button", onClick: () => void link() }, "Copy link")), text2 !== "" && /* @__PURE__ */ k("textarea", { "aria-label": "What was copied", readOnly: true, rows: 5, value: text2, onFocus: (event) => event.currentTarget.select() }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("state", (found, name) => ui.download(name, found, "application/json")) }, "Save state"), /* @__PURE__ */ k("label", { class: "button" }, "Open state", /* @__PURE__ */ k(
+    "input",
+    {
+      class: "hidden",
+      type: "file",
+      accept: ".json,application/json",
+      onChange: (event) => {
+        const file = event.currentTarget.files?.[0];
+        event.currentTarget.value = "";
+        if (file !== void 0) void openState(props, file);
+      }
+    }
+  )), /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("html", (found, name) => ui.download(name, found, "text/html")) }, "Save page (HTML)")));
 }
 async function openState({ engine, store, ui }, file) {
   try {
-    const { state } = await engine.ask("open_state", { text: await file.text() });
-    store.change([{ op: "replace", path: "", value: state }]);
+    const { state: state2 } = await engine.ask("open_state", { text: await file.text() });
+    store.change([{ op: "replace", path: "", value: state2 }]);
     ui.announce(`${file.name} is open`);
   } catch (problem) {
     ui.problem(problemOf(problem));
@@ -5340,55 +5068,52 @@ var ALONG = 0.999;
 function CropOnSlice(props) {
   const { store, welcome, on } = props;
   const place = placeOfBox(store.state.clip, "keep");
-  const clip = store.state.clip[place];
-  const box = clip === void 0 ? null : boxOf(clip);
+  const clip2 = store.state.clip[place];
+  const box2 = clip2 === void 0 ? null : boxOf(clip2);
   const normalAxis = on.geometry.normal.findIndex((one) => Math.abs(one) > ALONG);
-  if (box === null || normalAxis < 0) return null;
+  if (box2 === null || normalAxis < 0) return null;
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
   const { crosshair } = store.state.view.slices;
-  const inPlane = (point) => point.map((value, a4) => a4 === normalAxis ? crosshair[a4] : value);
-  const [from, to] = [placeOf(on, inPlane(box.lower)), placeOf(on, inPlane(box.upper))];
+  const inPlane = (point2) => point2.map((value, a3) => a3 === normalAxis ? crosshair[a3] : value);
+  const [from, to] = [placeOf(on, inPlane(box2.lower)), placeOf(on, inPlane(box2.upper))];
   const [left, top] = [Math.min(from.x, to.x), Math.min(from.y, to.y)];
   const now = () => {
     const found = store.state.clip[place];
-    return (found === void 0 ? null : boxOf(found)) ?? box;
+    return (found === void 0 ? null : boxOf(found)) ?? box2;
   };
   const faces = [0, 1, 2].filter((axis) => axis !== normalAxis).flatMap((axis) => [{ axis, side: "lower" }, { axis, side: "upper" }]);
-  return /* @__PURE__ */ a3("g", { children: [
-    /* @__PURE__ */ a3("rect", { x: left, y: top, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y), stroke: COLOR3, fill: "none", "stroke-width": "1.3" }),
-    faces.map((face) => {
-      const middle2 = scaled(add(box.lower, box.upper), 0.5);
-      const at2 = placeOf(on, inPlane(middle2.map((value2, a4) => a4 === face.axis ? box[face.side][face.axis] : value2)));
-      const value = box[face.side][face.axis];
-      const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-      const name = `Crop, ${"xyz"[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
-      const move = (target, gesture) => store.change([set({ keep: withFace(now(), face, target, welcome.bounds, spacing[face.axis]) }, "clip", place)], gesture);
-      return /* @__PURE__ */ a3(
-        Handle2,
-        {
-          label: name,
-          text: `${name} ${shortNumber(value, 4)}`,
-          value,
-          range: bounds,
-          x: at2.x,
-          y: at2.y,
-          color: COLOR3,
-          onDrag: (_x, _y, dx, dy) => {
-            const per = on.geometry.pixel * on.width / on.size.width;
-            const way = dx * (on.geometry.right[face.axis] ?? 0) + dy * (on.geometry.down[face.axis] ?? 0);
-            move(now()[face.side][face.axis] + way * per, "face");
-          },
-          onKey: (event) => {
-            const n2 = stepOf(event);
-            if (n2 === void 0) return;
-            move(now()[face.side][face.axis] + n2 * spacing[face.axis], "key face");
-          },
-          onEnd: () => store.settle()
+  return /* @__PURE__ */ k("g", null, /* @__PURE__ */ k("rect", { x: left, y: top, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y), stroke: COLOR3, fill: "none", "stroke-width": "1.3" }), faces.map((face) => {
+    const middle2 = scaled(add(box2.lower, box2.upper), 0.5);
+    const at2 = placeOf(on, inPlane(middle2.map((value2, a3) => a3 === face.axis ? box2[face.side][face.axis] : value2)));
+    const value = box2[face.side][face.axis];
+    const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
+    const name = `Crop, ${"xyz"[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
+    const move = (target, gesture) => store.change([set({ keep: withFace(now(), face, target, welcome.bounds, spacing[face.axis]) }, "clip", place)], gesture);
+    return /* @__PURE__ */ k(
+      Handle2,
+      {
+        key: name,
+        label: name,
+        text: `${name} ${shortNumber(value, 4)}`,
+        value,
+        range: bounds,
+        x: at2.x,
+        y: at2.y,
+        color: COLOR3,
+        onDrag: (_x, _y, dx, dy) => {
+          const per = on.geometry.pixel * on.width / on.size.width;
+          const way = dx * (on.geometry.right[face.axis] ?? 0) + dy * (on.geometry.down[face.axis] ?? 0);
+          move(now()[face.side][face.axis] + way * per, "face");
         },
-        name
-      );
-    })
-  ] });
+        onKey: (event) => {
+          const n2 = stepOf(event);
+          if (n2 === void 0) return;
+          move(now()[face.side][face.axis] + n2 * spacing[face.axis], "key face");
+        },
+        onEnd: () => store.settle()
+      }
+    );
+  }));
 }
 
 // src/view/slices/slice_pane.tsx
@@ -5407,10 +5132,10 @@ function SlicePane(props) {
     store.change([set(stepped(store.state, pane, n2 * step(), range), "view", "slices", "crosshair")], gesture);
   };
   const window2 = (dx, dy, size) => {
-    const volume = welcome.volumes[0];
+    const volume2 = welcome.volumes[0];
     const now = slices().window ?? frame()?.slice?.window;
-    if (volume === void 0 || !now) return;
-    const span = volume.robust_range[1] - volume.robust_range[0] || 1;
+    if (volume2 === void 0 || !now) return;
+    const span = volume2.robust_range[1] - volume2.robust_range[0] || 1;
     const width = Math.max(now[1] + dx / size.width * span, span * 1e-4);
     store.change([set([now[0] - dy / size.height * span, width], "view", "slices", "window")], "window");
   };
@@ -5477,7 +5202,7 @@ function SlicePane(props) {
   };
   const cutAt = frame()?.slice;
   const position = cutAt === void 0 ? "" : shortNumber(cutAt.position, 4);
-  return /* @__PURE__ */ a3(
+  return /* @__PURE__ */ k(
     Viewport,
     {
       ...props,
@@ -5490,9 +5215,9 @@ function SlicePane(props) {
         else scroll(-steps, "wheel slice");
         settleSoon(store);
       },
-      onHover: (place, size) => probe(props, place === null ? null : sliceFrame(frame(), size), place),
-      children: (shown, size) => /* @__PURE__ */ a3(SliceOverlay, { ...props, frame: shown, size })
-    }
+      onHover: (place, size) => probe(props, place === null ? null : sliceFrame(frame(), size), place)
+    },
+    (shown, size) => /* @__PURE__ */ k(SliceOverlay, { ...props, frame: shown, size })
   );
 }
 function sliceFrame(frame, size) {
@@ -5511,32 +5236,10 @@ function SliceOverlay(props) {
   const bar = barLength(perCss * size.width * 0.3);
   const [level, width] = slices.window ?? geometry.window ?? [0, 0];
   const isTilted = slices.normals?.[pane] !== void 0;
-  return /* @__PURE__ */ a3($, { children: [
-    /* @__PURE__ */ a3("svg", { class: "over", "aria-hidden": false, children: [
-      overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ a3(CrosshairLine, { ...props, on, other }, other)),
-      overlays.crop_box && /* @__PURE__ */ a3(CropOnSlice, { ...props, on }),
-      /* @__PURE__ */ a3(MeasuresOnSlice, { ...props, on }),
-      overlays.letters && letters !== null && /* @__PURE__ */ a3("g", { "aria-hidden": "true", "text-anchor": "middle", children: [
-        /* @__PURE__ */ a3("text", { x: 14, y: size.height / 2, children: letters.left }),
-        /* @__PURE__ */ a3("text", { x: size.width - 14, y: size.height / 2, children: letters.right }),
-        /* @__PURE__ */ a3("text", { x: size.width / 2, y: 18, children: letters.top }),
-        /* @__PURE__ */ a3("text", { x: size.width / 2, y: size.height - 8, children: letters.bottom })
-      ] }),
-      overlays.scale_bar && /* @__PURE__ */ a3("g", { "aria-hidden": "true", children: [
-        /* @__PURE__ */ a3("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }),
-        /* @__PURE__ */ a3("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }),
-        /* @__PURE__ */ a3("text", { x: 12, y: size.height - 20, children: `${bar} ${unit2}` })
-      ] })
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "corner", style: { color: PANE_COLORS[pane] }, children: [
-      `${PANE_NAMES[pane]}${isTilted ? ", tilted" : ""}
-${shortNumber(geometry.position, 4)} ${unit2}`,
-      slices.thickness > 0 ? `
-${slices.slab} of ${shortNumber(slices.thickness)} ${unit2}` : ""
-    ] }),
-    geometry.window && /* @__PURE__ */ a3("div", { class: "corner right", children: `L ${shortNumber(level, 4)}
-W ${shortNumber(width, 4)}` })
-  ] });
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("svg", { class: "over", "aria-hidden": false }, overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ k(CrosshairLine, { key: other, ...props, on, other })), overlays.crop_box && /* @__PURE__ */ k(CropOnSlice, { ...props, on }), /* @__PURE__ */ k(MeasuresOnSlice, { ...props, on }), overlays.letters && letters !== null && /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { x: 14, y: size.height / 2 }, letters.left), /* @__PURE__ */ k("text", { x: size.width - 14, y: size.height / 2 }, letters.right), /* @__PURE__ */ k("text", { x: size.width / 2, y: 18 }, letters.top), /* @__PURE__ */ k("text", { x: size.width / 2, y: size.height - 8 }, letters.bottom)), overlays.scale_bar && /* @__PURE__ */ k("g", { "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: 12, y: size.height - 20 }, `${bar} ${unit2}`))), /* @__PURE__ */ k("div", { class: "corner", style: { color: PANE_COLORS[pane] } }, `${PANE_NAMES[pane]}${isTilted ? ", tilted" : ""}
+${shortNumber(geometry.position, 4)} ${unit2}`, slices.thickness > 0 ? `
+${slices.slab} of ${shortNumber(slices.thickness)} ${unit2}` : ""), geometry.window && /* @__PURE__ */ k("div", { class: "corner right" }, `L ${shortNumber(level, 4)}
+W ${shortNumber(width, 4)}`));
 }
 function CrosshairLine(props) {
   const { store, on, other, welcome } = props;
@@ -5546,7 +5249,7 @@ function CrosshairLine(props) {
   if (line === null) return null;
   const at2 = placeOf(on, store.state.view.slices.crosshair);
   const reach = size.width + size.height;
-  const color = PANE_COLORS[other];
+  const color2 = PANE_COLORS[other];
   const far = Math.min(size.width, size.height) * 0.42;
   const position = dot(normal, store.state.view.slices.crosshair);
   const step = sampleStep(welcome.volumes[0]?.affine ?? [], normal);
@@ -5564,58 +5267,54 @@ function CrosshairLine(props) {
     const angle = Math.atan2(line.dy, line.dx) + n2 * Math.PI / 180;
     store.change([tiltTo(store, other, tilted(on, normal, Math.cos(angle), Math.sin(angle)))], "key tilt");
   };
-  return /* @__PURE__ */ a3("g", { stroke: color, fill: "none", children: [
-    /* @__PURE__ */ a3(
-      "path",
-      {
-        d: `M${at2.x - line.dx * reach} ${at2.y - line.dy * reach}L${at2.x + line.dx * reach} ${at2.y + line.dy * reach}`,
-        "stroke-width": "1.2",
-        opacity: "0.85"
-      }
-    ),
-    /* @__PURE__ */ a3(
-      Handle2,
-      {
-        label: `${PANE_NAMES[other]} plane`,
-        text: `${PANE_NAMES[other]} plane at ${shortNumber(position, 4)}`,
-        value: position,
-        range,
-        x: at2.x - line.dx * far * 0.55,
-        y: at2.y - line.dy * far * 0.55,
-        color,
-        onDrag: (_x, _y, dx, dy) => {
-          const { geometry } = on;
-          const per = geometry.pixel * on.width / size.width;
-          const way = add(scaled(geometry.right, dx * per), scaled(geometry.down, dy * per));
-          move(dot(way, normal), "drag plane");
-        },
-        onKey: keys,
-        onEnd: () => store.settle()
-      }
-    ),
-    /* @__PURE__ */ a3(
-      Handle2,
-      {
-        label: `Tilt the ${other} plane`,
-        text: `Tilt of the ${other} plane`,
-        value: Math.atan2(line.dy, line.dx) * 180 / Math.PI,
-        range: [-180, 180],
-        x: at2.x + line.dx * far,
-        y: at2.y + line.dy * far,
-        color,
-        round: true,
-        onDrag: (x2, y3) => tilt(x2, y3),
-        onKey: tiltKeys,
-        onEnd: () => store.settle()
-      }
-    )
-  ] });
+  return /* @__PURE__ */ k("g", { stroke: color2, fill: "none" }, /* @__PURE__ */ k(
+    "path",
+    {
+      d: `M${at2.x - line.dx * reach} ${at2.y - line.dy * reach}L${at2.x + line.dx * reach} ${at2.y + line.dy * reach}`,
+      "stroke-width": "1.2",
+      opacity: "0.85"
+    }
+  ), /* @__PURE__ */ k(
+    Handle2,
+    {
+      label: `${PANE_NAMES[other]} plane`,
+      text: `${PANE_NAMES[other]} plane at ${shortNumber(position, 4)}`,
+      value: position,
+      range,
+      x: at2.x - line.dx * far * 0.55,
+      y: at2.y - line.dy * far * 0.55,
+      color: color2,
+      onDrag: (_x, _y, dx, dy) => {
+        const { geometry } = on;
+        const per = geometry.pixel * on.width / size.width;
+        const way = add(scaled(geometry.right, dx * per), scaled(geometry.down, dy * per));
+        move(dot(way, normal), "drag plane");
+      },
+      onKey: keys,
+      onEnd: () => store.settle()
+    }
+  ), /* @__PURE__ */ k(
+    Handle2,
+    {
+      label: `Tilt the ${other} plane`,
+      text: `Tilt of the ${other} plane`,
+      value: Math.atan2(line.dy, line.dx) * 180 / Math.PI,
+      range: [-180, 180],
+      x: at2.x + line.dx * far,
+      y: at2.y + line.dy * far,
+      color: color2,
+      round: true,
+      onDrag: (x2, y3) => tilt(x2, y3),
+      onKey: tiltKeys,
+      onEnd: () => store.settle()
+    }
+  ));
 }
 function tiltTo(store, pane, normal) {
   return set({ ...store.state.view.slices.normals, [pane]: normal }, "view", "slices", "normals");
 }
 function rangeOf([lower, upper], normal) {
-  const ends = [0, 1, 2].map((a4) => [(lower[a4] ?? 0) * (normal[a4] ?? 0), (upper[a4] ?? 0) * (normal[a4] ?? 0)]);
+  const ends = [0, 1, 2].map((a3) => [(lower[a3] ?? 0) * (normal[a3] ?? 0), (upper[a3] ?? 0) * (normal[a3] ?? 0)]);
   const sum = (pick2) => ends.reduce((total, end) => total + pick2(...end), 0);
   return [sum(Math.min), sum(Math.max)];
 }
@@ -5627,10 +5326,10 @@ function probe(props, on, place) {
     ui.setProbe(null, null);
     return;
   }
-  const point = worldAt(on, place.x, place.y);
+  const point2 = worldAt(on, place.x, place.y);
   probeTimer = setTimeout(() => {
-    engine.ask("probe", { point }).then(
-      (found) => ui.setProbe(point, found),
+    engine.ask("probe", { point: point2 }).then(
+      (found) => ui.setProbe(point2, found),
       () => void 0
     );
   }, PROBE_MS);
@@ -5652,173 +5351,133 @@ function SlicesPanel(props) {
   const setWindow = (next, gesture) => store.change([set(next, "view", "slices", "window")], gesture);
   const names = Object.entries(welcome.window_names);
   const named = names.find(([, [l3, w3]]) => slices.window?.[0] === l3 && slices.window[1] === w3)?.[0];
-  return /* @__PURE__ */ a3($, { children: [
-    AXES3.map((name, axis) => /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: `Crosshair ${name}`,
-        unit: unit2,
-        value: slices.crosshair[axis] ?? 0,
-        min: lower[axis] ?? 0,
-        max: upper[axis] ?? 1,
-        onInput: (value) => {
-          const next = slices.crosshair.map((one, a4) => a4 === axis ? value : one);
-          store.change([set(next, "view", "slices", "crosshair")], `crosshair ${name}`);
-        },
-        onSettle: settle
+  return /* @__PURE__ */ k($, null, AXES3.map((name, axis) => /* @__PURE__ */ k(
+    NumberField2,
+    {
+      key: name,
+      label: `Crosshair ${name}`,
+      unit: unit2,
+      value: slices.crosshair[axis] ?? 0,
+      min: lower[axis] ?? 0,
+      max: upper[axis] ?? 1,
+      onInput: (value) => {
+        const next = slices.crosshair.map((one, a3) => a3 === axis ? value : one);
+        store.change([set(next, "view", "slices", "crosshair")], `crosshair ${name}`);
       },
-      name
-    )),
-    /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: "Thickness",
-        unit: unit2,
-        value: slices.thickness,
-        min: 0,
-        max: Math.max(...AXES3.map((_3, a4) => (upper[a4] ?? 0) - (lower[a4] ?? 0))) / 4,
-        onInput: (value) => store.change([set(Math.max(0, value), "view", "slices", "thickness")], "thickness"),
-        onSettle: settle
+      onSettle: settle
+    }
+  )), /* @__PURE__ */ k(
+    NumberField2,
+    {
+      label: "Thickness",
+      unit: unit2,
+      value: slices.thickness,
+      min: 0,
+      max: Math.max(...AXES3.map((_3, a3) => (upper[a3] ?? 0) - (lower[a3] ?? 0))) / 4,
+      onInput: (value) => store.change([set(Math.max(0, value), "view", "slices", "thickness")], "thickness"),
+      onSettle: settle
+    }
+  ), /* @__PURE__ */ k(
+    Choice,
+    {
+      label: "Across it",
+      value: slices.slab,
+      options: [["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]],
+      onChoose: (value) => store.change([set(value, "view", "slices", "slab")])
+    }
+  ), info?.value_unit === "HU" && /* @__PURE__ */ k(
+    Choice,
+    {
+      label: "Window",
+      value: named ?? (slices.window === void 0 ? "automatic" : "own"),
+      options: [
+        ["automatic", "Automatic"],
+        ...names.map(([name, [l3, w3]]) => [name, `${name} (${l3}, ${w3})`]),
+        ...named === void 0 && slices.window !== void 0 ? [["own", "Own"]] : []
+      ],
+      onChoose: (value) => {
+        const window2 = welcome.window_names[value];
+        if (window2 !== void 0) setWindow(window2);
+        else if (slices.window !== void 0) store.change([{ op: "remove", path: "/view/slices/window" }]);
       }
-    ),
-    /* @__PURE__ */ a3(
-      Choice,
-      {
-        label: "Across it",
-        value: slices.slab,
-        options: [["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]],
-        onChoose: (value) => store.change([set(value, "view", "slices", "slab")])
+    }
+  ), /* @__PURE__ */ k(
+    NumberField2,
+    {
+      label: "Level",
+      unit: info?.value_unit ?? "",
+      value: level,
+      min: info?.range[0] ?? 0,
+      max: info?.range[1] ?? 1,
+      onInput: (value) => setWindow([value, width], "level"),
+      onSettle: settle
+    }
+  ), /* @__PURE__ */ k(
+    NumberField2,
+    {
+      label: "Width",
+      unit: info?.value_unit ?? "",
+      value: width,
+      min: span * 1e-4,
+      max: span,
+      onInput: (value) => setWindow([level, Math.max(value, span * 1e-6)], "width"),
+      onSettle: settle
+    }
+  ), /* @__PURE__ */ k(
+    NumberField2,
+    {
+      label: "Zoom",
+      value: slices.zoom,
+      min: 0.2,
+      max: 20,
+      onInput: (value) => store.change([set(Math.min(Math.max(value, 0.1), 100), "view", "slices", "zoom")], "zoom"),
+      onSettle: settle
+    }
+  ), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      onClick: () => {
+        const middle2 = [0, 1, 2].map((a3) => ((lower[a3] ?? 0) + (upper[a3] ?? 0)) / 2);
+        store.change([set(middle2, "view", "slices", "crosshair")]);
       }
-    ),
-    info?.value_unit === "HU" && /* @__PURE__ */ a3(
-      Choice,
-      {
-        label: "Window",
-        value: named ?? (slices.window === void 0 ? "automatic" : "own"),
-        options: [
-          ["automatic", "Automatic"],
-          ...names.map(([name, [l3, w3]]) => [name, `${name} (${l3}, ${w3})`]),
-          ...named === void 0 && slices.window !== void 0 ? [["own", "Own"]] : []
-        ],
-        onChoose: (value) => {
-          const window2 = welcome.window_names[value];
-          if (window2 !== void 0) setWindow(window2);
-          else if (slices.window !== void 0) store.change([{ op: "remove", path: "/view/slices/window" }]);
-        }
-      }
-    ),
-    /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: "Level",
-        unit: info?.value_unit ?? "",
-        value: level,
-        min: info?.range[0] ?? 0,
-        max: info?.range[1] ?? 1,
-        onInput: (value) => setWindow([value, width], "level"),
-        onSettle: settle
-      }
-    ),
-    /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: "Width",
-        unit: info?.value_unit ?? "",
-        value: width,
-        min: span * 1e-4,
-        max: span,
-        onInput: (value) => setWindow([level, Math.max(value, span * 1e-6)], "width"),
-        onSettle: settle
-      }
-    ),
-    /* @__PURE__ */ a3(
-      NumberField2,
-      {
-        label: "Zoom",
-        value: slices.zoom,
-        min: 0.2,
-        max: 20,
-        onInput: (value) => store.change([set(Math.min(Math.max(value, 0.1), 100), "view", "slices", "zoom")], "zoom"),
-        onSettle: settle
-      }
-    ),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          onClick: () => {
-            const middle2 = [0, 1, 2].map((a4) => ((lower[a4] ?? 0) + (upper[a4] ?? 0)) / 2);
-            store.change([set(middle2, "view", "slices", "crosshair")]);
-          },
-          children: "Crosshair to the middle"
-        }
-      ),
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 }), children: "Crosshair to what is seen" }),
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          disabled: slices.window === void 0,
-          onClick: () => store.change([{ op: "remove", path: "/view/slices/window" }]),
-          children: "Automatic window"
-        }
-      ),
-      /* @__PURE__ */ a3(
-        "button",
-        {
-          class: "button",
-          disabled: slices.normals === void 0,
-          onClick: () => store.change([{ op: "remove", path: "/view/slices/normals" }]),
-          children: "Reset tilt"
-        }
-      )
-    ] })
-  ] });
+    },
+    "Crosshair to the middle"
+  ), /* @__PURE__ */ k("button", { class: "button", onClick: () => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 }) }, "Crosshair to what is seen"), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      disabled: slices.window === void 0,
+      onClick: () => store.change([{ op: "remove", path: "/view/slices/window" }])
+    },
+    "Automatic window"
+  ), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      disabled: slices.normals === void 0,
+      onClick: () => store.change([{ op: "remove", path: "/view/slices/normals" }])
+    },
+    "Reset tilt"
+  )));
 }
 
 // src/view/status.tsx
 function Opening({ connection, problem }) {
   if (problem !== null) {
-    return /* @__PURE__ */ a3("div", { class: "opening", role: "alert", children: [
-      /* @__PURE__ */ a3("h2", { children: "It could not be opened" }),
-      /* @__PURE__ */ a3("p", { children: problem.message }),
-      problem.remedy !== void 0 && /* @__PURE__ */ a3("p", { class: "dim", children: problem.remedy })
-    ] });
+    return /* @__PURE__ */ k("div", { class: "opening", role: "alert" }, /* @__PURE__ */ k("h2", null, "It could not be opened"), /* @__PURE__ */ k("p", null, problem.message), problem.remedy !== void 0 && /* @__PURE__ */ k("p", { class: "dim" }, problem.remedy));
   }
   const isOpening = connection.kind === "connecting";
-  return /* @__PURE__ */ a3("div", { class: "opening", role: "status", children: [
-    /* @__PURE__ */ a3("p", { children: isOpening ? connection.text || "Opening" : "Opening" }),
-    isOpening && connection.part !== void 0 ? /* @__PURE__ */ a3("progress", { max: 1, value: connection.part }) : /* @__PURE__ */ a3("progress", {})
-  ] });
+  return /* @__PURE__ */ k("div", { class: "opening", role: "status" }, /* @__PURE__ */ k("p", null, isOpening ? connection.text || "Opening" : "Opening"), isOpening && connection.part !== void 0 ? /* @__PURE__ */ k("progress", { max: 1, value: connection.part }) : /* @__PURE__ */ k("progress", null));
 }
 function ProblemCard({ problem, onClose }) {
-  return /* @__PURE__ */ a3("div", { class: "alert", role: "alert", children: [
-    /* @__PURE__ */ a3("strong", { children: problem.message }),
-    problem.field !== void 0 && /* @__PURE__ */ a3("span", { children: `Field: ${problem.field}` }),
-    problem.remedy !== void 0 && /* @__PURE__ */ a3("span", { class: "dim", children: problem.remedy }),
-    /* @__PURE__ */ a3("div", { class: "row", children: [
-      /* @__PURE__ */ a3("button", { class: "button", onClick: () => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n")), children: "Copy text" }),
-      /* @__PURE__ */ a3("button", { class: "button", onClick: onClose, children: "Close" })
-    ] })
-  ] });
+  return /* @__PURE__ */ k("div", { class: "alert", role: "alert" }, /* @__PURE__ */ k("strong", null, problem.message), problem.field !== void 0 && /* @__PURE__ */ k("span", null, `Field: ${problem.field}`), problem.remedy !== void 0 && /* @__PURE__ */ k("span", { class: "dim" }, problem.remedy), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n")) }, "Copy text"), /* @__PURE__ */ k("button", { class: "button", onClick: onClose }, "Close")));
 }
 function Status(props) {
   const { ui, engine, connection, figures } = props;
   const frame = ui.frames["3d"] ?? Object.values(ui.frames)[0];
   const notes = frame?.notes ?? [];
-  return /* @__PURE__ */ a3("div", { class: "status", children: [
-    connection.kind === "lost" && /* @__PURE__ */ a3("span", { class: "row", role: "alert", children: [
-      connection.problem.message,
-      ". ",
-      /* @__PURE__ */ a3("span", { class: "dim", children: connection.problem.remedy }),
-      connection.retries && /* @__PURE__ */ a3("button", { class: "button", onClick: () => engine.retry(), children: "Try again" })
-    ] }),
-    connection.kind === "busy" && /* @__PURE__ */ a3("span", { role: "status", children: connection.text }),
-    notes.map((note) => /* @__PURE__ */ a3("span", { role: "note", children: note }, note)),
-    /* @__PURE__ */ a3(ProbeLine, { ...props }),
-    figures && /* @__PURE__ */ a3(Figures, { ...props })
-  ] });
+  return /* @__PURE__ */ k("div", { class: "status" }, connection.kind === "lost" && /* @__PURE__ */ k("span", { class: "row", role: "alert" }, connection.problem.message, ". ", /* @__PURE__ */ k("span", { class: "dim" }, connection.problem.remedy), connection.retries && /* @__PURE__ */ k("button", { class: "button", onClick: () => engine.retry() }, "Try again")), connection.kind === "busy" && /* @__PURE__ */ k("span", { role: "status" }, connection.text), notes.map((note) => /* @__PURE__ */ k("span", { key: note, role: "note" }, note)), /* @__PURE__ */ k(ProbeLine, { ...props }), figures && /* @__PURE__ */ k(Figures, { ...props }));
 }
 function Figures({ ui }) {
   const recent = ui.statistics.recent(performance.now());
@@ -5834,15 +5493,15 @@ function Figures({ ui }) {
     `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,
     frame.expected_psnr_db === null ? null : `expected error ${frame.expected_psnr_db.toFixed(0)} dB`
   ];
-  return /* @__PURE__ */ a3("span", { class: "figures", children: parts.filter((part) => part !== null).join(" · ") });
+  return /* @__PURE__ */ k("span", { class: "figures" }, parts.filter((part) => part !== null).join(" · "));
 }
 
 // src/view/style.css
 var style_default = ':host { display: block; contain: content }\n.mount { height: 100% }\n.wavesplat {\n  --bg: #0d1014; --panel: #171b21; --raised: #242a33; --line: #3a424e; --text: #e6e9ee; --dim: #a9b2bf;\n  --accent: #6cb2ff; --accent-text: #08131f; --focus: #ffd166; --danger: #ff8f8f; --gap: 8px; --radius: 6px;\n  box-sizing: border-box; display: grid; grid-template: auto minmax(0, 1fr) auto / minmax(0, 1fr) auto;\n  grid-template-areas: "bar bar" "views panels" "status status";\n  width: 100%; height: 100%; background: var(--bg); color: var(--text);\n  font: 14px/1.4 system-ui, sans-serif; color-scheme: dark; position: relative;\n}\n.wavesplat[data-theme="light"] {\n  --bg: #f4f5f7; --panel: #fff; --raised: #e9ecf0; --line: #8a93a0; --text: #161a20; --dim: #4b5563;\n  --accent: #0a5cb8; --accent-text: #fff; --focus: #b45309; --danger: #b42318; color-scheme: light;\n}\n.wavesplat *, .wavesplat *::before { box-sizing: border-box }\n.wavesplat :focus-visible { outline: 2px solid var(--focus); outline-offset: 1px }\n.wavesplat h2, .wavesplat h3, .wavesplat p { margin: 0; font-size: inherit; font-weight: 600 }\n.wavesplat p { font-weight: 400 }\n.wavesplat button, .wavesplat select, .wavesplat input, .wavesplat textarea { font: inherit; color: inherit }\n.wavesplat input[type="range"] { accent-color: var(--accent); min-width: 0; flex: 1; height: 24px; margin: 0 }\n.wavesplat input[type="checkbox"], .wavesplat input[type="radio"] { accent-color: var(--accent); width: 18px; height: 18px; margin: 3px }\n.wavesplat input[type="color"] { width: 34px; height: 26px; padding: 1px; border: 1px solid var(--line); border-radius: 4px; background: none }\n.wavesplat input[type="number"], .wavesplat input[type="text"], .wavesplat input[type="search"], .wavesplat select, .wavesplat textarea {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 4px; padding: 2px 6px; min-height: 26px; min-width: 0;\n}\n.wavesplat input[type="number"] { width: 82px }\n.button {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 4px; padding: 3px 10px; min-height: 28px; cursor: pointer;\n}\n.button:hover, .icon-button:hover { border-color: var(--accent) }\n.button:disabled, .icon-button:disabled { opacity: .45; cursor: default }\n.button[aria-pressed="true"], .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"] {\n  background: var(--accent); color: var(--accent-text); border-color: var(--accent);\n}\n.icon-button {\n  display: inline-grid; place-items: center; min-width: 30px; height: 30px; padding: 0 6px; border: 1px solid transparent;\n  border-radius: 4px; background: none; cursor: pointer;\n}\n.icon-button svg { width: 18px; height: 18px; fill: none; stroke: currentColor; stroke-width: 1.6; stroke-linecap: round; stroke-linejoin: round }\n.row { display: flex; flex-wrap: wrap; align-items: center; gap: 6px }\n.field { display: flex; align-items: center; gap: 6px; min-width: 0 }\n.field > span:first-child { flex: 0 0 112px; color: var(--dim) }\n.toolbar { grid-area: bar; display: flex; flex-wrap: wrap; align-items: center; gap: 2px var(--gap); padding: 4px 8px; background: var(--panel); border-bottom: 1px solid var(--line) }\n.toolbar .group { display: flex; align-items: center; gap: 1px }\n.toolbar .spring { flex: 1 }\n.wavesplat .title { margin: 0; font-size: inherit; font-weight: 400; max-width: 260px; overflow: hidden; text-overflow: ellipsis; white-space: nowrap; color: var(--dim) }\n.views { grid-area: views; display: grid; gap: 2px; background: var(--line); min-height: 0; position: relative }\n.views[data-layout="3d"], .views[data-layout="single"] { grid-template: 1fr / 1fr }\n.views[data-layout="one-and-three"] { grid-template: repeat(3, minmax(0, 1fr)) / minmax(0, 2fr) minmax(0, 1fr) }\n.views[data-layout="one-and-three"] > :first-child { grid-row: 1 / 4 }\n.views[data-layout="two-by-two"] { grid-template: repeat(2, minmax(0, 1fr)) / repeat(2, minmax(0, 1fr)) }\n.viewport { position: relative; overflow: hidden; background: #000; min-width: 0; min-height: 0; touch-action: none; user-select: none; color: #fff }\n.viewport:focus-visible { outline-offset: -2px }\n.viewport canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; transform-origin: 0 0 }\n.viewport svg.over { position: absolute; inset: 0; width: 100%; height: 100%; overflow: hidden; pointer-events: none }\n.viewport svg.over [data-handle] { pointer-events: auto; cursor: grab }\n.viewport svg.over text { fill: #fff; paint-order: stroke; stroke: #000; stroke-width: 3px; stroke-linejoin: round; font-size: 13px }\n.viewport .corner { position: absolute; left: 8px; top: 6px; font-size: 12px; text-shadow: 0 0 3px #000, 0 0 3px #000; pointer-events: none; white-space: pre-line }\n.viewport .corner.right { left: auto; right: 8px; text-align: right }\n.viewport .corner.low { top: auto; bottom: 6px }\n.hint { position: absolute; left: 50%; bottom: 12%; transform: translateX(-50%); background: #000c; padding: 6px 12px; border-radius: var(--radius) }\n.panels { grid-area: panels; width: 340px; overflow-y: auto; overflow-x: hidden; background: var(--panel); border-left: 1px solid var(--line) }\n.panel > summary { padding: 7px 12px; cursor: pointer; font-weight: 600; border-bottom: 1px solid var(--line); list-style-position: inside }\n.panel > .body { display: grid; gap: 8px; padding: 10px 12px; border-bottom: 1px solid var(--line) }\n.bottom { grid-area: status; background: var(--panel) }\n.status { display: flex; flex-wrap: wrap; gap: 4px 16px; padding: 3px 10px; background: var(--panel); border-top: 1px solid var(--line); color: var(--dim); font-size: 13px; min-height: 25px }\n.alert { position: absolute; left: 50%; top: 52px; transform: translateX(-50%); max-width: min(560px, 92%); z-index: 5; background: var(--panel); border: 1px solid var(--danger); border-radius: var(--radius); padding: 10px 14px; display: grid; gap: 6px }\n.opening { grid-area: views; display: grid; place-content: center; gap: 10px; padding: 24px; text-align: center }\n.opening progress { width: 260px; accent-color: var(--accent) }\n.dim { color: var(--dim) }\n.hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n.wavesplat dialog { background: var(--panel); color: var(--text); border: 1px solid var(--line); border-radius: var(--radius); padding: 16px 20px; max-width: min(640px, 94vw); max-height: 86vh; overflow: auto }\n.wavesplat dialog::backdrop { background: #0008 }\n.wavesplat table { border-collapse: collapse; width: 100% }\n.wavesplat th, .wavesplat td { text-align: left; padding: 3px 12px 3px 0; vertical-align: top; font-weight: 400 }\n.wavesplat kbd { background: var(--raised); border: 1px solid var(--line); border-radius: 3px; padding: 0 6px; font: inherit }\n.chip { width: 18px; height: 18px; border-radius: 3px; border: 1px solid var(--line); flex: none }\n@media (max-width: 760px) {\n  .wavesplat { grid-template: auto minmax(46%, 1fr) minmax(0, auto) auto / minmax(0, 1fr); grid-template-areas: "bar" "views" "panels" "status" }\n  .panels { width: auto; max-height: 44vh; border-left: 0; border-top: 1px solid var(--line) }\n  .views[data-layout="one-and-three"] { grid-template: minmax(0, 2fr) minmax(0, 1fr) / repeat(3, minmax(0, 1fr)) }\n  .views[data-layout="one-and-three"] > :first-child { grid-row: auto; grid-column: 1 / 4 }\n  .title { display: none }\n}\n@media (pointer: coarse) {\n  .icon-button, .button { min-width: 44px; min-height: 44px }\n}\n@media (forced-colors: active) {\n  .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .button[aria-pressed="true"] { forced-color-adjust: none; background: Highlight; color: HighlightText }\n}\n.wavesplat fieldset { border: 1px solid var(--line); border-radius: var(--radius); margin: 0; padding: 6px 10px 10px; display: grid; gap: 6px; min-width: 0 }\n.wavesplat legend { padding: 0 4px; color: var(--dim) }\n.wavesplat ol, .wavesplat ul { margin: 0; padding-left: 20px }\n.viewport .legend { top: 8px; left: 8px; list-style: none; padding: 0; display: grid; gap: 3px }\n.viewport .legend li { display: flex; gap: 6px; align-items: center }\n.viewport .color-bar { display: grid; justify-items: end; gap: 3px; bottom: 24px }\n.viewport .color-bar .ramp { width: 14px; height: 150px; border: 1px solid #fff8 }\n';
 
 // src/view/theme.ts
-function themeOf(state) {
-  const { theme } = state.view.interface;
+function themeOf(state2) {
+  const { theme } = state2.view.interface;
   return theme === "system" ? surrounding() : theme;
 }
 function surrounding() {
@@ -5880,7 +5539,7 @@ var PATHS = {
   panels: "M3 4h14v12H3zM12 4v12"
 };
 function Icon({ name }) {
-  return /* @__PURE__ */ a3("svg", { viewBox: "0 0 20 20", "aria-hidden": "true", children: /* @__PURE__ */ a3("path", { d: PATHS[name] }) });
+  return /* @__PURE__ */ k("svg", { viewBox: "0 0 20 20", "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: PATHS[name] }));
 }
 
 // src/view/toolbar.tsx
@@ -5910,78 +5569,57 @@ function Toolbar(props) {
     const next = TOOLS[(now + step + TOOLS.length) % TOOLS.length]?.[0];
     if (next === void 0) return;
     ui.setTool(next);
-    const box = event.currentTarget;
-    box.querySelector(`[data-tool="${next}"]`)?.focus();
+    const box2 = event.currentTarget;
+    box2.querySelector(`[data-tool="${next}"]`)?.focus();
   };
-  return /* @__PURE__ */ a3("header", { class: "toolbar", children: [
-    /* @__PURE__ */ a3("h1", { class: "title", title: store.state.layers.map(({ name }) => name).join(", "), children: store.state.layers.map(({ name }) => name).join(", ") }),
-    /* @__PURE__ */ a3("label", { children: [
-      /* @__PURE__ */ a3("span", { class: "hidden", children: "Layout" }),
-      /* @__PURE__ */ a3(
-        "select",
-        {
-          value: layout.name,
-          onChange: (event) => {
-            const name = event.currentTarget.value;
-            const main = name === "single" && layout.main === "3d" ? "axial" : layout.main;
-            store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
-          },
-          children: LAYOUTS.map(([name, text]) => /* @__PURE__ */ a3("option", { value: name, selected: name === layout.name, children: text }, name))
-        }
-      )
-    ] }),
-    layout.name === "single" && /* @__PURE__ */ a3("label", { children: [
-      /* @__PURE__ */ a3("span", { class: "hidden", children: "Slice" }),
-      /* @__PURE__ */ a3("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]), children: PANES.map((pane) => /* @__PURE__ */ a3("option", { value: pane, selected: pane === layout.main, children: pane }, pane)) })
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "group", role: "group", "aria-label": "Standard views", children: VIEWS.map((view, n2) => /* @__PURE__ */ a3(
-      "button",
-      {
-        class: "icon-button",
-        title: `From the ${view} (${n2 + 1})`,
-        "aria-label": `${letterOf(view, welcome.axis_ends)}, from the ${view}`,
-        onClick: () => {
-          const camera = welcome.standard_views[view];
-          if (camera !== void 0) showFrom(props, camera);
-        },
-        children: letterOf(view, welcome.axis_ends)
-      },
-      view
-    )) }),
-    /* @__PURE__ */ a3("button", { class: "icon-button", title: "Fit all into view (0)", "aria-label": "Fit all into view", onClick: onFit, children: /* @__PURE__ */ a3(Icon, { name: "fit" }) }),
-    /* @__PURE__ */ a3("div", { class: "group", role: "group", "aria-label": "History", children: [
-      /* @__PURE__ */ a3("button", { class: "icon-button", title: "Undo (Ctrl Z)", "aria-label": "Undo", disabled: !store.canUndo, onClick: () => store.undo(), children: /* @__PURE__ */ a3(Icon, { name: "undo" }) }),
-      /* @__PURE__ */ a3("button", { class: "icon-button", title: "Redo (Ctrl Shift Z)", "aria-label": "Redo", disabled: !store.canRedo, onClick: () => store.redo(), children: /* @__PURE__ */ a3(Icon, { name: "redo" }) })
-    ] }),
-    /* @__PURE__ */ a3("div", { class: "group", role: "radiogroup", "aria-label": "Dragging", onKeyDown: tools, children: TOOLS.map(([tool, text, icon]) => /* @__PURE__ */ a3(
-      "button",
-      {
-        class: "icon-button",
-        role: "radio",
-        "data-tool": tool,
-        tabIndex: tool === ui.tool ? 0 : -1,
-        "aria-checked": tool === ui.tool,
-        "aria-label": text,
-        title: text,
-        onClick: () => ui.setTool(tool),
-        children: /* @__PURE__ */ a3(Icon, { name: icon })
-      },
-      tool
-    )) }),
-    /* @__PURE__ */ a3("span", { class: "spring" }),
-    /* @__PURE__ */ a3(
-      "button",
-      {
-        class: "icon-button",
-        title: theme === "dark" ? "Light colours" : "Dark colours",
-        "aria-label": theme === "dark" ? "Light colours" : "Dark colours",
-        onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")]),
-        children: /* @__PURE__ */ a3(Icon, { name: theme === "dark" ? "light" : "dark" })
+  return /* @__PURE__ */ k("header", { class: "toolbar" }, /* @__PURE__ */ k("h1", { class: "title", title: store.state.layers.map(({ name }) => name).join(", ") }, store.state.layers.map(({ name }) => name).join(", ")), /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, "Layout"), /* @__PURE__ */ k(
+    "select",
+    {
+      value: layout.name,
+      onChange: (event) => {
+        const name = event.currentTarget.value;
+        const main = name === "single" && layout.main === "3d" ? "axial" : layout.main;
+        store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
       }
-    ),
-    /* @__PURE__ */ a3("button", { class: "icon-button", title: "Keys and gestures (?)", "aria-label": "Keys and gestures", onClick: onHelp, children: /* @__PURE__ */ a3(Icon, { name: "help" }) }),
-    /* @__PURE__ */ a3("button", { class: "icon-button", title: "Panels", "aria-label": "Panels", "aria-pressed": props.panels, onClick: props.onPanels, children: /* @__PURE__ */ a3(Icon, { name: "panels" }) })
-  ] });
+    },
+    LAYOUTS.map(([name, text2]) => /* @__PURE__ */ k("option", { key: name, value: name, selected: name === layout.name }, text2))
+  )), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, "Slice"), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, pane)))), /* @__PURE__ */ k("div", { class: "group", role: "group", "aria-label": "Standard views" }, VIEWS.map((view, n2) => /* @__PURE__ */ k(
+    "button",
+    {
+      key: view,
+      class: "icon-button",
+      title: `From the ${view} (${n2 + 1})`,
+      "aria-label": `${letterOf(view, welcome.axis_ends)}, from the ${view}`,
+      onClick: () => {
+        const camera = welcome.standard_views[view];
+        if (camera !== void 0) showFrom(props, camera);
+      }
+    },
+    letterOf(view, welcome.axis_ends)
+  ))), /* @__PURE__ */ k("button", { class: "icon-button", title: "Fit all into view (0)", "aria-label": "Fit all into view", onClick: onFit }, /* @__PURE__ */ k(Icon, { name: "fit" })), /* @__PURE__ */ k("div", { class: "group", role: "group", "aria-label": "History" }, /* @__PURE__ */ k("button", { class: "icon-button", title: "Undo (Ctrl Z)", "aria-label": "Undo", disabled: !store.canUndo, onClick: () => store.undo() }, /* @__PURE__ */ k(Icon, { name: "undo" })), /* @__PURE__ */ k("button", { class: "icon-button", title: "Redo (Ctrl Shift Z)", "aria-label": "Redo", disabled: !store.canRedo, onClick: () => store.redo() }, /* @__PURE__ */ k(Icon, { name: "redo" }))), /* @__PURE__ */ k("div", { class: "group", role: "radiogroup", "aria-label": "Dragging", onKeyDown: tools }, TOOLS.map(([tool, text2, icon]) => /* @__PURE__ */ k(
+    "button",
+    {
+      key: tool,
+      class: "icon-button",
+      role: "radio",
+      "data-tool": tool,
+      tabIndex: tool === ui.tool ? 0 : -1,
+      "aria-checked": tool === ui.tool,
+      "aria-label": text2,
+      title: text2,
+      onClick: () => ui.setTool(tool)
+    },
+    /* @__PURE__ */ k(Icon, { name: icon })
+  ))), /* @__PURE__ */ k("span", { class: "spring" }), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "icon-button",
+      title: theme === "dark" ? "Light colours" : "Dark colours",
+      "aria-label": theme === "dark" ? "Light colours" : "Dark colours",
+      onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])
+    },
+    /* @__PURE__ */ k(Icon, { name: theme === "dark" ? "light" : "dark" })
+  ), /* @__PURE__ */ k("button", { class: "icon-button", title: "Keys and gestures (?)", "aria-label": "Keys and gestures", onClick: onHelp }, /* @__PURE__ */ k(Icon, { name: "help" })), /* @__PURE__ */ k("button", { class: "icon-button", title: "Panels", "aria-label": "Panels", "aria-pressed": props.panels, onClick: props.onPanels }, /* @__PURE__ */ k(Icon, { name: "panels" })));
 }
 function letterOf(view, ends) {
   const place = { left: 0, right: 1, back: 2, front: 3, bottom: 4, top: 5 }[view];
@@ -6067,9 +5705,10 @@ var App = class {
     this.schedule();
     if (this.host.link === void 0) return;
     try {
-      const { fingerprint, state } = await fromLink(this.host.link);
+      const { fingerprint, state: state2 } = await fromLink(this.host.link);
       if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
-      const { state: checked } = await this.engine.ask("open_state", { text: JSON.stringify(state) });
+      const text2 = JSON.stringify(parseViewerState(state2));
+      const { state: checked } = await this.engine.ask("open_state", { text: text2 });
       this.store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {
       this.problem = problemOf(problem);
@@ -6118,8 +5757,8 @@ var App = class {
     get points() {
       return app.points;
     },
-    addPoint(point) {
-      app.addPoint(point);
+    addPoint(point2) {
+      app.addPoint(point2);
     },
     get layer() {
       return Math.min(app.layer, (app.store?.state.layers.length ?? 1) - 1);
@@ -6134,13 +5773,13 @@ var App = class {
     get probed() {
       return app.probed;
     },
-    setProbe(point, found) {
-      if (point === null && app.probe === null) return;
-      [app.probe, app.probed] = [point, found];
+    setProbe(point2, found) {
+      if (point2 === null && app.probe === null) return;
+      [app.probe, app.probed] = [point2, found];
       app.schedule();
     },
-    announce(text) {
-      app.announce(text);
+    announce(text2) {
+      app.announce(text2);
     },
     problem(problem) {
       app.problem = problemOf(problem);
@@ -6155,22 +5794,22 @@ var App = class {
       setTimeout(() => URL.revokeObjectURL(url), 1e4);
     }
   }))(this);
-  addPoint(point) {
-    const kind = this.tool === "angle" ? "angle" : "distance";
-    const points = [...this.points, point];
-    if (points.length < (kind === "angle" ? 3 : 2)) {
+  addPoint(point2) {
+    const kind2 = this.tool === "angle" ? "angle" : "distance";
+    const points = [...this.points, point2];
+    if (points.length < (kind2 === "angle" ? 3 : 2)) {
       this.points = points;
     } else {
       this.points = [];
-      if (isMeasure(points)) this.store?.change([set({ kind, points }, "view", "measures", "-")]);
+      if (isMeasure(points)) this.store?.change([set({ kind: kind2, points }, "view", "measures", "-")]);
     }
     this.schedule();
   }
-  announce(text) {
+  announce(text2) {
     clearTimeout(this.sayTimer);
     const wait = Math.max(0, this.lastSaid + ANNOUNCED_MS - performance.now());
     this.sayTimer = setTimeout(() => {
-      this.said = text;
+      this.said = text2;
       this.lastSaid = performance.now();
       this.schedule();
     }, wait);
@@ -6199,13 +5838,13 @@ var App = class {
     if (store === null || welcome === null) {
       const theme = window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
       Q(
-        /* @__PURE__ */ a3("div", { class: "wavesplat", "data-theme": theme, "data-lm-suppress-shortcuts": "true", children: /* @__PURE__ */ a3(Opening, { connection: this.connection, problem: this.failure }) }),
+        /* @__PURE__ */ k("div", { class: "wavesplat", "data-theme": theme, "data-lm-suppress-shortcuts": "true" }, /* @__PURE__ */ k(Opening, { connection: this.connection, problem: this.failure })),
         this.mount
       );
       return;
     }
     const part = { store, engine: this.engine, welcome, ui: this.ui };
-    Q(/* @__PURE__ */ a3(Whole, { ...part, app: this.shown() }), this.mount);
+    Q(/* @__PURE__ */ k(Whole, { ...part, app: this.shown() }), this.mount);
   }
   shown() {
     return {
@@ -6242,8 +5881,8 @@ function Whole(props) {
   const { layout, interface: shown } = store.state.view;
   const isOpen = (name) => shown.panels.includes(name);
   const panel = { onToggle: app.onPanel };
-  const hasTimes = part.welcome.volumes.some((volume) => volume.n_times > 1);
-  return /* @__PURE__ */ a3(
+  const hasTimes = part.welcome.volumes.some((volume2) => volume2.n_times > 1);
+  return /* @__PURE__ */ k(
     "div",
     {
       class: "wavesplat",
@@ -6255,35 +5894,15 @@ function Whole(props) {
         event.preventDefault();
         const file = event.dataTransfer?.files[0];
         if (file !== void 0) void openState(part, file);
-      },
-      children: [
-        /* @__PURE__ */ a3(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: () => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 }), panels: app.showsPanels, onPanels: app.onPanels }),
-        /* @__PURE__ */ a3("main", { class: "views", "data-layout": layout.name, children: [
-          (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ a3(SceneView, { ...part }),
-          (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ a3(SlicePane, { ...part, pane }, pane)),
-          layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ a3(SlicePane, { ...part, pane: layout.main }, layout.main)
-        ] }),
-        app.showsPanels && /* @__PURE__ */ a3("aside", { class: "panels", "aria-label": "Panels", children: [
-          /* @__PURE__ */ a3(Panel, { name: "presets", title: "Presets", open: isOpen("presets"), ...panel, children: /* @__PURE__ */ a3(PresetsPanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "function", title: "Colours and opacity", open: isOpen("function"), ...panel, children: /* @__PURE__ */ a3(FunctionPanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "layers", title: "Layers", open: isOpen("layers"), ...panel, children: /* @__PURE__ */ a3(LayersPanel, { ...part }) }),
-          store.state.labels !== null && /* @__PURE__ */ a3(Panel, { name: "labels", title: "Labels", open: isOpen("labels"), ...panel, children: /* @__PURE__ */ a3(LabelsPanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "light", title: "Light and projection", open: isOpen("light"), ...panel, children: /* @__PURE__ */ a3(LightPanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "cut", title: "Cut", open: isOpen("cut"), ...panel, children: /* @__PURE__ */ a3(CutPanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "slices", title: "Slices", open: isOpen("slices"), ...panel, children: /* @__PURE__ */ a3(SlicesPanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "measure", title: "Measure", open: isOpen("measure"), ...panel, children: /* @__PURE__ */ a3(MeasurePanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "share", title: "Pictures and sharing", open: isOpen("share"), ...panel, children: /* @__PURE__ */ a3(SharePanel, { ...part }) }),
-          /* @__PURE__ */ a3(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel, children: /* @__PURE__ */ a3(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }) })
-        ] }),
-        /* @__PURE__ */ a3("footer", { class: "bottom", children: [
-          hasTimes && /* @__PURE__ */ a3(TimeBar, { ...part }),
-          /* @__PURE__ */ a3(Status, { ...part, connection: app.connection, figures: app.figures })
-        ] }),
-        /* @__PURE__ */ a3("p", { class: "hidden", role: "status", "aria-live": "polite", children: app.said }),
-        app.problem !== null && /* @__PURE__ */ a3(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
-        app.help && /* @__PURE__ */ a3(Help, { onClose: () => app.onHelp(false) })
-      ]
-    }
+      }
+    },
+    /* @__PURE__ */ k(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: () => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 }), panels: app.showsPanels, onPanels: app.onPanels }),
+    /* @__PURE__ */ k("main", { class: "views", "data-layout": layout.name }, (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ k(SceneView, { ...part }), (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ k(SlicePane, { key: pane, ...part, pane })), layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ k(SlicePane, { key: layout.main, ...part, pane: layout.main })),
+    app.showsPanels && /* @__PURE__ */ k("aside", { class: "panels", "aria-label": "Panels" }, /* @__PURE__ */ k(Panel, { name: "presets", title: "Presets", open: isOpen("presets"), ...panel }, /* @__PURE__ */ k(PresetsPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "function", title: "Colours and opacity", open: isOpen("function"), ...panel }, /* @__PURE__ */ k(FunctionPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "layers", title: "Layers", open: isOpen("layers"), ...panel }, /* @__PURE__ */ k(LayersPanel, { ...part })), store.state.labels !== null && /* @__PURE__ */ k(Panel, { name: "labels", title: "Labels", open: isOpen("labels"), ...panel }, /* @__PURE__ */ k(LabelsPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "light", title: "Light and projection", open: isOpen("light"), ...panel }, /* @__PURE__ */ k(LightPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "cut", title: "Cut", open: isOpen("cut"), ...panel }, /* @__PURE__ */ k(CutPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "slices", title: "Slices", open: isOpen("slices"), ...panel }, /* @__PURE__ */ k(SlicesPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "measure", title: "Measure", open: isOpen("measure"), ...panel }, /* @__PURE__ */ k(MeasurePanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "share", title: "Pictures and sharing", open: isOpen("share"), ...panel }, /* @__PURE__ */ k(SharePanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel }, /* @__PURE__ */ k(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }))),
+    /* @__PURE__ */ k("footer", { class: "bottom" }, hasTimes && /* @__PURE__ */ k(TimeBar, { ...part }), /* @__PURE__ */ k(Status, { ...part, connection: app.connection, figures: app.figures })),
+    /* @__PURE__ */ k("p", { class: "hidden", role: "status", "aria-live": "polite" }, app.said),
+    app.problem !== null && /* @__PURE__ */ k(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
+    app.help && /* @__PURE__ */ k(Help, { onClose: () => app.onHelp(false) })
   );
 }
 
@@ -6333,8 +5952,8 @@ function bytesOf(buffer) {
     return new Uint8Array(new Uint8Array(buffer.buffer, buffer.byteOffset, buffer.byteLength));
   }
   if (typeof buffer === "string") {
-    const text = atob(buffer);
-    return Uint8Array.from(text, (letter) => letter.charCodeAt(0));
+    const text2 = atob(buffer);
+    return Uint8Array.from(text2, (letter) => letter.charCodeAt(0));
   }
   throw new TypeError("the host gave a buffer of an unknown kind");
 }
@@ -6378,18 +5997,18 @@ var REPEAT_MS = 500;
 var HEIGHT_PX2 = 520;
 function render({ model, el }) {
   const page = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16)).join("");
-  const box = document.createElement("div");
-  box.style.cssText = `display:block;height:${HEIGHT_PX2}px;resize:vertical;overflow:hidden`;
-  box.dataset["lmSuppressShortcuts"] = "true";
-  box.addEventListener("keydown", (event) => {
+  const box2 = document.createElement("div");
+  box2.style.cssText = `display:block;height:${HEIGHT_PX2}px;resize:vertical;overflow:hidden`;
+  box2.dataset["lmSuppressShortcuts"] = "true";
+  box2.addEventListener("keydown", (event) => {
     if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
   });
-  el.append(box);
+  el.append(box2);
   const engine = remoteEngine(commChannel(model, page), { hello: () => ({}), repeatHelloMs: REPEAT_MS });
-  const close = mountApp(box, engine, { kind: "widget" });
+  const close = mountApp(box2, engine, { kind: "widget" });
   return () => {
     close();
-    box.remove();
+    box2.remove();
   };
 }
 

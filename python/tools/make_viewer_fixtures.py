@@ -1,4 +1,4 @@
-"""Cameras and what is done to them: `web/schema/cameras.json`, to which the functions of the viewer's page are held.
+"""What the viewer's page is held to: cameras and what is done to them, and a state, in `web/schema`.
 
 The page turns about the up direction of the picture, `Camera.turned` about +z: these are one where up is +z.
 """
@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 import wavesplat as ws
+from wavesplat._viewer.state import ViewerState
 
-PATH = Path(__file__).resolve().parents[2] / "web" / "schema" / "cameras.json"
+SCHEMA = Path(__file__).resolve().parents[2] / "web" / "schema"
 #: At right angles to the line of sight, as the page's cameras have it after the first turn.
 UP = tuple(np.cross(np.cross((27, -76, 40), (0.2, 0.1, 1)), (27, -76, 40)).tolist())
 CAMERAS = (
@@ -24,13 +25,17 @@ CAMERAS = (
 
 
 def fixtures() -> list[dict[str, Any]]:
-    """What the file holds."""
+    """Cameras, steps from them, and places in their pictures."""
     return [_fixture(camera) for camera in CAMERAS]
 
 
-def text() -> str:
-    """The text of the file."""
-    return json.dumps(fixtures(), indent=1) + "\n"
+def texts() -> dict[str, str]:
+    """The texts of the files by their names."""
+    state = ViewerState.of(ws.Scene(ws.examples.ripples(16), "grey"), CAMERAS[0]).document
+    return {
+        "cameras.json": json.dumps(fixtures(), indent=1) + "\n",
+        "state.json": json.dumps(state, indent=1) + "\n",
+    }
 
 
 def _fixture(camera: ws.Camera) -> dict[str, Any]:
@@ -69,4 +74,5 @@ def _place(camera: ws.Camera, point: list[float], width: int, height: int) -> li
 
 
 if __name__ == "__main__":
-    PATH.write_text(text(), encoding="utf-8")
+    for name, text in texts().items():
+        (SCHEMA / name).write_text(text, encoding="utf-8")

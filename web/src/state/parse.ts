@@ -1,0 +1,171 @@
+// Whether a document is a state of the viewer: the twin of `python/wavesplat/_viewer/state.py`. Both are held to the fixtures
+// in `web/schema`. What only the renderer knows, such as whether points are in order, is left to it.
+
+import { OVERLAYS, PANES, type ViewerState } from "./state.ts";
+
+type Check = (value: unknown, where: string) => void;
+
+function refuse(value: unknown, where: string, must: string): never {
+  const text = JSON.stringify(value) ?? "missing";
+  throw new Error(`${where} is ${text.length > 60 ? `${text.slice(0, 60)}…` : text}; it must be ${must}`);
+}
+
+const number =
+  (low = -Infinity, high = Infinity): Check =>
+  (value, where) => {
+    if (typeof value !== "number" || !Number.isFinite(value) || value < low || value > high) {
+      refuse(value, where, low === -Infinity ? "a number" : `a number from ${low} to ${high}`);
+    }
+  };
+const kind =
+  (name: "boolean" | "string"): Check =>
+  (value, where) => {
+    if (typeof value !== name) refuse(value, where, name === "string" ? "a text" : "true or false");
+  };
+const oneOf =
+  (...known: readonly unknown[]): Check =>
+  (value, where) => {
+    if (!known.includes(value)) refuse(value, where, `one of ${known.join(", ")}`);
+  };
+const either =
+  (wanted: unknown, check: Check): Check =>
+  (value, where) => {
+    if (value !== wanted) check(value, where);
+  };
+const list =
+  (check: Check, low = 0, high = Infinity): Check =>
+  (value, where) => {
+    if (!Array.isArray(value) || value.length < low || value.length > high) {
+      refuse(value, where, `a list${low === high ? ` of ${low}` : low > 0 ? ` of at least ${low}` : ""}`);
+    }
+    (value as unknown[]).forEach((one, n) => check(one, `${where}[${n}]`));
+  };
+/** An object; fields whose names end in "?" may be left out, "*" stands for all others. */
+const fields =
+  (known: Readonly<Record<string, Check>>): Check =>
+  (value, where) => {
+    if (typeof value !== "object" || value === null || Array.isArray(value)) refuse(value, where, "an object");
+    const found = value as Record<string, unknown>;
+    const inside = (name: string): string => (where === "" ? name : `${where}.${name}`);
+    for (const [name, check] of Object.entries(known)) {
+      const plain = name.replace("?", "");
+      if (name === "*") continue;
+      if (Object.hasOwn(found, plain)) check(found[plain], inside(plain));
+      else if (plain === name) throw new Error(`field '${inside(name)}' is missing`);
+    }
+    for (const name of Object.keys(found)) {
+      if (name in known || `${name}?` in known) continue;
+      const other = known["*"];
+      if (other === undefined) throw new Error(`${where || "state"}: unknown field '${name}'`);
+      other(found[name], inside(name));
+    }
+  };
+
+const share = number(0, 1);
+const any: Check = () => undefined;
+const text = kind("string");
+const flag = kind("boolean");
+const point = list(number(), 3, 3);
+const color: Check = (value, where) => (typeof value === "string" ? undefined : list(share, 3, 4)(value, where));
+const box = fields({ lower: point, upper: point, "space?": oneOf("world", "index") });
+const nodes = (...columns: readonly Check[]): Check =>
+  list((node, where) => {
+    list(any, columns.length, columns.length)(node, where);
+    columns.forEach((check, n) => check((node as unknown[])[n], where));
+  }, 1);
+const volume = fields({ path: oneOf(null), "name?": text });
+const shading = fields({ ...Object.fromEntries(["ambient", "diffuse", "specular", "specular_power"].map((name) => [`${name}?`, number(0)])), "*": any });
+const curves: Check = (value, where) => {
+  const isTable = typeof value === "object" && value !== null && "rgba" in value;
+  if (isTable) return;
+  fields({
+    "opacity_unit?": either(null, number(0)),
+    opacity: nodes(number(), share),
+    color: nodes(number(), share, share, share),
+    "gradient_opacity?": nodes(number(0), share),
+  })(value, where);
+};
+const COMPOSITES = ["over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"];
+const composite: Check = (value, where) => {
+  if (value === null || typeof value === "string") oneOf(null, ...COMPOSITES)(value, where);
+  else fields(Object.fromEntries(COMPOSITES.map((name) => [`${name}?`, fields({ "*": either(null, any) })])))(value, where);
+};
+const clip: Check = (value, where) => {
+  fields({ "keep?": box, "cut_out?": box, "plane?": fields({ point, normal: point }) })(value, where);
+  if (Object.keys(value as object).length !== 1) refuse(value, where, "an object of one field: keep, plane or cut_out");
+};
+const length = number(0);
+
+const state = fields({
+  wavesplat: oneOf("scene"),
+  version: oneOf(1),
+  layers: list(
+    fields({
+      volume,
+      "name?": text,
+      look: fields({ transfer_function: curves, "shading?": either(null, shading), "*": either(null, text) }),
+      "visible?": flag,
+      "opacity?": share,
+      "time?": (value, where) => (Number.isInteger(value) ? undefined : refuse(value, where, "a whole number")),
+    }),
+    1,
+    8,
+  ),
+  labels: either(null, fields({ volume, "labels?": fields({ "*": fields({ color, "name?": text, "*": share }) }), "smooth?": flag })),
+  shading: either("look", either(null, shading)),
+  clip: list(clip),
+  background: either(null, color),
+  camera: fields({
+    version: oneOf(1),
+    position: point,
+    focal_point: point,
+    view_up: point,
+    "parallel_scale?": number(Number.MIN_VALUE),
+    "view_angle?": number(Number.MIN_VALUE, 180),
+  }),
+  render: fields({
+    "size?": list(number(1), 2, 2),
+    quality: (value, where) =>
+      typeof value === "string" ? oneOf("draft", "normal", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
+    "kernel?": text,
+    "composite?": composite,
+  }),
+  view: fields({
+    "layout?": fields({ "name?": oneOf("3d", "one-and-three", "two-by-two", "single"), "main?": oneOf("3d", ...PANES) }),
+    "slices?": fields({
+      "crosshair?": point,
+      "window?": (value, where) => {
+        list(number(), 2, 2)(value, where);
+        number(Number.MIN_VALUE)((value as number[])[1], where);
+      },
+      "thickness?": length,
+      "slab?": oneOf("maximum", "minimum", "mean"),
+      "zoom?": number(0.01, 1000),
+      "normals?": fields(
+        Object.fromEntries(
+          PANES.map((pane): [string, Check] => [
+            `${pane}?`,
+            (value, where) => {
+              point(value, where);
+              if (!(value as number[]).some((one) => one !== 0)) refuse(value, where, "a direction");
+            },
+          ]),
+        ),
+      ),
+    }),
+    "measures?": list((value, where) => {
+      fields({ kind: oneOf("distance", "angle"), points: list(point) })(value, where);
+      const { kind: what, points } = value as { kind: string; points: unknown[] };
+      list(any, what === "angle" ? 3 : 2, what === "angle" ? 3 : 2)(points, `${where}.points`);
+    }, 0, 1000),
+    "overlays?": fields(Object.fromEntries(OVERLAYS.map((name) => [`${name}?`, flag]))),
+    "quality?": fields({ "moving?": oneOf("smooth", "balanced", "exact") }),
+    "interface?": fields({ "theme?": oneOf("system", "dark", "light"), "panels?": list(text, 0, 100) }),
+  }),
+});
+
+/** The state, or an error that names the field. */
+export function parseViewerState(document: unknown): ViewerState {
+  state(document, "");
+  return document as ViewerState;
+}

@@ -6,8 +6,7 @@ import { OVERLAYS, PANES, type ViewerState } from "./state.ts";
 type Check = (value: unknown, where: string) => void;
 
 function refuse(value: unknown, where: string, must: string): never {
-  const text = JSON.stringify(value) ?? "missing";
-  throw new Error(`${where} is ${text.length > 60 ? `${text.slice(0, 60)}…` : text}; it must be ${must}`);
+  throw new Error(`${where} is ${(JSON.stringify(value) ?? "missing").slice(0, 60)}; it must be ${must}`);
 }
 
 const number =
@@ -76,8 +75,8 @@ const nodes = (...columns: readonly Check[]): Check =>
 const volume = fields({ path: oneOf(null), "name?": text });
 const shading = fields({ ...Object.fromEntries(["ambient", "diffuse", "specular", "specular_power"].map((name) => [`${name}?`, number(0)])), "*": any });
 const curves: Check = (value, where) => {
-  const isTable = typeof value === "object" && value !== null && "rgba" in value;
-  if (isTable) return;
+  // A table of two dimensions is checked where it is drawn.
+  if (Object.hasOwn(Object(value), "rgba")) return;
   fields({
     "opacity_unit?": either(null, number(0)),
     opacity: nodes(number(), share),
@@ -94,8 +93,6 @@ const clip: Check = (value, where) => {
   fields({ "keep?": box, "cut_out?": box, "plane?": fields({ point, normal: point }) })(value, where);
   if (Object.keys(value as object).length !== 1) refuse(value, where, "an object of one field: keep, plane or cut_out");
 };
-const length = number(0);
-
 const state = fields({
   wavesplat: oneOf("scene"),
   version: oneOf(1),
@@ -138,7 +135,7 @@ const state = fields({
         list(number(), 2, 2)(value, where);
         number(Number.MIN_VALUE)((value as number[])[1], where);
       },
-      "thickness?": length,
+      "thickness?": number(0),
       "slab?": oneOf("maximum", "minimum", "mean"),
       "zoom?": number(0.01, 1000),
       "normals?": fields(

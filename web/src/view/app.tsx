@@ -24,7 +24,7 @@ import { isMeasure } from "./slices/measures.tsx";
 import { SlicesPanel } from "./slices_panel.tsx";
 import { Opening, ProblemCard, Status } from "./status.tsx";
 import style from "./style.css";
-import { onThemeChange, themeOf } from "./theme.ts";
+import { onThemeChange, surrounding, themeOf } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
 
 export interface Host {
@@ -255,9 +255,8 @@ class App {
   private draw(): void {
     const { store, welcome } = this;
     if (store === null || welcome === null) {
-      const theme = window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
       render(
-        <div class="wavesplat" data-theme={theme} data-lm-suppress-shortcuts="true">
+        <div class="wavesplat" data-theme={surrounding()}>
           <Opening connection={this.connection} problem={this.failure} />
         </div>,
         this.mount,
@@ -324,7 +323,6 @@ function Whole(props: PartProps & { readonly app: Shown }) {
     <div
       class="wavesplat"
       data-theme={themeOf(store.state)}
-      data-lm-suppress-shortcuts="true"
       onKeyDown={app.onKey}
       onDragOver={(event) => event.preventDefault()}
       onDrop={(event) => {

@@ -10,7 +10,8 @@ export function themeOf(state: ViewerState): Theme {
   return theme === "system" ? surrounding() : theme;
 }
 
-function surrounding(): Theme {
+/** As the notebook or the system has it. */
+export function surrounding(): Theme {
   const lab = document.body?.dataset["jpThemeLight"];
   if (lab !== undefined) return lab === "true" ? "light" : "dark";
   const classes = document.body?.classList;

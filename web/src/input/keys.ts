@@ -36,22 +36,22 @@ export const KEYS: readonly Key[] = [
   { keys: ["5"], action: "view-top", shown: "5", text: "From above" },
   { keys: ["6"], action: "view-bottom", shown: "6", text: "From below" },
   { keys: ["0"], action: "fit", shown: "0", text: "Fit all into view" },
-  { keys: ["["], action: "slice-back", shown: "[", text: "Slice before" },
+  { keys: ["["], action: "slice-back", shown: "[", text: "Slice back" },
   { keys: ["]"], action: "slice-on", shown: "]", text: "Next slice" },
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
   { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
-  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End what was begun" },
+  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End it" },
 ];
 
 /** What the mouse and fingers do, for the table. */
 export const GESTURES: readonly (readonly [string, string])[] = [
   ["Drag", "Turn"],
-  ["Shift drag, or middle button", "Move"],
-  ["Wheel, or right button", "Magnify"],
+  ["Shift drag, middle button", "Move"],
+  ["Wheel, right button", "Magnify"],
   ["Ctrl drag", "Roll"],
   ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
-  ["Ctrl click", "Put the crosshair on what is seen there"],
+  ["Ctrl click", "Crosshair to what is seen"],
   ["Double click in a slice", "Window as it was"],
   ["One finger, two fingers", "Turn; move, magnify and roll"],
 ];

@@ -281,13 +281,13 @@ function packed(header, payload = new Uint8Array()) {
 }
 function unpacked(message) {
   if (message.byteLength < 4) throw new Error("message: it is shorter than the length of a header");
-  const length3 = new DataView(message).getUint32(0, true);
-  if (length3 > message.byteLength - 4) throw new Error(`message: the header has ${length3} bytes, which did not come`);
-  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length3)));
+  const length2 = new DataView(message).getUint32(0, true);
+  if (length2 > message.byteLength - 4) throw new Error(`message: the header has ${length2} bytes, which did not come`);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(message, 4, length2)));
   if (typeof header !== "object" || header === null || Array.isArray(header)) {
     throw new Error("message: the header must be an object");
   }
-  return { header, payload: new Uint8Array(message, 4 + length3) };
+  return { header, payload: new Uint8Array(message, 4 + length2) };
 }
 
 // src/engine/channel_socket.ts
@@ -349,7 +349,6 @@ function socketChannel(url) {
 }
 
 // src/state/patch.ts
-var MOST_STEPS = 16;
 function patched(document2, operations) {
   let changed = document2;
   operations.forEach((operation, number2) => {
@@ -367,9 +366,7 @@ function set(value, ...steps) {
 }
 function stepsOf(path, what) {
   if (path !== "" && !path.startsWith("/")) throw new Error(`${what}: field 'path' must be '' or begin with '/'`);
-  const steps = path.split("/").slice(1).map((step) => step.replaceAll("~1", "/").replaceAll("~0", "~"));
-  if (steps.length > MOST_STEPS) throw new Error(`${what}: field 'path' has ${steps.length} steps`);
-  return steps;
+  return path.split("/").slice(1).map((step) => step.replaceAll("~1", "/").replaceAll("~0", "~"));
 }
 function done(inside, op, steps, value, what) {
   const [step, ...rest] = steps;
@@ -629,20 +626,20 @@ var KEYS = [
   { keys: ["5"], action: "view-top", shown: "5", text: "From above" },
   { keys: ["6"], action: "view-bottom", shown: "6", text: "From below" },
   { keys: ["0"], action: "fit", shown: "0", text: "Fit all into view" },
-  { keys: ["["], action: "slice-back", shown: "[", text: "Slice before" },
+  { keys: ["["], action: "slice-back", shown: "[", text: "Slice back" },
   { keys: ["]"], action: "slice-on", shown: "]", text: "Next slice" },
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
   { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
-  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End what was begun" }
+  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End it" }
 ];
 var GESTURES = [
   ["Drag", "Turn"],
-  ["Shift drag, or middle button", "Move"],
-  ["Wheel, or right button", "Magnify"],
+  ["Shift drag, middle button", "Move"],
+  ["Wheel, right button", "Magnify"],
   ["Ctrl drag", "Roll"],
   ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
-  ["Ctrl click", "Put the crosshair on what is seen there"],
+  ["Ctrl click", "Crosshair to what is seen"],
   ["Double click in a slice", "Window as it was"],
   ["One finger, two fingers", "Turn; move, magnify and roll"]
 ];
@@ -685,8 +682,7 @@ var OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_
 
 // src/state/parse.ts
 function refuse(value, where, must) {
-  const text2 = JSON.stringify(value) ?? "missing";
-  throw new Error(`${where} is ${text2.length > 60 ? `${text2.slice(0, 60)}…` : text2}; it must be ${must}`);
+  throw new Error(`${where} is ${(JSON.stringify(value) ?? "missing").slice(0, 60)}; it must be ${must}`);
 }
 var number = (low = -Infinity, high = Infinity) => (value, where) => {
   if (typeof value !== "number" || !Number.isFinite(value) || value < low || value > high) {
@@ -739,8 +735,7 @@ var nodes = (...columns) => list((node, where) => {
 var volume = fields({ path: oneOf(null), "name?": text });
 var shading = fields({ ...Object.fromEntries(["ambient", "diffuse", "specular", "specular_power"].map((name) => [`${name}?`, number(0)])), "*": any });
 var curves = (value, where) => {
-  const isTable = typeof value === "object" && value !== null && "rgba" in value;
-  if (isTable) return;
+  if (Object.hasOwn(Object(value), "rgba")) return;
   fields({
     "opacity_unit?": either(null, number(0)),
     opacity: nodes(number(), share),
@@ -757,7 +752,6 @@ var clip = (value, where) => {
   fields({ "keep?": box, "cut_out?": box, "plane?": fields({ point, normal: point }) })(value, where);
   if (Object.keys(value).length !== 1) refuse(value, where, "an object of one field: keep, plane or cut_out");
 };
-var length = number(0);
 var state = fields({
   wavesplat: oneOf("scene"),
   version: oneOf(1),
@@ -799,7 +793,7 @@ var state = fields({
         list(number(), 2, 2)(value, where);
         number(Number.MIN_VALUE)(value[1], where);
       },
-      "thickness?": length,
+      "thickness?": number(0),
       "slab?": oneOf("maximum", "minimum", "mean"),
       "zoom?": number(0.01, 1e3),
       "normals?": fields(
@@ -830,7 +824,7 @@ function parseViewerState(document2) {
 }
 
 // src/state/store.ts
-var MOST_STEPS2 = 200;
+var MOST_STEPS = 200;
 var INTERFACE = ["/view/interface", "/view/layout"];
 function createStore(initial, engine) {
   let state2 = initial;
@@ -841,7 +835,7 @@ function createStore(initial, engine) {
   const listeners = /* @__PURE__ */ new Set();
   const tell = () => listeners.forEach((listener) => listener());
   const remember = (before) => {
-    past = [...past.slice(1 - MOST_STEPS2), before];
+    past = [...past.slice(1 - MOST_STEPS), before];
     future = [];
   };
   const go = (target) => {
@@ -916,8 +910,8 @@ var cross = (a3, b) => [
   a3[2] * b[0] - a3[0] * b[2],
   a3[0] * b[1] - a3[1] * b[0]
 ];
-var length2 = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
-var unit = (a3) => scaled(a3, 1 / length2(a3));
+var length = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
+var unit = (a3) => scaled(a3, 1 / length(a3));
 function axesOf(camera) {
   const back = unit(sub(camera.position, camera.focal_point));
   const right = unit(cross(camera.view_up, back));
@@ -946,7 +940,7 @@ function rolled(camera, angle) {
 }
 function unitsPerPixel(camera, height, distance2) {
   if (camera.parallel_scale !== void 0) return 2 * camera.parallel_scale / height;
-  const away = distance2 ?? length2(sub(camera.position, camera.focal_point));
+  const away = distance2 ?? length(sub(camera.position, camera.focal_point));
   return 2 * away * Math.tan((camera.view_angle ?? 30) / 2 * Math.PI / 180) / height;
 }
 function panned(camera, dx, dy, height) {
@@ -2353,8 +2347,8 @@ function lookFromText(text2) {
 }
 function anglesOf([x2, y3, z3]) {
   const degrees = 180 / Math.PI;
-  const length3 = Math.hypot(x2, y3, z3) || 1;
-  return [degrees * Math.atan2(x2, z3), degrees * Math.asin(y3 / length3)];
+  const length2 = Math.hypot(x2, y3, z3) || 1;
+  return [degrees * Math.atan2(x2, z3), degrees * Math.asin(y3 / length2)];
 }
 function directionOf([azimuth, elevation]) {
   const [a3, e3] = [azimuth * Math.PI / 180, elevation * Math.PI / 180];
@@ -2547,7 +2541,7 @@ function Editor(props) {
   };
   const showPoints = () => setZoom(around(spanOf(curves2.opacity, curves2.color), whole));
   const typeValue = () => value.current?.querySelector("input[type=number]")?.select();
-  const chosenIndex = (kind2, length3) => selected?.kind === kind2 && selected.index < length3 ? selected.index : null;
+  const chosenIndex = (kind2, length2) => selected?.kind === kind2 && selected.index < length2 ? selected.index : null;
   const opacityIndex = chosenIndex("opacity", curves2.opacity.length);
   const colorIndex = chosenIndex("color", curves2.color.length);
   const reset = async () => {
@@ -2977,8 +2971,8 @@ var RADIUS_PX = 40;
 function LightPad({ direction, latest, onDirection, onDone }) {
   const isDragging = T2(false);
   const [azimuth, elevation] = anglesOf(direction);
-  const length3 = Math.hypot(...direction) || 1;
-  const spot = { x: direction[0] / length3 * RADIUS_PX, y: -direction[1] / length3 * RADIUS_PX };
+  const length2 = Math.hypot(...direction) || 1;
+  const spot = { x: direction[0] / length2 * RADIUS_PX, y: -direction[1] / length2 * RADIUS_PX };
   const set2 = (direction2) => onDirection(direction2.map((part) => Number(part.toFixed(4))));
   const turn = (by, up) => {
     const [a3, e3] = anglesOf(latest());
@@ -3907,7 +3901,7 @@ function placeOf(frame, point2) {
 }
 function lineOf(frame, other) {
   const along = cross(frame.geometry.normal, other);
-  if (length2(along) < 1e-6) return null;
+  if (length(along) < 1e-6) return null;
   const [dx, dy] = [dot(along, frame.geometry.right), dot(along, frame.geometry.down)];
   const norm = Math.hypot(dx, dy);
   return norm < 1e-9 ? null : { dx: dx / norm, dy: dy / norm };
@@ -3934,7 +3928,7 @@ function sampleStep(affine, direction) {
   const column = (axis) => [0, 1, 2].map((row) => affine[row]?.[axis] ?? 0);
   const shares = [0, 1, 2].map((axis) => {
     const step = column(axis);
-    const size = length2(step);
+    const size = length(step);
     return { size, share: Math.abs(dot(step, direction)) / size };
   });
   const best = shares.reduce((a3, b) => b.share > a3.share ? b : a3);
@@ -3949,10 +3943,10 @@ var othersOf = (pane) => PANES.filter((one) => one !== pane);
 function angleDeg(points) {
   const [a3, b, c3] = points;
   const [from, to] = [sub(a3, b), sub(c3, b)];
-  const cos = dot(from, to) / (length2(from) * length2(to));
+  const cos = dot(from, to) / (length(from) * length(to));
   return Math.acos(Math.min(1, Math.max(-1, cos))) * 180 / Math.PI;
 }
-var distance = (points) => length2(sub(points[1], points[0]));
+var distance = (points) => length(sub(points[1], points[0]));
 
 // src/view/slices/measures.tsx
 var COLOR = "#7df0ff";
@@ -4029,7 +4023,7 @@ function Measures3d(props) {
     }
   );
 }
-var isMeasure = (points) => points.every((point2, n2) => n2 === 0 || length2(sub(point2, scaled(points[n2 - 1], 1))) > 0);
+var isMeasure = (points) => points.every((point2, n2) => n2 === 0 || length(sub(point2, scaled(points[n2 - 1], 1))) > 0);
 
 // src/view/measure_panel.tsx
 function MeasurePanel({ store, welcome, ui }) {
@@ -4240,7 +4234,7 @@ function PlaneHandles(props) {
   const at2 = project(camera, size, plane.point);
   if (at2 === null) return null;
   const number2 = store.state.clip.slice(0, place + 1).filter((clip2) => "plane" in clip2).length;
-  const extent = length2(sub(welcome.bounds[1], welcome.bounds[0]));
+  const extent = length(sub(welcome.bounds[1], welcome.bounds[0]));
   const arm = ARM_PX * unitsPerPixel(camera, size.height, at2.depth);
   const now = () => store.state.clip[place]?.plane ?? plane;
   const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
@@ -5836,9 +5830,8 @@ var App = class {
   draw() {
     const { store, welcome } = this;
     if (store === null || welcome === null) {
-      const theme = window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
       Q(
-        /* @__PURE__ */ k("div", { class: "wavesplat", "data-theme": theme, "data-lm-suppress-shortcuts": "true" }, /* @__PURE__ */ k(Opening, { connection: this.connection, problem: this.failure })),
+        /* @__PURE__ */ k("div", { class: "wavesplat", "data-theme": surrounding() }, /* @__PURE__ */ k(Opening, { connection: this.connection, problem: this.failure })),
         this.mount
       );
       return;
@@ -5887,7 +5880,6 @@ function Whole(props) {
     {
       class: "wavesplat",
       "data-theme": themeOf(store.state),
-      "data-lm-suppress-shortcuts": "true",
       onKeyDown: app.onKey,
       onDragOver: (event) => event.preventDefault(),
       onDrop: (event) => {

@@ -1,20 +1,20 @@
 """How the viewer moves: a drag in Chromium before a server, both on this machine; `make bench-viewer` runs this.
 
-1024 x 768 pixels, the bundled CT and MRI. Told are the time from the command to its link and to the first picture, from an
-event to the picture that shows it, frames a second, bytes, how well moving frames agree with the picture at rest from
-where they were seen (PSNR over all pixels), and memory. `--record` writes the table to `benches/records`.
+1024 x 768 pixels, the bundled CT and MRI. Told are the time from the command to its link and to the first picture, from
+an event to the picture that shows it, frames a second, bytes, how well moving frames agree with the picture at rest
+from where they were seen (PSNR over all pixels), and memory. `--record` writes the table to `benches/records`.
 """
 
 from __future__ import annotations
 
 import argparse
 import base64
-import datetime
+import datetime as dt
 import io
+import itertools
 import json
 import os
 import re
-import signal
 import statistics
 import subprocess
 import sys
@@ -38,7 +38,6 @@ CASES = (
     ("MRI (mr-head)", "mri_head", "mr-head", 30),
     ("MRI, soft (auto)", "mri_head", "auto", 40),
 )
-GOALS = ("55", "100", "30", "", "90", "0.8", "200")
 
 
 def started(example: str, preset: str) -> tuple[subprocess.Popen[str], str, float]:
@@ -85,8 +84,8 @@ print("frame", flush=True)
 
 
 def ended(process: subprocess.Popen[str]) -> None:
-    """End the command as Ctrl-C does."""
-    process.send_signal(signal.SIGINT)
+    """End the command; Ctrl-C is ignored by what a shell runs in the background."""
+    process.terminate()
     process.wait(timeout=20)
 
 
@@ -124,7 +123,7 @@ def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
     state = state_from_text(ViewerState.of(ws.Scene(volume, preset)), json.dumps(told["state"]))
     frames = told["frames"]
     latency = sorted(frame["latency"] for frame in frames if frame["latency"] is not None)
-    gaps = sorted(b["at"] - a["at"] for a, b in zip(frames, frames[1:], strict=False))
+    gaps = sorted(b["at"] - a["at"] for a, b in itertools.pairwise(frames))
     return {
         "name": name,
         "goal_db": goal_db,
@@ -149,8 +148,9 @@ def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
 def table(rows: list[dict[str, Any]]) -> str:
     """The rows as Markdown, with goals."""
     head = (
-        "| | event to picture, ms, median / 95 % | frames/s, median / 5 % | dB while moving | kB a frame | drawn / encoded, ms "
-        "| browser, ms a frame | link / first frame sent / first picture in the page, s | server above the volume / page, MB |\n"
+        "| | event to picture, ms, median / 95 % | frames/s, median / 5 % | dB while moving | kB a frame "
+        "| drawn / encoded, ms | browser, ms a frame | link / first frame sent / first picture in the page, s "
+        "| server above the volume / page, MB |\n"
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
         "| goal | 55 / 100 | 30 / 15 | 40 soft, 30 hard | 90 | | | 0.4 / 0.8 / 1.6 | 200 / 60 |\n"
     )
@@ -177,11 +177,11 @@ def main() -> None:
     print(text)
     print(f"{sizes}, {processors} processors for server and browser")
     if given.record:
-        today = datetime.datetime.now(tz=datetime.timezone.utc).date()
+        today = dt.datetime.now(tz=dt.timezone.utc).date()
         path = ROOT / "benches" / "records" / f"viewer-{today}.md"
         path.write_text(
-            f"# The viewer, {today}\n\n`make bench-viewer`: 1024 x 768, server and Chromium on the same {processors} processors, "
-            f"60 mouse events a second for {given.seconds:g} s.\n\n{text}",
+            f"# The viewer, {today}\n\n`make bench-viewer`: 1024 x 768, server and Chromium on the same "
+            f"{processors} processors, 60 mouse events a second for {given.seconds:g} s.\n\n{text}",
             encoding="utf-8",
         )
         print(f"wrote {path.relative_to(ROOT)}")

@@ -224,6 +224,11 @@ describe("the store", () => {
     expect(store.state.layers[0]?.opacity).toBe(0.5);
     expect(store.canUndo).toBe(false);
     expect(sent).toEqual([]);
+    store.change([set("gaussian", "render", "kernel")]);
+    tell([set(0.25, "layers", 0, "opacity")]);
+    store.undo();
+    expect(store.state.render.kernel).toBe("linear");
+    expect(store.state.layers[0]?.opacity).toBe(0.25);
   });
 });
 
@@ -308,11 +313,16 @@ describe("the engine behind a channel", () => {
     all.say({ type: "answer", id: 1, text: "x", name: "y" });
     expect(await answer).toMatchObject({ text: "x" });
     expect(parts).toEqual([0.5]);
+    all.engine.patch([set("gaussian", "render", "kernel")], false);
+    void all.engine.ask("code", { as: "python", width: 1, height: 1 }).catch(() => undefined);
+    expect(all.sent.slice(-2).map((header) => header["type"])).toEqual(["patch", "ask"]);
+    all.tick();
+    expect(all.sent.at(-1)?.["type"]).toBe("ask");
     const abort = new AbortController();
     const other = all.engine.ask("probe", { point: [0, 0, 0] }, undefined, abort.signal);
     abort.abort();
-    expect(all.sent.at(-1)).toEqual({ type: "cancel", id: 2 });
-    all.say({ type: "failed", id: 2, code: "cancelled", message: "it was cancelled" });
+    expect(all.sent.at(-1)).toEqual({ type: "cancel", id: 3 });
+    all.say({ type: "failed", id: 3, code: "cancelled", message: "it was cancelled" });
     await expect(other).rejects.toMatchObject({ code: "cancelled" });
   });
 });

@@ -72,7 +72,9 @@ class Client:
         #: Milliseconds from sending a frame to its confirmation.
         self.delay_ms = 0.0
         self.is_open = True
+        #: Questions that it wants no answer to any more, and the one that is answered now.
         self.cancelled: set[int] = set()
+        self.answered: int | None = None
 
     def send(self, header: dict[str, Any], payload: bytes = b"") -> None:
         """A message to the page, if it is still there."""
@@ -181,7 +183,9 @@ class Session:
             self._ask(client, header)
         elif kind == "cancel":
             with self._changed:
-                client.cancelled.add(_whole(header, "id"))
+                number = _whole(header, "id")
+                if number == client.answered or any(one[:2] == (client, number) for one in self._asked):
+                    client.cancelled.add(number)
         else:
             raise ArgumentError(f"message: type is {described(kind)}; use patch, view, shown, ask or cancel")
 
@@ -478,7 +482,9 @@ class Session:
             if not client.is_open or number in client.cancelled:
                 client.cancelled.discard(number)
                 continue
+            client.answered = number
             self._answer(client, number, question, arguments, state)
+            client.answered = None
 
     def _answer(self, client: Client, number: int, question: str, arguments: Any, state: ViewerState) -> None:
         told = [0.0]

@@ -27,6 +27,8 @@ interface Waiting {
 /** After so many milliseconds without an answer the kernel is busy, or the line is. */
 const BUSY_MS = 600;
 
+const LOST: Problem = { code: "lost", message: "the connection was lost" };
+
 export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   const frames = new Set<(frame: Frame) => void>();
   const states = new Set<(operations: readonly Operation[]) => void>();
@@ -76,8 +78,8 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   };
 
   const flush = (): void => {
+    if (!isScheduled || !isOpen) return;
     isScheduled = false;
-    if (!isOpen) return;
     channel.send({ type: "patch", seq, operations: outgoing, moving: isMoving });
     if (outgoing.length > 0 && sizes.size > 0) expect();
     outgoing = [];
@@ -99,6 +101,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       // What was changed while nobody listened.
       outgoing = [{ op: "replace", path: "", value: state }];
       isMoving = false;
+      isScheduled = true;
       flush();
     }
     tell({ kind: "open" });
@@ -174,7 +177,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     isOpen = false;
     heard();
     clearInterval(helloTimer);
-    for (const one of waiting.values()) one.reject({ code: "lost", message: "the connection was lost" });
+    for (const one of waiting.values()) one.reject(LOST);
     waiting.clear();
     const problem: Problem = next.retries
       ? {
@@ -227,13 +230,15 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       return new Promise<Questions[Q]["answer"]>((resolve, reject) => {
         waiting.set(id, { resolve: resolve as (answer: unknown) => void, reject, progress });
         signal?.addEventListener("abort", () => {
-          channel.send({ type: "cancel", id });
+          if (waiting.has(id)) channel.send({ type: "cancel", id });
         });
-        if (!isOpen) {
+        if (!isOpen || signal?.aborted) {
           waiting.delete(id);
-          reject({ code: "lost", message: "the connection was lost" } satisfies Problem);
+          reject(isOpen ? { ...LOST, code: "cancelled" } : LOST);
           return;
         }
+        // An answer is about what is shown here now.
+        flush();
         channel.send({ type: "ask", id, question: name, arguments: question as unknown as Header });
       });
     },

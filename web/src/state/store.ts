@@ -52,8 +52,17 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
   };
 
   engine.onState((operations) => {
-    // By others, or as it is after a change that was refused: no step of ours.
+    // By others, or as it is after a change that was refused: no step of ours, and not undone by ours.
     state = patched(state, operations);
+    const also = (before: ViewerState): ViewerState => {
+      try {
+        return operations.some(({ path }) => path === "") ? before : patched(before, operations);
+      } catch {
+        return before;
+      }
+    };
+    past = past.map(also);
+    future = future.map(also);
     tell();
   });
 

@@ -29,10 +29,7 @@ export function ProblemCard({ problem, onClose }: { readonly problem: Problem; r
       <strong>{problem.message}</strong>
       {problem.field !== undefined && <span>{`Field: ${problem.field}`}</span>}
       {problem.remedy !== undefined && <span class="dim">{problem.remedy}</span>}
-      <div class="row">
-        <button class="button" onClick={() => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n"))}>Copy text</button>
-        <button class="button" onClick={onClose}>Close</button>
-      </div>
+      <button class="button" onClick={onClose}>Close</button>
     </div>
   );
 }

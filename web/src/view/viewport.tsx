@@ -4,7 +4,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 
-import type { Frame } from "../engine/engine.ts";
+import type { Frame, Problem } from "../engine/engine.ts";
 import { Gestures, wheelFactor, wheelSteps, type Gesture } from "../input/gestures.ts";
 import { actionOf, keyName, type Action } from "../input/keys.ts";
 import type { ViewName } from "../state/state.ts";
@@ -216,6 +216,8 @@ function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { curr
           if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
           picture.close();
           latest.current.ui.frameShown(frame);
+        } catch (problem) {
+          latest.current.ui.problem(problem as Problem);
         } finally {
           engine.shown(frame);
         }

@@ -402,6 +402,7 @@ function doneInList(items, op, step, rest, value, what) {
 
 // src/engine/remote.ts
 var BUSY_MS = 600;
+var LOST = { code: "lost", message: "the connection was lost" };
 function remoteEngine(channel, options) {
   const frames = /* @__PURE__ */ new Set();
   const states = /* @__PURE__ */ new Set();
@@ -445,8 +446,8 @@ function remoteEngine(channel, options) {
     }, BUSY_MS);
   };
   const flush = () => {
+    if (!isScheduled || !isOpen) return;
     isScheduled = false;
-    if (!isOpen) return;
     channel.send({ type: "patch", seq, operations: outgoing, moving: isMoving });
     if (outgoing.length > 0 && sizes.size > 0) expect();
     outgoing = [];
@@ -465,6 +466,7 @@ function remoteEngine(channel, options) {
     if (!isFirst && state2 !== null) {
       outgoing = [{ op: "replace", path: "", value: state2 }];
       isMoving = false;
+      isScheduled = true;
       flush();
     }
     tell({ kind: "open" });
@@ -537,7 +539,7 @@ function remoteEngine(channel, options) {
     isOpen = false;
     heard();
     clearInterval(helloTimer);
-    for (const one of waiting.values()) one.reject({ code: "lost", message: "the connection was lost" });
+    for (const one of waiting.values()) one.reject(LOST);
     waiting.clear();
     const problem = next.retries ? {
       code: "lost",
@@ -582,13 +584,14 @@ function remoteEngine(channel, options) {
       return new Promise((resolve, reject) => {
         waiting.set(id, { resolve, reject, progress });
         signal?.addEventListener("abort", () => {
-          channel.send({ type: "cancel", id });
+          if (waiting.has(id)) channel.send({ type: "cancel", id });
         });
-        if (!isOpen) {
+        if (!isOpen || signal?.aborted) {
           waiting.delete(id);
-          reject({ code: "lost", message: "the connection was lost" });
+          reject(isOpen ? { ...LOST, code: "cancelled" } : LOST);
           return;
         }
+        flush();
         channel.send({ type: "ask", id, question: name, arguments: question });
       });
     },
@@ -847,6 +850,15 @@ function createStore(initial, engine) {
   };
   engine.onState((operations) => {
     state2 = patched(state2, operations);
+    const also = (before) => {
+      try {
+        return operations.some(({ path }) => path === "") ? before : patched(before, operations);
+      } catch {
+        return before;
+      }
+    };
+    past = past.map(also);
+    future = future.map(also);
     tell();
   });
   return {
@@ -4661,6 +4673,8 @@ function useFrames(canvas, latest) {
           if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
           picture.close();
           latest.current.ui.frameShown(frame);
+        } catch (problem) {
+          latest.current.ui.problem(problem);
         } finally {
           engine.shown(frame);
         }
@@ -5465,7 +5479,7 @@ function Opening({ connection, problem }) {
   return /* @__PURE__ */ k("div", { class: "opening", role: "status" }, /* @__PURE__ */ k("p", null, isOpening ? connection.text || "Opening" : "Opening"), isOpening && connection.part !== void 0 ? /* @__PURE__ */ k("progress", { max: 1, value: connection.part }) : /* @__PURE__ */ k("progress", null));
 }
 function ProblemCard({ problem, onClose }) {
-  return /* @__PURE__ */ k("div", { class: "alert", role: "alert" }, /* @__PURE__ */ k("strong", null, problem.message), problem.field !== void 0 && /* @__PURE__ */ k("span", null, `Field: ${problem.field}`), problem.remedy !== void 0 && /* @__PURE__ */ k("span", { class: "dim" }, problem.remedy), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void navigator.clipboard?.writeText([problem.message, problem.remedy ?? ""].join("\n")) }, "Copy text"), /* @__PURE__ */ k("button", { class: "button", onClick: onClose }, "Close")));
+  return /* @__PURE__ */ k("div", { class: "alert", role: "alert" }, /* @__PURE__ */ k("strong", null, problem.message), problem.field !== void 0 && /* @__PURE__ */ k("span", null, `Field: ${problem.field}`), problem.remedy !== void 0 && /* @__PURE__ */ k("span", { class: "dim" }, problem.remedy), /* @__PURE__ */ k("button", { class: "button", onClick: onClose }, "Close"));
 }
 function Status(props) {
   const { ui, engine, connection, figures } = props;

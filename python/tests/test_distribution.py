@@ -1,0 +1,43 @@
+"""What is handed out: the page of the viewer is in it, built, and no Node is needed to install it."""
+
+import shutil
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CLIENT = ROOT / "python" / "wavesplat" / "_viewer" / "client"
+FILES = {"index.html", "page.js", "viewer.js", "favicon.svg"}
+MATURIN = Path(sys.executable).with_name("maturin")
+
+
+def test_the_page_lies_in_the_package():
+    assert {path.name for path in CLIENT.iterdir()} == FILES
+    # So that it can be read where it is installed.
+    assert (CLIENT / "viewer.js").read_text(encoding="utf-8").count("\n") > 3000
+
+
+@pytest.mark.skipif(not MATURIN.exists(), reason="maturin is not installed")
+def test_what_is_installed_from_has_the_page_and_nothing_of_node(tmp_path):
+    done = subprocess.run([MATURIN, "sdist", "--out", tmp_path], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as file:
+        names = [name.partition("/")[2] for name in file.getnames()]
+    package = {name for name in names if name.startswith("python/wavesplat/")}
+    here = {path.relative_to(ROOT).as_posix() for path in (ROOT / "python" / "wavesplat").rglob("*.py")}
+    assert here <= package
+    assert {f"python/wavesplat/_viewer/client/{name}" for name in FILES} <= package
+    assert not [name for name in names if "node_modules" in name or name.startswith(("web/", "python/tests/"))]
+
+
+@pytest.mark.skipif(shutil.which("git") is None or not (ROOT / ".git").exists(), reason="this is no checkout")
+def test_nothing_of_the_package_is_ignored():
+    # What git ignores is left out of wheels.
+    tracked = subprocess.run(
+        ["git", "ls-files", "python/wavesplat/_viewer/client"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert {Path(name).name for name in tracked} == FILES

@@ -12,6 +12,8 @@ export interface RemoteOptions {
   readonly hello: () => Header;
   /** Called with the key by which the page gets in again. */
   readonly onSession?: (key: string) => void;
+  /** Called when the session has other data than before. */
+  readonly onOtherData?: () => void;
   /** Calls back in the next animation frame. */
   readonly nextFrame?: (callback: () => void) => void;
   /** Milliseconds after which a hello without an answer is said again; 0: never, as sockets lose nothing. */
@@ -47,6 +49,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   welcome.catch(() => undefined);
 
   let state: ViewerState | null = null;
+  let fingerprint: unknown;
   let seq = 0;
   let nextId = 1;
   let outgoing: Operation[] = [];
@@ -73,7 +76,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       busyTimer = undefined;
       if (!isOpen) return;
       isBusy = true;
-      tell({ kind: "busy", text: "No answer yet: what draws is busy" });
+      tell({ kind: "busy", text: "No answer yet" });
     }, BUSY_MS);
   };
 
@@ -91,6 +94,9 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     clearInterval(helloTimer);
     if (typeof header["session"] === "string") options.onSession?.(header["session"]);
     const isFirst = state === null;
+    // Started again with other data: what is shown here is no state of it.
+    if (!isFirst && header["fingerprint"] !== fingerprint) options.onOtherData?.();
+    fingerprint = header["fingerprint"];
     isOpen = true;
     if (isFirst) {
       state = (header as unknown as Welcome).state;
@@ -188,7 +194,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       : {
           code: "refused",
           message: next.reason || "The program that draws refused this page",
-          remedy: "Open the link that the command has printed, or a new one.",
+          remedy: "Open the link that the command printed.",
         };
     if (!next.retries && state === null) failed(problem);
     tell({ kind: "lost", problem, retries: next.retries });

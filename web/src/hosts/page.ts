@@ -21,6 +21,7 @@ export function openPage(element: HTMLElement): () => void {
       const hello = { ...(unused === null ? {} : { token: unused }), ...(session === null ? {} : { session }) };
       return hello;
     },
+    onOtherData: () => location.reload(),
     onSession: (key) => {
       unused = null;
       sessionStorage.setItem(KEY, key);

@@ -73,7 +73,7 @@ export function SharePanel(props: PartProps) {
       await navigator.clipboard.writeText(what);
       ui.announce(`${name} copied`);
     } catch {
-      ui.announce(`${name} is in the field below; the browser does not let it be copied`);
+      ui.announce(`${name} is in the field below`);
     }
   };
 

@@ -61,8 +61,8 @@ function Figures({ ui }: PartProps) {
   const { sheets_per_slice, oversampling, scale } = frame.settings;
   const parts = [
     recent === null ? null : `${recent.framesPerSecond.toFixed(0)} frames/s`,
-    recent?.latency == null ? null : `${recent.latency.toFixed(0)} ms from event to picture`,
-    `drawn in ${frame.ms.render.toFixed(0)} ms, encoded in ${frame.ms.encode.toFixed(0)} ms`,
+    recent?.latency == null ? null : `${recent.latency.toFixed(0)} ms latency`,
+    `drawn in ${frame.ms.render.toFixed(0)} + ${frame.ms.encode.toFixed(0)} ms`,
     `${(frame.bytes.length / 1000).toFixed(0)} kB ${frame.format}`,
     `${frame.width} x ${frame.height}`,
     `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,

@@ -419,6 +419,7 @@ function remoteEngine(channel, options) {
   });
   welcome.catch(() => void 0);
   let state2 = null;
+  let fingerprint;
   let seq = 0;
   let nextId = 1;
   let outgoing = [];
@@ -442,7 +443,7 @@ function remoteEngine(channel, options) {
       busyTimer = void 0;
       if (!isOpen) return;
       isBusy = true;
-      tell({ kind: "busy", text: "No answer yet: what draws is busy" });
+      tell({ kind: "busy", text: "No answer yet" });
     }, BUSY_MS);
   };
   const flush = () => {
@@ -457,6 +458,8 @@ function remoteEngine(channel, options) {
     clearInterval(helloTimer);
     if (typeof header["session"] === "string") options.onSession?.(header["session"]);
     const isFirst = state2 === null;
+    if (!isFirst && header["fingerprint"] !== fingerprint) options.onOtherData?.();
+    fingerprint = header["fingerprint"];
     isOpen = true;
     if (isFirst) {
       state2 = header.state;
@@ -548,7 +551,7 @@ function remoteEngine(channel, options) {
     } : {
       code: "refused",
       message: next.reason || "The program that draws refused this page",
-      remedy: "Open the link that the command has printed, or a new one."
+      remedy: "Open the link that the command printed."
     };
     if (!next.retries && state2 === null) failed(problem);
     tell({ kind: "lost", problem, retries: next.retries });
@@ -5004,7 +5007,7 @@ function SharePanel(props) {
       await navigator.clipboard.writeText(what);
       ui.announce(`${name} copied`);
     } catch {
-      ui.announce(`${name} is in the field below; the browser does not let it be copied`);
+      ui.announce(`${name} is in the field below`);
     }
   };
   const link = async () => {
@@ -5494,8 +5497,8 @@ function Figures({ ui }) {
   const { sheets_per_slice, oversampling, scale } = frame.settings;
   const parts = [
     recent === null ? null : `${recent.framesPerSecond.toFixed(0)} frames/s`,
-    recent?.latency == null ? null : `${recent.latency.toFixed(0)} ms from event to picture`,
-    `drawn in ${frame.ms.render.toFixed(0)} ms, encoded in ${frame.ms.encode.toFixed(0)} ms`,
+    recent?.latency == null ? null : `${recent.latency.toFixed(0)} ms latency`,
+    `drawn in ${frame.ms.render.toFixed(0)} + ${frame.ms.encode.toFixed(0)} ms`,
     `${(frame.bytes.length / 1e3).toFixed(0)} kB ${frame.format}`,
     `${frame.width} x ${frame.height}`,
     `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,
@@ -5929,6 +5932,7 @@ function openPage(element) {
       const hello = { ...unused === null ? {} : { token: unused }, ...session === null ? {} : { session } };
       return hello;
     },
+    onOtherData: () => location.reload(),
     onSession: (key) => {
       unused = null;
       sessionStorage.setItem(KEY2, key);

@@ -12,7 +12,7 @@ export function Help({ onClose }: { readonly onClose: () => void }) {
   return (
     <dialog ref={dialog} aria-labelledby="help-title" onClose={onClose}>
       <h2 id="help-title">Keys and gestures</h2>
-      <p class="dim">Keys act in the view that has the focus. In a slice arrows move the crosshair.</p>
+      <p class="dim">Keys act in the focused view; in slices arrows move the crosshair.</p>
       <table>
         <caption class="hidden">Mouse and touch</caption>
         <tbody>

@@ -39,7 +39,7 @@ export function MeasurePanel({ store, welcome, ui }: PartProps) {
       </div>
       {ui.points.length > 0 && <p class="dim">{`${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points`}</p>}
       {measures.length === 0 ? (
-        <p class="dim">Choose distance or angle, then click in a slice or in space.</p>
+        <p class="dim">Choose one, then click in a view.</p>
       ) : (
         <ol>
           {measures.map((one, n) => (

@@ -33,7 +33,7 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
       <Choice
         label="While moving"
         value={view.quality.moving}
-        options={[["smooth", "Smooth: 30 frames a second"], ["balanced", "Balanced: a better picture"], ["exact", "Exact: never less than at rest"]]}
+        options={[["smooth", "Smooth: 30 frames/s"], ["balanced", "Balanced: better"], ["exact", "Exact: as at rest"]]}
         onChoose={(value) => store.change([set(value, "view", "quality", "moving")])}
       />
       <Switch

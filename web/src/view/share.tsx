@@ -110,7 +110,7 @@ export function SharePanel(props: PartProps) {
       )}
       <Choice label="Quality" value={quality} options={[["normal", "normal"], ["high", "high"]]} onChoose={setQuality} />
       <Switch label="Transparent background" on={transparent} onToggle={setTransparent} />
-      <Switch label="With scale bar, letters and legend" on={annotated} onToggle={setAnnotated} />
+      <Switch label="With scale bar and legend" on={annotated} onToggle={setAnnotated} />
       <div class="row">
         <button class="button" disabled={part !== null} onClick={() => void picture((bytes) => ui.download("picture.png", bytes, "image/png"))}>Save picture</button>
         <button

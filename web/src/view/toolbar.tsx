@@ -81,7 +81,7 @@ export function Toolbar(props: PartProps & { readonly onHelp: () => void; readon
           </button>
         ))}
       </div>
-      <button class="icon-button" title="Fit all into view (0)" aria-label="Fit all into view" onClick={onFit}><Icon name="fit" /></button>
+      <button class="icon-button" title="Fit (0)" aria-label="Fit all into view" onClick={onFit}><Icon name="fit" /></button>
       <div class="group" role="group" aria-label="History">
         <button class="icon-button" title="Undo (Ctrl Z)" aria-label="Undo" disabled={!store.canUndo} onClick={() => store.undo()}><Icon name="undo" /></button>
         <button class="icon-button" title="Redo (Ctrl Shift Z)" aria-label="Redo" disabled={!store.canRedo} onClick={() => store.redo()}><Icon name="redo" /></button>

@@ -18,7 +18,10 @@ import {
 import { MeasuresOnSlice } from "./measures.tsx";
 
 export const PANE_COLORS: Readonly<Record<Pane, string>> = { axial: "#ff6b6b", coronal: "#6bd46b", sagittal: "#6ba8ff" };
-const PANE_NAMES: Readonly<Record<Pane, string>> = { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal" };
+/** Names of planes: of bodies as radiology has them, else by the axis across them. */
+const BODY: Readonly<Record<Pane, string>> = { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal" };
+const AXIS: typeof BODY = { axial: "z", coronal: "y", sagittal: "x" };
+const nameOf = ({ welcome }: PartProps, pane: Pane): string => (welcome.volumes[0]?.is_anatomical ? BODY : AXIS)[pane];
 /** Slices that a key with Shift, or PageUp, moves by. */
 const COARSE = 10;
 /** Between questions for the value under the pointer, ms. */
@@ -100,7 +103,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     <Viewport
       {...props}
       view={pane}
-      label={`${PANE_NAMES[pane]} slice at ${position}`}
+      label={`${nameOf(props, pane)} slice at ${position}`}
       onGesture={onGesture}
       onAction={onAction}
       onWheel={({ factor, steps, ctrl }) => {
@@ -155,7 +158,7 @@ function SliceOverlay(props: PartProps & { pane: Pane; frame: Frame; size: CssSi
         )}
       </svg>
       <div class="corner" style={{ color: PANE_COLORS[pane] }}>
-        {`${PANE_NAMES[pane]}${isTilted ? ", tilted" : ""}\n${shortNumber(geometry.position, 4)} ${unit}`}
+        {`${nameOf(props, pane)}${isTilted ? ", tilted" : ""}\n${shortNumber(geometry.position, 4)} ${unit}`}
         {slices.thickness > 0 ? `\n${slices.slab} of ${shortNumber(slices.thickness)} ${unit}` : ""}
       </div>
       {geometry.window && (
@@ -202,8 +205,8 @@ function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; other: P
         opacity="0.85"
       />
       <Handle
-        label={`${PANE_NAMES[other]} plane`}
-        text={`${PANE_NAMES[other]} plane at ${shortNumber(position, 4)}`}
+        label={`${nameOf(props, other)} plane`}
+        text={`${nameOf(props, other)} plane at ${shortNumber(position, 4)}`}
         value={position}
         range={range}
         x={at.x - line.dx * far * 0.55}

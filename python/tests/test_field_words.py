@@ -26,8 +26,8 @@ def options():
     ("command", "option", "said"),
     [
         # Before, letters alike: --shadow, --time, --level.
-        ("mesh", "--window", "it is an option of wavesplat render, movie, slice, tf"),
-        ("mesh", "--clim", "it is an option of wavesplat render, movie, slice, tf"),
+        ("mesh", "--window", "it is an option of wavesplat render, view, movie, slice, tf"),
+        ("mesh", "--clim", "it is an option of wavesplat render, view, movie, slice, tf"),
         ("mesh", "--legend", "it is an option of wavesplat render, slice"),
         ("render", "--clims", "did you mean --clim?"),
         ("render", "--mip", "write --composite mip"),

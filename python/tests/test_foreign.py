@@ -413,7 +413,7 @@ def _public_functions():
         except (TypeError, ValueError):
             continue
         if first in ("volume", "segmentation", "samples", "what"):
-            kwargs = more.get(name, {})
+            kwargs = {"browser": False} if function is ws.view else more.get(name, {})
             found[f"{holder.__name__}.{name}"] = lambda thing, function=function, kwargs=kwargs: function(
                 thing, **kwargs
             )

@@ -505,8 +505,6 @@ class Session:
             return
         finally:
             client.cancelled.discard(number)
-        if question == "open_state":
-            self._become(questions.state_from_text(self._state, arguments["text"]), None, "page")
         client.send({"type": "answer", "id": number, **answer}, payload)
 
     @staticmethod

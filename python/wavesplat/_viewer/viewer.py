@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
 import weakref
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
@@ -59,6 +60,7 @@ class Viewer:
 
     def __init__(self, state: ViewerState, *, port: int | None) -> None:
         self._listeners: list[Callable[[Viewer], object]] = []
+        self._closed = threading.Event()
         whole = weakref.ref(self)
 
         def changed(_state: ViewerState, cause: str) -> None:
@@ -192,10 +194,28 @@ class Viewer:
         else:
             self.picture(size).save(path)
 
+    def wait(self) -> None:
+        """Go on only when it is closed, or at Ctrl-C: for scripts, which else end at once, and the page with them.
+
+        Examples
+        --------
+        >>> import threading, wavesplat as ws
+        >>> viewer = ws.view(ws.examples.ripples(16), browser=False)
+        >>> threading.Timer(0.1, viewer.close).start()
+        >>> viewer.wait()
+        """
+        try:
+            # In steps, so that Ctrl-C gets through on all systems.
+            while not self._closed.wait(1.0):
+                pass
+        except KeyboardInterrupt:
+            self.close()
+
     def close(self) -> None:
         """Show it no more, and let go of the volumes."""
         self._finalizer()
         self._listeners.clear()
+        self._closed.set()
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         """In notebooks: the widget, and a picture for where notebooks are only read."""
@@ -252,7 +272,7 @@ def view(
     Returns
     -------
     Viewer
-        It is shown as long as it is kept.
+        It is shown as long as it is kept; a script that has nothing else to do ends with `viewer.wait()`.
 
     Raises
     ------

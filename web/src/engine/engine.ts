@@ -131,7 +131,7 @@ export interface Questions {
   };
   /** Text: a Python program, a shell command, the file for `--state`, or a page. */
   code: { question: { as: "python" | "command" | "state" | "html"; width: number; height: number }; answer: { text: string; name: string } };
-  /** Takes the text of a state file; the answer is the state, which also becomes the state of this page. */
+  /** Takes the text of a state file; the answer is the state, with the volumes that are open. */
   open_state: { question: { text: string }; answer: { state: ViewerState } };
 }
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import nibabel
 import numpy as np
 import pytest
 import viewer_fakes
@@ -121,6 +122,29 @@ def test_the_command_prints_a_link_and_ends_by_ctrl_c(tmp_path):
     assert out == ""
     assert "Ctrl-C ends the viewer" in err
     assert process.returncode == 0
+
+
+def test_the_command_opens_all_times(tmp_path):
+    from wavesplat._cli.layer_options import LayerOptions
+    from wavesplat._cli.opened_layers import opened_layers
+    from wavesplat._cli.processing_options import ProcessingOptions
+    from wavesplat._cli.reader_options import ReaderOptions
+
+    samples = np.stack([np.roll(viewer_fakes.ball(12).samples, step, 0) for step in range(3)], -1)
+    nibabel.save(nibabel.Nifti1Image(samples, np.eye(4)), tmp_path / "times.nii")
+    path = str(tmp_path / "times.nii")
+    how = {"composite": None, "quiet": True}
+    series = opened_layers(path, ReaderOptions(), LayerOptions(), ProcessingOptions(), all_times=True, **how)
+    assert len(series) == 3
+    one = opened_layers(path, ReaderOptions(time=1), LayerOptions(), ProcessingOptions(), all_times=True, **how)
+    assert one.shape == (12, 12, 12)
+    with ws.view(ws.Layer(series), browser=False) as viewer:
+        page = viewer_fakes.Page(viewer._session)
+        page.show()
+        _, before = page.at_rest()
+        page.patch({"op": "replace", "path": "/layers/0/time", "value": 2})
+        assert page.at_rest()[1] != before
+        assert viewer.scene.layers[0].time == 2
 
 
 @pytest.mark.parametrize(

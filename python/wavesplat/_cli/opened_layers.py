@@ -39,10 +39,12 @@ def opened_layers(
     *,
     composite: Composite | None,
     quiet: bool,
+    all_times: bool = False,
 ) -> Volume | WaveletVolume | Series | Channels:
     """A volume, a series where several times are to be drawn, or channels with their looks.
 
     composite : the operator that looks are for.
+    all_times : a series too where nothing is said of times and the file has several.
     """
     from wavesplat._readers.request import SeveralError
 
@@ -61,7 +63,7 @@ def opened_layers(
             processing,
             quiet=quiet,
             composite=composite or "over",
-            keeps_times=layering.times is not None,
+            keeps_times=layering.times is not None or (all_times and reader.time is None),
         )
     if isinstance(number, int):
         reader = replace(reader, channel=number)
@@ -71,9 +73,8 @@ def opened_layers(
         return processed(path, reader, processing, quiet=quiet)
     except SeveralError as error:
         if error.option == "time" and error.is_said and reader.time is None:
-            if not quiet:
-                message(f"note: the file holds {len(error.names)} time points; this is --time 0")
-            return opened_layers(path, replace(reader, time=0), layering, processing, composite=composite, quiet=quiet)
+            reader, layering = _with_times(reader, layering, len(error.names), all_times=all_times, quiet=quiet)
+            return opened_layers(path, reader, layering, processing, composite=composite, quiet=quiet)
         # Of an array whose axes have no names, none is known to be that of channels.
         if error.option != "channel" or said or not error.is_said:
             raise
@@ -84,8 +85,19 @@ def opened_layers(
         processing,
         quiet=quiet,
         composite=composite or "over",
-        keeps_times=layering.times is not None,
+        keeps_times=layering.times is not None or (all_times and reader.time is None),
     )
+
+
+def _with_times(
+    reader: ReaderOptions, layering: LayerOptions, n_times: int, *, all_times: bool, quiet: bool
+) -> tuple[ReaderOptions, LayerOptions]:
+    """Options that say which of several times is meant: all, or the first, which is told."""
+    if all_times:
+        return reader, replace(layering, times="all")
+    if not quiet:
+        message(f"note: the file holds {n_times} time points; this is --time 0")
+    return replace(reader, time=0), layering
 
 
 def _options(reader: ReaderOptions) -> dict[str, Any]:

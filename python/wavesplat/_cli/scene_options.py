@@ -105,15 +105,16 @@ def chosen_scene(
     reader: ReaderOptions,
     processing: ProcessingOptions,
     quiet: bool,
+    all_times: bool = False,
 ) -> ChosenScene:
-    """What the options say, opened."""
+    """What the options say, opened; `all_times`: a series also where nothing is said of times."""
     from wavesplat._looks.over_time import brightest
     from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
     composite = showing.operator
-    opened = opened_layers(input, reader, layering, processing, composite=composite, quiet=quiet)
+    opened = opened_layers(input, reader, layering, processing, composite=composite, quiet=quiet, all_times=all_times)
     if isinstance(opened, Channels):
         _refuse_for_channels(showing, colors, len(opened.layers))
         layers, look = opened

@@ -166,7 +166,7 @@ def _opened(
         return ViewerState.of(document.scene, document.camera, shown, document.view)
     if example is not None:
         return _of_example(example, showing, viewing, colors, options)
-    chosen = chosen_scene(str(input), showing, colors=colors, **others)
+    chosen = chosen_scene(str(input), showing, colors=colors, all_times=True, **others)
     camera = seen_from([chosen.scene], chosen.look, viewing, FIRST_SIZE)
     return ViewerState.of(chosen.scene, camera, {**options, "composite": chosen.operator})
 

@@ -14,6 +14,9 @@ export default defineConfig({
           testTimeout: 60_000,
           hookTimeout: 120_000,
           fileParallelism: false,
+          // Machines may be busy; what is wrong is wrong twice.
+          expect: { poll: { timeout: 20_000 } },
+          retry: 1,
         },
       },
     ],

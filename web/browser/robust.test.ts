@@ -150,9 +150,9 @@ test("over a slow line a page is never further behind than one frame; one that d
   const moving = (await records(page)).slice(before).filter((record) => !record.frame.at_rest);
   expect(moving.length).toBeGreaterThan(4);
   // Of a frame's way and the next one's: 100 ms and its bytes each.
-  expect(waited).toBeLessThan(1500);
+  expect(waited).toBeLessThan(3000);
   const latencies = moving.flatMap((record) => (record.latency === null ? [] : [record.latency])).sort((a, b) => a - b);
-  expect(latencies[Math.floor(latencies.length / 2)] ?? Infinity).toBeLessThan(450);
+  expect(latencies[Math.floor(latencies.length / 2)] ?? Infinity).toBeLessThan(700);
   await atRest(page);
   await page.close();
 

@@ -115,12 +115,13 @@ def test_the_command_prints_a_link_and_ends_by_ctrl_c(tmp_path):
         assert time.monotonic() - begun < 10
         assert link.startswith("http://127.0.0.1:")
         assert "#token=" in link
+        assert "Ctrl-C ends the viewer" in process.stderr.readline()
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=10)
     finally:
         process.kill()
     assert out == ""
-    assert "Ctrl-C ends the viewer" in err
+    assert "the viewer has ended" in err
     assert process.returncode == 0
 
 

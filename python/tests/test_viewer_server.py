@@ -20,7 +20,6 @@ from wavesplat._viewer.session import Session
 from wavesplat._viewer.tokens import CLOSED_S, Tokens
 from wavesplat.errors import ArgumentError
 
-
 pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),

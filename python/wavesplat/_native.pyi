@@ -1,28 +1,34 @@
 """What the compiled module offers; the public package wraps it and holds the docs that users read."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypedDict, final, type_check_only
+from typing import Any, TypeAlias, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
     "Ablation",
+    "BlockState",
     "Camera",
     "DecodedVolume",
     "Labels",
+    "LazyVolume",
     "Shading",
+    "Stream",
+    "Survey",
     "TransferFunction",
     "Volume",
     "WaveletVolume",
     "__version__",
     "encode_png",
+    "light_step",
     "plane",
     "quality_settings",
     "raycast",
     "render",
     "render_standard",
     "rgb_bytes",
+    "samples_for",
     "splat_ablated",
     "splat_literal",
     "straight_bytes",
@@ -38,6 +44,149 @@ class RenderResult(TypedDict):
     depth: NDArray[np.float32] | None
     value: NDArray[np.float32] | None
     report: dict[str, Any]
+
+@type_check_only
+class FrameArguments(TypedDict):
+    """How a frame is drawn, beside its layers and its camera."""
+
+    labels: Labels | None
+    width: int
+    height: int
+    kernel: str
+    composite: str
+    iso_value: float | None
+    local_threshold: float | None
+    depth_shading: tuple[float, float] | None
+    attenuation: tuple[float, float] | None
+    sheets_per_slice: float
+    oversampling: float
+    psnr: float | None
+    like: Mapping[str, float | bool | list[float]] | None
+    crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None
+    crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None
+    clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]]
+    background: tuple[float, float, float, float] | None
+    threads: int | None
+    depth: bool
+    pre_integration: bool
+    early_ray_termination: bool
+
+#: First and end of samples along (z, y, x).
+Box: TypeAlias = tuple[tuple[int, int, int], tuple[int, int, int]]
+#: Samples [z, y, x] of a box of a level, and where it begins.
+LevelBox: TypeAlias = tuple[NDArray[np.float32], tuple[int, int, int]]
+
+@final
+class Survey:
+    """What a pass over the samples of a volume tells that is not in memory, box by box.
+
+    Bricks are as small as bounds of `bounds_bytes` allow; `steps` (z, y, x) are those of strided samples.
+    """
+
+    def __new__(
+        cls,
+        shape: tuple[int, int, int],
+        kernel: str,
+        bounds_bytes: int,
+        steps: Sequence[tuple[int, int, int]],
+    ) -> Survey: ...
+    @staticmethod
+    def from_parts(
+        shape: tuple[int, int, int],
+        kernel: str,
+        side: int,
+        statistics: tuple[float, float, int],
+        bounds: NDArray[np.float32],
+        strided: Sequence[tuple[tuple[int, int, int], NDArray[np.float32]]],
+    ) -> Survey: ...
+    def add(self, samples: NDArray[Any], lo: tuple[int, int, int]) -> None: ...
+    def add_prepared(
+        self,
+        samples: NDArray[Any],
+        lo: tuple[int, int, int],
+        inner: Box,
+        kernel: str,
+        statistics: tuple[float, float, int],
+        world_from_index: NDArray[np.float64],
+    ) -> None: ...
+    @property
+    def statistics(self) -> tuple[float, float, int]: ...
+    def parts(self) -> tuple[int, NDArray[np.float32], list[NDArray[np.float32]]]: ...
+    def strided(self, which: int) -> NDArray[np.float32]: ...
+
+@final
+class LazyVolume:
+    """A volume whose samples are read while it is drawn, for one kernel.
+
+    `light`: which of the strided samples are for light. `level`: shape and affine of the finest level; and affine of a
+    finer one, parts of it and of this one, with smallest and largest sample, where its brightness is to be kept.
+    """
+
+    def __new__(
+        cls,
+        name: str,
+        shape: tuple[int, int, int],
+        world_from_index: NDArray[np.float64],
+        *,
+        kernel: str,
+        is_narrow: bool,
+        survey: Survey,
+        prepared: Survey | None,
+        light: int,
+        chunk: tuple[int, int, int],
+        sample_bytes: int,
+        level: tuple[
+            tuple[int, int, int],
+            NDArray[np.float64],
+            tuple[NDArray[np.float64], LevelBox, LevelBox, tuple[float, float]] | None,
+        ]
+        | None,
+    ) -> LazyVolume: ...
+    @property
+    def value_range(self) -> tuple[float, float]: ...
+
+@final
+class BlockState:
+    """The rays of a block of a base plane between two steps; empty before the first."""
+
+    def __new__(cls) -> BlockState: ...
+    @property
+    def is_done(self) -> bool: ...
+    def to_bytes(self) -> bytes: ...
+    @staticmethod
+    def from_bytes(bytes: bytes) -> BlockState: ...
+
+@final
+class Stream:
+    """A frame of lazy volumes: blocks of its base planes, each drawn front to back in steps from boxes that are read."""
+
+    def __new__(
+        cls,
+        layers: Sequence[tuple[LazyVolume, TransferFunction, Shading | None]],
+        camera: Camera,
+        frame: FrameArguments,
+        budget_bytes: int,
+        n_blocks: int,
+        segment_slices: int | None,
+    ) -> Stream: ...
+    @property
+    def n_blocks(self) -> int: ...
+    def n_steps(self, block: int) -> int: ...
+    def segments(self, block: int) -> list[tuple[int, int]]: ...
+    def n_texels(self, block: int) -> int: ...
+    def held(self, block: int, step: int) -> list[Box]: ...
+    def reads(self, block: int, step: int, is_first: bool, state: BlockState) -> list[list[Box]]: ...
+    def draw(
+        self,
+        block: int,
+        step: int,
+        samples: Sequence[NDArray[Any]],
+        state: BlockState,
+        progress: Callable[[float], object] | None,
+    ) -> BlockState: ...
+    def fold(self, segments: Sequence[BlockState]) -> BlockState: ...
+    def put(self, block: int, state: BlockState) -> None: ...
+    def picture(self) -> RenderResult: ...
 
 @final
 class Volume:
@@ -181,30 +330,17 @@ class Ablation:
 def render(
     layers: Sequence[tuple[Volume | DecodedVolume, TransferFunction, Shading | None]],
     camera: Camera,
-    *,
-    labels: Labels | None,
-    width: int,
-    height: int,
-    kernel: str,
-    composite: str,
-    iso_value: float | None,
-    local_threshold: float | None,
-    depth_shading: tuple[float, float] | None,
-    attenuation: tuple[float, float] | None,
-    sheets_per_slice: float,
-    oversampling: float,
-    psnr: float | None,
-    like: Mapping[str, float | bool | list[float]] | None,
-    crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
-    crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
-    clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],
-    background: tuple[float, float, float, float] | None,
-    threads: int | None,
-    depth: bool,
-    pre_integration: bool,
-    early_ray_termination: bool,
+    frame: FrameArguments,
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
+def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
+    """Steps (z, y, x) between the samples that light is worked out from."""
+
+def samples_for(
+    shape: tuple[int, int, int], part: Box, kernel: str, n_nonfinite: int, world_from_index: NDArray[np.float64]
+) -> Box:
+    """The box of samples that a box of coefficients, or of samples whose holes are filled, is made of."""
+
 def render_standard(
     volume: Volume | DecodedVolume,
     transfer_function: TransferFunction,
@@ -285,7 +421,7 @@ def plane(
 ) -> NDArray[np.float32]: ...
 def quality_settings(
     name: str,
-    layers: Sequence[tuple[Volume | DecodedVolume, TransferFunction, Shading | None]],
+    layers: Sequence[tuple[Volume | DecodedVolume | LazyVolume, TransferFunction, Shading | None]],
     camera: Camera,
     height: int,
 ) -> tuple[float, float]: ...

@@ -3,9 +3,11 @@
 mod arguments;
 mod errors;
 mod labels;
+mod lazy;
 mod progress;
 mod reference;
 mod rendering;
+mod stream;
 mod study;
 mod volume;
 mod wavelet;
@@ -22,9 +24,13 @@ mod _native {
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]
+    use crate::lazy::{PyLazyVolume, PySurvey, light_step, samples_for};
+    #[pymodule_export]
     use crate::reference::{raycast, splat_literal};
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, render, rgb_bytes, straight_bytes};
+    #[pymodule_export]
+    use crate::stream::{PyBlockState, PyStream};
     #[pymodule_export]
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]

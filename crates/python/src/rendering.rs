@@ -106,22 +106,15 @@ fn with_scene<T>(
     })
 }
 
-/// See `_native.pyi`.
-#[pyfunction]
-#[pyo3(signature = (layers, camera, *, labels, width, height, kernel, composite, iso_value,
-    local_threshold, depth_shading, attenuation, sheets_per_slice, oversampling, psnr, like, crop_index,
-    crop_world, clip_planes, background, threads, depth, pre_integration, early_ray_termination, progress))]
-#[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands volumes over by value")]
-pub fn render<'py>(
-    py: Python<'py>,
-    layers: Vec<PyLayer<'py>>,
-    camera: &PyCamera,
-    labels: Option<&PyLabels>,
-    width: usize,
-    height: usize,
-    kernel: &str,
-    composite: &str,
+/// How a frame is drawn, as a dictionary; see `_native.pyi`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PyFrame<'py> {
+    labels: Option<PyRef<'py, PyLabels>>,
+    pub width: usize,
+    pub height: usize,
+    kernel: String,
+    composite: String,
     iso_value: Option<f64>,
     local_threshold: Option<f64>,
     depth_shading: Option<(f64, f64)>,
@@ -138,41 +131,71 @@ pub fn render<'py>(
     depth: bool,
     pre_integration: bool,
     early_ray_termination: bool,
+}
+
+impl PyFrame<'_> {
+    /// The options that do not belong to the scene.
+    pub fn options(&self) -> PyResult<FrameOptions> {
+        let none = CompositeNumbers::NONE;
+        let numbers = CompositeNumbers {
+            iso_value: self.iso_value.unwrap_or(none.iso_value),
+            local_threshold: self.local_threshold.unwrap_or(none.local_threshold),
+            depth_shading: self.depth_shading.map_or(none.depth_shading, <[f64; 2]>::from),
+            attenuation: self.attenuation.map_or(none.attenuation, <[f64; 2]>::from),
+        };
+        let effort = match self.psnr {
+            Some(psnr_db) => Effort::Psnr(Wanted { psnr_db, like: self.like.map(Measured::from) }),
+            None => Effort::Fixed(Sampling {
+                sheets_per_slice: self.sheets_per_slice,
+                oversampling: self.oversampling,
+            }),
+        };
+        Ok(FrameOptions {
+            kernel: Kernel::from_name(&self.kernel).map_err(to_py)?,
+            composite: Composite::from_name(&self.composite, &numbers).map_err(to_py)?,
+            effort,
+            with_depth: self.depth,
+            pre_integration: self.pre_integration,
+            early_ray_termination: self.early_ray_termination,
+            n_threads: self.threads,
+            clock: Some(seconds),
+        })
+    }
+
+    /// What a scene has beside its layers.
+    pub fn fill(&self, scene: &mut Scene<'_>) {
+        scene.labels = self.labels.as_ref().map(|labels| labels.0.clone());
+        scene.crop = crop(self.crop_index, self.crop_world);
+        scene.clip_planes = clip_planes(self.clip_planes.clone());
+        scene.background = self.background;
+    }
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+pub fn render<'py>(
+    py: Python<'py>,
+    layers: Vec<PyLayer<'py>>,
+    camera: &PyCamera,
+    frame: PyFrame<'py>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let none = CompositeNumbers::NONE;
-    let numbers = CompositeNumbers {
-        iso_value: iso_value.unwrap_or(none.iso_value),
-        local_threshold: local_threshold.unwrap_or(none.local_threshold),
-        depth_shading: depth_shading.map_or(none.depth_shading, <[f64; 2]>::from),
-        attenuation: attenuation.map_or(none.attenuation, <[f64; 2]>::from),
-    };
-    let kernel = Kernel::from_name(kernel).map_err(to_py)?;
-    let effort = match psnr {
-        Some(psnr_db) => Effort::Psnr(Wanted { psnr_db, like: like.map(Measured::from) }),
-        None => Effort::Fixed(Sampling { sheets_per_slice, oversampling }),
-    };
-    let options = FrameOptions {
-        kernel,
-        composite: Composite::from_name(composite, &numbers).map_err(to_py)?,
-        effort,
-        with_depth: depth,
-        pre_integration,
-        early_ray_termination,
-        n_threads: threads,
-        clock: Some(seconds),
-    };
+    let options = frame.options()?;
+    let size = [frame.width, frame.height];
     let watched = PyProgress::new(progress);
-    let planes = self::clip_planes(clip_planes);
     let result = with_scene(py, &layers, |mut scene| {
-        scene.labels = labels.map(|labels| labels.0.clone());
-        scene.crop = crop(crop_index, crop_world);
-        scene.clip_planes.clone_from(&planes);
-        scene.background = background;
-        watched.watch(py, || scene.render_with_progress(&camera.0, [width, height], &options, &watched))
+        frame.fill(&mut scene);
+        watched.watch(py, || scene.render_with_progress(&camera.0, size, &options, &watched))
     })?;
-    let Frame { mut picture, report, sampling, estimate, times } = result.map_err(to_py)?;
-    let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+    picture_and_report(py, result.map_err(to_py)?)
+}
+
+/// What Python gets of a frame.
+pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, PyDict>> {
+    let Frame { mut picture, report, sampling, estimate, times } = frame;
+    let [width, height] = [picture.width_px, picture.height_px];
+    let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'_, PyArray2<f32>>>> {
         values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
     };
     let dict = PyDict::new(py);

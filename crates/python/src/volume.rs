@@ -9,10 +9,12 @@ use pyo3::prelude::*;
 use wavesplat::{Samples, SceneVolume, Statistics, Volume, VolumeCache};
 
 use crate::errors::to_py;
+use crate::lazy::PyLazyVolume;
 use crate::wavelet::PyDecodedVolume;
 
 /// A C-contiguous array [z, y, x] of one of the sample types.
-enum NumpySamples {
+#[allow(missing_docs, reason = "each variant is named after its sample type")]
+pub enum NumpySamples {
     U8(Py<PyArray3<u8>>),
     I8(Py<PyArray3<i8>>),
     U16(Py<PyArray3<u16>>),
@@ -30,6 +32,8 @@ pub enum Drawable<'py> {
     Samples(PyRef<'py, PyVolume>),
     /// Wavelet coefficients.
     Decoded(PyRef<'py, PyDecodedVolume>),
+    /// Samples that are read as they are drawn.
+    Lazy(PyRef<'py, PyLazyVolume>),
 }
 
 impl Drawable<'_> {
@@ -40,6 +44,7 @@ impl Drawable<'_> {
                 volume.with_volume(py, |v| work(SceneVolume::Samples(v.clone(), volume.cache.clone())))
             }
             Self::Decoded(volume) => work(SceneVolume::Level(volume.0.clone())),
+            Self::Lazy(volume) => work(SceneVolume::Lazy(volume.0.clone())),
         }
     }
 }
@@ -126,23 +131,7 @@ impl PyVolume {
 impl PyVolume {
     /// Calls `work` with the samples and their `[nx, ny, nz]`.
     pub fn with_samples<T>(&self, py: Python<'_>, work: impl FnOnce(Samples<'_>, [usize; 3]) -> T) -> PyResult<T> {
-        macro_rules! borrow {
-            ($array:expr, $variant:path) => {{
-                let array = $array.bind(py).readonly();
-                let [nz, ny, nx] = *array.shape() else { return Err(PyTypeError::new_err("samples must be 3-D")) };
-                Ok(work($variant(array.as_slice()?), [nx, ny, nz]))
-            }};
-        }
-        match &self.array {
-            NumpySamples::U8(a) => borrow!(a, Samples::U8),
-            NumpySamples::I8(a) => borrow!(a, Samples::I8),
-            NumpySamples::U16(a) => borrow!(a, Samples::U16),
-            NumpySamples::I16(a) => borrow!(a, Samples::I16),
-            NumpySamples::U32(a) => borrow!(a, Samples::U32),
-            NumpySamples::I32(a) => borrow!(a, Samples::I32),
-            NumpySamples::F32(a) => borrow!(a, Samples::F32),
-            NumpySamples::F64(a) => borrow!(a, Samples::F64),
-        }
+        self.array.with_samples(py, work)
     }
 
     /// Calls `work` with the volume.
@@ -155,7 +144,29 @@ impl PyVolume {
 }
 
 impl NumpySamples {
-    fn new(samples: &Bound<'_, PyAny>) -> PyResult<Self> {
+    /// Calls `work` with the samples and their `[nx, ny, nz]`.
+    pub fn with_samples<T>(&self, py: Python<'_>, work: impl FnOnce(Samples<'_>, [usize; 3]) -> T) -> PyResult<T> {
+        macro_rules! borrow {
+            ($array:expr, $variant:path) => {{
+                let array = $array.bind(py).readonly();
+                let [nz, ny, nx] = *array.shape() else { return Err(PyTypeError::new_err("samples must be 3-D")) };
+                Ok(work($variant(array.as_slice()?), [nx, ny, nz]))
+            }};
+        }
+        match self {
+            NumpySamples::U8(a) => borrow!(a, Samples::U8),
+            NumpySamples::I8(a) => borrow!(a, Samples::I8),
+            NumpySamples::U16(a) => borrow!(a, Samples::U16),
+            NumpySamples::I16(a) => borrow!(a, Samples::I16),
+            NumpySamples::U32(a) => borrow!(a, Samples::U32),
+            NumpySamples::I32(a) => borrow!(a, Samples::I32),
+            NumpySamples::F32(a) => borrow!(a, Samples::F32),
+            NumpySamples::F64(a) => borrow!(a, Samples::F64),
+        }
+    }
+
+    /// Of an array; a `TypeError` for any other.
+    pub fn new(samples: &Bound<'_, PyAny>) -> PyResult<Self> {
         fn cast<T: Element>(samples: &Bound<'_, PyAny>) -> Option<Py<PyArray3<T>>> {
             samples.cast::<PyArray3<T>>().ok().filter(|a| a.is_c_contiguous()).map(|a| a.clone().unbind())
         }

@@ -232,7 +232,7 @@ fn the_bits_do_not_depend_on_how_it_is_drawn() {
                 let (tiles, n) = (tiles_of(&whole_plan, f), family.spacing.n_slabs);
                 let mut states = vec![None; tiles.len()];
                 for slabs in [0..n / 3, n / 3..n / 3 + 1, n / 3 + 1..n / 2, n / 2..n] {
-                    (states, _) = draw_piece(&whole_plan, f, &tiles, &slabs, &slices, &states);
+                    (states, _) = draw_piece(&whole_plan, f, &tiles, &slabs, &slices, &states, &()).unwrap();
                 }
                 let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
                 let mut picture = BasePicture::new(family.plane.clone(), true);

@@ -16,8 +16,13 @@ use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile, samples_of, tiles_of};
 use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::ray::state::TileState;
+use wavesplat_splat::render::segments::{can_fold, fold};
+use wavesplat_splat::render::stream::{SampleBox, Storage, StreamPlan, volume_of};
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
-use wavesplat_splat::source::slices::{Slices, VolumeBox};
+use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
+use wavesplat_splat::source::strided::light_steps;
+use wavesplat_splat::source::survey::Survey;
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
 /// Numbers without a visible pattern.
@@ -52,6 +57,29 @@ impl Data {
         match self {
             Self::Bytes(bytes) => Self::Bytes(rows(bytes, size, part)),
             Self::Floats(floats) => Self::Floats(rows(floats, size, part)),
+        }
+    }
+
+    /// Of samples that are those of `whole`, those of a part of it.
+    fn copied_from(&self, whole: &SampleBox, part: &SampleBox) -> Self {
+        let own = [0, 1, 2].map(|a| part[a].start - whole[a].start..part[a].end - whole[a].start);
+        self.copied(whole.each_ref().map(Range::len), &own)
+    }
+
+    /// Puts the samples of `part` in their place among those of `whole`.
+    fn put(&mut self, whole: &SampleBox, samples: &Self, part: &SampleBox) {
+        fn rows<T: Copy>(all: &mut [T], whole: &SampleBox, own: &[T], part: &SampleBox) {
+            let [nx, ny] = [whole[0].len(), whole[1].len()];
+            let places = part[2].clone().flat_map(|z| part[1].clone().map(move |y| (y, z)));
+            for ((y, z), row) in places.zip(own.chunks_exact(part[0].len().max(1))) {
+                let from = nx * (y - whole[1].start + ny * (z - whole[2].start)) + part[0].start - whole[0].start;
+                all[from..][..row.len()].copy_from_slice(row);
+            }
+        }
+        match (self, samples) {
+            (Self::Bytes(all), Self::Bytes(own)) => rows(all, whole, own, part),
+            (Self::Floats(all), Self::Floats(own)) => rows(all, whole, own, part),
+            _ => unreachable!("samples of one type"),
         }
     }
 }
@@ -151,6 +179,8 @@ fn cases() -> Vec<Case> {
         add(name, bytes(), kernel, &soft, &aslant, &plain);
         add(&format!("{name} with holes"), with_holes(), kernel, &hard, &views[0].1, &plain);
     }
+    let sparse = opacity_ramp(&[(225.0, 0.0), (235.0, 0.5)], None);
+    add("few things seen", bytes(), Kernel::CatmullRom, &sparse, &three_families, &plain);
     let wide = Some(Shading { gradient: Gradient::Difference(2.5), ..Shading::headlight() });
     add(
         "wide gradient",
@@ -177,6 +207,128 @@ fn cases() -> Vec<Case> {
     let labels = Labels::new(codes, vec![LabelLook::NONE, look], volume.grid(), Kernel::Gaussian, 1 << 24);
     all[last].labels = Some(labels.unwrap());
     all
+}
+
+/// A random number of samples along each axis, for boxes that divide nothing.
+fn odd_chunk(random: &mut Random) -> [usize; 3] {
+    [5, 4, 3].map(|least| least + random.below(17))
+}
+
+/// What boxes tell of the volume, and the slices that a frame is planned with.
+fn surveyed(whole: &Slices, data: &Data, random: &mut Random) -> Slices<'static> {
+    let (grid, kernel) = (whole.grid(), whole.kernel());
+    let (_, step) = light_steps(grid);
+    let chunk = odd_chunk(random);
+    let n = [0, 1, 2].map(|a| SIZE[a].div_ceil(chunk[a]));
+    let parts: Vec<SampleBox> = (0..n.iter().product())
+        .map(|k: usize| {
+            let place = [k % n[0], k / n[0] % n[1], k / (n[0] * n[1])];
+            [0, 1, 2].map(|a| place[a] * chunk[a]..((place[a] + 1) * chunk[a]).min(SIZE[a]))
+        })
+        .collect();
+    let needs_prepared =
+        matches!(kernel, Kernel::Bspline2 | Kernel::Bspline3) || grid.statistics().n_nonfinite > 0;
+    let mut survey = Survey::new(SIZE, kernel, 1 << 20, &[step]);
+    let mut prepared = Survey::new(SIZE, kernel, 1 << 20, &[step]);
+    for part in &parts {
+        let own = data.copied(SIZE, part);
+        survey.add(&box_of(part, &own));
+        if needs_prepared {
+            let held = needed_samples(part, grid, kernel);
+            let own = data.copied(SIZE, &held);
+            prepared.add_prepared(&Slices::of_box(&box_of(&held, &own), grid, kernel, [0.0; 2]), part);
+        }
+    }
+    assert_eq!(survey.statistics(), grid.statistics());
+    survey.slices(grid, needs_prepared.then_some(&prepared), 0)
+}
+
+fn box_of<'a>(part: &SampleBox, data: &'a Data) -> VolumeBox<'a> {
+    VolumeBox { lo: part.each_ref().map(|r| r.start), size: part.each_ref().map(Range::len), samples: data.samples() }
+}
+
+/// How the base planes of a plan are streamed: chunks, budget, segments.
+struct Streaming {
+    chunk: [usize; 3],
+    budget_bytes: usize,
+    n_blocks: usize,
+    segment_slices: Option<usize>,
+}
+
+/// Draws the base planes of a plan step by step, of samples that hold nonsense where nothing was read; how many samples
+/// were left out, and in how many blocks.
+fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) -> (Vec<BasePicture>, [usize; 2]) {
+    let sample_bytes = if matches!(data, Data::Bytes(_)) { 1 } else { 4 };
+    let Streaming { chunk, budget_bytes, n_blocks, segment_slices } = *streaming;
+    let storage = [Storage { chunk, sample_bytes }];
+    let cut = |budget: usize| StreamPlan::new(plan, &[slices], &storage, budget, n_blocks, segment_slices);
+    // Wide kernels and holes need more than little.
+    let steps = cut(budget_bytes).or_else(|_| cut(usize::MAX)).unwrap();
+    let mut pictures: Vec<BasePicture> =
+        plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
+    let mut n_read = 0;
+    for (b, block) in steps.blocks.iter().enumerate() {
+        let tiles = block.all_tiles();
+        let mut segments: Vec<Vec<Option<TileState>>> = Vec::new();
+        let mut before: Option<(SampleBox, Data)> = None;
+        let mut slabs_done = block.steps[0].slabs.start;
+        for segment in steps.segments(b) {
+            let mut states = vec![None; tiles.len()];
+            for k in segment {
+                let step = &block.steps[k];
+                assert_eq!(step.slabs.start, slabs_done, "no slab is left out");
+                slabs_done = step.slabs.end;
+                let held = &step.held[0];
+                let width = block.tiles[0].len();
+                let is_alive = |[u, v]: [usize; 2]| {
+                    let k = (v - block.tiles[1].start) * width + u - block.tiles[0].start;
+                    !states[k].as_ref().is_some_and(TileState::is_done)
+                };
+                let reads = steps.reads(plan, &[slices], b, k, 0, before.is_none(), &is_alive);
+                let mut own = nonsense(data, volume_of(held));
+                if let Some((part, samples)) = &before {
+                    let common = [0, 1, 2].map(|a| held[a].start.max(part[a].start)..held[a].end.min(part[a].end));
+                    own.put(held, &samples.copied_from(part, &common), &common);
+                }
+                for part in &reads {
+                    n_read += volume_of(part);
+                    own.put(held, &data.copied(SIZE, part), part);
+                }
+                let slices_of_box = Slices::of_box(&box_of(held, &own), slices.grid(), slices.kernel(), slices.range());
+                (states, _) =
+                    draw_piece(plan, block.family, &tiles, &step.slabs, &[&slices_of_box], &states, &()).unwrap();
+                before = Some((held.clone(), own));
+            }
+            segments.push(states);
+        }
+        let all = segments.into_iter().reduce(|front, back| {
+            front.into_iter().zip(back).map(|(near, far)| fold(plan.operator, near, far)).collect()
+        });
+        let states: Vec<_> = all.unwrap().into_iter().map(std::sync::Mutex::new).collect();
+        let n_tiles_u = plan.families[block.family].plane.size[0].div_ceil(TILE_U);
+        pictures[block.family].fill_tiles([TILE_U, TILE_V], |k, texels| {
+            let place = tiles.iter().position(|tile| *tile == [k % n_tiles_u, k / n_tiles_u]);
+            if let Some(state) = place.and_then(|place| states[place].lock().unwrap().take()) {
+                finish_tile(plan, block.family, state, texels);
+            }
+        });
+    }
+    let n_left = steps.n_samples(0).saturating_sub(n_read);
+    (pictures, [n_left, steps.blocks.len()])
+}
+
+/// Samples that none of the volume's are like.
+fn nonsense(data: &Data, n: usize) -> Data {
+    match data {
+        Data::Bytes(_) => Data::Bytes((0..n).map(|i| if i % 2 == 0 { 255 } else { 0 }).collect()),
+        Data::Floats(_) => Data::Floats((0..n).map(|i| if i % 2 == 0 { 1e6 } else { -1e6 }).collect()),
+    }
+}
+
+fn bits(picture: &BasePicture) -> Vec<u32> {
+    let texels = picture.texels();
+    let depths = picture.w_half.iter().map(|w| w.to_bits());
+    texels.as_flattened().iter().map(|x| x.to_bits()).chain(depths).collect()
 }
 
 /// Draws the base planes of a plan by a random cut into pieces, each from a box of its own.
@@ -208,7 +360,7 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
                     samples: part.samples(),
                 };
                 let own = Slices::of_box(&volume_box, slices.grid(), slices.kernel(), slices.range());
-                (of_group, _) = draw_piece(plan, f, group, &slabs, &[&own], &of_group);
+                (of_group, _) = draw_piece(plan, f, group, &slabs, &[&own], &of_group, &()).unwrap();
             }
             for (tile, state) in group.iter().zip(of_group) {
                 states[tile[1] * n_tiles_u + tile[0]] = state;
@@ -250,14 +402,92 @@ fn any_cut_gives_the_same_bytes() {
         for _ in 0..n_cuts {
             let cut = in_pieces(&plan, &slices, &case.data, &mut random);
             for (whole, cut) in whole.iter().zip(&cut) {
-                let bits = |picture: &BasePicture| {
-                    let texels = picture.texels();
-                    let depths = picture.w_half.iter().map(|w| w.to_bits());
-                    texels.as_flattened().iter().map(|x| x.to_bits()).chain(depths).collect::<Vec<u32>>()
-                };
                 assert!(bits(whole) == bits(cut), "{}: {:?}", case.name, whole.plane.family);
             }
         }
     }
     assert!(cases.len() * n_cuts >= 200 && n_seen > 200_000, "{} {n_seen}", cases.len());
+}
+
+/// Whatever the chunks, the budget and the blocks; and chunks of which nothing is seen are not read.
+#[test]
+fn a_stream_of_boxes_gives_the_same_bytes() {
+    let mut random = Random(11);
+    let world_from_index = phantom().world_from_index;
+    let (mut n_hidden, mut n_blocks_seen) = (0, 0);
+    for case in &cases() {
+        let volume = Volume::new("stream", case.data.samples(), SIZE, world_from_index).unwrap();
+        let whole = Slices::new(&volume, case.kernel);
+        let planned = surveyed(&whole, &case.data, &mut random);
+        let cache = [VisibilityCache::default(), VisibilityCache::default()];
+        let of = |k: usize, slices| {
+            let layer = Layer {
+                slices,
+                transfer_function: &case.tf,
+                shading: case.options.shading.as_ref(),
+                labels: case.labels.as_ref(),
+                cache: &cache[k],
+            };
+            Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap()
+        };
+        let (plan, lazy_plan) = (of(0, &whole), of(1, &planned));
+        let (wanted, _) = draw_base_planes(&plan, &[&whole], &()).unwrap();
+        for n_blocks in [1, 3] {
+            let chunk = odd_chunk(&mut random);
+            let sample_bytes = if matches!(case.data, Data::Bytes(_)) { 1 } else { 4 };
+            let budget_bytes = sample_bytes * [usize::MAX / 8, 200_000, 120_000][random.below(3)];
+            let streaming = Streaming { chunk, budget_bytes, n_blocks, segment_slices: None };
+            let (drawn, [n_left, n_here]) = streamed(&lazy_plan, &planned, &case.data, &streaming);
+            for (wanted, drawn) in wanted.iter().zip(&drawn) {
+                assert!(bits(wanted) == bits(drawn), "{}: {chunk:?} {n_blocks}, {:?}", case.name, wanted.plane.family);
+            }
+            n_blocks_seen += n_here;
+            n_hidden += usize::from(n_left > 0);
+        }
+    }
+    assert!(n_blocks_seen > 200 && n_hidden > 10, "{n_blocks_seen} {n_hidden}");
+}
+
+/// Segments begin at fixed slices, so that chunks, budget and blocks change nothing; beside the picture in one go they differ
+/// by where rays stop.
+#[test]
+fn folded_segments_do_not_depend_on_how_they_were_read() {
+    let mut random = Random(13);
+    let world_from_index = phantom().world_from_index;
+    let (mut n_folded, mut n_refused) = (0, 0);
+    for case in &cases() {
+        let volume = Volume::new("segments", case.data.samples(), SIZE, world_from_index).unwrap();
+        let whole = Slices::new(&volume, case.kernel);
+        let planned = surveyed(&whole, &case.data, &mut random);
+        let cache = VisibilityCache::default();
+        let layer = Layer {
+            slices: &planned,
+            transfer_function: &case.tf,
+            shading: case.options.shading.as_ref(),
+            labels: case.labels.as_ref(),
+            cache: &cache,
+        };
+        let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap();
+        if !can_fold(plan.operator, plan.with_depth) {
+            n_refused += 1;
+            continue;
+        }
+        let draw = |chunk, n_blocks, segment_slices| {
+            let streaming = Streaming { chunk, budget_bytes: usize::MAX, n_blocks, segment_slices };
+            streamed(&plan, &planned, &case.data, &streaming).0
+        };
+        let in_one_go = draw([16; 3], 1, None);
+        let first = draw([16; 3], 1, Some(9));
+        let second = draw(odd_chunk(&mut random), 4, Some(9));
+        for ((one, first), second) in in_one_go.iter().zip(&first).zip(&second) {
+            assert!(bits(first) == bits(second), "{}", case.name);
+            let (one, first) = (one.texels(), first.texels());
+            for (a, b) in one.as_flattened().iter().zip(first.as_flattened()) {
+                let near = (a - b).abs() <= 3e-4_f32.max(1e-5 * a.abs());
+                assert!(near, "{}: {a} {b}", case.name);
+            }
+        }
+        n_folded += 1;
+    }
+    assert!(n_folded > 25 && n_refused > 3, "{n_folded} {n_refused}");
 }

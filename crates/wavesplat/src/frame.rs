@@ -9,10 +9,11 @@ use wavesplat_splat::quality::error_model::Sampling;
 use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
 use wavesplat_splat::render::frame::{draw_base_planes, finish, slices_of};
 use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, Report};
 
 use crate::quality::{Effort, Quality};
-use crate::scene::{Scene, SceneLayer};
+use crate::scene::{Scene, SceneLayer, SceneVolume};
 
 /// How a scene is drawn.
 #[derive(Clone, Debug)]
@@ -103,6 +104,10 @@ impl Scene<'_> {
         };
         let render_options = self.render_options(size_px, options, fixed);
         render_options.validate()?;
+        if self.layers.iter().any(|layer| matches!(layer.volume, SceneVolume::Lazy(_))) {
+            let mend = "draw it with Scene::stream, which takes boxes as they are read";
+            return Err(Error::out_of_range("layers of a picture in one go", "a lazy one", "in memory", mend));
+        }
         parallel::with_threads(options.n_threads, || self.draw(camera, options, &render_options, fixed, callback))
     }
 
@@ -131,6 +136,35 @@ impl Scene<'_> {
         let start = now();
         let slices: Vec<_> = self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
         let prepared = now();
+        let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
+        let frame = self.with_layers(options, &slices, |layers| {
+            if let Effort::Psnr(wanted) = options.effort {
+                let (picture, report, estimate) = render_to_psnr(layers, camera, render_options, &wanted, callback)?;
+                times.draw = now() - prepared;
+                return Ok(Frame { picture, report, sampling: estimate.sampling, estimate: Some(estimate), times: None });
+            }
+            let plan = Plan::new(Level::best(), layers, camera, render_options)?;
+            let planned = now();
+            let (base_pictures, report) = draw_base_planes(&plan, &slices_of(layers), callback)?;
+            let drawn = now();
+            let picture = finish(&plan, &base_pictures);
+            (times.plan, times.draw, times.warp) = (planned - prepared, drawn - planned, now() - drawn);
+            let sampling = fixed.unwrap_or_else(|| sampling_of(render_options));
+            Ok(Frame { picture, report, sampling, estimate: None, times: None })
+        })?;
+        match callback.progress(1.0) {
+            ControlFlow::Continue(()) => Ok(Frame { times: options.clock.map(|_| times), ..frame }),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
+    }
+
+    /// Calls `work` with the layers as they are drawn. `slices`: of each.
+    pub(crate) fn with_layers<T>(
+        &self,
+        options: &FrameOptions,
+        slices: &[Slices<'_>],
+        work: impl FnOnce(&[Layer]) -> Result<T>,
+    ) -> Result<T> {
         let look =
             |layer: &SceneLayer| layer.volume.look(&layer.transfer_function, options.composite, layer.shading.as_ref());
         let looks = self.layers.iter().map(look).collect::<Result<Vec<_>>>()?;
@@ -147,28 +181,10 @@ impl Scene<'_> {
                 cache: layer.volume.visibility(),
             })
             .collect();
-        let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
-        let frame = if let Effort::Psnr(wanted) = options.effort {
-            let (picture, report, estimate) = render_to_psnr(&layers, camera, render_options, &wanted, callback)?;
-            times.draw = now() - prepared;
-            Frame { picture, report, sampling: estimate.sampling, estimate: Some(estimate), times: None }
-        } else {
-            let plan = Plan::new(Level::best(), &layers, camera, render_options)?;
-            let planned = now();
-            let (base_pictures, report) = draw_base_planes(&plan, &slices_of(&layers), callback)?;
-            let drawn = now();
-            let picture = finish(&plan, &base_pictures);
-            (times.plan, times.draw, times.warp) = (planned - prepared, drawn - planned, now() - drawn);
-            let sampling = fixed.unwrap_or_else(|| sampling_of(render_options));
-            Frame { picture, report, sampling, estimate: None, times: None }
-        };
-        match callback.progress(1.0) {
-            ControlFlow::Continue(()) => Ok(Frame { times: options.clock.map(|_| times), ..frame }),
-            ControlFlow::Break(()) => Err(Error::Cancelled),
-        }
+        work(&layers)
     }
 
-    fn render_options(
+    pub(crate) fn render_options(
         &self,
         [width_px, height_px]: [usize; 2],
         options: &FrameOptions,

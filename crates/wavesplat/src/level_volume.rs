@@ -5,35 +5,24 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_core::{Decoder, Grid, Kernel, LevelGrid, Result, Shading, Statistics, TransferFunction};
 use wavesplat_lod::LevelHistogram;
-use wavesplat_splat::is_steep;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::block_cache::{bytes_of_all, samples_every};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, WaveletError, WaveletVolume};
 
 use crate::error::LevelError;
+use crate::level_look::LevelLooks;
 
 /// A level of a volume, with what is kept of it between frames.
 pub struct LevelVolume {
     grid: Grid,
-    level: LevelGrid,
-    /// What the levels carried that are left out.
-    histogram: Option<LevelHistogram>,
-    /// The function that was drawn last, and what it is for this level.
-    latest_look: Mutex<Option<LevelLook>>,
+    /// How it keeps the brightness of the finest.
+    looks: LevelLooks,
     decoder: Arc<dyn Decoder>,
     cache_bytes: usize,
     /// For the kernel that was used last.
     slices: Mutex<Option<Slices<'static>>>,
     pub(crate) visibility: VisibilityCache,
-}
-
-/// A transfer function, and the one that a level is drawn with in its place.
-struct LevelLook {
-    of: TransferFunction,
-    shading: Option<Shading>,
-    tf: TransferFunction,
-    is_steep: bool,
 }
 
 impl LevelVolume {
@@ -82,12 +71,11 @@ impl LevelVolume {
             .map(|corner| DVec3::from_array(level_grid.level_from_finest(corner.to_array())));
         let grid = Grid::new(name, decoder.size(), world_from_index * finest_from_level, statistics, false)?;
         let grid = grid.as_level_of(finest.default_opacity_unit(), bounds);
+        let brightness = histogram.map(|histogram| (histogram, grid.spacing() / DVec3::from_array(spacing)));
         let cache_bytes = cache_bytes.min(bytes_of_all(grid.size()));
         Ok(Self {
             grid,
-            level: level_grid,
-            histogram,
-            latest_look: Mutex::default(),
+            looks: LevelLooks::new(level_grid, brightness),
             decoder: Arc::new(decoder),
             cache_bytes,
             slices: Mutex::default(),
@@ -112,30 +100,12 @@ impl LevelVolume {
 
     /// An index position of the finest grid as one of the level.
     pub fn level_from_finest(&self, index: DVec3) -> DVec3 {
-        DVec3::from_array(self.level.level_from_finest(index.to_array()))
+        self.looks.level_from_finest(index)
     }
 
-    /// The transfer function that makes of a coarser level what it makes of the finest, and whether it or the one that was
-    /// given needs pre-integration; kept until another is asked for.
+    /// As of [`LevelLooks`].
     pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
-        let mut latest = self.latest_look.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = &*latest
-            && (&known.of, known.shading.as_ref()) == (tf, shading)
-        {
-            return Ok((known.tf.clone(), known.is_steep));
-        }
-        let given_is_steep = is_steep(&self.grid, tf);
-        let own = if let Some(histogram) = &self.histogram {
-            let unit = tf.opacity_unit().unwrap_or(self.grid.default_opacity_unit());
-            let spacing = self.grid.spacing() / DVec3::from_array(self.level.spacing) / unit;
-            histogram.filter(tf, spacing.to_array(), shading, given_is_steep)?
-        } else {
-            tf.clone()
-        };
-        // One that is smooth may need so much extinction that its level is steep.
-        let is_steep = given_is_steep || is_steep(&self.grid, &own);
-        *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), is_steep });
-        Ok((own, is_steep))
+        self.looks.look(&self.grid, tf, shading)
     }
 
     /// Slices for a kernel; what they need is kept until another kernel is asked for.

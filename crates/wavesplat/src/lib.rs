@@ -54,22 +54,30 @@
 //! Stability: this crate's items are public; those of the crates that it stands on are not, apart from what is passed on
 //! here.
 
+mod block_state;
 mod bytes;
 mod error;
 mod frame;
+mod lazy_volume;
+mod level_look;
 mod level_volume;
 mod png;
 mod quality;
 mod scene;
+mod stream;
 mod volume_cache;
 
+pub use block_state::BlockState;
 pub use bytes::{rgb_bytes, straight_bytes};
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
+pub use lazy_volume::LazyVolume;
+pub use level_look::{LevelLooks, LevelPart};
 pub use level_volume::LevelVolume;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
 pub use scene::{Scene, SceneLayer, SceneVolume};
+pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
 
 /// Makes vectors of a name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) those that pictures are drawn with from now on; all
@@ -83,11 +91,13 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
 }
 
 pub use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, Light,
+    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, LevelGrid, Light,
     LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction, Volume,
 };
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
+pub use wavesplat_splat::render::stream::{SampleBox, Storage};
+pub use wavesplat_splat::source::survey::Survey;
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
 pub use wavesplat_splat::{ProgressCallback, Report};
 pub use wavesplat_wavelet::{Keep, Norm, WaveletFamily, WaveletVolume};

@@ -7,6 +7,7 @@ use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::slices::Slices;
 
+use crate::lazy_volume::LazyVolume;
 use crate::level_volume::LevelVolume;
 use crate::volume_cache::VolumeCache;
 
@@ -48,6 +49,8 @@ pub enum SceneVolume<'a> {
     Samples(Volume<'a>, Arc<VolumeCache>),
     /// A level of wavelet coefficients.
     Level(Arc<LevelVolume>),
+    /// Samples that are read as they are drawn, by [`Scene::stream`] alone.
+    Lazy(Arc<LazyVolume>),
 }
 
 impl<'a> Scene<'a> {
@@ -75,6 +78,7 @@ impl<'a> SceneVolume<'a> {
         match self {
             Self::Samples(volume, _) => volume.grid(),
             Self::Level(level) => level.grid(),
+            Self::Lazy(volume) => volume.grid(),
         }
     }
 
@@ -87,6 +91,7 @@ impl<'a> SceneVolume<'a> {
     ) -> Result<TransferFunction> {
         match self {
             Self::Level(level) if composite == Composite::Over => Ok(level.look(tf, shading)?.0),
+            Self::Lazy(volume) if composite == Composite::Over => Ok(volume.look(tf, shading)?.0),
             _ => Ok(tf.clone()),
         }
     }
@@ -96,6 +101,7 @@ impl<'a> SceneVolume<'a> {
         match self {
             Self::Samples(volume, cache) => Ok(cache.is_steep(volume.grid(), tf)),
             Self::Level(level) => Ok(level.look(tf, shading)?.1),
+            Self::Lazy(volume) => Ok(volume.look(tf, shading)?.1),
         }
     }
 
@@ -104,6 +110,9 @@ impl<'a> SceneVolume<'a> {
         match (self, crop) {
             (Self::Level(level), Crop::Index { lo, hi }) => {
                 Crop::Index { lo: level.level_from_finest(lo), hi: level.level_from_finest(hi) }
+            }
+            (Self::Lazy(volume), Crop::Index { lo, hi }) => {
+                Crop::Index { lo: volume.level_from_finest(lo), hi: volume.level_from_finest(hi) }
             }
             _ => crop,
         }
@@ -114,6 +123,7 @@ impl<'a> SceneVolume<'a> {
         match self {
             Self::Samples(volume, cache) => cache.slices(volume, kernel),
             Self::Level(level) => level.slices(kernel),
+            Self::Lazy(volume) => volume.slices(),
         }
     }
 
@@ -121,6 +131,7 @@ impl<'a> SceneVolume<'a> {
         match self {
             Self::Samples(_, cache) => &cache.visibility,
             Self::Level(level) => &level.visibility,
+            Self::Lazy(volume) => volume.visibility(),
         }
     }
 }

@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.wavelet_volume import WaveletVolume
+
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield", "unit_of_values"]
 
@@ -107,7 +109,7 @@ def unit_of_values(volume: Volume | WaveletVolume) -> str:
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
     step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_QUICK) ** (1 / 3)))
-    some = volume.samples[::step, ::step, ::step] if hasattr(volume, "samples") else volume._every(step)
+    some = volume._every(step)
     return "HU" if looks_like_hounsfield(some.astype(np.float64)) else ""
 
 
@@ -176,9 +178,8 @@ Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
 def _looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
     """Samples evenly through the volume, and their two neighbours along each axis that has any, all flat."""
     step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
-    if not hasattr(volume, "samples"):
-        coarse = volume._every(step)
-        return _with_neighbours(coarse, 1)
+    if isinstance(volume, WaveletVolume | LazyVolume):
+        return _with_neighbours(volume._every(step), 1)
     return _with_neighbours(volume.samples, step)
 
 

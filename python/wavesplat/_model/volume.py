@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import DTypeLike
 
+    from wavesplat._model.lazy_volume import LazyVolume
+
 __all__ = ["Volume"]
 
 #: What the renderer reads as it is; everything else is converted once, to the nearest of these.
@@ -83,11 +85,13 @@ class Volume(Grid):
     #: `_cut`: the boxes that were last taken out for a picture, and what they left (`_model.cutting`).
     #: `_resampled`: on which axes it was last resampled, and what that gave (`_scene.resampling`).
     #: `_source`: where it comes from, None if that cannot be told (`_model.sources`).
-    __slots__ = ("_core", "_cut", "_resampled", "_samples", "_source")
+    #: `_lazily`: the same as a lazy volume, for pictures with one (`_scene.lazy_layers`).
+    __slots__ = ("_core", "_cut", "_lazily", "_resampled", "_samples", "_source")
 
     _cut: tuple[tuple[Crop, ...], Volume] | None
     _resampled: tuple[bytes, Volume] | None
     _source: Source | None
+    _lazily: LazyVolume | None
 
     def __init__(
         self,
@@ -110,6 +114,79 @@ class Volume(Grid):
             anatomical=anatomical,
             name=name,
             facts=facts,
+        )
+
+    @staticmethod
+    def lazy(
+        samples: object,
+        *,
+        spacing: Sequence[float] | None = None,
+        world_from_index: ArrayLike | None = None,
+        unit: str | None = None,
+        anatomical: bool | None = None,
+        name: str | None = None,
+        facts: Facts | None = None,
+        memory: float | str | None = None,
+        level: int | None = None,
+        cache: bool | str | PathLike[str] = True,
+        holes: bool = False,
+    ) -> LazyVolume:
+        """A volume whose samples stay where they are, and are read while it is drawn; for data larger than memory.
+
+        Parameters
+        ----------
+        samples : array, or list of arrays
+            Anything with `shape` (z, y, x), `dtype` and slicing: of Zarr, Dask, h5py, xarray, TensorStore, a memory map of
+            NumPy. A list has the levels of a pyramid, the finest first, each about half as large as the one before;
+            pictures take the coarsest whose samples are no further apart than pixels.
+        spacing, world_from_index, unit, anatomical, name, facts : optional
+            As of `Volume`, of the finest level; coarser ones fill the same box, from the outer faces of its samples, where
+            the arrays do not say where they lie.
+        memory : str or number, optional
+            Bytes of samples that are held at once while it is drawn, such as "2 GB". None is a quarter of the memory that
+            is free, at most 4 GB.
+        level : int, optional
+            Draw this level, whatever the picture; 0 is the finest.
+        cache : bool or path, default True
+            Where to keep what one pass over the samples told (their range, and bounds of bricks, by which what shows
+            nothing is not read again): the user's cache folder, a folder of that name, or nowhere.
+        holes : bool, default False
+            Samples that cannot be read are drawn as the least there is, and told in `Picture.report["holes"]`, instead of
+            an error that names the chunk.
+
+        Returns
+        -------
+        LazyVolume
+            It is drawn as any volume, to the byte as one in memory.
+
+        Raises
+        ------
+        ArgumentError
+            If the array is not 3-D or not real, or the place is degenerate.
+
+        Examples
+        --------
+        >>> import numpy as np, os, tempfile, wavesplat as ws
+        >>> path = os.path.join(tempfile.mkdtemp(), "big.npy")
+        >>> np.save(path, np.arange(60000, dtype=np.uint16).reshape(30, 40, 50))
+        >>> lazy = ws.Volume.lazy(np.load(path, mmap_mode="r"), spacing=(1, 1, 2), memory="200 MB")
+        >>> lazy.shape, lazy.value_range
+        ((30, 40, 50), (0.0, 59999.0))
+
+        Notes
+        -----
+        The first picture of a level looks through all of its samples once before it is drawn.
+        """
+        from wavesplat._model.lazy_making import lazy_volume
+
+        return lazy_volume(
+            samples,
+            place=(spacing, world_from_index),
+            said=(unit, anatomical, name, facts),
+            memory=memory,
+            level=level,
+            keep=cache,
+            holes=holes,
         )
 
     @classmethod
@@ -323,6 +400,7 @@ class Volume(Grid):
         """Forget all that was made of the samples."""
         self._core = self._built()
         self._cut = None
+        self._lazily = None
         self._resampled = None
 
     def _built(self) -> _native.Volume:

@@ -36,6 +36,7 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
+from wavesplat._scene.lazy_layers import Elsewhere, LazyLayers
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.shown import Curves, ShownLayer, shown_layers
 from wavesplat._scene.telling import facts_of_layers, facts_of_picture
@@ -68,6 +69,10 @@ class Options:
     progress: Callable[[float], object] | None = None
     pre_integration: bool = True
     early_ray_termination: bool = True
+    #: Slices of a segment of the rays; None composites from front to back in one go.
+    segments: int | None = None
+    #: Of pictures that many machines draw: what takes the place of drawing here.
+    elsewhere: Elsewhere | None = None
 
 
 @dataclass(frozen=True)
@@ -269,9 +274,11 @@ def _rendered(
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
     """What the compiled module gives for layers, and the report of it."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
+    lazy = LazyLayers.of(layers, frame.camera, frame.size, options)
+    cores = [layer.core for layer in layers] if lazy is None else lazy.cores
     drawn = [
-        (layer.core, _faded(frame, layer, function)._core, _light(frame.scene, layer))
-        for layer, function in zip(layers, functions, strict=True)
+        (core, _faded(frame, layer, function)._core, _light(frame.scene, layer))
+        for core, layer, function in zip(cores, layers, functions, strict=True)
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], absorbs)
@@ -281,30 +288,31 @@ def _rendered(
         texels = 1 if options.psnr is not None else min(abs(oversampling), MOST_OVERSAMPLING) ** 2
         check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
         labels = chosen_labels(frame.labels, layers[0].volume, layers[0].boxes)
-        result = _native.render(
-            drawn,
-            frame.camera._core,
-            labels=labels,
-            width=width,
-            height=height,
-            kernel=options.kernel,
-            composite=frame.composite,
-            iso_value=operator.iso_value if isinstance(operator, FirstHit) else None,
-            local_threshold=numbers.get("local_threshold"),
-            depth_shading=numbers.get("depth_shading"),
-            attenuation=numbers.get("attenuation"),
-            sheets_per_slice=sheets_per_slice,
-            oversampling=oversampling,
-            psnr=None if options.psnr is None else float(options.psnr),
-            like=memory.recalled(),
+        arguments: _native.FrameArguments = {
+            "labels": labels,
+            "width": width,
+            "height": height,
+            "kernel": options.kernel,
+            "composite": frame.composite,
+            "iso_value": operator.iso_value if isinstance(operator, FirstHit) else None,
+            "local_threshold": numbers.get("local_threshold"),
+            "depth_shading": numbers.get("depth_shading"),
+            "attenuation": numbers.get("attenuation"),
+            "sheets_per_slice": sheets_per_slice,
+            "oversampling": oversampling,
+            "psnr": None if options.psnr is None else float(options.psnr),
+            "like": memory.recalled(),
             **region(frame.clipping),
-            background=frame.background,
-            threads=chosen_threads(options.threads),
-            depth=bool(options.depth),
-            pre_integration=bool(options.pre_integration),
-            early_ray_termination=bool(options.early_ray_termination),
-            progress=options.progress,
-        )
+            "background": frame.background,
+            "threads": chosen_threads(options.threads),
+            "depth": bool(options.depth),
+            "pre_integration": bool(options.pre_integration),
+            "early_ray_termination": bool(options.early_ray_termination),
+        }
+        if lazy is None:
+            result = _native.render(drawn, frame.camera._core, arguments, options.progress)
+        else:
+            result = lazy.rendered(drawn, frame.camera._core, arguments)
     memory.remember(result["report"])
     return result, result["report"] | numbers
 

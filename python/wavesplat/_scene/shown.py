@@ -17,6 +17,7 @@ from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.cutting import Boxes, in_samples_of
 from wavesplat._model.options import Composite
 from wavesplat._model.volume import Volume
@@ -97,6 +98,8 @@ class ShownLayer:
 
 def identity_of(volume: Volume | WaveletVolume) -> object:
     """What is another one when the samples are: `Volume.changed` makes the core anew."""
+    if isinstance(volume, LazyVolume):
+        return volume._levels
     return volume._core if isinstance(volume, Volume) else volume
 
 

@@ -20,11 +20,8 @@ use crate::optics::classify::{Classifier, one_minus_exp_neg};
 use crate::optics::labels::{Labels, own_depth};
 use crate::source::field::Field;
 use crate::source::slices::Slices;
-use crate::source::window::Window;
+use crate::source::strided::light_steps;
 use wavesplat_core::Kernel;
-
-/// Cells of the coarse volume along its longest side, at most.
-const MAX_CELLS: f64 = 96.0;
 
 /// Directions that openness is the mean of, and parts that those along each axis are in, which may run at once.
 const N_DIRECTIONS: usize = 32;
@@ -56,27 +53,23 @@ impl ExtinctionGrid {
     pub fn new(slices: &Slices, classifier: &Classifier, opacity_unit: f64, labels: Option<&Labels>) -> Result<Self> {
         let grid = slices.grid();
         let size @ [nx, ny, nz] = grid.size();
-        let spacing = grid.spacing().to_array();
-        let longest = (0..3).map(|a| spacing[a] * size[a] as f64).fold(0.0, f64::max);
-        let per_cell =
-            [0, 1, 2].map(|a| ((longest / MAX_CELLS / spacing[a]).round().max(1.0) as usize).min(size[a] / 2));
+        let (per_cell, skip) = light_steps(grid);
         let n = [0, 1, 2].map(|a| size[a].div_ceil(per_cell[a]));
         // Opacities of a sample's own length are averaged, not optical depths: of a wall only its area counts.
         let length = grid.mean_spacing();
         let per_unit = (length / opacity_unit) as f32;
         let looks: Vec<[f32; 2]> = labels
             .map_or(Vec::new(), |l| l.looks.iter().map(|look| [look.scan as f32, own_depth(look) as f32]).collect());
-        // A part of the samples tells enough.
-        let skip = per_cell.map(|n| n.div_ceil(3));
         let layers = parallel::map(n[2], |cz| {
             let mut sums = vec![[0.0_f32; 2]; n[0] * n[1]];
-            let mut slice = vec![0.0; nx * ny];
-            for z in (cz * per_cell[2]..((cz + 1) * per_cell[2]).min(nz)).step_by(skip[2]) {
-                let window = Window { u: [0, nx as i64 - 1], v: [0, ny as i64 - 1] };
-                slices.combine(Level::best(), [0, 1, 2], &[(z, 1.0)], None, window, &mut slice, nx);
-                for y in (0..ny).step_by(skip[1]) {
-                    for x in (0..nx).step_by(skip[0]) {
-                        let mut depth = classifier.look_up_one(slice[y * nx + x])[3];
+            let mut slice = Vec::new();
+            let first = (cz * per_cell[2]).next_multiple_of(skip[2]);
+            for z in (first..((cz + 1) * per_cell[2]).min(nz)).step_by(skip[2]) {
+                slices.strided_slice(z, skip, &mut slice);
+                let rows = slice.chunks_exact(nx.div_ceil(skip[0]));
+                for (y, row) in (0..ny).step_by(skip[1]).zip(rows) {
+                    for (x, density) in (0..nx).step_by(skip[0]).zip(row) {
+                        let mut depth = classifier.look_up_one(*density)[3];
                         if let Some(labels) = labels {
                             let [scan, own] = looks[labels.codes.get((z * ny + y) * nx + x)];
                             depth = depth * scan + own;

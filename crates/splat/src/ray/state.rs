@@ -3,7 +3,7 @@
 //! A picture can be cut into pieces by tiles and by sheets: a piece takes a state and gives the next, as plain arrays, by
 //! [`Chunk`], so that they may be kept, sent to another process, or uploaded.
 
-use wavesplat_compute::simd::Lanes;
+use wavesplat_compute::simd::{LANES, Lanes};
 
 use crate::sheet::tile_layout::Chunk;
 
@@ -25,8 +25,80 @@ pub struct TileState {
 }
 
 impl TileState {
+    /// As bytes, little-endian: six lengths of arrays, then the arrays in the order of the fields. [`TileState::from_bytes`]
+    /// reads them back.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let Self { rgba, value, length, s_half, found, done } = self;
+        let mut bytes = Vec::with_capacity(24 + 4 * LANES * (4 * rgba.len() + value.len() + length.len() + s_half.len()));
+        for n in [rgba.len(), value.len(), length.len(), s_half.len(), found.len(), done.len()] {
+            bytes.extend_from_slice(&(n as u32).to_le_bytes());
+        }
+        let lanes = rgba.as_flattened().iter().chain(value).chain(length).chain(s_half);
+        lanes.flat_map(|lanes| lanes.0).for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
+        found.iter().for_each(|bits| bytes.extend_from_slice(&bits.to_le_bytes()));
+        bytes.extend(done.iter().map(|done| u8::from(*done)));
+        bytes
+    }
+
+    /// What [`TileState::to_bytes`] wrote; `None` where the bytes are not those of a state.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let (head, rest) = bytes.split_at_checked(24)?;
+        let (head, _) = head.as_chunks::<4>();
+        let n: Vec<usize> = head.iter().map(|n| u32::from_le_bytes(*n) as usize).collect();
+        if n.iter().any(|n| *n != 0 && *n != Chunk::N) {
+            return None;
+        }
+        let n_lanes = 4 * n[0] + n[1] + n[2] + n[3];
+        let (lanes, rest) = rest.split_at_checked(4 * LANES * n_lanes)?;
+        let (found, done) = rest.split_at_checked(2 * n[4])?;
+        if done.len() != n[5] {
+            return None;
+        }
+        let mut lanes = lanes.chunks_exact(4 * LANES).map(|own| {
+            let (numbers, _) = own.as_chunks::<4>();
+            Lanes(std::array::from_fn(|i| f32::from_le_bytes(numbers[i])))
+        });
+        let mut take = |n: usize| lanes.by_ref().take(n).collect::<Vec<_>>();
+        let rgba = take(4 * n[0]).as_chunks::<4>().0.to_vec();
+        let [value, length, s_half] = [n[1], n[2], n[3]].map(&mut take);
+        let found = found.as_chunks::<2>().0.iter().map(|bits| u16::from_le_bytes(*bits)).collect();
+        Some(Self { rgba, value, length, s_half, found, done: done.iter().map(|done| *done != 0).collect() })
+    }
+
+    /// Whether no ray can change any more.
+    pub fn is_done(&self) -> bool {
+        !self.done.is_empty() && self.done.iter().all(|done| *done)
+    }
+
     /// An array with an entry for every chunk.
     pub fn per_chunk<T: Clone>(value: T) -> Vec<T> {
         vec![value; Chunk::N]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_read_back() {
+        let lanes = |x: f32| TileState::per_chunk(Lanes::splat(x));
+        let state = TileState {
+            rgba: TileState::per_chunk([0.1, 0.2, 0.3, 0.4].map(Lanes::splat)),
+            s_half: lanes(f32::NAN),
+            found: TileState::per_chunk(0xA5A5),
+            done: TileState::per_chunk(true),
+            ..TileState::default()
+        };
+        let bytes = state.to_bytes();
+        assert_eq!(TileState::from_bytes(&bytes).unwrap().to_bytes(), bytes);
+        assert!(TileState::from_bytes(&bytes).unwrap().is_done());
+        let other = TileState { value: lanes(2.0), length: lanes(3.0), ..TileState::default() };
+        let read = TileState::from_bytes(&other.to_bytes()).unwrap();
+        assert!(read.value[5].0[3] == 2.0 && read.length[127].0[15] == 3.0 && read.rgba.is_empty());
+        for n in [0, 23, bytes.len() - 1] {
+            assert!(TileState::from_bytes(&bytes[..n]).is_none(), "{n}");
+        }
+        assert!(TileState::from_bytes(&[bytes.as_slice(), &[0]].concat()).is_none());
     }
 }

@@ -8,4 +8,6 @@ pub mod plan;
 pub mod plan_arrays;
 pub mod progress;
 pub mod report;
+pub mod segments;
+pub mod stream;
 pub mod tile;

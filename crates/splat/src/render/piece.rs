@@ -17,17 +17,20 @@ use crate::ray::over_layers::{LayerOptics, OverLayers};
 use crate::ray::project::Project;
 use crate::ray::state::TileState;
 use crate::render::plan::{FamilyPlan, Operator, Plan};
+use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::tile::{Piece, TileJob, Work, n_tiles};
 use crate::sheet::tile_layout::{BlockMask, Chunk, N_STRIPS, TILE_U, TILE_V};
 use crate::source::slices::{Slices, needed_samples};
 use wavesplat_compute::simd::LANES;
+use wavesplat_core::{Error, Result};
 
 /// Draws some tiles of a base plane through some consecutive slabs, on all threads.
 ///
 /// `family`: which base plane of the plan. `tiles`: their numbers along u and v. `slabs`: spaces between two sheets, counted
 /// in the order in which rays meet them. `slices`: of each layer, the whole volume, or a box with what [`samples_of`] tells. `states`: of
 /// these tiles after the slabs before, from the first one on without gaps; `None` where nothing has been seen yet. Returns
-/// the states after these slabs.
+/// the states after these slabs. `callback` hears how many of the tiles are done, and may cancel ([`Error::Cancelled`]).
+#[expect(clippy::too_many_arguments, reason = "what a piece is, and who hears of it")]
 pub fn draw_piece(
     plan: &Plan,
     family: usize,
@@ -35,17 +38,27 @@ pub fn draw_piece(
     slabs: &Range<usize>,
     slices: &[&Slices],
     states: &[Option<TileState>],
-) -> (Vec<Option<TileState>>, Work) {
+    callback: &dyn ProgressCallback,
+) -> Result<(Vec<Option<TileState>>, Work)> {
     let job = TileJob::new(plan, &plan.families[family], slices);
+    let progress = Progress::new(callback, tiles.len());
     let drawn = parallel::map(tiles.len(), |k| {
+        if progress.is_stopped() {
+            return (None, Work::default());
+        }
         let piece = Piece { tile: tiles[k], blocks: BlockMask::MAX, slabs: slabs.clone() };
         let mut work = Work::default();
         let state = states.get(k).cloned().flatten();
         let run = Run { job: &job, piece: &piece, state, work: &mut work, then: IntoState };
-        (with_operator(plan, job.family, run), work)
+        let state = with_operator(plan, job.family, run);
+        progress.tile_done();
+        (state, work)
     });
+    if progress.is_stopped() {
+        return Err(Error::Cancelled);
+    }
     let work = drawn.iter().fold(Work::default(), |all, (_, work)| all.and(*work));
-    (drawn.into_iter().map(|(state, _)| state).collect(), work)
+    Ok((drawn.into_iter().map(|(state, _)| state).collect(), work))
 }
 
 /// Index ranges, along x, y and z, of the samples of a layer that a piece is made of; `None` where there are no tiles.

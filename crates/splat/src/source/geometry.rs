@@ -106,6 +106,15 @@ impl<'a> SheetGeometry<'a> {
         ranges
     }
 
+    /// Samples that the footprint of a texel reaches on either side of it, at most, along any axis.
+    pub fn reach(&self) -> usize {
+        let of = |axis: &Axis| {
+            let [from, to] = window(axis, [0.0, 0.0]);
+            from.unsigned_abs().max(to.unsigned_abs()) as usize
+        };
+        self.axes.iter().map(of).max().unwrap_or(0)
+    }
+
     /// Positions among the samples between which texels lie, along u (0) or v (1), on the sheets between two positions.
     pub fn hull(&self, k: usize, texels: [usize; 2], w: [f64; 2]) -> [f64; 2] {
         let mut hull = [f64::INFINITY, f64::NEG_INFINITY];

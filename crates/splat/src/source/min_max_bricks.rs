@@ -114,13 +114,13 @@ fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
 }
 
 /// Bricks along each axis.
-fn n_bricks(side: usize, size: [usize; 3]) -> [usize; 3] {
+pub(super) fn n_bricks(side: usize, size: [usize; 3]) -> [usize; 3] {
     size.map(|n| (n - 1).div_ceil(side))
 }
 
 /// Which samples count for a brick.
 #[derive(Clone, Copy)]
-struct Reach {
+pub(super) struct Reach {
     side: usize,
     /// Samples of the volume.
     size: [usize; 3],
@@ -132,14 +132,14 @@ struct Reach {
 }
 
 impl Reach {
-    fn new(side: usize, size: [usize; 3], kernel: Kernel) -> Self {
+    pub fn new(side: usize, size: [usize; 3], kernel: Kernel) -> Self {
         // Positions are between a brick's first sample and its last: half a radius reaches on to the next one.
         let after = radius(kernel).ceil() as usize;
         Self { side, size, before: after - 1, after, overshoot: overshoot(kernel) }
     }
 
     /// Bricks along each axis.
-    fn n(&self) -> [usize; 3] {
+    pub fn n(&self) -> [usize; 3] {
         n_bricks(self.side, self.size)
     }
 
@@ -149,14 +149,46 @@ impl Reach {
         first.saturating_sub(self.before)..(first + self.side + self.after).min(self.size[axis])
     }
 
-    /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box, which begins at `lo`.
+    /// Bricks for which any sample of a range of an axis counts.
+    pub fn bricks(&self, axis: usize, samples: Range<usize>) -> Range<usize> {
+        let n = self.n()[axis];
+        let first = samples.start.saturating_sub(self.side + self.after - 1).div_ceil(self.side);
+        first.min(n)..((samples.end - 1 + self.before) / self.side + 1).min(n)
+    }
+
+    /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box, which begins at `lo`; widened where the kernel
+    /// overshoots.
     fn bounds(
         &self,
         rows: &impl DensityRows,
         lo: [usize; 3],
-        [nx, ny, _]: [usize; 3],
+        n: [usize; 3],
         bricks: [Range<usize>; 3],
     ) -> Vec<[f32; 2]> {
+        let mut bounds = self.bounds_within(rows, lo, n, bricks);
+        bounds.iter_mut().for_each(|bounds| *bounds = self.widened(*bounds));
+        bounds
+    }
+
+    /// What the kernel may make of densities.
+    fn widened(&self, [lo, hi]: [f32; 2]) -> [f32; 2] {
+        let over = self.overshoot * (hi - lo);
+        [lo - over, hi + over]
+    }
+
+    /// Least and largest density of bricks, `[z][y][x]`, from rows of those samples that lie in a box, which begins at `lo`;
+    /// infinite where there are none.
+    pub fn bounds_within(
+        &self,
+        rows: &impl DensityRows,
+        lo: [usize; 3],
+        n @ [nx, ny, _]: [usize; 3],
+        bricks: [Range<usize>; 3],
+    ) -> Vec<[f32; 2]> {
+        let within = |axis: usize, brick: usize| {
+            let own = self.samples(axis, brick);
+            own.start.max(lo[axis])..own.end.min(lo[axis] + n[axis])
+        };
         let [bxs, bys, bzs] = bricks;
         let mut bounds = Vec::with_capacity(bxs.len() * bys.len() * bzs.len());
         let (mut least, mut largest) = (vec![0.0_f32; nx], vec![0.0_f32; nx]);
@@ -164,18 +196,17 @@ impl Reach {
             for by in bys.clone() {
                 least.fill(f32::INFINITY);
                 largest.fill(f32::NEG_INFINITY);
-                for z in self.samples(2, bz) {
-                    for y in self.samples(1, by) {
+                for z in within(2, bz) {
+                    for y in within(1, by) {
                         rows.widen(nx * (y - lo[1] + ny * (z - lo[2])), &mut least, &mut largest);
                     }
                 }
                 for bx in bxs.clone() {
-                    let Range { start, end } = self.samples(0, bx);
+                    let Range { start, end } = within(0, bx);
                     let reached = start - lo[0]..end - lo[0];
                     let lo = least[reached.clone()].iter().fold(f32::INFINITY, |a, b| a.min(*b));
                     let hi = largest[reached].iter().fold(f32::NEG_INFINITY, |a, b| a.max(*b));
-                    let over = self.overshoot * (hi - lo);
-                    bounds.push([lo - over, hi + over]);
+                    bounds.push([lo, hi]);
                 }
             }
         }
@@ -201,6 +232,29 @@ impl Bricks {
         parallel::for_each_chunk(&mut bounds, n[0] * n[1], |bz, layer| {
             let bounds = reach.bounds(rows, [0; 3], size, [0..n[0], 0..n[1], bz..bz + 1]);
             layer.iter_mut().zip(bounds).for_each(|(kept, bounds)| *kept = level(bounds));
+        });
+        Self { side, n, range, bounds, latest: Mutex::default() }
+    }
+
+    /// From least and largest value of every brick, `[z][y][x]`, infinite where it has none; `density`: of a value.
+    pub(super) fn of_bounds(
+        side: usize,
+        size: [usize; 3],
+        kernel: Kernel,
+        range: [f32; 2],
+        values: &[[f32; 2]],
+        density: impl Fn(f32) -> f32 + Sync,
+    ) -> Self {
+        let reach = Reach::new(side, size, kernel);
+        let n = reach.n();
+        let level = level_in(range);
+        let mut bounds = vec![[0; 2]; n.iter().product()];
+        parallel::for_each_chunk(&mut bounds, n[0] * n[1], |bz, layer| {
+            for (kept, [lo, hi]) in layer.iter_mut().zip(&values[bz * n[0] * n[1]..]) {
+                // Nothing is drawn where no sample is finite: any value will do that is among those that are.
+                let known = if lo <= hi { [density(*lo), density(*hi)] } else { [range[0]; 2] };
+                *kept = level(reach.widened(known));
+            }
         });
         Self { side, n, range, bounds, latest: Mutex::default() }
     }

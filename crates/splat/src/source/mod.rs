@@ -9,5 +9,7 @@ pub mod nonfinite;
 pub mod occupancy;
 pub mod point_sampling;
 pub mod slices;
+pub mod strided;
+pub mod survey;
 pub mod transposed;
 pub mod window;

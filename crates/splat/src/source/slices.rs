@@ -23,6 +23,7 @@ use crate::source::block_cache::{Blocks, DensityBox, all_densities, bytes_of_all
 use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MOST_BYTES, widen};
 use crate::source::nonfinite::{self, fill_holes};
 use crate::source::point_sampling::{PointSums, PointTaps};
+use crate::source::strided::StridedSamples;
 use crate::source::window::{SliceRectangle, Turn, Window};
 
 /// Densities of a volume, ready for one kernel.
@@ -38,6 +39,8 @@ enum SampleSource<'a> {
     Samples(Samples<'a>),
     /// A volume without samples; its blocks where its densities are not all prepared.
     Decoded(Option<Arc<Blocks>>),
+    /// A volume of which boxes are read elsewhere: frames are planned with it, and drawn from the boxes.
+    Surveyed(Arc<StridedSamples>),
 }
 
 /// Samples of a box of a volume, `[z][y][x]`.
@@ -219,6 +222,49 @@ impl<'a> Slices<'a> {
         Self { source: SampleSource::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
     }
 
+    /// A volume of which boxes are read elsewhere ([`crate::source::survey`]): for plans, not to be drawn from. `range`
+    /// bounds the densities, or spline coefficients; `strided`: those that light needs ([`light_steps`]).
+    ///
+    /// [`light_steps`]: crate::source::strided::light_steps
+    pub(super) fn of_survey(
+        grid: &Grid,
+        kernel: Kernel,
+        range: [f32; 2],
+        bricks: Bricks,
+        strided: StridedSamples,
+    ) -> Self {
+        let prepared = Arc::new(Prepared::of_parts(kernel, grid.size(), range, bricks));
+        Self { source: SampleSource::Surveyed(Arc::new(strided)), grid: grid.clone(), prepared }
+    }
+
+    /// Whether its samples are read elsewhere, box by box.
+    pub fn is_surveyed(&self) -> bool {
+        matches!(self.source, SampleSource::Surveyed(_))
+    }
+
+    /// Densities, or coefficients, of every n-th sample of the slice `z`, row by row; `z` is a multiple of the step too.
+    pub fn strided_slice(&self, z: usize, step: [usize; 3], out: &mut Vec<f32>) {
+        out.clear();
+        let [nx, ny, _] = self.grid.size();
+        if let SampleSource::Surveyed(strided) = &self.source {
+            debug_assert_eq!(strided.step, step, "as the survey was made");
+            return (0..ny).step_by(step[1]).for_each(|y| out.extend_from_slice(strided.row(y, z)));
+        }
+        let mut slice = vec![0.0; nx * ny];
+        let window = Window { u: [0, nx as i64 - 1], v: [0, ny as i64 - 1] };
+        self.combine(Level::best(), [0, 1, 2], &[(z, 1.0)], None, window, &mut slice, nx);
+        (0..ny).step_by(step[1]).for_each(|y| out.extend(slice[y * nx..][..nx].iter().step_by(step[0])));
+    }
+
+    /// Adds a row of densities, or coefficients, of a box that was prepared, to what there is.
+    pub(super) fn push_prepared_row(&self, xs: Range<usize>, y: usize, z: usize, out: &mut Vec<f32>) {
+        let from = self.linear_index([xs.start, y, z]);
+        match &self.prepared.densities {
+            Some(densities) => out.extend_from_slice(&densities[from..][..xs.len()]),
+            None => out.extend(xs.map(|x| self.at([x, y, z]) as f32)),
+        }
+    }
+
     /// A box of a volume that lies on `grid`, ready for a kernel. `range` bounds the densities, or spline coefficients, of
     /// the whole, as [`Slices::range`] of it has them.
     pub fn of_box(samples: &VolumeBox<'a>, grid: &Grid, kernel: Kernel, range: [f32; 2]) -> Self {
@@ -270,6 +316,7 @@ impl<'a> Slices<'a> {
                 let (offset, scale) = self.grid.density_from_sample();
                 (samples.get(i) - offset) * scale
             }
+            (None, SampleSource::Surveyed(_)) => f64::NAN,
             (None, SampleSource::Decoded(blocks)) => {
                 let mut part = DensityBox::default();
                 blocks.as_ref().map_or(f64::NAN, |blocks| {
@@ -300,7 +347,8 @@ impl<'a> Slices<'a> {
             (_, SampleSource::Samples(samples)) => {
                 with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64));
             }
-            (Some(densities), SampleSource::Decoded(_)) => whole.write(densities, points, out, sample),
+            (Some(densities), _) => whole.write(densities, points, out, sample),
+            (None, SampleSource::Surveyed(_)) => out.fill(f64::NAN),
             (None, SampleSource::Decoded(blocks)) => {
                 let (Some(blocks), Some((lo, hi))) = (blocks, whole.reached(points)) else { return };
                 let mut part = DensityBox::default();
@@ -342,7 +390,7 @@ impl<'a> Slices<'a> {
         }
         let samples = match &self.source {
             SampleSource::Samples(samples) => *samples,
-            SampleSource::Decoded(_) => {
+            SampleSource::Decoded(_) | SampleSource::Surveyed(_) => {
                 let slices = taps.iter().fold([usize::MAX, 0], |[lo, hi], tap| [lo.min(tap.0), hi.max(tap.0)]);
                 let mut part = DensityBox::default();
                 self.load(axes, window, slices, &mut part);

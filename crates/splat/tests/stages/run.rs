@@ -374,7 +374,7 @@ fn rays(level: Level, case: &Case, tf: &TransferFunction, composite: Composite, 
     let plane = &mut plan.families[0].plane;
     (plane.origin, plane.step, plane.size) = (DVec2::new(1.0, 0.0), DVec2::ONE, [LANES, 8]);
     assert_eq!(plane.sheet(1.0), [(1.0, 1.0), (0.0, 1.0)]);
-    let (mut states, _) = draw_piece(&plan, 0, &[[0, 0]], &(0..n_sheets - 1), &[&slices], &[]);
+    let (mut states, _) = draw_piece(&plan, 0, &[[0, 0]], &(0..n_sheets - 1), &[&slices], &[], &()).unwrap();
     states.remove(0).expect("something is drawn")
 }
 

@@ -1,0 +1,190 @@
+//! Frames whose samples Python reads while they are drawn.
+
+use std::sync::{PoisonError, RwLock, RwLockReadGuard};
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use wavesplat::{BlockState, Samples, Scene, SceneLayer, SceneVolume, Stream, StreamOptions};
+
+use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
+use crate::errors::to_py;
+use crate::lazy::{PyBox, PyLazyVolume, py_box};
+use crate::progress::PyProgress;
+use crate::rendering::{PyFrame, picture_and_report};
+use crate::volume::NumpySamples;
+
+/// A lazy volume, its transfer function, and its light.
+type PyLazyLayer<'py> = (PyRef<'py, PyLazyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
+
+/// See `_native.pyi`.
+#[pyclass(name = "Stream", frozen, module = "wavesplat._native")]
+pub struct PyStream(RwLock<Stream>, PyStreamFacts);
+
+/// What is asked for often, and does not change.
+struct PyStreamFacts {
+    n_blocks: usize,
+}
+
+/// See `_native.pyi`.
+#[pyclass(name = "BlockState", frozen, module = "wavesplat._native")]
+pub struct PyBlockState(BlockState);
+
+#[pymethods]
+impl PyBlockState {
+    #[new]
+    fn new() -> Self {
+        Self(BlockState::default())
+    }
+
+    /// Whether no ray can change any more.
+    #[getter]
+    fn is_done(&self) -> bool {
+        self.0.is_done()
+    }
+
+    fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.0.to_bytes())
+    }
+
+    /// What `to_bytes` wrote; wrong bytes are refused.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let state = BlockState::from_bytes(bytes, 1 << 24);
+        state.map(Self).ok_or_else(|| PyValueError::new_err("the bytes are not those of the state of a block"))
+    }
+}
+
+#[pymethods]
+impl PyStream {
+    #[new]
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+    fn new(
+        py: Python<'_>,
+        layers: Vec<PyLazyLayer<'_>>,
+        camera: &PyCamera,
+        frame: PyFrame<'_>,
+        budget_bytes: usize,
+        n_blocks: usize,
+        segment_slices: Option<usize>,
+    ) -> PyResult<Self> {
+        let layer = |(volume, tf, shading): &PyLazyLayer<'_>| SceneLayer {
+            volume: SceneVolume::Lazy(volume.0.clone()),
+            transfer_function: tf.0.clone(),
+            shading: shading.as_ref().map(|shading| shading.0.clone()),
+        };
+        let mut scene = Scene::of(layers.iter().map(layer).collect());
+        frame.fill(&mut scene);
+        let options = frame.options()?;
+        let size = [frame.width, frame.height];
+        let streaming = StreamOptions { budget_bytes, n_blocks, segment_slices };
+        let camera = &camera.0;
+        let stream = py.detach(|| scene.stream(camera, size, &options, &streaming)).map_err(to_py)?;
+        let facts = PyStreamFacts { n_blocks: stream.n_blocks() };
+        Ok(Self(RwLock::new(stream), facts))
+    }
+
+    #[getter]
+    fn n_blocks(&self) -> usize {
+        self.1.n_blocks
+    }
+
+    fn n_steps(&self, block: usize) -> PyResult<usize> {
+        self.check(block, None)?;
+        Ok(self.locked().n_steps(block))
+    }
+
+    /// First and end of the steps of each segment of a block.
+    fn segments(&self, block: usize) -> PyResult<Vec<(usize, usize)>> {
+        self.check(block, None)?;
+        Ok(self.locked().segments(block).into_iter().map(|range| (range.start, range.end)).collect())
+    }
+
+    /// Texels of a block, all sheets.
+    fn n_texels(&self, block: usize) -> PyResult<u64> {
+        self.check(block, None)?;
+        Ok(self.locked().n_texels(block))
+    }
+
+    /// Of each layer, the box of samples that a step is drawn from.
+    fn held(&self, block: usize, step: usize) -> PyResult<Vec<PyBox>> {
+        self.check(block, Some(step))?;
+        Ok(self.locked().held(block, step).iter().map(py_box).collect())
+    }
+
+    /// Of each layer, the boxes that a step reads.
+    fn reads(
+        &self,
+        py: Python<'_>,
+        block: usize,
+        step: usize,
+        is_first: bool,
+        state: &PyBlockState,
+    ) -> PyResult<Vec<Vec<PyBox>>> {
+        self.check(block, Some(step))?;
+        let reads = py.detach(|| self.locked().reads(block, step, is_first, &state.0));
+        Ok(reads.iter().map(|boxes| boxes.iter().map(py_box).collect()).collect())
+    }
+
+    /// Draws a step from the samples of `held`, and gives the state after it.
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
+    fn draw(
+        &self,
+        py: Python<'_>,
+        block: usize,
+        step: usize,
+        samples: Vec<Bound<'_, PyAny>>,
+        state: &PyBlockState,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<PyBlockState> {
+        self.check(block, Some(step))?;
+        let arrays = samples.iter().map(NumpySamples::new).collect::<PyResult<Vec<_>>>()?;
+        let watched = PyProgress::new(progress);
+        let drawn = with_arrays(py, &arrays, &[], &mut |samples| {
+            watched.watch(py, || self.locked().draw(block, step, samples, &state.0, &watched))
+        })?;
+        drawn.map(PyBlockState).map_err(to_py)
+    }
+
+    /// The state of a block after its segments, front to back.
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
+    fn fold(&self, py: Python<'_>, segments: Vec<PyRef<'_, PyBlockState>>) -> PyBlockState {
+        let segments = segments.iter().map(|state| state.0.clone()).collect();
+        PyBlockState(py.detach(|| self.locked().fold(segments)))
+    }
+
+    /// Puts a block that is done in its place.
+    fn put(&self, py: Python<'_>, block: usize, state: &PyBlockState) -> PyResult<()> {
+        self.check(block, None)?;
+        py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).put(block, state.0.clone()));
+        Ok(())
+    }
+
+    /// The picture of all that was put.
+    fn picture<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let frame = py.detach(|| self.locked().picture());
+        picture_and_report(py, frame)
+    }
+}
+
+impl PyStream {
+    fn locked(&self) -> RwLockReadGuard<'_, Stream> {
+        self.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn check(&self, block: usize, step: Option<usize>) -> PyResult<()> {
+        let is_there = block < self.1.n_blocks && step.is_none_or(|step| step < self.locked().n_steps(block));
+        if is_there { Ok(()) } else { Err(PyValueError::new_err("there is no such block or step")) }
+    }
+}
+
+/// Calls `work` with the samples of all arrays.
+fn with_arrays<T>(
+    py: Python<'_>,
+    arrays: &[NumpySamples],
+    before: &[Samples<'_>],
+    work: &mut dyn FnMut(&[Samples<'_>]) -> PyResult<T>,
+) -> PyResult<T> {
+    let Some((first, others)) = arrays.split_first() else { return work(before) };
+    first.with_samples(py, |samples, _| with_arrays(py, others, &[before, &[samples]].concat(), work))?
+}

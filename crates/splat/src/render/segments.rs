@@ -1,0 +1,81 @@
+//! Folding segments of rays, front to back: what several machines composited on their own, as one state.
+//!
+//! Each segment began with nothing seen and stopped by its own opacity. *over* with associated colour is associative (Porter
+//! & Duff 1984), but for rounding and for where rays stop: the order of the fold, from the front to the back, and where
+//! segments are cut are part of the definition of the picture, so that it does not depend on who drew what when. What lies
+//! behind a ray that is done is ignored. Extremes, integrals and first hits are exact in any grouping.
+
+use wavesplat_compute::simd::{LANES, Lanes};
+use wavesplat_core::Composite;
+
+use crate::ray::state::TileState;
+use crate::render::plan::Operator;
+
+/// Whether segments of an operator can be folded: not of those that must know what is in front.
+pub fn can_fold(operator: Operator, with_depth: bool) -> bool {
+    match operator {
+        Operator::Over { .. } => !with_depth,
+        Operator::LocalMaximum { .. } => false,
+        Operator::FirstHit { .. } | Operator::Project { .. } => true,
+    }
+}
+
+/// The state of a tile's rays after the segment in front and the one behind it; `None`: nothing is seen in it.
+pub fn fold(operator: Operator, front: Option<TileState>, back: Option<TileState>) -> Option<TileState> {
+    let (mut front, back) = match (front, back) {
+        (Some(front), Some(back)) => (front, back),
+        (front, back) => return front.or(back),
+    };
+    match operator {
+        Operator::Over { opaque, .. } => {
+            for (near, far) in front.rgba.iter_mut().zip(&back.rgba) {
+                over(near, far, opaque);
+            }
+            for (k, done) in front.done.iter_mut().enumerate() {
+                *done |= back.done[k] || front.rgba[k][3].0.iter().all(|alpha| *alpha >= opaque);
+            }
+        }
+        Operator::FirstHit { .. } => {
+            for k in 0..front.found.len() {
+                let new = back.found[k] & !front.found[k];
+                for i in (0..LANES).filter(|i| new >> i & 1 == 1) {
+                    for c in 0..4 {
+                        front.rgba[k][c].0[i] = back.rgba[k][c].0[i];
+                    }
+                    front.s_half[k].0[i] = back.s_half[k].0[i];
+                }
+                front.found[k] |= new;
+                front.done[k] |= back.done[k];
+            }
+        }
+        Operator::Project { composite, .. } => {
+            for (near, far) in front.value.iter_mut().zip(&back.value) {
+                for (near, far) in near.0.iter_mut().zip(far.0) {
+                    *near = match composite {
+                        Composite::Maximum | Composite::DepthShadedMaximum { .. } => near.max(far),
+                        Composite::Minimum => near.min(far),
+                        _ => *near + far,
+                    };
+                }
+            }
+            for (near, far) in front.length.iter_mut().zip(&back.length) {
+                near.0.iter_mut().zip(far.0).for_each(|(near, far)| *near += far);
+            }
+        }
+        // Refused before anything is drawn.
+        Operator::LocalMaximum { .. } => {}
+    }
+    Some(front)
+}
+
+/// `C += (1 − A) C'`, `A += (1 − A) A'`, where the ray in front is not done.
+fn over(near: &mut [Lanes; 4], far: &[Lanes; 4], opaque: f32) {
+    for i in 0..LANES {
+        let alpha = near[3].0[i];
+        if alpha < opaque {
+            for c in 0..4 {
+                near[c].0[i] += (1.0 - alpha) * far[c].0[i];
+            }
+        }
+    }
+}

@@ -1,0 +1,515 @@
+//! Streaming: the schedule of a frame whose samples are read while it is drawn, within a memory budget.
+//!
+//! A base plane is cut into blocks of tiles, and each block is drawn front to back in steps. A step reads the next layer of
+//! the file's chunks, keeps the few slices of the step before that footprints still reach, and draws the slabs that all
+//! samples are there for. The order of the sheets is known, so is that of the reads: each chunk is read once per block, and
+//! chunks from which nothing visible is drawn are not read. Blocks are as large as the budget allows; neighbours share chunks.
+//!
+//! Pieces are cut at tiles and at sheets, so the picture is, to the bit, that of one piece.
+
+use std::ops::Range;
+
+use crate::render::plan::{FamilyPlan, Plan};
+use crate::render::tile::{TileJob, n_tiles};
+use crate::sheet::spacing::SheetSpacing;
+use crate::sheet::tile_layout::{BLOCK_V, TILE_U, TILE_V};
+use crate::source::geometry::SheetGeometry;
+use crate::source::slices::{Slices, needed_samples};
+use wavesplat_compute::simd::LANES;
+use wavesplat_core::{Error, Result};
+
+/// A box of samples: ranges along x, y, z.
+pub type SampleBox = [Range<usize>; 3];
+
+/// How the samples of a layer are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Storage {
+    /// Samples along x, y, z that are read at once.
+    pub chunk: [usize; 3],
+    /// Bytes of a sample.
+    pub sample_bytes: usize,
+}
+
+/// A part of a base plane that is drawn front to back on its own.
+#[derive(Clone, Debug)]
+pub struct StreamBlock {
+    /// Which base plane.
+    pub family: usize,
+    /// Tiles along u and along v.
+    pub tiles: [Range<usize>; 2],
+    /// What is drawn one after the other.
+    pub steps: Vec<StreamStep>,
+    /// Steps that begin a segment of the rays; the first one at least.
+    pub segment_starts: Vec<usize>,
+}
+
+/// Slabs that are drawn from what has been read so far.
+#[derive(Clone, Debug)]
+pub struct StreamStep {
+    /// Spaces between two sheets, counted in the order in which rays meet them.
+    pub slabs: Range<usize>,
+    /// Of each layer, the samples that the slabs are drawn from.
+    pub held: Vec<SampleBox>,
+    /// Of each layer, which of them the step before had not; of those some need not be read ([`StreamPlan::reads`]).
+    pub new: Vec<Vec<SampleBox>>,
+    /// Of each layer, the end of the slabs that are drawn from what is held, be it in later steps.
+    pub served: Vec<usize>,
+}
+
+/// The blocks of all base planes, and how they are read.
+#[derive(Clone, Debug)]
+pub struct StreamPlan {
+    /// In the order in which they are best drawn.
+    pub blocks: Vec<StreamBlock>,
+    storage: Vec<Storage>,
+}
+
+/// Slices that a step has at least, where chunks are thinner and the budget allows it.
+const LEAST_DEPTH: usize = 32;
+
+impl StreamBlock {
+    /// Its tiles, row by row.
+    pub fn all_tiles(&self) -> Vec<[usize; 2]> {
+        let [us, vs] = self.tiles.clone();
+        vs.flat_map(|v| us.clone().map(move |u| [u, v])).collect()
+    }
+
+    /// Bytes of samples that are held at most: those of a step, and those that the next one reads meanwhile.
+    fn most_bytes(&self, storage: &[Storage]) -> usize {
+        let bytes = |boxes: &[SampleBox]| {
+            let each = boxes.iter().zip(storage).map(|(held, own)| volume_of(held) * own.sample_bytes);
+            each.sum::<usize>()
+        };
+        let held: Vec<usize> = self.steps.iter().map(|step| bytes(&step.held)).collect();
+        let pairs = held.windows(2).map(|pair| pair[0] + pair[1]).max();
+        pairs.or(held.first().copied()).unwrap_or(0)
+    }
+}
+
+impl StreamPlan {
+    /// For a plan; `slices` and `storage`: of each layer. At most `budget_bytes` of samples are held at once. `n_blocks`:
+    /// at least so many blocks in each base plane, where there are as many tiles. `segment_slices`: steps end where segments
+    /// of so many slices do.
+    pub fn new(
+        plan: &Plan,
+        slices: &[&Slices],
+        storage: &[Storage],
+        budget_bytes: usize,
+        n_blocks: usize,
+        segment_slices: Option<usize>,
+    ) -> Result<Self> {
+        let mut blocks = Vec::new();
+        for k in 0..plan.families.len() {
+            let family = &plan.families[k];
+            let job = TileJob::new(plan, family, slices);
+            let reader = Reader { plan, family, job: &job, storage, segment_slices };
+            reader.cut(k, n_blocks, budget_bytes, &mut blocks)?;
+        }
+        Ok(Self { blocks, storage: storage.to_vec() })
+    }
+
+    /// The steps of each segment of a block.
+    pub fn segments(&self, block: usize) -> Vec<Range<usize>> {
+        let StreamBlock { steps, segment_starts: starts, .. } = &self.blocks[block];
+        let ends = starts.iter().skip(1).copied().chain([steps.len()]);
+        starts.iter().zip(ends).map(|(from, to)| *from..to).collect()
+    }
+
+    /// The boxes of a layer that a step of a block reads: of those that are new (all that is held, where it `is_first`),
+    /// chunks that something visible is drawn from. `alive`: tiles of the block whose rays are not all done, or all.
+    #[expect(clippy::too_many_arguments, reason = "the plan, and which step of it")]
+    pub fn reads(
+        &self,
+        plan: &Plan,
+        slices: &[&Slices],
+        block: usize,
+        step: usize,
+        layer: usize,
+        is_first: bool,
+        alive: &dyn Fn([usize; 2]) -> bool,
+    ) -> Vec<SampleBox> {
+        let block = &self.blocks[block];
+        let family = &plan.families[block.family];
+        let job = TileJob::new(plan, family, slices);
+        let reader = Reader { plan, family, job: &job, storage: &self.storage, segment_slices: None };
+        let Some(tiles) = hull_of(block, alive) else { return Vec::new() };
+        let slabs = block.steps[step].slabs.start..block.steps[step].served[layer];
+        let needed = reader.needed(&tiles, &slabs, layer);
+        let margin = reader.margins(&tiles, &slabs, layer);
+        let chunk = self.storage[layer].chunk;
+        let is_read = |part: &SampleBox| match &family.layers[layer].occupancy {
+            _ if (0..3).any(|a| part[a].end <= needed[a].start || part[a].start >= needed[a].end) => false,
+            None => true,
+            Some(occupied) => {
+                let side = occupied.side();
+                let [us, vs, ws] = family.plane.family.axes.map(|a| {
+                    let last = slices[layer].grid().size()[a].saturating_sub(2) / side;
+                    let from = part[a].start.saturating_sub(margin[a]) / side;
+                    [from.min(last), ((part[a].end + margin[a]) / side).min(last)]
+                });
+                occupied.any(us, vs, ws)
+            }
+        };
+        let StreamStep { held, new, .. } = &block.steps[step];
+        let new = if is_first { std::slice::from_ref(&held[layer]) } else { &new[layer][..] };
+        new.iter().flat_map(|part| runs_of_chunks(part, chunk, &is_read)).collect()
+    }
+
+    /// Samples that the reads of all steps would be, without regard to what is visible; of a layer.
+    pub fn n_samples(&self, layer: usize) -> usize {
+        let steps = self.blocks.iter().flat_map(|block| &block.steps);
+        steps.flat_map(|step| &step.new[layer]).map(volume_of).sum()
+    }
+}
+
+/// Samples of a box.
+pub fn volume_of(part: &SampleBox) -> usize {
+    part.iter().map(ExactSizeIterator::len).product()
+}
+
+/// The hull of those tiles of a block that are alive.
+fn hull_of(block: &StreamBlock, alive: &dyn Fn([usize; 2]) -> bool) -> Option<[Range<usize>; 2]> {
+    let mut hull: Option<[Range<usize>; 2]> = None;
+    for tile in block.all_tiles().into_iter().filter(|tile| alive(*tile)) {
+        hull = Some(match hull {
+            None => tile.map(|t| t..t + 1),
+            Some(all) => [0, 1].map(|a| all[a].start.min(tile[a])..all[a].end.max(tile[a] + 1)),
+        });
+    }
+    hull
+}
+
+/// The chunks of a box that pass a test, put together along x.
+fn runs_of_chunks(part: &SampleBox, chunk: [usize; 3], test: &impl Fn(&SampleBox) -> bool) -> Vec<SampleBox> {
+    let cells = |a: usize| {
+        let range = part[a].clone();
+        (range.start / chunk[a]..range.end.div_ceil(chunk[a]))
+            .map(move |k| range.start.max(k * chunk[a])..range.end.min((k + 1) * chunk[a]))
+    };
+    let mut runs: Vec<SampleBox> = Vec::new();
+    for z in cells(2) {
+        for y in cells(1) {
+            let mut run: Option<Range<usize>> = None;
+            for x in cells(0) {
+                let passes = test(&[x.clone(), y.clone(), z.clone()]);
+                match &mut run {
+                    Some(run) if passes => run.end = x.end,
+                    None if passes => run = Some(x),
+                    _ => runs.extend(run.take().map(|run| [run, y.clone(), z.clone()])),
+                }
+            }
+            runs.extend(run.map(|run| [run, y.clone(), z.clone()]));
+        }
+    }
+    merged(runs, 1)
+}
+
+/// Boxes that lie beside each other along an axis and are alike along the others, put together.
+fn merged(boxes: Vec<SampleBox>, axis: usize) -> Vec<SampleBox> {
+    let mut out: Vec<SampleBox> = Vec::new();
+    for part in boxes {
+        let fits = |before: &SampleBox| {
+            before[axis].end == part[axis].start && (0..3).all(|a| a == axis || before[a] == part[a])
+        };
+        match out.iter_mut().rev().take(64).find(|before| fits(before)) {
+            Some(before) => before[axis].end = part[axis].end,
+            None => out.push(part),
+        }
+    }
+    out
+}
+
+/// How a base plane reads.
+struct Reader<'a> {
+    plan: &'a Plan,
+    family: &'a FamilyPlan,
+    job: &'a TileJob<'a>,
+    storage: &'a [Storage],
+    segment_slices: Option<usize>,
+}
+
+impl Reader<'_> {
+    fn spacing(&self) -> &SheetSpacing {
+        &self.family.spacing
+    }
+
+    /// Cuts the base plane into blocks that fit.
+    fn cut(&self, family: usize, n_blocks: usize, budget: usize, blocks: &mut Vec<StreamBlock>) -> Result<()> {
+        let n = n_tiles(&self.family.plane);
+        let mut cuts = [1, 1];
+        while cuts[0] * cuts[1] < n_blocks.min(n[0] * n[1]) {
+            self.cut_once_more(&mut cuts, n);
+        }
+        let mut depth = LEAST_DEPTH;
+        loop {
+            let made = self.blocks(family, cuts, n, depth);
+            let most = made.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0);
+            if most <= budget {
+                blocks.extend(made);
+                return Ok(());
+            }
+            // First smaller blocks, as long as they are no smaller than what chunks and shear add to them.
+            let is_small = (0..2).all(|a| cuts[a] >= n[a].div_ceil(SMALL_BLOCK[a]));
+            if depth > 1 && is_small {
+                depth = if depth > 2 { depth / 2 } else { 1 };
+            } else if cuts == n {
+                let mend = "give more memory, or store the samples in smaller chunks";
+                let [needed_mib, limit_mib] = [most, budget].map(|bytes| bytes.div_ceil(1 << 20) as u64);
+                return Err(Error::TooLarge { what: "the samples of the smallest step", needed_mib, limit_mib, mend });
+            } else {
+                self.cut_once_more(&mut cuts, n);
+            }
+        }
+    }
+
+    /// More parts along the longer side of the blocks; along v where they are alike, so that rows of samples stay long.
+    fn cut_once_more(&self, cuts: &mut [usize; 2], n: [usize; 2]) {
+        let length = [n[0] * TILE_U / cuts[0], n[1] * TILE_V / cuts[1]];
+        let axis = usize::from(2 * length[1] >= length[0] && cuts[1] < n[1] || cuts[0] >= n[0]);
+        cuts[axis] = (2 * cuts[axis]).min(n[axis]);
+    }
+
+    fn blocks(&self, family: usize, cuts: [usize; 2], n: [usize; 2], depth: usize) -> Vec<StreamBlock> {
+        let part = |k: usize, a: usize| k * n[a] / cuts[a]..(k + 1) * n[a] / cuts[a];
+        let mut blocks = Vec::new();
+        for v in 0..cuts[1] {
+            for u in 0..cuts[0] {
+                let tiles = [part(u, 0), part(v, 1)];
+                let [from, to] = texels_of(&tiles);
+                if tiles.iter().any(Range::is_empty) || !self.family.plane.is_needed(from, to) {
+                    continue;
+                }
+                let (steps, segment_starts) = self.steps(&tiles, depth);
+                if !steps.is_empty() {
+                    blocks.push(StreamBlock { family, tiles, steps, segment_starts });
+                }
+            }
+        }
+        blocks
+    }
+
+    /// The steps of a block, slabs up to where layers of chunks of the first layer end or a segment does; and which begin one.
+    fn steps(&self, tiles: &[Range<usize>; 2], depth: usize) -> (Vec<StreamStep>, Vec<usize>) {
+        let all = self.drawn_slabs();
+        let axis = self.family.plane.family.axes[2];
+        let (chunk, size) = (self.storage[0].chunk[axis], self.plan.layers[0].grid.size()[axis]);
+        let per_step = if chunk >= depth { chunk } else { depth / chunk * chunk };
+        // Where a step ends: the samples that slabs need of the first layer lie before the end of a layer of chunks.
+        let (_, per_w) = self.plan.layers[0].map[axis];
+        let ascends = self.family.plane.family.ascending == (per_w > 0.0);
+        let mut steps: Vec<StreamStep> = Vec::new();
+        let mut starts = vec![0];
+        let mut start = all.start;
+        while start < all.end {
+            let segment_end = self.segment_end(start, all.end);
+            let first = self.needed(tiles, &(start..start + 1), 0)[axis].clone();
+            let (fits, mut end): (Box<dyn Fn(&Range<usize>) -> bool>, _) = if ascends {
+                let limit = (first.end.div_ceil(per_step) * per_step).min(size);
+                (Box::new(move |own| own.end <= limit), start + 1)
+            } else {
+                let limit = first.start / per_step * per_step;
+                (Box::new(move |own| own.start >= limit), start + 1)
+            };
+            // Needs only grow: the last slab that fits is found by halving.
+            let mut beyond = segment_end + 1;
+            while beyond - end > 1 {
+                let middle = usize::midpoint(end, beyond);
+                let own = &self.needed(tiles, &(middle - 1..middle), 0)[axis];
+                if fits(own) { end = middle } else { beyond = middle }
+            }
+            let slabs = start..end;
+            let (held, served): (Vec<SampleBox>, Vec<usize>) =
+                (0..self.storage.len()).map(|layer| self.held(tiles, &slabs, &all, layer, ascends, per_step)).unzip();
+            let before = steps.last().map(|step| &step.held);
+            let new = held
+                .iter()
+                .enumerate()
+                .map(|(layer, held)| before.map_or(vec![held.clone()], |before| without(held, &before[layer])))
+                .collect();
+            steps.push(StreamStep { slabs, held, new, served });
+            start = end;
+            if start == segment_end && start < all.end {
+                starts.push(steps.len());
+            }
+        }
+        (steps, starts)
+    }
+
+    /// The end of the segment that a slab belongs to: segments begin at the sheets of every `segment_slices`th slice of the
+    /// frame, counted from the first one, from whichever side rays come.
+    fn segment_end(&self, slab: usize, end: usize) -> usize {
+        let Some(slices) = self.segment_slices else { return end };
+        let spacing = self.spacing();
+        let per_slice = 1.0 / spacing.step;
+        let sheet = |segment: usize| (((segment * slices.max(1)) as f64 * per_slice).round() as usize).min(spacing.n_slabs);
+        let ascending = self.family.plane.family.ascending;
+        // The sheet in front of the slab, and so the segment that it lies in.
+        let place = if ascending { slab } else { spacing.n_slabs - slab };
+        let mut segment = (place as f64 * spacing.step / slices.max(1) as f64) as usize + 2;
+        if ascending {
+            while segment > 0 && sheet(segment - 1) > place {
+                segment -= 1;
+            }
+            sheet(segment).min(end)
+        } else {
+            while segment > 0 && sheet(segment) >= place {
+                segment -= 1;
+            }
+            (spacing.n_slabs - sheet(segment)).min(end)
+        }
+    }
+
+    /// Slabs between which rays meet what is drawn.
+    fn drawn_slabs(&self) -> Range<usize> {
+        let spacing = self.spacing();
+        let axis = self.family.plane.family.axes[2];
+        let [lo, hi] = self.plan.region.bounds;
+        let sheets = spacing.range([lo[axis].max(0.0), hi[axis]]);
+        if sheets.len() < 2 {
+            return 0..0;
+        }
+        let (first, last) = (sheets.start, sheets.end - 1);
+        if self.family.plane.family.ascending { first..last } else { spacing.n_slabs - last..spacing.n_slabs - first }
+    }
+
+    /// What slabs are drawn from, of a layer.
+    fn needed(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> SampleBox {
+        let geometry = self.geometry(layer);
+        let [from, to] = texels_of(tiles);
+        let reached = geometry.reached(from, to, self.ends(slabs));
+        needed_samples(&reached, &self.plan.layers[layer].grid, geometry.slices.kernel())
+    }
+
+    /// The same, and what is read with it: of the first layer whole layers of chunks along w; and across it what later slabs
+    /// need of these. And the end of the slabs that are drawn from it.
+    fn held(
+        &self,
+        tiles: &[Range<usize>; 2],
+        slabs: &Range<usize>,
+        all: &Range<usize>,
+        layer: usize,
+        ascends: bool,
+        per_step: usize,
+    ) -> (SampleBox, usize) {
+        let axis = self.family.plane.family.axes[2];
+        let own = self.needed(tiles, slabs, layer)[axis].clone();
+        let size = self.plan.layers[layer].grid.size()[axis];
+        // Another layer may run the other way along w.
+        let along = if layer > 0 {
+            own
+        } else if ascends {
+            own.start..(own.end.div_ceil(per_step) * per_step).min(size)
+        } else {
+            own.start / per_step * per_step..own.end
+        };
+        let mut end = slabs.end;
+        while end < all.end {
+            let next = &self.needed(tiles, &(end..end + 1), layer)[axis];
+            if next.start >= along.end || next.end <= along.start {
+                break;
+            }
+            end += 1;
+        }
+        let mut held = self.needed(tiles, &(slabs.start..end), layer);
+        held[axis] = along;
+        (held, end)
+    }
+
+    /// How far from an occupied brick texels that are looked at lie, and what they are made of, samples along x, y, z.
+    fn margins(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> [usize; 3] {
+        let geometry = self.geometry(layer);
+        let [from, to] = texels_of(tiles);
+        let ends = self.ends(slabs);
+        let n_slabs = slabs.len().max(1) as f64;
+        let block = [LANES, BLOCK_V];
+        let mut margins = [0; 3];
+        for k in 0..2 {
+            let [(a, da), (b, db)] = ends.map(|w| geometry.sheet(w).0[k]);
+            let at = |i: usize| (b + db * i as f64 - a - da * i as f64).abs() / n_slabs;
+            let shear = at(from[k]).max(at(to[k]));
+            let texels = da.abs().max(db.abs()) * block[k] as f64;
+            margins[self.family.plane.family.axes[k]] = (texels + shear).ceil() as usize;
+        }
+        let axis = self.family.plane.family.axes[2];
+        let [a, b] = ends.map(|w| geometry.own_w(w));
+        margins[axis] = ((b - a).abs() / n_slabs).ceil() as usize + 1;
+        // What a footprint of one texel reaches beside it.
+        let middle = geometry.slices.grid().size().map(|n| n / 2);
+        let here = middle.map(|m| m..m + 1);
+        let reach = geometry.reach();
+        let wide = needed_samples(&here, &self.plan.layers[layer].grid, geometry.slices.kernel());
+        [0, 1, 2].map(|a| margins[a] + reach + wide[a].len())
+    }
+
+    fn geometry(&self, layer: usize) -> &SheetGeometry<'_> {
+        &self.job.layers[layer].geometry
+    }
+
+    /// Where slabs begin and end along w.
+    fn ends(&self, slabs: &Range<usize>) -> [f64; 2] {
+        let spacing = self.spacing();
+        [slabs.start, slabs.end].map(|k| {
+            let k = k.min(spacing.n_slabs);
+            spacing.w(if self.family.plane.family.ascending { k } else { spacing.n_slabs - k })
+        })
+    }
+}
+
+/// Tiles along u and v of blocks that are no longer cut before steps are thinner.
+const SMALL_BLOCK: [usize; 2] = [8, 16];
+
+/// First and last texel of tiles.
+fn texels_of(tiles: &[Range<usize>; 2]) -> [[usize; 2]; 2] {
+    let [us, vs] = tiles;
+    [[us.start * TILE_U, vs.start * TILE_V], [us.end * TILE_U - 1, vs.end * TILE_V - 1]]
+}
+
+/// A box without another, as boxes.
+fn without(whole: &SampleBox, part: &SampleBox) -> Vec<SampleBox> {
+    let common = [0, 1, 2].map(|a| whole[a].start.max(part[a].start)..whole[a].end.min(part[a].end));
+    if common.iter().any(|range| range.start >= range.end) {
+        return vec![whole.clone()];
+    }
+    let (mut rest, mut out) = (whole.clone(), Vec::new());
+    for a in [2, 1, 0] {
+        for range in [rest[a].start..common[a].start, common[a].end..rest[a].end] {
+            if !range.is_empty() {
+                let mut own = rest.clone();
+                own[a] = range;
+                out.push(own);
+            }
+        }
+        rest[a] = common[a].clone();
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_without_another_is_what_is_left() {
+        let whole = [0..10, 2..8, 3..9];
+        for part in [[0..10, 2..8, 3..9], [2..5, 3..4, 4..6], [0..10, 2..8, 0..5], [9..20, 0..3, 8..9], [20..30, 2..8, 3..9]] {
+            let rest = without(&whole, &part);
+            for i in 0..10 * 6 * 6 {
+                let p = [i % 10, 2 + i / 10 % 6, 3 + i / 60];
+                let inside = |b: &SampleBox| (0..3).all(|a| b[a].contains(&p[a]));
+                let n = rest.iter().filter(|own| inside(own)).count();
+                assert_eq!(n, usize::from(!inside(&part)), "{part:?} {p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn chunks_that_pass_are_put_together() {
+        let part = [3..40, 0..20, 5..6];
+        let all = runs_of_chunks(&part, [8, 8, 8], &|_| true);
+        assert_eq!(all, vec![part.clone()]);
+        let some = runs_of_chunks(&part, [8, 8, 8], &|own| own[0].start >= 16 || own[1].start >= 16);
+        let n: usize = some.iter().map(volume_of).sum();
+        assert_eq!(n, 24 * 16 + 37 * 4);
+        assert!(some.len() == 2, "{some:?}");
+    }
+}

@@ -1,0 +1,79 @@
+//! Every n-th sample along each axis: what is known of a volume whose samples are not in memory, for what needs no more.
+
+use wavesplat_core::Grid;
+
+/// Densities of every n-th sample along each axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StridedSamples {
+    /// Samples from one to the next, along x, y, z.
+    pub step: [usize; 3],
+    /// How many there are along x, y, z.
+    pub size: [usize; 3],
+    /// The densities, `[z][y][x]`.
+    pub densities: Vec<f32>,
+}
+
+impl StridedSamples {
+    /// Of a volume of `size`, to be filled in.
+    pub fn new(size: [usize; 3], step: [usize; 3]) -> Self {
+        let own = [0, 1, 2].map(|a| size[a].div_ceil(step[a]));
+        Self { step, size: own, densities: vec![0.0; own.iter().product()] }
+    }
+
+    /// Takes what there is of them in a box of densities, `[z][y][x]`, of `n` from `lo` on.
+    pub fn take(&mut self, densities: impl Fn(usize) -> f32, lo: [usize; 3], n: [usize; 3]) {
+        let range = |a: usize| lo[a].div_ceil(self.step[a])..(lo[a] + n[a]).div_ceil(self.step[a]).min(self.size[a]);
+        let [xs, ys, zs] = [range(0), range(1), range(2)];
+        for z in zs {
+            for y in ys.clone() {
+                let from = n[0] * (y * self.step[1] - lo[1] + n[1] * (z * self.step[2] - lo[2]));
+                let to = self.size[0] * (y + self.size[1] * z);
+                for x in xs.clone() {
+                    self.densities[to + x] = densities(from + x * self.step[0] - lo[0]);
+                }
+            }
+        }
+    }
+
+    /// The row of densities of the samples whose y and z are these.
+    pub fn row(&self, y: usize, z: usize) -> &[f32] {
+        &self.densities[self.size[0] * (y / self.step[1] + self.size[1] * (z / self.step[2]))..][..self.size[0]]
+    }
+}
+
+/// Cells of the coarse volume that light is swept through, along its longest side, at most.
+const MAX_CELLS: f64 = 96.0;
+
+/// Samples per cell of the coarse volume that light is swept through, and the step from one that is looked at to the next:
+/// a part of the samples tells enough.
+pub fn light_steps(grid: &Grid) -> ([usize; 3], [usize; 3]) {
+    let (size, spacing) = (grid.size(), grid.spacing().to_array());
+    let longest = (0..3).map(|a| spacing[a] * size[a] as f64).fold(0.0, f64::max);
+    let per_cell = [0, 1, 2].map(|a| ((longest / MAX_CELLS / spacing[a]).round().max(1.0) as usize).min(size[a] / 2));
+    (per_cell, per_cell.map(|n| n.div_ceil(3)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_that_divide_nothing_give_every_nth_sample() {
+        let size = [11, 7, 9];
+        let number = |p: [usize; 3]| (p[0] + 100 * p[1] + 10_000 * p[2]) as f32;
+        for step in [[1, 1, 1], [2, 3, 4], [5, 1, 9], [11, 7, 8]] {
+            let mut all = StridedSamples::new(size, step);
+            for lo in [[0, 0, 0], [4, 0, 0], [0, 3, 0], [4, 3, 0], [0, 0, 5], [4, 0, 5], [0, 3, 5], [4, 3, 5]] {
+                let n = [0, 1, 2].map(|a| if lo[a] == 0 { [4, 3, 5][a] } else { size[a] - lo[a] });
+                let at = |i: usize| number([lo[0] + i % n[0], lo[1] + i / n[0] % n[1], lo[2] + i / (n[0] * n[1])]);
+                all.take(at, lo, n);
+            }
+            for (i, got) in all.densities.iter().enumerate() {
+                let [nx, ny, _] = all.size;
+                let p = [i % nx * step[0], i / nx % ny * step[1], i / (nx * ny) * step[2]];
+                assert_eq!(*got, number(p), "{step:?} {p:?}");
+                assert_eq!(all.row(p[1], p[2])[p[0] / step[0]], *got);
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The transfer function that a coarser level is drawn with, so that it is as bright as the finest.
+
+use std::sync::{Mutex, PoisonError};
+
+use glam::DVec3;
+use wavesplat_core::{Decoder, Grid, LevelGrid, Result, Shading, TransferFunction};
+use wavesplat_lod::LevelHistogram;
+use wavesplat_splat::is_steep;
+
+/// How a level keeps the brightness of the finest, and what it was asked for last.
+pub struct LevelLooks {
+    level: LevelGrid,
+    /// What the levels carried that are left out, and the spacing of the samples that it was compared with.
+    brightness: Option<(LevelHistogram, DVec3)>,
+    /// The function that was drawn last, and what it is for this level.
+    latest: Mutex<Option<LevelLook>>,
+}
+
+/// Samples of a box of a level, `[z][y][x]`.
+pub struct LevelPart {
+    /// Its first sample.
+    pub lo: [usize; 3],
+    /// Samples along x, y, z.
+    pub size: [usize; 3],
+    /// The samples.
+    pub samples: Vec<f32>,
+}
+
+impl Decoder for LevelPart {
+    fn size(&self) -> [usize; 3] {
+        self.size
+    }
+
+    fn decode(&self, lo: [usize; 3], hi: [usize; 3], out: &mut [f32]) {
+        let [nx, ny, _] = self.size;
+        let rows = (lo[2]..hi[2]).flat_map(|z| (lo[1]..hi[1]).map(move |y| (z * ny + y) * nx));
+        for (out, row) in out.chunks_exact_mut(hi[0] - lo[0]).zip(rows) {
+            out.copy_from_slice(&self.samples[row + lo[0]..row + hi[0]]);
+        }
+    }
+}
+
+/// A transfer function, and the one that a level is drawn with in its place.
+struct LevelLook {
+    of: TransferFunction,
+    shading: Option<Shading>,
+    tf: TransferFunction,
+    is_steep: bool,
+}
+
+impl LevelLooks {
+    /// Of a level that lies on `level` in the finest. `brightness`: what the levels carried that are left out, and the spacing
+    /// of the samples that it was compared with, world units; without it functions stay as they are.
+    pub fn new(level: LevelGrid, brightness: Option<(LevelHistogram, DVec3)>) -> Self {
+        Self { level, brightness, latest: Mutex::default() }
+    }
+
+    /// Of a level from a part of its samples and of those of a finer one: the rest is taken to be like it. `in_finer`: where
+    /// the level lies in the finer one, whose samples are `spacing` apart, world units; `range`: smallest and largest sample.
+    pub fn of_parts(
+        level: LevelGrid,
+        in_finer: LevelGrid,
+        [fine, coarse]: [LevelPart; 2],
+        spacing: DVec3,
+        range: [f64; 2],
+    ) -> Self {
+        let first = |a: usize| in_finer.origin[a] + in_finer.spacing[a] * coarse.lo[a] as f64 - fine.lo[a] as f64;
+        let own = LevelGrid { origin: [0, 1, 2].map(first), spacing: in_finer.spacing, size: coarse.size };
+        let histogram = LevelHistogram::new(&fine, &coarse, &own, spacing.to_array(), range, usize::MAX);
+        Self::new(level, Some((histogram, spacing)))
+    }
+
+    /// Where it lies.
+    pub fn grid(&self) -> LevelGrid {
+        self.level
+    }
+
+    /// An index position of the finest grid as one of the level.
+    pub fn level_from_finest(&self, index: DVec3) -> DVec3 {
+        DVec3::from_array(self.level.level_from_finest(index.to_array()))
+    }
+
+    /// The transfer function that makes of the level what it makes of the finest, and whether it or the one that was given
+    /// needs pre-integration; kept until another is asked for. `grid`: of the level.
+    pub(crate) fn look(
+        &self,
+        grid: &Grid,
+        tf: &TransferFunction,
+        shading: Option<&Shading>,
+    ) -> Result<(TransferFunction, bool)> {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &*latest
+            && (&known.of, known.shading.as_ref()) == (tf, shading)
+        {
+            return Ok((known.tf.clone(), known.is_steep));
+        }
+        let given_is_steep = is_steep(grid, tf);
+        let own = if let Some((histogram, spacing)) = &self.brightness {
+            let unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
+            histogram.filter(tf, (*spacing / unit).to_array(), shading, given_is_steep)?
+        } else {
+            tf.clone()
+        };
+        // One that is smooth may need so much extinction that its level is steep.
+        let is_steep = given_is_steep || is_steep(grid, &own);
+        *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), is_steep });
+        Ok((own, is_steep))
+    }
+}

@@ -1,0 +1,279 @@
+//! A frame whose samples are read while it is drawn: the steps of [`wavesplat_splat::render::stream`], one after the other,
+//! with what was read for each.
+//!
+//! Who reads is the caller: files, networks and other processes are none of this crate's business. Blocks are independent,
+//! so they may also be drawn by several machines, and blocks may be cut into segments that are folded afterwards.
+
+use std::ops::Range;
+
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{Camera, Error, Kernel, Picture, Result, Samples};
+use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::quality::error_model::Sampling;
+use wavesplat_splat::ray::state::TileState;
+use wavesplat_splat::render::frame::finish;
+use wavesplat_splat::render::piece::{draw_piece, finish_tile};
+use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::render::segments::{can_fold, fold};
+use wavesplat_splat::render::stream::{SampleBox, Storage, StreamPlan};
+use wavesplat_splat::render::tile::n_tiles;
+use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
+use wavesplat_splat::source::slices::{Slices, VolumeBox};
+use wavesplat_splat::{ProgressCallback, Report};
+
+use crate::block_state::BlockState;
+use crate::frame::{Frame, FrameOptions};
+use crate::quality::Effort;
+use crate::scene::{Scene, SceneVolume};
+
+/// How a frame is streamed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamOptions {
+    /// Most bytes of samples that are held at once: those of a step, and of the next, which is read meanwhile.
+    pub budget_bytes: usize,
+    /// At least so many blocks in each base plane, for as many machines.
+    pub n_blocks: usize,
+    /// Rays are composited in segments of so many slices, counted from the first slice, which are folded afterwards; `None`:
+    /// from front to back in one go. Both are right; they differ by where rays stop, 2e-4 of full light at most.
+    pub segment_slices: Option<usize>,
+}
+
+impl Default for StreamOptions {
+    fn default() -> Self {
+        Self { budget_bytes: 1 << 30, n_blocks: 1, segment_slices: None }
+    }
+}
+
+/// A frame that is planned, and what is drawn of it so far.
+pub struct Stream {
+    plan: Plan,
+    steps: StreamPlan,
+    slices: Vec<Slices<'static>>,
+    sampling: Sampling,
+    segment_slices: Option<usize>,
+    n_threads: Option<usize>,
+    pictures: Vec<BasePicture>,
+    report: Report,
+}
+
+impl Scene<'static> {
+    /// Plans a frame of lazy volumes.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Scene::render`]; and where a layer is not lazy, a PSNR is wanted, rays cannot be cut into segments, or the
+    /// budget holds not even the smallest step.
+    pub fn stream(
+        &self,
+        camera: &Camera,
+        size_px: [usize; 2],
+        options: &FrameOptions,
+        streaming: &StreamOptions,
+    ) -> Result<Stream> {
+        let sampling = match options.effort {
+            Effort::Named(quality) => self.sampling(quality.name(), camera, size_px[1])?,
+            Effort::Fixed(sampling) => sampling,
+            Effort::Psnr(_) => {
+                let mend = "give a named quality, or how many sheets and texels there are";
+                return Err(Error::out_of_range("effort of a streamed picture", "a PSNR", "a sampling", mend));
+            }
+        };
+        let render_options = self.render_options(size_px, options, Some(sampling));
+        render_options.validate()?;
+        let mut storage = Vec::new();
+        for layer in &self.layers {
+            let SceneVolume::Lazy(volume) = &layer.volume else {
+                let mend = "make all layers lazy, or none";
+                return Err(Error::out_of_range("layers of a streamed picture", "one in memory", "lazy volumes", mend));
+            };
+            storage.push(volume.storage());
+        }
+        let slices: Vec<Slices<'static>> = self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
+        if slices.iter().any(|own| own.kernel() != options.kernel) {
+            let mend = "look through the samples for the kernel that they are drawn with";
+            return Err(Error::out_of_range("kernel of a lazy volume", "another one", "the picture's", mend));
+        }
+        let plan = parallel::with_threads(options.n_threads, || {
+            self.with_layers(options, &slices, |layers| Plan::new(Level::best(), layers, camera, &render_options))
+        })?;
+        if streaming.segment_slices.is_some() && !can_fold(plan.operator, plan.with_depth) {
+            let mend = "draw it without segments, or without depth";
+            return Err(Error::out_of_range("segments of this operator", "several", "one", mend));
+        }
+        let of_slices: Vec<&Slices> = slices.iter().collect();
+        let steps = StreamPlan::new(
+            &plan,
+            &of_slices,
+            &storage,
+            streaming.budget_bytes,
+            streaming.n_blocks,
+            streaming.segment_slices,
+        )?;
+        let pictures = plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
+        let report = Report {
+            n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
+            n_base_planes: plan.families.len(),
+            n_threads: parallel::with_threads(options.n_threads, parallel::n_threads),
+            simd: plan.simd.name(),
+            n_sheets: plan.families.iter().map(|own| own.spacing.n_slabs + 1).collect(),
+            n_base_texels: plan.families.iter().map(|own| own.plane.size.iter().product::<usize>() as u64).sum(),
+            ..Report::default()
+        };
+        Ok(Stream {
+            plan,
+            steps,
+            slices,
+            sampling,
+            segment_slices: streaming.segment_slices,
+            n_threads: options.n_threads,
+            pictures,
+            report,
+        })
+    }
+}
+
+impl Stream {
+    /// Blocks.
+    pub fn n_blocks(&self) -> usize {
+        self.steps.blocks.len()
+    }
+
+    /// Steps of a block.
+    pub fn n_steps(&self, block: usize) -> usize {
+        self.steps.blocks[block].steps.len()
+    }
+
+    /// Of a block, the steps of each of its segments, front to back; one where there are none.
+    pub fn segments(&self, block: usize) -> Vec<Range<usize>> {
+        self.steps.segments(block)
+    }
+
+    /// How many slices a segment has, where rays are cut into segments.
+    pub fn segment_slices(&self) -> Option<usize> {
+        self.segment_slices
+    }
+
+    /// Of each layer, the samples that a step of a block is drawn from.
+    pub fn held(&self, block: usize, step: usize) -> &[SampleBox] {
+        &self.steps.blocks[block].steps[step].held
+    }
+
+    /// Of each layer, the boxes that a step of a block reads: what the step before did not hold (all, where it `is_first` to be
+    /// drawn) and something visible is drawn from. `state`: what is known of the rays, those that are done need nothing.
+    pub fn reads(&self, block: usize, step: usize, is_first: bool, state: &BlockState) -> Vec<Vec<SampleBox>> {
+        let own = &self.steps.blocks[block];
+        let width = own.tiles[0].len();
+        let is_alive = |[u, v]: [usize; 2]| {
+            let k = (v - own.tiles[1].start) * width + u - own.tiles[0].start;
+            !state.tiles.get(k).and_then(Option::as_ref).is_some_and(TileState::is_done)
+        };
+        let slices: Vec<&Slices> = self.slices.iter().collect();
+        let reads = |layer| self.steps.reads(&self.plan, &slices, block, step, layer, is_first, &is_alive);
+        (0..slices.len()).map(reads).collect()
+    }
+
+    /// Bytes of all reads of the frame, if no ray were done before its end.
+    pub fn bytes_to_read(&self, storage: &[Storage]) -> Vec<u64> {
+        let nothing = BlockState::default();
+        let of_block = |block: usize| {
+            let of_step = |step: usize| {
+                let reads = self.reads(block, step, step == 0, &nothing);
+                let of_layer = |(boxes, own): (&Vec<SampleBox>, &Storage)| {
+                    let n: usize = boxes.iter().map(wavesplat_splat::render::stream::volume_of).sum();
+                    (n * own.sample_bytes) as u64
+                };
+                reads.iter().zip(storage).map(of_layer).sum::<u64>()
+            };
+            (0..self.n_steps(block)).map(of_step).sum()
+        };
+        (0..self.n_blocks()).map(of_block).collect()
+    }
+
+    /// Texels of a block, all sheets.
+    pub fn n_texels(&self, block: usize) -> u64 {
+        let own = &self.steps.blocks[block];
+        let texels: usize = own.tiles.iter().map(ExactSizeIterator::len).product::<usize>() * TILE_U * TILE_V;
+        own.steps.iter().map(|step| (texels * step.slabs.len()) as u64).sum()
+    }
+
+    /// Draws a step of a block from the samples of [`Stream::held`], of each layer; those that were not to be read may be
+    /// anything. Takes the state after the step before, the default at the beginning, and gives the next.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SampleCount`] where a box has another size; [`Error::Cancelled`].
+    pub fn draw(
+        &self,
+        block: usize,
+        step: usize,
+        samples: &[Samples<'_>],
+        state: &BlockState,
+        callback: &dyn ProgressCallback,
+    ) -> Result<BlockState> {
+        let own = &self.steps.blocks[block];
+        let held = &own.steps[step].held;
+        let boxes = held.iter().zip(samples).zip(&self.slices).map(|((held, samples), slices)| {
+            let size = held.each_ref().map(Range::len);
+            let expected = size.iter().product();
+            if samples.len() != expected {
+                let shape_zyx = [size[2], size[1], size[0]];
+                let name = "box of samples".to_owned();
+                return Err(Error::SampleCount { name, shape_zyx, expected, actual: samples.len() });
+            }
+            let part = VolumeBox { lo: held.each_ref().map(|r| r.start), size, samples: *samples };
+            Ok(Slices::of_box(&part, slices.grid(), slices.kernel(), slices.range()))
+        });
+        parallel::with_threads(self.n_threads, || {
+            let boxes = boxes.collect::<Result<Vec<_>>>()?;
+            let slices: Vec<&Slices> = boxes.iter().collect();
+            let slabs = &own.steps[step].slabs;
+            let tiles = own.all_tiles();
+            let drawn = draw_piece(&self.plan, own.family, &tiles, slabs, &slices, &state.tiles, callback);
+            drawn.map(|(tiles, work)| BlockState { tiles, work: state.work.and(work) })
+        })
+    }
+
+    /// The state of a block after its segments, given front to back.
+    pub fn fold(&self, segments: Vec<BlockState>) -> BlockState {
+        let mut segments = segments.into_iter();
+        let mut all = segments.next().unwrap_or_default();
+        for behind in segments {
+            let pairs = all.tiles.into_iter().zip(behind.tiles);
+            let tiles = pairs.map(|(front, back)| fold(self.plan.operator, front, back)).collect();
+            all = BlockState { tiles, work: all.work.and(behind.work) };
+        }
+        all
+    }
+
+    /// Puts a block that is done in its place.
+    pub fn put(&mut self, block: usize, state: BlockState) {
+        let own = &self.steps.blocks[block];
+        let [n_tiles_u, _] = n_tiles(&self.plan.families[own.family].plane);
+        let mut states = std::collections::BTreeMap::new();
+        for ([u, v], state) in own.all_tiles().into_iter().zip(state.tiles) {
+            states.extend(state.map(|state| (v * n_tiles_u + u, std::sync::Mutex::new(Some(state)))));
+        }
+        let plan = &self.plan;
+        self.pictures[own.family].fill_tiles([TILE_U, TILE_V], |k, texels| {
+            let state = states.get(&k).and_then(|state| state.lock().ok()?.take());
+            if let Some(state) = state {
+                finish_tile(plan, own.family, state, texels);
+            }
+        });
+        self.report.n_texels += state.work.n_texels;
+        self.report.n_skipped_sheets += state.work.n_skipped;
+    }
+
+    /// The picture of all that was put.
+    pub fn picture(&self) -> Frame {
+        let picture: Picture =
+            parallel::with_threads(self.n_threads, || finish(&self.plan, &self.pictures));
+        Frame { picture, report: self.report.clone(), sampling: self.sampling, estimate: None, times: None }
+    }
+
+    /// The kernel.
+    pub fn kernel(&self) -> Kernel {
+        self.slices[0].kernel()
+    }
+}

@@ -1,0 +1,146 @@
+"""Parts of lazy volumes that are read as a whole: boxes, overviews, and what tells how bright finer levels are."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.memory import check_room
+from wavesplat._model.crop import Crop
+from wavesplat._model.lazy_array import LazyArray
+from wavesplat._model.read_ahead import Box, BoxReader
+from wavesplat._model.volume import Volume
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.lazy_volume import LazyVolume, Level
+
+__all__ = ["nearest_every", "part_of", "place_of_level"]
+
+#: Samples of the finer level that its brightness is learnt from, and by how much finer it is at most.
+MOST_PART, MOST_FINER = 1 << 22, 4.5
+
+Matrix = NDArray[np.float64]
+
+
+def part_of(volume: LazyVolume, level: Level, crop: Crop | None) -> Volume:
+    """The samples of a level in a box, in memory."""
+    shape = level.array.shape
+    low, high = [0, 0, 0], list(shape)
+    if crop is not None:
+        lower, upper = _index_box(volume, level, crop)
+        low = [max(0, math.ceil(n - 1e-9)) for n in reversed(lower.tolist())]
+        high = [min(n, math.floor(end + 1e-9) + 1) for n, end in zip(shape, reversed(upper.tolist()), strict=True)]
+        if any(b - a < 2 for a, b in zip(low, high, strict=True)):
+            raise ArgumentError(
+                f"crop: the box holds samples z {low[0]}..{high[0]}, y {low[1]}..{high[1]}, x {low[2]}..{high[2]} of "
+                f"{volume.name!r}, shape {shape}; a volume needs two along every axis"
+            )
+    box: Box = ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+    samples = read_box(level.array, box)
+    matrix = level.world_from_index.copy()
+    matrix[:3, 3] += matrix[:3, :3] @ np.array(low[::-1], np.float64)
+    return Volume(samples, world_from_index=matrix, name=volume.name, facts=volume.facts)
+
+
+def read_box(array: LazyArray, box: Box) -> NDArray[Any]:
+    """The samples of a box."""
+    n = math.prod(b - a for a, b in zip(*box, strict=True))
+    check_room(n * array.dtype.itemsize, "the samples", "read a smaller box, or a coarser level")
+    with BoxReader([array]) as reader:
+        return reader.filled(0, box, [box]).result()
+
+
+def _index_box(volume: LazyVolume, level: Level, crop: Crop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """First and last index (x, y, z) in a level of what a box holds."""
+    ends = crop.corners_in("world")
+    from_world = np.linalg.inv(level.world_from_index)
+    if ends is None:
+        ends = crop.corners_in("index")
+        from_world = from_world @ volume.world_from_index
+    lower, upper = (np.asarray(end, np.float64) for end in ends or ((0.0,) * 3,) * 2)
+    corners = np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)])
+    inside = corners @ from_world[:3, :3].T + from_world[:3, 3]
+    return inside.min(axis=0), inside.max(axis=0)
+
+
+def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> NDArray[Any]:
+    """For every n-th sample of the finest level the next one of a level, [z, y, x]."""
+    between = np.linalg.inv(level.world_from_index) @ volume.world_from_index
+    places = []
+    for axis, n in enumerate(volume.shape):
+        a = 2 - axis
+        index = between[a, a] * np.arange(0, n, step) + between[a, 3]
+        places.append(np.clip(np.rint(index), 0, level.array.shape[axis] - 1).astype(np.int64))
+    if math.prod(level.array.shape) <= 1 << 24:
+        samples = volume._overview(number)
+        return samples[np.ix_(*places)]
+    # Of a level that is no overview: the samples that its survey kept, the next of them.
+    survey = volume.survey(number, "linear")
+    steps = [own for own in survey.steps if own[0] == own[1] == own[2]]
+    finest = min(steps)
+    strided = survey.core.strided(survey.steps.index(finest))
+    nearest = [np.minimum(np.rint(p / finest[0]).astype(np.int64), n - 1) for p, n in zip(places, strided.shape, strict=True)]
+    return strided[np.ix_(*nearest)].astype(volume.dtype)
+
+
+def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | None:
+    """Where a level lies in the finest one, and parts of it and of a finer one, so that its pictures are as bright."""
+    if number == 0:
+        return None
+    levels, value_range = volume._levels, volume.survey(number, "linear").value_range
+    finest, own = levels[0], levels[number]
+    # The finest level whose samples are few times closer: beyond that reading costs more than it tells.
+    ratios = [max(a / b for a, b in zip(own.spacing, finer.spacing, strict=True)) for finer in levels[:number]]
+    fitting = [k for k, ratio in enumerate(ratios) if ratio <= MOST_FINER]
+    finer = levels[fitting[0] if fitting else number - 1]
+    n_finer = math.prod(a / b for a, b in zip(own.spacing, finer.spacing, strict=True))
+    coarse_box = _busiest(volume, number, MOST_PART / n_finer)
+    coarse = read_box(own.array, coarse_box)
+    between = np.linalg.inv(finer.world_from_index) @ own.world_from_index
+    low, high = [], []
+    for axis in range(3):
+        a = 2 - axis
+        ends = [between[a, a] * index + between[a, 3] for index in (coarse_box[0][axis], coarse_box[1][axis] - 1)]
+        n = finer.array.shape[axis]
+        first = int(np.clip(math.floor(min(ends)), 0, n - 2))
+        low.append(first)
+        high.append(int(np.clip(math.ceil(max(ends)) + 1, first + 2, n)))
+    fine_box: Box = ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+    fine = read_box(finer.array, fine_box)
+    low_value = min(value_range[0], float(np.nanmin(fine)))
+    high_value = max(value_range[1], float(np.nanmax(fine)))
+    told = (finer.world_from_index, (_finite(fine), fine_box[0]), (_finite(coarse), coarse_box[0]))
+    return finest.array.shape, finest.world_from_index, (*told, (low_value, high_value))
+
+
+def _finite(samples: NDArray[Any]) -> NDArray[np.float32]:
+    return np.ascontiguousarray(np.nan_to_num(samples.astype(np.float32)))
+
+
+def _busiest(volume: LazyVolume, number: int, most: float) -> Box:
+    """A box of at most so many samples of a level, about, where values vary most, as far as its survey tells."""
+    shape = volume._levels[number].array.shape
+    side = max(16, int(most ** (1 / 3)))
+    size = [min(n, side) for n in shape]
+    survey = volume.survey(number, "linear")
+    # All strided samples but those for light are cubes; the finest of them.
+    which = min(range(len(survey.steps)), key=lambda k: math.prod(survey.steps[k]))
+    strided, steps = survey.core.strided(which), survey.steps[which]
+    best, first = -1.0, [(n - s) // 2 for n, s in zip(shape, size, strict=True)]
+    for z in range(0, shape[0] - size[0] + 1, max(size[0] // 2, 1)):
+        for y in range(0, shape[1] - size[1] + 1, max(size[1] // 2, 1)):
+            for x in range(0, shape[2] - size[2] + 1, max(size[2] // 2, 1)):
+                inside = tuple(
+                    slice(-(-a // step), max(-(-(a + n) // step), -(-a // step) + 1))
+                    for a, n, step in zip((z, y, x), size, steps, strict=True)
+                )
+                values = strided[inside]
+                spread = float(np.nanstd(values)) if values.size else 0.0
+                if spread > best:
+                    best, first = spread, [z, y, x]
+    low = (first[0], first[1], first[2])
+    return low, (low[0] + size[0], low[1] + size[1], low[2] + size[2])

@@ -1,0 +1,412 @@
+"""A volume whose samples stay where they are: read box by box while it is drawn, within a memory budget.
+
+It may have several levels, each with half as many samples along an axis, say; a picture is drawn from the coarsest level
+whose samples are no further apart than its pixels. What one pass over the samples tells of a level is its survey
+(`survey.py`), made with the first picture and kept.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+from wavesplat._files.byte_sizes import byte_size, bytes_of
+from wavesplat._files.memory import free_bytes
+from wavesplat._model import affine
+from wavesplat._model.crop import Crop
+from wavesplat._model.facts import Facts
+from wavesplat._model.grid import Grid
+from wavesplat._model.lazy_array import LazyArray
+from wavesplat._model.survey import Survey, surveyed
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
+
+    from wavesplat._model.sources import Source
+
+__all__ = ["LazyVolume", "default_memory"]
+
+#: Share of free memory that is used where nothing is said, and most of it.
+SHARE, MOST_DEFAULT = 4, 4 * 10**9
+#: Surveyed levels and kernels that are kept ready.
+MOST_READY = 4
+#: Samples of a level that are read as a whole for looks and cameras.
+MOST_OVERVIEW = 1 << 24
+#: Types that are densities as they are.
+NARROW = ("u1", "i1", "u2", "i2")
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Level:
+    """Samples of a level, and where they lie."""
+
+    array: LazyArray
+    world_from_index: Matrix
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Distances between neighbouring samples along x, y, z."""
+        x, y, z = (float(step) for step in affine.spacing_of(self.world_from_index))
+        return x, y, z
+
+
+def default_memory() -> int:
+    """Bytes of samples that are held where nothing is said: a quarter of what is free, at most 4 GB."""
+    free = free_bytes()
+    return MOST_DEFAULT if free is None else max(min(free // SHARE, MOST_DEFAULT), 1 << 26)
+
+
+@public
+class LazyVolume(Volume):
+    """A volume whose samples stay in their file, or array, and are read while it is drawn.
+
+    `Volume.lazy` and `open(path, memory=...)` make it. It is drawn as any volume, by `render`, scenes, movies and the
+    viewer, and to the byte as one in memory; what needs all samples at once says so: take a part with `read`.
+
+    Attributes
+    ----------
+    memory : int
+        Bytes of samples, and of their bounds, that are held at once while it is drawn.
+    levels : sequence of shapes (z, y, x)
+        Of its levels of detail, the finest first.
+
+    Examples
+    --------
+    >>> import numpy as np, wavesplat as ws
+    >>> array = np.random.default_rng(1).integers(0, 255, (40, 50, 60), np.uint8)  # or of Zarr, Dask, h5py, a memory map
+    >>> lazy = ws.Volume.lazy(array, memory="100 MB")
+    >>> a, b = (ws.render(volume, "ct-bone", size=(32, 32)) for volume in (lazy, ws.Volume(array)))
+    >>> np.array_equal(a.rgba, b.rgba)
+    True
+    """
+
+    __slots__ = ("_at", "_holes", "_keep", "_levels", "_memory", "_ready", "_surveys")
+
+    _levels: list[Level]
+
+    @classmethod
+    def _made(
+        cls,
+        levels: Sequence[Level],
+        name: str,
+        facts: Facts,
+        *,
+        memory: int | None = None,
+        keep: bool | str | PathLike[str] = True,
+        holes: bool = False,
+    ) -> LazyVolume:
+        volume = cls.__new__(cls)
+        finest = levels[0]
+        Grid.__init__(volume, name, finest.array.shape, finest.world_from_index, facts)
+        if min(finest.array.shape) < 2:
+            raise ArgumentError(
+                f"volume {name!r}: shape {finest.array.shape} (z, y, x) has fewer than 2 samples along an axis, so it "
+                "fills no space; give a stack of at least 2 slices of at least 2 x 2 samples"
+            )
+        volume._levels = list(levels)
+        volume._memory = default_memory() if memory is None else memory
+        volume._keep = keep
+        volume._holes = holes
+        volume._at = None
+        volume._surveys = {}
+        volume._ready = {}
+        volume._source = None
+        volume._cut = None
+        volume._resampled = None
+        return volume
+
+    # What the samples are asked for, and what has to say no.
+
+    def _refuse(self, what: str) -> NoReturn:
+        raise ArgumentError(
+            f"volume {self.name!r} is lazy, so {what} would have to read all of its "
+            f"{byte_size(math.prod(self.shape) * self.dtype.itemsize)}; take a part or a coarser level first: "
+            "volume.read(crop), volume.read(level=...), or open it without memory="
+        )
+
+    @property
+    def samples(self) -> NDArray[Any]:
+        """Refused: the samples are not in memory. `read` gives a part of them."""
+        self._refuse("its samples")
+
+    @property
+    def _core(self) -> _native.Volume:  # type: ignore[override]
+        self._refuse("this")
+
+    def changed(self) -> None:
+        """Say that the samples are others now: what is known of them is made anew."""
+        self._surveys.clear()
+        self._ready.clear()
+        self._source = None
+
+    def _renew(self) -> None:
+        self._ready.clear()
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """The samples, all of them."""
+        samples = self.read().samples
+        return samples if dtype is None else samples.astype(dtype)
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The samples' type."""
+        return self._levels[0].array.dtype
+
+    @property
+    def memory(self) -> int:
+        """Bytes of samples, and of their bounds, that are held at once while it is drawn."""
+        return self._memory
+
+    @property
+    def levels(self) -> tuple[tuple[int, int, int], ...]:
+        """Shapes (z, y, x) of its levels of detail, the finest first."""
+        return tuple(level.array.shape for level in self._levels)
+
+    @property
+    def level(self) -> int | None:
+        """The level that is drawn, 0 the finest; None: whichever a picture needs."""
+        at: int | None = self._at
+        return at
+
+    @property
+    def value_range(self) -> tuple[float, float]:
+        """Smallest and largest finite sample; of a pyramid those of the coarsest level that tells enough.
+
+        Reads all samples of that level where they were not looked through before.
+        """
+        return self.survey(self._told_by(), "linear").value_range
+
+    @property
+    def n_nonfinite(self) -> int:
+        """How many samples of that level are NaN or infinite; they are drawn as empty."""
+        return self.survey(self._told_by(), "linear").n_nonfinite
+
+    def _told_by(self) -> int:
+        """The level that tells of values: the finest that is no larger than an overview, else the coarsest."""
+        if self._at is not None:
+            return self._at
+        fitting = [k for k, level in enumerate(self._levels) if math.prod(level.array.shape) <= MOST_OVERVIEW]
+        return fitting[0] if fitting else len(self._levels) - 1
+
+    # Making others of it.
+
+    def at_level(self, level: int | None) -> LazyVolume:
+        """The same, of which pictures are drawn from one level of detail: 0 is the finest, None as pictures need it.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no such level.
+        """
+        n = len(self._levels)
+        if level is not None and not (isinstance(level, int) and 0 <= level < n):
+            raise ArgumentError(f"level is {level!r}; {self.name!r} has {n} levels, so give 0 to {n - 1}, or None")
+        other = self._copy()
+        other._at = level
+        return other
+
+    def with_memory(self, memory: float | str) -> LazyVolume:
+        """The same with another budget, such as "2 GB".
+
+        Raises
+        ------
+        ArgumentError
+            If that is no amount of memory.
+        """
+        other = self._copy()
+        other._memory = bytes_of(memory)
+        other._surveys = {}
+        other._ready = {}
+        return other
+
+    def _copy(self) -> LazyVolume:
+        made = LazyVolume._made(
+            self._levels, self.name, self.facts, memory=self._memory, keep=self._keep, holes=self._holes
+        )
+        made._at, made._source = self._at, self._source
+        made._surveys, made._ready = self._surveys, self._ready
+        return made
+
+    def read(self, crop: Crop | None = None, *, level: int | None = None) -> Volume:
+        """A part of it in memory: the samples in a box, of a level.
+
+        Parameters
+        ----------
+        crop : Crop, optional
+            The box, in the world or in samples (x, y, z) of the finest level; None is all of it.
+        level : int, optional
+            Which level, 0 the finest; None is that of `at_level`, else the finest.
+
+        Returns
+        -------
+        Volume
+            Its place in the world is that of the samples.
+
+        Raises
+        ------
+        LimitError
+            If the samples do not fit into this machine's memory.
+        FileError
+            If a part of them cannot be read; the message names it.
+        """
+        from wavesplat._model.lazy_parts import part_of
+
+        chosen = self._levels[self._checked(level)]
+        return part_of(self, chosen, crop)
+
+    def _checked(self, level: int | None) -> int:
+        if level is None:
+            return self._at or 0
+        if not 0 <= level < len(self._levels):
+            raise ArgumentError(f"level is {level}; there are {len(self._levels)} levels, 0 is the finest")
+        return level
+
+    # What pictures need.
+
+    def survey(
+        self, level: int, kernel: str, progress: Callable[[float], object] | None = None
+    ) -> Survey:
+        """What one pass over the samples of a level tells, made once."""
+        found: Survey | None = self._surveys.get((level, kernel))
+        if found is None:
+            own = self._levels[level]
+            found = surveyed(
+                own.array, own.world_from_index, kernel, self._memory, keep=self._keep, progress=progress
+            )
+            self._surveys[level, kernel] = found
+        return found
+
+    def _every(self, step: int) -> NDArray[Any]:
+        """Every n-th sample along each axis, [z, y, x]; of a pyramid the samples of a coarser level next to these."""
+        told_by = self._told_by()
+        if told_by == 0 and self._at is None:
+            survey = self.survey(0, "linear")
+            found = survey.every(step)
+            if found is not None:
+                return found.astype(self.dtype)
+        from wavesplat._model.lazy_parts import nearest_every
+
+        return nearest_every(self, self._levels[told_by], told_by, step)
+
+    def _overview(self, level: int) -> NDArray[Any]:
+        """All samples of a small level."""
+        from wavesplat._model.lazy_parts import read_box
+
+        found: NDArray[Any] | None = self._ready.get(("overview", level))
+        if found is None:
+            array = self._levels[level].array
+            found = self._ready["overview", level] = read_box(array, ((0, 0, 0), array.shape))
+        return found
+
+    def ready(
+        self, level: int, kernel: str, progress: Callable[[float], object] | None = None
+    ) -> _native.LazyVolume:
+        """What the compiled module plans with."""
+        key = level, kernel
+        core: _native.LazyVolume | None = self._ready.pop(key, None)
+        if core is None:
+            from wavesplat._model.lazy_parts import place_of_level
+
+            own, survey = self._levels[level], self.survey(level, kernel, progress)
+            core = _native.LazyVolume(
+                self.name,
+                own.array.shape,
+                own.world_from_index,
+                kernel=kernel,
+                is_narrow=own.array.dtype.str[1:] in NARROW,
+                survey=survey.core,
+                prepared=survey.prepared,
+                light=0,
+                chunk=own.array.chunks,
+                sample_bytes=own.array.dtype.itemsize,
+                level=place_of_level(self, level),
+            )
+        self._ready[key] = core
+        while len(self._ready) > MOST_READY:
+            self._ready.pop(next(iter(self._ready)), None)
+        return core
+
+    def level_for(self, pixel: Callable[[Level], float]) -> int:
+        """The level to draw: the one of `at_level`, else the coarsest whose samples are no further apart than pixels.
+
+        pixel : distance of pixels, in samples of a level, where they are closest.
+        """
+        if self._at is not None:
+            return self._at
+        for k in range(len(self._levels) - 1, 0, -1):
+            if pixel(self._levels[k]) >= 1 and min(self._levels[k].array.shape) >= 2:
+                return k
+        return 0
+
+    def arrays(self, level: int) -> LazyArray:
+        """The samples of a level."""
+        return self._levels[level].array
+
+    @property
+    def holes(self) -> bool:
+        """Whether samples that cannot be read are left out, and reported, instead of ending a picture."""
+        allowed: bool = self._holes
+        return allowed
+
+    def __repr__(self) -> str:
+        n_z, n_y, n_x = self.shape
+        levels = f", {len(self._levels)} levels" if len(self._levels) > 1 else ""
+        return (
+            f"<LazyVolume {self.name!r}: z {n_z}, y {n_y}, x {n_x}, {self.dtype}, "
+            f"{byte_size(math.prod(self.shape) * self.dtype.itemsize)}{levels}, memory {byte_size(self._memory)}>"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        keep = self._keep if isinstance(self._keep, bool) else str(self._keep)
+        shown = self._at, self._source
+        return _rebuilt, (self._levels, self.name, self.facts, self._memory, keep, self._holes, shown)
+
+
+def _rebuilt(
+    levels: list[Level],
+    name: str,
+    facts: Facts,
+    memory: int,
+    keep: bool | str,
+    holes: bool,
+    shown: tuple[int | None, Source | None],
+) -> LazyVolume:
+    volume = LazyVolume._made(levels, name, facts, memory=memory, keep=keep, holes=holes)
+    volume._at, volume._source = shown
+    return volume
+
+
+def lazily(
+    levels: Sequence[LazyArray],
+    places: Sequence[Matrix],
+    name: str,
+    facts: Facts,
+    *,
+    memory: float | str | None,
+    level: int | None = None,
+    keep: bool | str | PathLike[str] = True,
+    holes: bool = False,
+) -> LazyVolume:
+    """A lazy volume of levels that lie at these places."""
+    budget = None if memory is None else bytes_of(memory)
+    own = [Level(array, _frozen(place)) for array, place in zip(levels, places, strict=True)]
+    volume = LazyVolume._made(own, name, replace(facts), memory=budget, keep=keep, holes=holes)
+    return volume if level is None else volume.at_level(level)
+
+
+def _frozen(matrix: Matrix) -> Matrix:
+    own = np.array(matrix, np.float64)
+    own.flags.writeable = False
+    return own

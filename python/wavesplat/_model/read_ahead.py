@@ -1,0 +1,167 @@
+"""Reading boxes of samples by a few threads, ahead of what is drawn from them.
+
+Samples are read in parts along the chunks of their file, of a few megabytes, so that what a part takes beside its place in
+the box is small. What could not be read ends the picture with an error that names the chunk; or, where holes are allowed, is
+drawn as the least sample that there is, and told.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.lazy_array import LazyArray
+from wavesplat.errors import FileError
+
+__all__ = ["Box", "BoxReader", "ReadCounts", "cells", "joined"]
+
+#: First and end of samples along z, y, x.
+Box = tuple[tuple[int, int, int], tuple[int, int, int]]
+
+#: Bytes of a part, about.
+PART_BYTES = 8 << 20
+
+
+@dataclass
+class ReadCounts:
+    """What was read for a picture."""
+
+    n_bytes: int = 0
+    n_boxes: int = 0
+    #: From the first box to the last, and of these, how long drawing waited for samples.
+    seconds: float = 0.0
+    waited: float = 0.0
+    #: Boxes that could not be read, and why, where holes are allowed.
+    holes: list[str] = field(default_factory=list)
+
+
+class BoxReader:
+    """A pool of threads that fill boxes.
+
+    n_threads : how many read at once; None is what the arrays say.
+    holes : what is put where samples cannot be read; None ends with an error.
+    """
+
+    def __init__(self, arrays: Sequence[LazyArray], *, holes: Sequence[float] | None = None) -> None:
+        self._arrays = arrays
+        self._holes = holes
+        self._pool = ThreadPoolExecutor(max(array.n_readers for array in arrays), "wavesplat-read")
+        self._lock = threading.Lock()
+        self._stopped = False
+        self.counts = ReadCounts()
+
+    def filled(self, which: int, held: Box, boxes: Sequence[Box]) -> Pending:
+        """The samples of a box, of which some boxes are read; the others are left as they are."""
+        array = self._arrays[which]
+        low, high = held
+        samples = np.zeros([b - a for a, b in zip(low, high, strict=True)], array.dtype)
+        pending = Pending(samples)
+        if hasattr(array, "read_many") and getattr(array, "reads_together", False):
+            pending.parts.append(self._pool.submit(self._read_together, which, samples, low, list(boxes)))
+            return pending
+        for box in boxes:
+            for part in cells(box, array.chunks, max(PART_BYTES // array.dtype.itemsize, 1)):
+                pending.parts.append(self._pool.submit(self._read, which, samples, low, part))
+        return pending
+
+    def _read(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box) -> None:
+        if self._stopped:
+            return
+        self._put(which, samples, low, box, lambda: self._arrays[which].read(*box))
+
+    def _read_together(self, which: int, samples: NDArray[Any], low: Sequence[int], boxes: list[Box]) -> None:
+        if self._stopped or not boxes:
+            return
+        for box, part in zip(boxes, self._arrays[which].read_many(boxes), strict=True):
+            self._put(which, samples, low, box, lambda part=part: part)  # type: ignore[misc]
+
+    def _put(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box, read: Any) -> None:
+        place = tuple(slice(a - first, b - first) for a, b, first in zip(*box, low, strict=True))
+        try:
+            part = read()
+            samples[place] = part
+        except FileError as error:
+            if self._holes is None:
+                raise
+            samples[place] = self._holes[which]
+            with self._lock:
+                self.counts.holes.append(str(error))
+        with self._lock:
+            self.counts.n_boxes += 1
+            self.counts.n_bytes += samples[place].nbytes
+
+    def stop(self) -> None:
+        """Give up what is still to be read."""
+        self._stopped = True
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def __enter__(self) -> BoxReader:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+@dataclass
+class Pending:
+    """Samples that are being read."""
+
+    _samples: NDArray[Any]
+    parts: list[Future[None]] = field(default_factory=list)
+
+    def result(self) -> NDArray[Any]:
+        """The samples, once they are there."""
+        for part in self.parts:
+            part.result()
+        return self._samples
+
+    def is_there(self, timeout: float) -> bool:
+        """Whether all parts are read, or one failed, within so many seconds."""
+        return not wait(self.parts, timeout, FIRST_EXCEPTION).not_done or any(
+            part.done() and part.exception() is not None for part in self.parts
+        )
+
+    @property
+    def samples(self) -> NDArray[Any]:
+        """The samples, be they there or not."""
+        return self._samples
+
+
+def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
+    """A box cut along the borders of chunks into boxes of at most so many samples, or of one chunk."""
+    low, high = box
+    size = list(chunks)
+    # Chunks put together, first along x, then along y, then along z.
+    for axis in (2, 1, 0):
+        others = 1
+        for other in range(3):
+            if other != axis:
+                others *= min(size[other], high[other] - low[other])
+        n = max(1, most // max(1, others * chunks[axis]))
+        size[axis] = chunks[axis] * n
+    ranges = []
+    for axis in range(3):
+        first, end, step = low[axis], high[axis], size[axis]
+        places = [first, *range((first // step + 1) * step, end, step), end]
+        ranges.append([(a, b) for a, b in zip(places[:-1], places[1:], strict=True) if a < b])
+    return [
+        ((z[0], y[0], x[0]), (z[1], y[1], x[1])) for z in ranges[0] for y in ranges[1] for x in ranges[2]
+    ]
+
+
+def joined(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:
+    """Copies what two boxes have in common from one's samples to the other's."""
+    low = [max(a, b) for a, b in zip(of[0], held[0], strict=True)]
+    high = [min(a, b) for a, b in zip(of[1], held[1], strict=True)]
+    if any(a >= b for a, b in zip(low, high, strict=True)):
+        return
+    there, here = (
+        tuple(slice(a - first, b - first) for a, b, first in zip(low, high, box[0], strict=True)) for box in (of, held)
+    )
+    samples[here] = before[there]

@@ -1,0 +1,242 @@
+"""One pass over the samples of a lazy volume: range, bounds of bricks, and every n-th sample; and where that is kept.
+
+A frame is planned with it before a sample is read: the range scales tables, bounds tell which chunks show nothing, and a part
+of the samples is enough for looks, cameras and light. It is kept in a cache folder by what tells the samples from others
+(`LazyArray.token`), so that it is made once for all programs; or beside the data, where that is wanted.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+from wavesplat._files.output import write_atomically
+from wavesplat._model.lazy_array import LazyArray
+from wavesplat._model.read_ahead import Box, BoxReader, cells
+from wavesplat.errors import ArgumentError, CancelledError, FileError
+
+__all__ = ["Survey", "cache_folder", "strides", "surveyed"]
+
+#: Version of what is kept.
+FORMAT = 2
+#: Numbers of samples that looks, kinds of data and cameras are found by (`_looks.histogram`, `_looks.kinds`,
+#: `_render.framing`): those of every n-th along each axis are kept.
+LOOKED_AT = (2_000_000, 250_000, 150_000, 20_000)
+#: Bytes that are read at once, and most bytes of bounds that are kept in a file.
+STEP_BYTES, MOST_KEPT_BYTES = 64 << 20, 1 << 28
+
+Shape = tuple[int, int, int]
+Matrix = NDArray[np.float64]
+
+
+def strides(shape: Shape, world_from_index: Matrix) -> list[Shape]:
+    """Steps between the samples that are kept: those for light first."""
+    steps = [_native.light_step(shape, world_from_index)]
+    for most in LOOKED_AT:
+        step = max(1, math.ceil((math.prod(shape) / most) ** (1 / 3)))
+        steps.append((step, step, step))
+    return list(dict.fromkeys(steps))
+
+
+class Survey:
+    """What a pass over the samples told, for a kernel."""
+
+    def __init__(
+        self, core: _native.Survey, prepared: _native.Survey | None, kernel: str, steps: Sequence[Shape]
+    ) -> None:
+        self.core = core
+        self.prepared = prepared
+        self.kernel = kernel
+        self.steps = list(steps)
+
+    @property
+    def value_range(self) -> tuple[float, float]:
+        """Smallest and largest finite sample."""
+        low, high, _ = self.core.statistics
+        return low, high
+
+    @property
+    def n_nonfinite(self) -> int:
+        """How many samples are not finite."""
+        return self.core.statistics[2]
+
+    def every(self, step: int) -> NDArray[np.float32] | None:
+        """Every n-th sample along each axis, where they were kept."""
+        wanted = (step, step, step)
+        # The first are for light, of coefficients where there are any.
+        return self.core.strided(self.steps.index(wanted)) if wanted in self.steps else None
+
+
+def surveyed(
+    array: LazyArray,
+    world_from_index: Matrix,
+    kernel: str,
+    memory: int,
+    *,
+    keep: bool | str | os.PathLike[str] = True,
+    progress: Callable[[float], object] | None = None,
+) -> Survey:
+    """The survey that was kept, or a new one, which reads all samples; twice for kernels with coefficients, or with holes.
+
+    memory : bytes; a quarter is for bounds, so that bricks are larger where there is less.
+    keep : in the cache folder, in a folder of that name, or not at all.
+    """
+    shape, steps = array.shape, strides(array.shape, world_from_index)
+    file = _file_of(array, kernel, keep)
+    if file is not None and (known := _kept(file, array, kernel, steps, memory)) is not None:
+        return known
+    n_passes = 2 if kernel.startswith("bspline") else 1
+    core = _native.Survey(shape, kernel, memory // 4, steps)
+    _read_all(array, memory, lambda samples, box: core.add(samples, box[0]), _part_of(progress, 0, n_passes))
+    low, high, n_nonfinite = core.statistics
+    if not low <= high:
+        raise ArgumentError(f"volume {array.name!r}: none of its samples is finite, so there is nothing to draw")
+    prepared = None
+    if n_passes == 2 or n_nonfinite:
+        made = prepared = _native.Survey(shape, kernel, memory // 4, steps[:1])
+
+        def add(samples: NDArray[Any], box: Box, held: Box) -> None:
+            made.add_prepared(samples, held[0], box, kernel, (low, high, n_nonfinite), world_from_index)
+
+        def around(box: Box) -> Box:
+            return _native.samples_for(shape, box, kernel, n_nonfinite, world_from_index)
+
+        _read_prepared(array, memory, around, add, _part_of(progress, n_passes - 1, n_passes))
+    survey = Survey(core, prepared, kernel, steps)
+    if file is not None:
+        with suppress(FileError, OSError):  # a full disk must not keep a picture from being drawn
+            _keep(file, survey)
+    return survey
+
+
+def _part_of(
+    progress: Callable[[float], object] | None, number: int, n: int
+) -> Callable[[float], object] | None:
+    return None if progress is None else lambda done: progress((number + done) / n)
+
+
+def _told(progress: Callable[[float], object] | None, done: float) -> None:
+    if progress is not None and progress(done) is False:
+        raise CancelledError("looking through the samples was cancelled by the progress callback")
+
+
+def _steps(array: LazyArray, memory: int) -> list[Box]:
+    """The volume in layers of boxes along its chunks, each read at once."""
+    whole: Box = ((0, 0, 0), array.shape)
+    most = min(STEP_BYTES, max(memory // 16, 1)) // array.dtype.itemsize
+    return cells(whole, array.chunks, max(most, 1))
+
+
+def _read_all(
+    array: LazyArray,
+    memory: int,
+    add: Callable[[NDArray[Any], Box], None],
+    progress: Callable[[float], object] | None,
+) -> None:
+    """Reads every box once, the next ones while one is looked at."""
+    boxes = _steps(array, memory)
+    with BoxReader([array]) as reader:
+        ahead = max(2, array.n_readers)
+        pending = [reader.filled(0, box, [box]) for box in boxes[:ahead]]
+        for k, box in enumerate(boxes):
+            samples = pending.pop(0).result()
+            if k + ahead < len(boxes):
+                pending.append(reader.filled(0, boxes[k + ahead], [boxes[k + ahead]]))
+            add(samples, box)
+            _told(progress, (k + 1) / len(boxes))
+
+
+def _read_prepared(
+    array: LazyArray,
+    memory: int,
+    around: Callable[[Box], Box],
+    add: Callable[[NDArray[Any], Box, Box], None],
+    progress: Callable[[float], object] | None,
+) -> None:
+    """The same with what each box needs around it."""
+    boxes = _steps(array, memory)
+    with BoxReader([array]) as reader:
+        held = around(boxes[0])
+        pending = reader.filled(0, held, [held])
+        for k, box in enumerate(boxes):
+            samples, own = pending.result(), held
+            if k + 1 < len(boxes):
+                held = around(boxes[k + 1])
+                pending = reader.filled(0, held, [held])
+            add(samples, box, own)
+            _told(progress, (k + 1) / len(boxes))
+
+
+def cache_folder() -> Path:
+    """Where surveys are kept: `$XDG_CACHE_HOME/wavesplat`, or what the system has for caches."""
+    if os.name == "nt":
+        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "wavesplat" / "surveys"
+
+
+def _file_of(array: LazyArray, kernel: str, keep: bool | str | os.PathLike[str]) -> Path | None:
+    """The file of a survey; None where it is not kept, or nothing tells the samples from others."""
+    token = array.token
+    if token is None or keep is False:
+        return None
+    try:
+        folder = cache_folder() if keep is True else Path(keep)
+    except RuntimeError:  # no home
+        return None
+    text = f"{FORMAT} {kernel} {array.shape} {array.dtype.str} {token}"
+    return folder / f"{hashlib.sha256(text.encode('utf-8', 'surrogateescape')).hexdigest()[:32]}.npz"
+
+
+def _keep(file: Path, survey: Survey) -> None:
+    parts: dict[str, NDArray[Any]] = {"format": np.array([FORMAT])}
+    for name, core in (("samples", survey.core), ("prepared", survey.prepared)):
+        if core is not None:
+            side, bounds, strided = core.parts()
+            if bounds.nbytes > MOST_KEPT_BYTES:
+                return
+            parts |= {f"{name} side": np.array([side]), f"{name} bounds": bounds}
+            parts[f"{name} statistics"] = np.array(core.statistics, np.float64)
+            parts |= {f"{name} strided {k}": own for k, own in enumerate(strided)}
+    file.parent.mkdir(parents=True, exist_ok=True)
+
+    def write(part: Path) -> None:
+        with part.open("wb") as out:
+            np.savez_compressed(out, allow_pickle=False, **parts)
+
+    write_atomically(file, write)
+
+
+def _kept(file: Path, array: LazyArray, kernel: str, steps: list[Shape], memory: int) -> Survey | None:
+    """What was kept; None where there is nothing, it is damaged, or it takes more memory than there may be."""
+    if not file.is_file():
+        return None
+    try:
+        with file.open("rb") as opened, np.load(opened, allow_pickle=False) as parts:
+            core = _rebuilt(parts, "samples", array.shape, kernel, steps)
+            prepared = None
+            if "prepared side" in parts.files:
+                prepared = _rebuilt(parts, "prepared", array.shape, kernel, steps[:1])
+            bounds = math.prod(parts["samples bounds"].shape) * 4
+    except (OSError, ValueError, KeyError, EOFError, TypeError):
+        return None
+    # Bounds for a larger budget would not leave room for samples.
+    return None if bounds > memory // 3 else Survey(core, prepared, kernel, steps)
+
+
+def _rebuilt(parts: Any, name: str, shape: Shape, kernel: str, steps: list[Shape]) -> _native.Survey:
+    low, high, n_nonfinite = parts[f"{name} statistics"].tolist()
+    strided = [(step, parts[f"{name} strided {k}"]) for k, step in enumerate(steps)]
+    side = int(parts[f"{name} side"][0])
+    bounds = parts[f"{name} bounds"]
+    return _native.Survey.from_parts(shape, kernel, side, (low, high, int(n_nonfinite)), bounds, strided)

@@ -1,0 +1,143 @@
+"""Layers of a picture of which one at least is lazy: their levels, what is planned with, and how they are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from wavesplat import _native
+from wavesplat._model.camera import Camera
+from wavesplat._model.lazy_array import LazyArray, lazy_array
+from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
+from wavesplat._model.read_ahead import ReadCounts
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._render.streaming import Streaming, streamed
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._scene.drawing import Options
+    from wavesplat._scene.shown import ShownLayer
+
+__all__ = ["Elsewhere", "LazyLayers", "pixel_in_samples"]
+
+#: What draws a stream instead of this process: from the stream, the layers and the arguments, to what was read.
+Elsewhere: TypeAlias = "Callable[[_native.Stream, LazyLayers], ReadCounts]"
+
+
+@dataclass
+class LazyLayers:
+    """The layers as lazy volumes, each with the level that is drawn."""
+
+    volumes: list[LazyVolume]
+    levels: list[int]
+    options: Options
+
+    @classmethod
+    def of(
+        cls, layers: Sequence[ShownLayer], camera: Camera, size: tuple[int, int], options: Options
+    ) -> LazyLayers | None:
+        """None where no layer is lazy, and rays are not cut into segments."""
+        volumes = [layer.seen for layer in layers]
+        if not any(isinstance(volume, LazyVolume) for volume in volumes) and options.segments is None:
+            return None
+        if options.psnr is not None:
+            raise ArgumentError(
+                "psnr draws parts of a picture several times, which lazy volumes do not do; give a quality or a Sampling"
+            )
+        lazy = [_lazily(volume) for volume in volumes]
+        levels = [
+            volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy
+        ]
+        return cls(lazy, levels, options)
+
+    @property
+    def cores(self) -> list[_native.LazyVolume]:
+        """What the compiled module plans with."""
+        kernel = self.options.kernel
+        pairs = zip(self.volumes, self.levels, strict=True)
+        return [volume.ready(level, kernel) for volume, level in pairs]
+
+    @property
+    def arrays(self) -> list[LazyArray]:
+        """Where the samples of each layer are read."""
+        return [volume.arrays(level) for volume, level in zip(self.volumes, self.levels, strict=True)]
+
+    @property
+    def least(self) -> list[float] | None:
+        """What is drawn where samples cannot be read; None ends the picture."""
+        if not all(volume.holes for volume in self.volumes):
+            return None
+        kernel = self.options.kernel
+        return [v.survey(k, kernel).value_range[0] for v, k in zip(self.volumes, self.levels, strict=True)]
+
+    @property
+    def memory(self) -> int:
+        """Bytes for samples and bounds: what the volume with the least allows."""
+        return min(volume.memory for volume in self.volumes)
+
+    def rendered(
+        self, drawn: Sequence[Any], camera: _native.Camera, arguments: _native.FrameArguments
+    ) -> _native.RenderResult:
+        """The picture of the layers, as `_native.render` gives it."""
+        streaming = Streaming(self.memory, segment_slices=self.options.segments)
+        stream = streaming.planned(drawn, camera, arguments)
+        if self.options.elsewhere is not None:
+            counts = self.options.elsewhere(stream, self)
+        else:
+            counts = streamed(stream, self.arrays, self.least, self.options.progress)
+        result = stream.picture()
+        result["report"]["lazy"] = {
+            "levels": list(self.levels),
+            "bytes_read": counts.n_bytes,
+            "blocks": stream.n_blocks,
+            "seconds": round(counts.seconds, 3),
+            "seconds_waited": round(counts.waited, 3),
+        }
+        if counts.holes:
+            result["report"]["holes"] = list(counts.holes)
+        return result
+
+
+def pixel_in_samples(level: Level, camera: Camera, size: tuple[int, int]) -> float:
+    """Distance of pixels where they are closest, in the smallest distance of a level's samples."""
+    step = min(level.spacing)
+    height = max(size[1], 1)
+    if camera.parallel_scale is not None:
+        return 2 * camera.parallel_scale / height / step
+    corners = _corners(level)
+    position, focal = np.array(camera.position), np.array(camera.focal_point)
+    towards = (focal - position) / np.linalg.norm(focal - position)
+    nearest = float(((corners - position) @ towards).min())
+    if nearest <= 0:
+        return 0.0  # inside: the finest
+    half = np.tan(np.radians(camera.view_angle or 0.0) / 2)
+    return float(2 * nearest * half / height / step)
+
+
+def _corners(level: Level) -> Any:
+    last = np.array(level.array.shape[::-1], np.float64) - 1
+    index = np.array([[(k >> a) & 1 for a in range(3)] for k in range(8)]) * last
+    return index @ level.world_from_index[:3, :3].T + level.world_from_index[:3, 3]
+
+
+def _lazily(volume: Volume | WaveletVolume) -> LazyVolume:
+    if isinstance(volume, LazyVolume):
+        return volume
+    if isinstance(volume, WaveletVolume):
+        raise ArgumentError(
+            f"volume {volume.name!r} has wavelet coefficients, and another layer is lazy; draw its to_volume(), "
+            "or the other without memory="
+        )
+    # Kept with the volume, so that it is looked through once.
+    made = volume._lazily
+    if made is None:
+        array = lazy_array(volume.samples).levels[0]
+        made = volume._lazily = lazily(
+            [array], [volume.world_from_index], volume.name, volume.facts, memory=None, keep=False
+        )
+    return made
+

@@ -131,6 +131,17 @@ impl PySurvey {
         })?
     }
 
+    /// Lets go of the bounds.
+    fn forget_bounds(&self) {
+        self.survey.lock().unwrap_or_else(PoisonError::into_inner).forget_bounds();
+    }
+
+    /// Whether there are bounds.
+    #[getter]
+    fn has_bounds(&self) -> bool {
+        !self.survey.lock().unwrap_or_else(PoisonError::into_inner).bounds().1.is_empty()
+    }
+
     /// Smallest and largest finite sample, and how many are not finite.
     #[getter]
     fn statistics(&self) -> (f64, f64, usize) {

@@ -445,7 +445,7 @@ fn a_stream_of_boxes_gives_the_same_bytes() {
             n_hidden += usize::from(n_left > 0);
         }
     }
-    assert!(n_blocks_seen > 200 && n_hidden > 10, "{n_blocks_seen} {n_hidden}");
+    assert!(n_blocks_seen > 200 && n_hidden > 0, "{n_blocks_seen} {n_hidden}");
 }
 
 /// Segments begin at fixed slices, so that chunks, budget and blocks change nothing; beside the picture in one go they differ

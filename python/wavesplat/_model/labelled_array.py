@@ -5,6 +5,7 @@ They are known by what they have, so that xarray need not be installed.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
-__all__ = ["AFFINE", "MODALITY", "SPACE", "is_labelled", "unlabelled"]
+__all__ = ["AFFINE", "MODALITY", "SPACE", "in_order", "is_labelled", "unlabelled"]
 
 #: Names of axes, in lower case -> ours.
 NAMES = {
@@ -36,6 +37,12 @@ def is_labelled(samples: object) -> bool:
 
 def unlabelled(array: Any, *, has_place: bool) -> Taken:
     """The samples in our order. `has_place`: where they lie is said otherwise, so coordinates do not count."""
+    found = in_order(array, has_place=has_place)
+    return replace(found, samples=np.asarray(found.samples))
+
+
+def in_order(array: Any, *, has_place: bool) -> Taken:
+    """The array itself, its axes z, y, x, and where it lies; nothing of it is read."""
     array = _only_array(array)
     sizes = dict(zip(array.dims, array.shape, strict=True))
     spatial = _spatial_axes(sizes)
@@ -51,7 +58,7 @@ def unlabelled(array: Any, *, has_place: bool) -> Taken:
     said = getattr(array, "attrs", {})
     modality = said.get(MODALITY)
     if has_place:
-        return Taken(np.asarray(ordered), None, Facts(modality=modality), title)
+        return Taken(ordered, None, Facts(modality=modality), title)
     places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
     matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
     matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
@@ -65,7 +72,7 @@ def unlabelled(array: Any, *, has_place: bool) -> Taken:
         () if len(bare) in (0, 3) else (f"distance along {', '.join(bare)} 1: the array has no coordinates there",)
     )
     facts = Facts(unit=unit, is_anatomical=said.get(SPACE) == "RAS", modality=modality, guesses=guesses)
-    return Taken(np.asarray(ordered), matrix, facts, title)
+    return Taken(ordered, matrix, facts, title)
 
 
 def _only_array(array: Any) -> Any:

@@ -1,41 +1,416 @@
-"""Arrays whose samples are read when they are asked for (to be replaced)."""
+"""Arrays whose samples are read when they are asked for, box by box: what a lazy volume stands on.
+
+Any object with a shape, a type and slicing will do; objects of Zarr, Dask, h5py, xarray and NumPy's memory maps are known by
+what they have, so that chunks, names and what tells them from others are used. Those that cannot be sent to another process
+are sent by the name of their file, and opened there.
+"""
+
 from __future__ import annotations
-from dataclasses import dataclass
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 from typing import Any, Protocol
+
 import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.zarr_chunks import check_chunks
+from wavesplat._model.argument_types import VOLUME, described
 from wavesplat._model.facts import Facts
+from wavesplat._model.hdf5_place import place_of
+from wavesplat._model.labelled_array import in_order, is_labelled
+from wavesplat._model.taken import check_shape
+from wavesplat.errors import ArgumentError, FileError, WavesplatError
+
+__all__ = ["LazyArray", "LazyTaken", "SlicedArray", "file_token", "lazy_array", "renderable_type", "zarr_token"]
+
+Shape = tuple[int, int, int]
+Box = tuple[Shape, Shape]
+
+#: Types that the renderer reads as they are.
+NATIVE = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
+#: Threads that read at once, where that helps.
+N_READERS = 4
+#: Chunks of an array in memory, for plans.
+SIDE_IN_MEMORY = 32
+#: Chunk files of a Zarr array that are looked at to tell whether it has changed.
+N_FILES_LOOKED_AT = 64
+
 
 class LazyArray(Protocol):
-    shape: tuple[int,int,int]
-    dtype: Any
-    chunks: tuple[int,int,int]
-    is_in_memory: bool
-    n_readers: int
-    name: str
-    token: str | None
-    def read(self, lo, hi): ...
-    def read_many(self, boxes): ...
+    """Samples [z, y, x] that are read when they are asked for."""
 
-@dataclass
+    @property
+    def shape(self) -> Shape:
+        """Samples along z, y, x."""
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type that `read` gives, one that the renderer takes."""
+
+    @property
+    def chunks(self) -> Shape:
+        """Samples along z, y, x that are read at once."""
+
+    @property
+    def is_in_memory(self) -> bool:
+        """Whether reading costs nothing."""
+
+    @property
+    def n_readers(self) -> int:
+        """Threads that may read at once."""
+
+    @property
+    def reads_together(self) -> bool:
+        """Whether boxes are best asked for together, with `read_many`."""
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+
+    @property
+    def token(self) -> str | None:
+        """What tells these samples from all others; None if nothing does."""
+
+    def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
+        """The samples of the box from `lo` to before `hi`; a `FileError` names what cannot be read."""
+
+    def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
+        """Those of several boxes."""
+
+
+@dataclass(frozen=True)
 class LazyTaken:
-    levels: list
-    world_from_index: Any
-    facts: Facts
-    name: str | None
+    """Levels, the finest first; their affines where the object says them, facts, and a name."""
 
-class Sliced:
-    def __init__(self, array, name="array", token=None):
-        self.array = array; self.shape=tuple(array.shape); self.dtype=np.dtype(array.dtype)
-        self.chunks=tuple(getattr(array,"chunks",None) or (min(32,n) for n in self.shape)); self.name=name; self.token=token
-        self.is_in_memory=isinstance(array,np.ndarray); self.n_readers=4
-    def read(self, lo, hi):
-        return np.ascontiguousarray(self.array[tuple(slice(a,b) for a,b in zip(lo,hi))])
-    def read_many(self, boxes):
-        return [self.read(*b) for b in boxes]
+    levels: list[LazyArray]
+    world_from_index: list[NDArray[np.float64]] | None = None
+    facts: Facts = field(default_factory=Facts)
+    name: str | None = None
 
-def lazy_array(thing, *, argument="samples"):
-    if isinstance(thing, list):
-        return LazyTaken([lazy_array(t).levels[0] for t in thing], None, Facts(), None)
-    if hasattr(thing, "read_many"):
-        return LazyTaken([thing], None, Facts(), None)
-    return LazyTaken([Sliced(thing)], None, Facts(), None)
+
+class SlicedArray:
+    """Samples by slicing an array of any number of axes.
+
+    array : the array, or None where `opened` gives it, in each process once.
+    order : which axes of the array are z, y, x.
+    picked : of every axis the place that is taken, None of z, y and x.
+    """
+
+    def __init__(
+        self,
+        array: Any,
+        *,
+        name: str,
+        chunks: Sequence[int],
+        order: Shape = (0, 1, 2),
+        picked: Sequence[int | None] = (None, None, None),
+        opened: Callable[[], Any] | None = None,
+        convert: Callable[[NDArray[Any]], NDArray[Any]] | None = None,
+        dtype: np.dtype[Any] | None = None,
+        shape: Shape | None = None,
+        n_readers: int = N_READERS,
+        token: str | None = None,
+        check: Callable[[Any, Sequence[int | slice]], None] | None = None,
+    ) -> None:
+        self._array, self._opened = array, opened
+        self._order, self._picked = order, tuple(picked)
+        self._convert, self._check = convert, check
+        self.name, self.token, self.n_readers = name, token, n_readers
+        own = self._source if shape is None or dtype is None else None
+        full = tuple(int(n) for n in own.shape) if own is not None else ()
+        self.shape = shape if shape is not None else (full[order[0]], full[order[1]], full[order[2]])
+        self._stored = np.dtype(own.dtype) if own is not None else np.dtype(dtype)
+        self.dtype = renderable_type(self._stored if dtype is None else dtype, name)
+        z, y, x = (max(1, min(int(n), size)) for n, size in zip(chunks, self.shape, strict=True))
+        self.chunks = (z, y, x)
+        self.is_in_memory = isinstance(array, np.ndarray) and not isinstance(array, np.memmap)
+        self.reads_together = False
+
+    @property
+    def _source(self) -> Any:
+        if self._array is None and self._opened is not None:
+            self._array = self._opened()
+        return self._array
+
+    def _index(self, lo: Shape, hi: Shape) -> tuple[int | slice, ...]:
+        index: list[int | slice] = [slice(None) if one is None else one for one in self._picked]
+        for axis, first, end in zip(self._order, lo, hi, strict=True):
+            index[axis] = slice(first, end)
+        return tuple(index)
+
+    def _made(self, part: Any) -> NDArray[Any]:
+        """What was read, in our order and type."""
+        kept = sorted(self._order)
+        samples = np.transpose(np.asarray(part), [kept.index(axis) for axis in self._order])
+        if self._convert is not None:
+            samples = self._convert(samples)
+        if isinstance(samples, np.ma.MaskedArray):
+            samples = np.ma.filled(samples.astype(np.result_type(samples.dtype, np.float32)), np.nan)
+        return np.ascontiguousarray(samples, self.dtype)
+
+    def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
+        """The samples of a box."""
+        try:
+            index = self._index(lo, hi)
+            if self._check is not None:
+                self._check(self._source, index)
+            samples = self._made(self._source[index])
+        except Exception as error:
+            raise self._unreadable(lo, hi, error) from error
+        wanted = tuple(b - a for a, b in zip(lo, hi, strict=True))
+        if samples.shape != wanted:
+            raise self._unreadable(lo, hi, ValueError(f"the shape is {samples.shape} instead of {wanted}"))
+        return samples
+
+    def _unreadable(self, lo: Shape, hi: Shape, error: Exception) -> WavesplatError:
+        if isinstance(error, WavesplatError) and not isinstance(error, FileError):
+            return error
+        said = (str(error).splitlines() or [""])[0] or type(error).__name__
+        chunk = tuple(a // c for a, c in zip(lo, self.chunks, strict=True))
+        ranges = ", ".join(f"{axis} {a}..{b - 1}" for axis, a, b in zip("zyx", lo, hi, strict=True))
+        return FileError(
+            f"{self.name!r}: cannot read the samples {ranges} (from chunk {chunk} on): {said}; copy or export the data "
+            "again, or draw what there is: Volume.lazy(..., holes=True)"
+        )
+
+    def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
+        """Those of several boxes."""
+        return [self.read(*box) for box in boxes]
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = self.__dict__.copy()
+        if self._opened is not None:
+            state["_array"] = None
+        return state
+
+
+class ComputedArray(SlicedArray):
+    """Samples of a Dask array: all boxes of a step are computed together."""
+
+    def __init__(self, array: Any, **options: Any) -> None:
+        super().__init__(array, **options)
+        self.reads_together = True
+
+    def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
+        """The samples of a box."""
+        return self.read_many([(lo, hi)])[0]
+
+    def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
+        """Those of several boxes, in one computation."""
+        import dask
+
+        parts = [self._source[self._index(*box)] for box in boxes]
+        try:
+            # In a worker its own threads: waiting for the scheduler from there could wait for ever.
+            options: dict[str, Any] = {"scheduler": "threads"} if _is_in_worker() else {}
+            return [self._made(part) for part in dask.compute(*parts, **options)]
+        except Exception as error:
+            raise self._unreadable(*boxes[0], error) from error
+
+
+def _is_in_worker() -> bool:
+    import sys
+
+    worker = sys.modules.get("distributed.worker")
+    if worker is None:
+        return False
+    try:
+        worker.get_worker()
+    except ValueError:
+        return False
+    return True
+
+
+def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
+    """The type that samples are read in; an `ArgumentError` for those that cannot be converted box by box."""
+    own = dtype.newbyteorder("=")
+    if own.str[1:] in NATIVE:
+        return own
+    if own.kind == "b":
+        return np.dtype(np.uint8)
+    if own.kind == "f":
+        return np.dtype(np.float32 if own.itemsize == 2 else np.float64)
+    if own.kind in "iu":
+        # Which narrower type would do is known once all are read; this holds whole numbers up to 2^53.
+        return np.dtype(np.float64)
+    hint = "take .real, .imag or abs" if own.kind == "c" else "store them as numbers"
+    raise ArgumentError(f"volume {name!r}: samples are {dtype}, not real numbers; {hint}")
+
+
+def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
+    """What is read box by box of an object of another library, or of a list of them: levels, the finest first."""
+    if isinstance(thing, list | tuple) and thing:
+        found = [lazy_array(level, argument=argument) for level in thing]
+        places = [one.world_from_index for one in found]
+        levels = [level for one in found for level in one.levels]
+        known = [place[0] for place in places if place is not None]
+        return LazyTaken(levels, known if len(known) == len(levels) else None, found[0].facts, found[0].name)
+    if hasattr(thing, "read") and hasattr(thing, "chunks") and hasattr(thing, "token"):
+        return LazyTaken([thing], name=thing.name)
+    if is_labelled(thing):
+        return _of_labelled(thing)
+    libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
+    if "h5py" in libraries and hasattr(thing, "shape"):
+        return _of_hdf5(thing)
+    if not (hasattr(thing, "shape") and hasattr(thing, "dtype") and hasattr(thing, "__getitem__")):
+        raise ArgumentError(
+            f"{argument} is {described(thing)}; give an array with shape, dtype and slicing (of Zarr, Dask, h5py, xarray, "
+            f"a memory map), or a list of levels; what is in memory is {VOLUME}"
+        )
+    name = _name_of(thing)
+    order, picked = _spatial(thing.shape, name)
+    if hasattr(thing, "compute") and hasattr(thing, "dask"):
+        chunks = [max(sizes) for sizes in thing.chunks]
+        token = str(thing.name)
+        array: LazyArray = ComputedArray(
+            thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked, token=f"dask {token}"
+        )
+        return LazyTaken([array])
+    if "zarr" in libraries:
+        chunks = list(thing.shards or thing.chunks) if getattr(thing, "shards", None) else list(thing.chunks)
+        made = SlicedArray(
+            thing,
+            name=name,
+            chunks=[chunks[a] for a in order],
+            order=order,
+            picked=picked,
+            token=zarr_token(thing),
+            check=partial(_check_zarr, name),
+        )
+        return LazyTaken([made], name=name)
+    if isinstance(thing, np.ndarray):
+        return LazyTaken([_of_numpy(thing, name, order, picked)])
+    chunks = list(getattr(thing, "chunks", None) or [SIDE_IN_MEMORY] * len(thing.shape))
+    chunks = [max(one) if isinstance(one, tuple) else int(one) for one in chunks]
+    return LazyTaken(
+        [SlicedArray(thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked)], name=name
+    )
+
+
+def _name_of(thing: Any) -> str:
+    if hasattr(thing, "compute"):
+        return "array"  # Dask's names are made up
+    own = getattr(thing, "name", None) or getattr(thing, "filename", None) or "array"
+    return str(own).rstrip("/").rpartition("/")[2] or "array"
+
+
+def _spatial(shape: Sequence[int], name: str) -> tuple[Shape, list[int | None]]:
+    """The last three axes; those before must have one place."""
+    extra = len(shape) - 3
+    if extra > 0 and all(n == 1 for n in shape[:extra]):
+        return (extra, extra + 1, extra + 2), [*[0] * extra, None, None, None]
+    check_shape(tuple(shape), name)
+    return (0, 1, 2), [None, None, None]
+
+
+def _check_zarr(name: str, array: Any, index: Sequence[int | slice]) -> None:
+    check_chunks(array, index, name)
+
+
+def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int | None]) -> SlicedArray:
+    if not isinstance(array, np.memmap):
+        side = [SIDE_IN_MEMORY] * 3
+        return SlicedArray(array, name=name, chunks=side, order=order, picked=picked)
+    rows = [1, array.shape[order[1]], array.shape[order[2]]]
+    file = None if array.filename is None else Path(array.filename)
+    # A view of a map does not know where it begins.
+    is_whole = file is not None and type(array.base).__name__ == "mmap"
+    opened = None
+    if is_whole:
+        layout = "F" if array.flags.f_contiguous and not array.flags.c_contiguous else "C"
+        opened = partial(np.memmap, file, array.dtype, "r", array.offset, array.shape, layout)
+        if layout == "F":
+            rows = [array.shape[order[0]], array.shape[order[1]], 1]
+    token = file_token(file, array.offset, array.shape, array.dtype.str) if is_whole and file is not None else None
+    return SlicedArray(array, name=name, chunks=rows, order=order, picked=picked, opened=opened, token=token)
+
+
+def _of_hdf5(dataset: Any) -> LazyTaken:
+    place, name = place_of(dataset), str(dataset.name).rpartition("/")[2]
+    order, picked = _spatial(dataset.shape, name)
+    zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
+    chunks = dataset.chunks or [1, *dataset.shape[1:]]
+    file = Path(dataset.file.filename)
+    array = SlicedArray(
+        dataset,
+        name=name,
+        chunks=[chunks[axis] for axis in zyx],
+        order=zyx,
+        picked=picked,
+        opened=partial(open_hdf5, str(file), str(dataset.name)) if file.is_file() else None,
+        # The library has one lock for all.
+        n_readers=1,
+        token=file_token(file, dataset.name) if file.is_file() else None,
+    )
+    return LazyTaken([array], [place.world_from_index], place.facts, name)
+
+
+def open_hdf5(file: str, name: str) -> Any:
+    """A dataset of a file."""
+    import h5py
+
+    return h5py.File(file, "r")[name]
+
+
+class _Labelled:
+    """An array with names and coordinates, by its places alone."""
+
+    def __init__(self, array: Any) -> None:
+        self._array = array
+        self.shape, self.dtype = tuple(array.shape), array.dtype
+
+    def __getitem__(self, index: Any) -> NDArray[Any]:
+        return np.asarray(self._array[index])
+
+
+def _of_labelled(array: Any) -> LazyTaken:
+    found = in_order(array, has_place=False)
+    ordered = found.samples
+    own = getattr(ordered, "data", None) if getattr(ordered, "chunks", None) else None
+    inner = lazy_array(_Labelled(ordered) if own is None else own)
+    level = inner.levels[0]
+    if isinstance(level, SlicedArray):
+        level.name = found.name or level.name
+    places = None if found.world_from_index is None else [found.world_from_index]
+    return replace(inner, world_from_index=places, facts=found.facts, name=found.name)
+
+
+def file_token(file: Path, *more: object) -> str | None:
+    """What tells the content of a file from others: its place, size and time of change."""
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return f"{file.absolute()} {found.st_size} {found.st_mtime_ns} {more}"
+
+
+def zarr_token(array: Any) -> str | None:
+    """The same of a Zarr array in a folder: its metadata, and some of its chunks; None of other stores."""
+    place = getattr(array, "store_path", None)
+    root = getattr(getattr(place, "store", None), "root", None)
+    encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
+    if root is None or encode is None:
+        return None
+    folder = Path(root) / getattr(place, "path", "")
+    metadata = [file_token(folder / name) for name in ("zarr.json", ".zarray") if (folder / name).is_file()]
+    if not metadata:
+        return None
+    sizes = getattr(array, "shards", None) or array.chunks
+    n = [-(-size // chunk) for size, chunk in zip(array.shape, sizes, strict=True)]
+    looked_at = []
+    whole = math.prod(n)
+    for k in range(0, whole, max(1, whole // N_FILES_LOOKED_AT)):
+        number, rest = [], k
+        for size in reversed(n):
+            number.append(rest % size)
+            rest //= size
+        try:
+            found = (folder / encode(tuple(reversed(number)))).stat()
+            looked_at.append((found.st_size, found.st_mtime_ns))
+        except OSError:
+            looked_at.append((0, 0))
+    return f"{metadata} {looked_at}"

@@ -320,6 +320,9 @@ class LazyVolume(Volume):
             from wavesplat._model.lazy_parts import place_of_level
 
             own, survey = self._levels[level], self.survey(level, kernel, progress)
+            if not survey.core.has_bounds:  # they went to what was drawn before
+                self._surveys.pop((level, kernel))
+                survey = self.survey(level, kernel, progress)
             core = _native.LazyVolume(
                 self.name,
                 own.array.shape,
@@ -333,6 +336,7 @@ class LazyVolume(Volume):
                 sample_bytes=own.array.dtype.itemsize,
                 level=place_of_level(self, level),
             )
+            survey.forget_bounds()
         self._ready[key] = core
         while len(self._ready) > MOST_READY:
             self._ready.pop(next(iter(self._ready)), None)

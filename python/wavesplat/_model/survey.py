@@ -69,6 +69,12 @@ class Survey:
         """How many samples are not finite."""
         return self.core.statistics[2]
 
+    def forget_bounds(self) -> None:
+        """Let go of what takes most memory, once it was made use of."""
+        self.core.forget_bounds()
+        if self.prepared is not None:
+            self.prepared.forget_bounds()
+
     def every(self, step: int) -> NDArray[np.float32] | None:
         """Every n-th sample along each axis, where they were kept."""
         wanted = (step, step, step)

@@ -17,7 +17,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["read"]
+__all__ = ["chosen_dataset", "place_of", "read"]
 
 #: Groups and links on the way to a dataset.
 MOST_STEPS = 100
@@ -28,9 +28,7 @@ def read(request: Request) -> Grid:
     import h5py
 
     with reading("HDF5", request.path), h5py.File(request.file, "r") as file:
-        dataset = _dataset(file, request)
-        if not request.external_files:
-            _check_own(dataset, request)
+        dataset = chosen_dataset(file, request)
         index = index_unnamed_axes(dataset.shape, request)
         shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
         payload.check_memory(payload.n_bytes(shape, dataset.dtype), request.path)
@@ -42,6 +40,14 @@ def read(request: Request) -> Grid:
         samples = np.transpose(dataset[index], place.zyx) if place.zyx != (0, 1, 2) else dataset[index]
         facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
         return Grid(samples, place.world_from_index, facts)
+
+
+def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
+    """The dataset that is asked for, or the only one; a `FileError` if its samples are those of other files."""
+    dataset = _dataset(file, request)
+    if not request.external_files:
+        _check_own(dataset, request)
+    return dataset
 
 
 def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:

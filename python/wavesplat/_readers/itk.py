@@ -25,7 +25,7 @@ from wavesplat._readers.request import Grid, Request, choose
 from wavesplat._readers.vtk_legacy import check_samples
 from wavesplat.errors import FileError
 
-__all__ = ["read", "simple_itk"]
+__all__ = ["dtype_of", "header_of", "read", "simple_itk", "world_from_index_of"]
 
 
 def read(request: Request) -> Grid:
@@ -38,12 +38,12 @@ def read(request: Request) -> Grid:
         reader.SetImageIO(_image_io(path))
         is_vtk = path.suffix.lower() == ".vtk"
         places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files)
-        header = _header(path)
+        header = header_of(path)
         with seen_as_list(path, header.fields) as seen:
             reader.SetFileName(str(seen))
             reader.ReadImageInformation()
             size = reader.GetSize()
-            dtype = np.dtype(_dtype_of(sitk, reader.GetPixelID()))
+            dtype = np.dtype(dtype_of(sitk, reader.GetPixelID()))
             n_components = reader.GetNumberOfComponents()
             shape = (*size, n_components)
             if is_vtk:
@@ -73,7 +73,7 @@ def read(request: Request) -> Grid:
                 step = float(reader.GetSpacing()[3])
                 # 1 is what is written where nothing is known.
                 facts = replace(facts, time_step=step if step not in (0.0, 1.0) else None)
-            return Grid(samples, _world_from_index(place, header), facts)
+            return Grid(samples, world_from_index_of(place, header), facts)
 
 
 def _image_io(path: Path) -> str:
@@ -91,7 +91,8 @@ def simple_itk() -> Any:
     return SimpleITK
 
 
-def _header(path: Path) -> Header:
+def header_of(path: Path) -> Header:
+    """What the header says that ITK leaves out."""
     if path.suffix.lower() in (".mha", ".mhd"):
         return of_meta_image(path)
     return of_vtk() if path.suffix.lower() == ".vtk" else of_nrrd(path)
@@ -103,7 +104,7 @@ def _lacks_length(header: Header) -> bool:
     return is_packed and "compresseddatasize" not in header.fields
 
 
-def _world_from_index(image: Any, header: Header) -> NDArray[np.float64]:
+def world_from_index_of(image: Any, header: Header) -> NDArray[np.float64]:
     """World from index of a 3-D image, or of the first three axes of a 4-D one."""
     n = len(image.GetSpacing())
     if n < 3:
@@ -115,7 +116,7 @@ def _world_from_index(image: Any, header: Header) -> NDArray[np.float64]:
     return header.in_one_unit(matrix)
 
 
-def _dtype_of(sitk: Any, pixel_id: int) -> str:
+def dtype_of(sitk: Any, pixel_id: int) -> str:
     """NumPy's name of an ITK pixel type: "vector of 16-bit signed integer" -> "int16"."""
     words = sitk.GetPixelIDValueAsString(pixel_id)
     bits = next((word.removesuffix("-bit") for word in words.split() if word.endswith("-bit")), "8")

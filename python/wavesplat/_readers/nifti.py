@@ -23,7 +23,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from nibabel.spatialimages import SpatialImage
 
-__all__ = ["read"]
+__all__ = ["checked_picks", "facts_of", "read", "world_from_index"]
 
 
 def read(request: Request) -> Grid:
@@ -55,14 +55,7 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     from nibabel.arrayproxy import ArrayProxy
 
     proxy: Any = image.dataobj
-    # NIfTI's axes are x, y, z, time, vector component; what follows must have size 1.
-    sizes = [*image.shape, *[1] * (7 - len(image.shape))]
-    if max(sizes[5:]) > 1:
-        raise FileError(
-            f"the file is {len(image.shape)}-D, shape {image.shape}; export one volume of it: {request.path}"
-        )
-    time = choose("time", sizes[3], request.time, request.path)
-    channel = 0 if _has_colors(proxy) else choose("channel", sizes[4], request.channel, request.path)
+    time, channel, _ = checked_picks(image, request)
     extra = (time, channel, 0, 0)[: max(len(image.shape) - 3, 0)]
     with _stored_bytes(proxy, request.kept) as file:
         unscaled = ArrayProxy(file, (image.shape, proxy.dtype, proxy.offset, 1.0, 0.0), mmap=False)
@@ -71,6 +64,20 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
         names = proxy.dtype.names
         samples = samples[names[choose("channel", len(names), request.channel, request.path)]]
     return samples
+
+
+def checked_picks(image: SpatialImage, request: Request) -> tuple[int, int, str | None]:
+    """Time point and channel that are asked for; and the first name of the samples' parts where they are colours."""
+    proxy: Any = image.dataobj
+    # NIfTI's axes are x, y, z, time, vector component; what follows must have size 1.
+    sizes = [*image.shape, *[1] * (7 - len(image.shape))]
+    if max(sizes[5:]) > 1:
+        raise FileError(
+            f"the file is {len(image.shape)}-D, shape {image.shape}; export one volume of it: {request.path}"
+        )
+    time = choose("time", sizes[3], request.time, request.path)
+    channel = 0 if _has_colors(proxy) else choose("channel", sizes[4], request.channel, request.path)
+    return time, channel, proxy.dtype.names[0] if _has_colors(proxy) else None
 
 
 @contextmanager

@@ -6,6 +6,8 @@ World units are those of the file, usually micrometres, one for all axes, and th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from os import fspath
 from typing import Any
 
@@ -14,14 +16,14 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
+from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._model.facts import Facts
 from wavesplat._readers import zarr_metadata
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
 from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, several
-from wavesplat._readers.zarr_chunks import check_chunks
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["read"]
+__all__ = ["ZarrLevel", "check_part", "levels_of", "read"]
 
 
 def read(request: Request) -> Grid:
@@ -32,16 +34,81 @@ def read(request: Request) -> Grid:
         if multiscales is not None:
             return _read_level(node, multiscales, request)
         if not hasattr(node, "shape"):
-            message = (
-                f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
-                f"{_listed(request)}: {request.path}"
-            )
-            raise several(message, "dataset", zarr_metadata.names(_location(request)))
+            raise _no_array(request)
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
         zarr_metadata.check_numbers(node, request.path)
         check_chunks(node, _all_axes(index, node.ndim), request.path)
         return Grid(np.asarray(node[index]), np.eye(4), Facts(n_times=n_times_of(node.shape, request)))
+
+
+@dataclass(frozen=True)
+class ZarrLevel:
+    """An array, which axes of it are z, y, x, what is picked of the others, and where it lies."""
+
+    array: Any
+    path: str
+    order: tuple[int, int, int]
+    picked: list[int | None]
+    world_from_index: NDArray[np.float64]
+    facts: Facts
+
+
+def levels_of(request: Request) -> list[ZarrLevel]:
+    """The levels of an image, the finest first, or only the one that is asked for; nothing of them is read."""
+    node = _open(request)
+    multiscales = _multiscales(node)
+    if multiscales is not None:
+        datasets = multiscales["datasets"]
+        numbers = range(len(datasets)) if request.level is None else [_check_level(len(datasets), request)]
+        levels = [_described_level(node, multiscales, datasets[k], request) for k in numbers]
+        kept = [level for level in levels if level is not None]
+        if not kept:
+            raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.path}")
+        return kept
+    if not hasattr(node, "shape"):
+        raise _no_array(request)
+    _check_level(1, request)
+    index = index_unnamed_axes(node.shape, request)
+    _check_kind(node, request)
+    axes = _all_axes(index, node.ndim)
+    picked = [None if isinstance(part, slice) else part for part in axes]
+    z, y, x = (axis for axis, part in enumerate(picked) if part is None)
+    facts = Facts(n_times=n_times_of(node.shape, request))
+    return [ZarrLevel(node, request.dataset or "", (z, y, x), picked, np.eye(4), facts)]
+
+
+def check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
+    """A `FileError` if a chunk of a part is cut short."""
+    check_chunks(array, index, path)
+
+
+def _check_kind(array: Any, request: Request) -> None:
+    if array.dtype.kind not in "biuf":
+        raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.path}")
+
+
+def _described_level(
+    group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request
+) -> ZarrLevel | None:
+    """None where the level is not there, as in a part of a copy."""
+    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+    array = group.get(dataset["path"])
+    if not hasattr(array, "shape"):
+        return None
+    _check_kind(array, request)
+    place = _placed(group, array, multiscales, dataset, request)
+    picked = [None if isinstance(part, slice) else part for part in place.picked]
+    z, y, x = (place.axes.index(name) for name in place.spatial)
+    return ZarrLevel(array, str(dataset["path"]), (z, y, x), picked, place.world_from_index, place.facts)
+
+
+def _no_array(request: Request) -> FileError:
+    message = (
+        f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
+        f"{_listed(request)}: {request.path}"
+    )
+    return several(message, "dataset", zarr_metadata.names(_location(request)))
 
 
 def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
@@ -95,6 +162,28 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
     zarr_metadata.check_numbers(array, request.path)
+    place = _placed(group, array, multiscales, dataset, request)
+    n_samples = [n for n, part in zip(array.shape, place.picked, strict=True) if isinstance(part, slice)]
+    payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
+    check_chunks(array, place.picked, request.path)
+    samples = np.asarray(array[place.picked])
+    kept = [name for name in place.axes if name in place.spatial]
+    samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
+    return Grid(samples, place.world_from_index, place.facts)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Axes of a level's array, what is picked of each, and where the level lies."""
+
+    axes: list[str]
+    spatial: list[str]
+    picked: tuple[slice | int, ...]
+    world_from_index: NDArray[np.float64]
+    facts: Facts
+
+
+def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request) -> _Place:
     described = Axes.of(multiscales)
     axes = list(described.names)
     if len(axes) != array.ndim:
@@ -106,12 +195,6 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     channels = channels_of(attributes.get("ome", attributes))
     names = [channel.name for channel in channels]
     picked = tuple(_picked(name, n, spatial, request, names) for name, n in zip(axes, array.shape, strict=True))
-    n_samples = [n for n, part in zip(array.shape, picked, strict=True) if isinstance(part, slice)]
-    payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
-    check_chunks(array, picked, request.path)
-    samples = np.asarray(array[picked])
-    kept = [name for name in axes if name in spatial]
-    samples = np.transpose(samples, [kept.index(name) for name in spatial])
     matrix = _composed(dataset, multiscales, len(axes), request)
     world_from_index = _spatial_part(matrix, [axes.index(name) for name in reversed(spatial)])
     world_from_index[:3] *= described.in_one_unit()[1][:, None]
@@ -120,10 +203,10 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
         channels,
         channel=request.channel or 0,
         shape=array.shape,
-        levels=_shapes(group, datasets, request),
+        levels=_shapes(group, multiscales["datasets"], request),
         matrix=matrix,
     )
-    return Grid(samples, world_from_index, facts)
+    return _Place(axes, spatial, picked, world_from_index, facts)
 
 
 def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> list[tuple[int, ...]]:

@@ -12,20 +12,23 @@ from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
+
+import numpy as np
 
 from wavesplat._files import payload
+from wavesplat._files.memory import free_bytes
 from wavesplat._files.places import check_no_pipe, check_text, printable
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.facts import Facts
 from wavesplat._model.foreign import VolumeLike, as_volume
+from wavesplat._model.lazy_volume import LazyVolume, lazily
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
+from wavesplat._readers import lazy_files
 from wavesplat._readers.request import Grid, Request, requested
-from wavesplat.errors import ArgumentError, FileError, FileWarning
-
-if TYPE_CHECKING:
-    import numpy as np
+from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 __all__ = ["open", "opened"]
 
@@ -79,6 +82,8 @@ OPTIONS = {
     "hdf5": {"time", "channel", "dataset", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
+#: Samples are left in their file where they take more than one part in so many of the memory that is free.
+LARGE_SHARE = 4
 #: How guesses begin that `spacing` makes good.
 OF_DISTANCES = "distance"
 KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
@@ -102,6 +107,8 @@ def open(
     unit: str | None = None,
     gaps: Literal["fill", "refuse"] = "fill",
     external_files: bool = False,
+    memory: float | str | None = None,
+    holes: bool = False,
 ) -> Volume:
     """The volume in a file or folder, in the RAS world frame if the format has one.
 
@@ -137,6 +144,14 @@ def open(
         NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
         any that it names. Such a file can name whatever you may read: allow it for files that you trust.
 
+    memory : str or number, optional
+        Leave the samples where they are, and read them while they are drawn, holding at once so many bytes of them, such as
+        "2 GB": a `LazyVolume`, as of `Volume.lazy`, of an OME-Zarr image with all its levels. It is what None does too
+        where the samples take more than a quarter of the memory that is free. Not of files that are compressed as one
+        stream, and of DICOM.
+    holes : bool, default False
+        With `memory`: samples that cannot be read are left out and reported, instead of an error.
+
     Returns
     -------
     Volume
@@ -169,7 +184,7 @@ def open(
         options = Request(
             ".", series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps
         )
-        return _held(path, options)
+        return _held(path, replace(options, memory=memory))
     request = requested(
         path,
         series=series,
@@ -185,6 +200,8 @@ def open(
         unit=unit,
         gaps=gaps,
         external_files=external_files,
+        memory=memory,
+        holes=holes,
     )
     return opened(request, stacklevel=4)
 
@@ -210,6 +227,8 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     _check_options(request, family)
     if family in ("itk", "dicom"):
         check_text(request.file)
+    if request.memory is not None or _is_large(request, family):
+        return _lazily(request, family)
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
     volume = _volume(grid, request)
@@ -219,14 +238,55 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     return volume
 
 
+#: Formats whose samples lie in one file as they are: its size tells theirs.
+AS_THEY_ARE = ("arrays", "raw", "nifti", "itk")
+#: Formats whose headers tell it.
+IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
+
+
+def _is_large(request: Request, family: str) -> bool:
+    """Whether the samples take more than a quarter of the memory that there is, and parts of them can be read."""
+    free = free_bytes()
+    if free is None or request.kept is not None:
+        return False
+    if family in AS_THEY_ARE and request.file.stat().st_size <= free // LARGE_SHARE:
+        return False
+    if family not in (*AS_THEY_ARE, *IN_CHUNKS):
+        return False
+    try:
+        return lazy_files.n_stored_bytes(lazy_files.lazy_grid(request, family)) > free // LARGE_SHARE
+    except WavesplatError:
+        return False  # whatever is wrong is said where the file is opened
+
+
+def _lazily(request: Request, family: str) -> LazyVolume:
+    """The volume whose samples stay in the file."""
+    grid = lazy_files.lazy_grid(request, family)
+    places = grid.world_from_index
+    if request.spacing is not None:
+        # Coarser levels lie in the finest as they did.
+        first = affine.with_spacing(places[0], request.spacing)
+        places = [first @ np.linalg.inv(places[0]) @ place for place in places]
+    name, facts = request.name, _facts(grid.facts, (), request)
+    volume = lazily(grid.levels, places, name, facts, memory=request.memory, holes=request.holes)
+    options = {name: getattr(request, name) for name in (*request.given(), "memory") if name != "holes"}
+    volume._source = sources.of_file(request.path, {k: v for k, v in options.items() if v is not None})
+    return volume
+
+
+def _facts(said: Facts, losses: Sequence[str], request: Request) -> Facts:
+    """What the file says, and what was given instead."""
+    guesses = [*said.guesses, *losses]
+    if request.spacing is not None:
+        guesses = [guess for guess in guesses if not guess.startswith(OF_DISTANCES)]
+    return replace(said, guesses=tuple(guesses), unit=request.unit or said.unit)
+
+
 def _volume(grid: Grid, request: Request) -> Volume:
     world_from_index = grid.world_from_index
     if request.spacing is not None:
         world_from_index = affine.with_spacing(world_from_index, request.spacing)
-    guesses = [*grid.facts.guesses, *grid.losses]
-    if request.spacing is not None:
-        guesses = [guess for guess in guesses if not guess.startswith(OF_DISTANCES)]
-    facts = replace(grid.facts, guesses=tuple(guesses), unit=request.unit or grid.facts.unit)
+    facts = _facts(grid.facts, grid.losses, request)
     try:
         return Volume(grid.samples, world_from_index=world_from_index, name=request.name, facts=facts)
     except ArgumentError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from operator import index
+from pathlib import Path
 
 import numpy as np
 
@@ -12,26 +13,17 @@ from wavesplat._model.facts import Facts
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["read"]
+__all__ = ["check_size", "checked_dtype", "checked_shape", "read"]
 
 
 def read(request: Request) -> Grid:
     """The samples in a raw file."""
-    shape, dtype = _shape(request), _dtype(request)
+    shape, dtype = checked_shape(request), checked_dtype(request)
     path = request.file
     if path.is_dir():
         raise FileError(f"this is a folder; raw samples are read from one file: {path}")
     payload.check_readable(path)
-    if request.offset < 0:
-        raise ArgumentError(f"offset={request.offset}; give the bytes before the first sample, 0 or more")
-    stored = path.stat().st_size - request.offset
-    payload.check_stored(shape, dtype, max(stored, 0), path, held=one_volume_of(shape, request))
-    needed = payload.n_bytes(shape, dtype)
-    if stored > needed:
-        raise FileError(
-            f"shape {shape} of {dtype} needs {needed} bytes, the file holds {stored} after offset {request.offset}; "
-            f"check shape and dtype, or pass offset={path.stat().st_size - needed} to skip a header: {path}"
-        )
+    check_size(path, shape, dtype, request.offset, held=one_volume_of(shape, request))
     index = index_unnamed_axes(shape, request)
     with reading("raw samples", path):
         if len(shape) > 3:  # only the volume that is asked for is read
@@ -41,7 +33,24 @@ def read(request: Request) -> Grid:
     return Grid(samples, np.eye(4), Facts(n_times=n_times_of(shape, request)))
 
 
-def _shape(request: Request) -> tuple[int, ...]:
+def check_size(
+    path: Path, shape: tuple[int, ...], dtype: np.dtype[np.generic], offset: int, held: tuple[int, ...]
+) -> None:
+    """A `FileError` unless the file holds just these samples. `held`: shape of what will be in memory."""
+    if offset < 0:
+        raise ArgumentError(f"offset={offset}; give the bytes before the first sample, 0 or more")
+    stored = path.stat().st_size - offset
+    payload.check_stored(shape, dtype, max(stored, 0), path, held=held)
+    needed = payload.n_bytes(shape, dtype)
+    if stored > needed:
+        raise FileError(
+            f"shape {shape} of {dtype} needs {needed} bytes, the file holds {stored} after offset {offset}; "
+            f"check shape and dtype, or pass offset={path.stat().st_size - needed} to skip a header: {path}"
+        )
+
+
+def checked_shape(request: Request) -> tuple[int, ...]:
+    """The shape that was given; an `ArgumentError` if there is none."""
     if request.shape is None:
         raise ArgumentError(f'raw samples need shape=(z, y, x) and dtype=, such as "uint8"; pass both: {request.path}')
     try:
@@ -53,7 +62,8 @@ def _shape(request: Request) -> tuple[int, ...]:
     return shape
 
 
-def _dtype(request: Request) -> np.dtype[np.generic]:
+def checked_dtype(request: Request) -> np.dtype[np.generic]:
+    """The type that was given, in its byte order."""
     if request.dtype is None:
         raise ArgumentError(f'raw samples need dtype=, such as "uint8" or "int16"; pass it: {request.path}')
     try:

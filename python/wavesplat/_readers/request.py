@@ -86,6 +86,9 @@ class Request:
     unit: str | None = None
     gaps: str = "fill"
     external_files: bool = False
+    #: Of volumes that are left in their files: bytes that are held at once, and whether what cannot be read is left out.
+    memory: float | str | None = None
+    holes: bool = False
     #: What readers keep from one time point of a file to the next, such as a file that is read on.
     kept: dict[str, Any] | None = field(default=None, compare=False, repr=False)
 
@@ -109,7 +112,7 @@ class Request:
         return {
             f.name
             for f in fields(self)
-            if f.name not in ("path", "kept") and not _is_same(getattr(self, f.name), f.default)
+            if f.name not in ("path", "kept", "memory", "holes") and not _is_same(getattr(self, f.name), f.default)
         }
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["read"]
+__all__ = ["FACTS_OF_FOLDER", "Described", "described", "files_in", "read", "slice_of"]
 
 #: Attributes of OME metadata that name another file.
 NAMES_OF_FILES = ("FileName", "MetadataFile")
@@ -47,20 +47,48 @@ def _read_file(path: Path, request: Request) -> Grid:
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        _check_named_files(tiff, path, anywhere=request.external_files)
-        series = tiff.series[0]
-        others = "TCS" if "Z" in series.axes else "CS"
-        one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
-        _check_stored(tiff, path, one)
-        place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
-        channels = place.facts.channels or _colors(series)
-        names = [channel.name for channel in channels]
-        picked, order = _one_stack(series.axes, series.shape, request, names)
-        samples = np.transpose(_picked_samples(tiff, picked, path), order)
-        facts = replace(place.facts, channels=channels, n_times=_n_times(series))
-        facts = replace(facts, channel=_channel_of(facts, request))
-        # A negative distance mirrors the axis.
-        return Grid(samples, np.diag([*place.steps, 1.0]), facts)
+        found = _described(tiff, path, request)
+        samples = np.transpose(_picked_samples(tiff, found.picked, path), found.order)
+        return Grid(samples, found.world_from_index, found.facts)
+
+
+@dataclass(frozen=True)
+class Described:
+    """What a file says of its first series, before samples are read."""
+
+    shape: tuple[int, ...]
+    page_shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    picked: tuple[Any, ...]
+    order: list[int]
+    world_from_index: NDArray[np.float64]
+    facts: Facts
+
+
+def described(path: Path, request: Request) -> Described:
+    """The stack in a file, and what is picked of it."""
+    import tifffile
+
+    with tifffile.TiffFile(path) as tiff:
+        return _described(tiff, path, request, in_memory=False)
+
+
+def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> Described:
+    _check_named_files(tiff, path, anywhere=request.external_files)
+    series: Any = tiff.series[0]
+    others = "TCS" if "Z" in series.axes else "CS"
+    one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
+    _check_stored(tiff, path, one if in_memory else [1])
+    place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
+    channels = place.facts.channels or _colors(series)
+    names = [channel.name for channel in channels]
+    picked, order = _one_stack(series.axes, series.shape, request, names)
+    facts = replace(place.facts, channels=channels, n_times=_n_times(series))
+    facts = replace(facts, channel=_channel_of(facts, request))
+    # A negative distance mirrors the axis.
+    matrix = np.diag([*place.steps, 1.0])
+    pages = tuple(series.keyframe.shape)
+    return Described(tuple(series.shape), pages, series.dtype, picked, order, matrix, facts)
 
 
 def _channel_of(facts: Facts, request: Request) -> Channel | None:
@@ -94,16 +122,13 @@ def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
 def _read_folder(folder: Path, request: Request) -> Grid:
     import tifffile
 
-    files = sorted(
-        (file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")),
-        key=lambda file: natural_key(file.name),
-    )
-    first = _slice(tifffile.imread(files[0]), files[0], request)
+    files = files_in(folder)
+    first = slice_of(tifffile.imread(files[0]), files[0], request)
     payload.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
     for number, file in enumerate(files):
         with reading("TIFF", file):
-            one = _slice(tifffile.imread(file), file, request)
+            one = slice_of(tifffile.imread(file), file, request)
         if (one.shape, one.dtype) != (first.shape, first.dtype):
             raise FileError(
                 f"slices differ: {files[0].name} is {first.shape} of {first.dtype}, "
@@ -111,10 +136,20 @@ def _read_folder(folder: Path, request: Request) -> Grid:
                 f"keep one kind in the folder: {folder}"
             )
         stack[number] = one
-    return Grid(stack, np.eye(4), Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",)))
+    return Grid(stack, np.eye(4), FACTS_OF_FOLDER)
 
 
-def _slice(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
+#: What is known of a folder of slices.
+FACTS_OF_FOLDER = Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",))
+
+
+def files_in(folder: Path) -> list[Path]:
+    """The slices in a folder, in their order."""
+    found = (file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff"))
+    return sorted(found, key=lambda file: natural_key(file.name))
+
+
+def slice_of(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
     """One 2-D slice, of one channel."""
     if pixels.ndim == 3 and pixels.shape[-1] in (2, 3, 4):
         return pixels[..., choose("channel", pixels.shape[-1], request.channel, file)]

@@ -266,7 +266,8 @@ impl Reader<'_> {
     fn cut_once_more(&self, cuts: &mut [usize; 2], n: [usize; 2]) {
         let length = [n[0] * TILE_U / cuts[0], n[1] * TILE_V / cuts[1]];
         let axis = usize::from(2 * length[1] >= length[0] && cuts[1] < n[1] || cuts[0] >= n[0]);
-        cuts[axis] = (2 * cuts[axis]).min(n[axis]);
+        let more = (cuts[axis] / 4).max(1);
+        cuts[axis] = (cuts[axis] + more).min(n[axis]);
     }
 
     fn blocks(&self, family: usize, cuts: [usize; 2], n: [usize; 2], depth: usize) -> Vec<StreamBlock> {
@@ -324,7 +325,7 @@ impl Reader<'_> {
             let new = held
                 .iter()
                 .enumerate()
-                .map(|(layer, held)| before.map_or(vec![held.clone()], |before| without(held, &before[layer])))
+                .map(|(layer, held)| before.map_or(vec![held.clone()], |before| beyond_along(axis, held, &before[layer])))
                 .collect();
             steps.push(StreamStep { slabs, held, new, served });
             start = end;
@@ -464,24 +465,17 @@ fn texels_of(tiles: &[Range<usize>; 2]) -> [[usize; 2]; 2] {
     [[us.start * TILE_U, vs.start * TILE_V], [us.end * TILE_U - 1, vs.end * TILE_V - 1]]
 }
 
-/// A box without another, as boxes.
-fn without(whole: &SampleBox, part: &SampleBox) -> Vec<SampleBox> {
-    let common = [0, 1, 2].map(|a| whole[a].start.max(part[a].start)..whole[a].end.min(part[a].end));
-    if common.iter().any(|range| range.start >= range.end) {
-        return vec![whole.clone()];
-    }
-    let (mut rest, mut out) = (whole.clone(), Vec::new());
-    for a in [2, 1, 0] {
-        for range in [rest[a].start..common[a].start, common[a].end..rest[a].end] {
-            if !range.is_empty() {
-                let mut own = rest.clone();
-                own[a] = range;
-                out.push(own);
-            }
-        }
-        rest[a] = common[a].clone();
-    }
-    out
+/// What of a box lies beyond another along an axis. Across it the other has all that is drawn from: it holds what any later
+/// slab needs of its slices ([`StreamStep::served`]).
+fn beyond_along(axis: usize, whole: &SampleBox, before: &SampleBox) -> Vec<SampleBox> {
+    let (own, held) = (whole[axis].clone(), before[axis].clone());
+    let parts = [own.start..own.end.min(held.start), own.start.max(held.end)..own.end];
+    let along = |range: Range<usize>| {
+        let mut part = whole.clone();
+        part[axis] = range;
+        part
+    };
+    parts.into_iter().filter(|range| range.start < range.end).map(along).collect()
 }
 
 #[cfg(test)]
@@ -489,17 +483,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_box_without_another_is_what_is_left() {
+    fn what_is_new_lies_beyond_what_is_held() {
         let whole = [0..10, 2..8, 3..9];
-        for part in [[0..10, 2..8, 3..9], [2..5, 3..4, 4..6], [0..10, 2..8, 0..5], [9..20, 0..3, 8..9], [20..30, 2..8, 3..9]] {
-            let rest = without(&whole, &part);
-            for i in 0..10 * 6 * 6 {
-                let p = [i % 10, 2 + i / 10 % 6, 3 + i / 60];
-                let inside = |b: &SampleBox| (0..3).all(|a| b[a].contains(&p[a]));
-                let n = rest.iter().filter(|own| inside(own)).count();
-                assert_eq!(n, usize::from(!inside(&part)), "{part:?} {p:?}");
-            }
-        }
+        assert_eq!(beyond_along(2, &whole, &[5..20, 0..9, 0..5]), vec![[0..10, 2..8, 5..9]]);
+        assert_eq!(beyond_along(0, &whole, &[7..20, 0..9, 0..5]), vec![[0..7, 2..8, 3..9]]);
+        assert_eq!(beyond_along(1, &whole, &[0..1, 3..4, 0..1]), vec![[0..10, 2..3, 3..9], [0..10, 4..8, 3..9]]);
+        assert!(beyond_along(1, &whole, &[0..1, 0..8, 0..1]).is_empty());
     }
 
     #[test]

@@ -70,6 +70,11 @@ impl Survey {
         (self.side, &self.bounds)
     }
 
+    /// Lets go of the bounds, which take most of the memory: what was made of them stays.
+    pub fn forget_bounds(&mut self) {
+        self.bounds = Vec::new();
+    }
+
     /// The strided samples.
     pub fn strided(&self) -> &[StridedSamples] {
         &self.strided

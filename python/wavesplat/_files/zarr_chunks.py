@@ -46,7 +46,9 @@ def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Pat
     folder = Path(root) / getattr(place, "path", "")
     sizes = _file_chunks(array)
     numbers = [
-        range(-(-n // size)) if isinstance(part, slice) else (part // size,)
+        range((part.start or 0) // size, -(-(n if part.stop is None else part.stop) // size))
+        if isinstance(part, slice)
+        else (part // size,)
         for n, size, part in zip(array.shape, sizes, picked, strict=True)
     ]
     for number in product(*numbers):

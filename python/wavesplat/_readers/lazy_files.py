@@ -1,0 +1,297 @@
+"""Files whose samples are read while they are drawn: from a request to levels of lazy arrays, their places and facts.
+
+Parts can be read of what is stored as it is, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and MetaImage, HDF5, TIFF page
+by page, Zarr. What is compressed as one stream has to be unpacked, or stored in chunks, first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import payload
+from wavesplat._files.npz import npy_header
+from wavesplat._files.reading import reading
+from wavesplat._files.silence import silenced
+from wavesplat._model.facts import Facts
+from wavesplat._model.lazy_array import LazyArray, SlicedArray, file_token, open_hdf5, zarr_token
+from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw
+from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["LazyGrid", "lazy_grid", "n_stored_bytes"]
+
+Matrix = NDArray[np.float64]
+
+INSTEAD = "store the samples in chunks, as a Zarr array"
+
+
+@dataclass(frozen=True)
+class LazyGrid:
+    """Levels, the finest first, their affines from index (x, y, z) to the world, and what else the file says."""
+
+    levels: list[LazyArray]
+    world_from_index: list[Matrix]
+    facts: Facts = Facts()
+
+
+def lazy_grid(request: Request, family: str) -> LazyGrid:
+    """The levels in a file of a family of formats."""
+    read = READERS.get(family)
+    if read is None:
+        raise ArgumentError(
+            f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: {request.path}"
+        )
+    with reading(family, request.path):
+        return read(request)
+
+
+def _one_stream(path: object, what: str) -> FileError:
+    return FileError(
+        f"the samples are compressed as one stream ({what}), so parts of them cannot be read; unpack the file (gunzip), "
+        f"{INSTEAD}, or open it without memory=: {path}"
+    )
+
+
+def _mapped(
+    path: Path,
+    dtype: np.dtype[Any],
+    offset: int,
+    shape: Sequence[int],
+    layout: str,
+    *,
+    order: tuple[int, int, int],
+    picked: Sequence[int | None],
+    convert: Any = None,
+    made: np.dtype[Any] | None = None,
+) -> SlicedArray:
+    """Samples that lie in a file as they are. `layout`: "C" has its last axis fastest, "F" its first."""
+    if payload.n_bytes(shape, dtype) + offset > path.stat().st_size:
+        payload.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
+    sizes = [shape[axis] for axis in order]
+    # A slice along z is read at once: z, y, x are the slowest to the fastest of all these formats.
+    chunks = [1, sizes[1], sizes[2]] if layout == "C" or order[0] > order[2] else [sizes[0], sizes[1], 1]
+    return SlicedArray(
+        None,
+        name=path.name,
+        chunks=chunks,
+        order=order,
+        picked=picked,
+        opened=partial(np.memmap, path, dtype, "r", offset, tuple(shape), layout),
+        convert=convert,
+        dtype=made if made is not None else dtype,
+        shape=(sizes[0], sizes[1], sizes[2]),
+        token=file_token(path, dtype.str, offset, tuple(shape), tuple(picked)),
+    )
+
+
+def _unnamed(shape: Sequence[int], request: Request) -> tuple[tuple[int, int, int], list[int | None]]:
+    """The axes z, y, x of an array whose axes have no names, and what is picked of the others."""
+    index = index_unnamed_axes(shape, request)
+    at = index.index(...)
+    picked: list[int | None] = [*index[:at], *[None] * (len(shape) - len(index) + 1), *index[at + 1 :]]
+    z, y, x = (axis for axis, one in enumerate(picked) if one is None)
+    return (z, y, x), picked
+
+
+def _of_npy(request: Request) -> LazyGrid:
+    path = request.file
+    if path.suffix.lower() == ".npz":
+        raise FileError(f"an .npz file is an archive, so parts of its arrays cannot be read; save them as .npy: {path}")
+    with path.open("rb") as file:
+        shape, dtype = npy_header(file)
+        file.seek(0)
+        version = np.lib.format.read_magic(file)
+        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        _, is_fortran, _ = read(file)
+        offset = file.tell()
+    order, picked = _unnamed(shape, request)
+    array = _mapped(path, dtype, offset, shape, "F" if is_fortran else "C", order=order, picked=picked)
+    return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
+
+
+def _of_raw(request: Request) -> LazyGrid:
+    shape, dtype = raw.checked_shape(request), raw.checked_dtype(request)
+    path = request.file
+    payload.check_readable(path)
+    raw.check_size(path, shape, dtype, request.offset, held=(1,))
+    order, picked = _unnamed(shape, request)
+    array = _mapped(path, dtype, request.offset, shape, "C", order=order, picked=picked)
+    return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
+
+
+def _of_nifti(request: Request) -> LazyGrid:
+    import nibabel
+
+    image: Any = nibabel.load(request.file)
+    proxy = image.dataobj
+    file = proxy.file_like
+    path = request.file if not isinstance(file, str) else Path(file)
+    if path.name.lower().endswith((".gz", ".mgz")):
+        raise _one_stream(request.path, "gzip")
+    time, channel, colour = nifti.checked_picks(image, request)
+    if colour is not None:
+        raise FileError(f"the samples are colours; open the file without memory=: {request.path}")
+    # The first axis is the fastest.
+    picked: list[int | None] = [None, None, None, time, channel, 0, 0][: len(image.shape)]
+    slope, intercept = float(proxy.slope), float(proxy.inter)
+    convert = made = None
+    if (slope, intercept) != (1.0, 0.0):
+        made = _type_of_scaled(proxy.dtype, slope, intercept)
+        convert = partial(_scaled, slope=slope, intercept=intercept, dtype=made)
+    array = _mapped(
+        path,
+        proxy.dtype,
+        int(proxy.offset),
+        image.shape,
+        "F",
+        order=(2, 1, 0),
+        picked=picked,
+        convert=convert,
+        made=made,
+    )
+    return LazyGrid([array], [nifti.world_from_index(image)], nifti.facts_of(image))
+
+
+def _type_of_scaled(stored: np.dtype[Any], slope: float, intercept: float) -> np.dtype[Any]:
+    """The type of scaled samples, by what their type can hold: their range is not known."""
+    if stored.kind in "iu" and slope.is_integer() and intercept.is_integer():
+        limits = np.iinfo(stored)
+        ends = [int(end) * int(slope) + int(intercept) for end in (limits.min, limits.max)]
+        for dtype in (np.int16, np.int32):
+            if np.iinfo(dtype).min <= min(ends) and max(ends) <= np.iinfo(dtype).max:
+                return np.dtype(dtype)
+    return np.dtype(np.float64 if stored.itemsize > 4 else np.float32)
+
+
+def _scaled(stored: NDArray[Any], *, slope: float, intercept: float, dtype: np.dtype[Any]) -> NDArray[Any]:
+    if dtype.kind == "i":
+        return (stored.astype(np.int64) * int(slope) + int(intercept)).astype(dtype)
+    return (stored * np.float64(slope) + intercept).astype(dtype)
+
+
+def _of_itk(request: Request) -> LazyGrid:
+    path = request.file
+    header = itk.header_of(path)
+    fields = header.fields
+    packed = fields.get("compresseddata", "").lower().startswith(("t", "1"))
+    encoding = fields.get("encoding", "raw").lower()
+    if packed or encoding in ("gzip", "gz", "bzip2", "bz2"):
+        raise _one_stream(path, "zlib" if packed else encoding)
+    if encoding != "raw" or path.suffix.lower() == ".vtk":
+        raise FileError(f"the samples are written as text or for VTK; open the file without memory=: {path}")
+    places = detached_samples.places_of_samples(path, anywhere=request.external_files)
+    if len(places) != 1:
+        raise FileError(f"the samples are in {len(places)} files; open the header without memory=: {path}")
+    file, offset = places[0]
+    sitk = itk.simple_itk()
+    with silenced():
+        reader = sitk.ImageFileReader()
+        reader.SetFileName(str(path))
+        reader.ReadImageInformation()
+        size, n_components = reader.GetSize(), reader.GetNumberOfComponents()
+        dtype = np.dtype(itk.dtype_of(sitk, reader.GetPixelID()))
+        matrix = itk.world_from_index_of(reader, header)
+    if len(size) != 3 or n_components != 1:
+        raise FileError(f"the file holds several times or channels; open it without memory=: {path}")
+    endian = fields.get("endian", "little").lower()
+    is_big = endian == "big" or fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "f")).lower()[0] == "t"
+    skip = int(fields.get("byte skip", fields.get("headersize", 0)))
+    needed = payload.n_bytes(size, dtype)
+    offset = file.stat().st_size - needed if skip == -1 else offset + skip
+    array = _mapped(
+        file, dtype.newbyteorder(">" if is_big else "<"), offset, size[::-1], "C", order=(0, 1, 2), picked=[None] * 3
+    )
+    return LazyGrid([array], [matrix], header.facts)
+
+
+def _of_hdf5(request: Request) -> LazyGrid:
+    import h5py
+
+    with h5py.File(request.file, "r") as file:
+        dataset = hdf5.chosen_dataset(file, request)
+        place = hdf5.place_of(dataset)
+        order, picked = _unnamed(dataset.shape, request)
+        zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
+        chunks = dataset.chunks or [1] * (len(dataset.shape) - 2) + list(dataset.shape[-2:])
+        array = SlicedArray(
+            None,
+            name=request.name,
+            chunks=[chunks[axis] for axis in zyx],
+            order=zyx,
+            picked=picked,
+            opened=partial(open_hdf5, str(request.file), str(dataset.name)),
+            dtype=dataset.dtype,
+            shape=(dataset.shape[zyx[0]], dataset.shape[zyx[1]], dataset.shape[zyx[2]]),
+            n_readers=1,
+            token=file_token(request.file, dataset.name, tuple(picked)),
+        )
+        facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
+        return LazyGrid([array], [place.world_from_index], facts)
+
+
+def _of_zarr(request: Request) -> LazyGrid:
+    levels = []
+    for level in ome_zarr.levels_of(request):
+        chunks = getattr(level.array, "shards", None) or level.array.chunks
+        token = zarr_token(level.array) or _token_of_url(request, level.path)
+        array = SlicedArray(
+            level.array,
+            name=f"{request.name}/{level.path}" if level.path else request.name,
+            chunks=[chunks[axis] for axis in level.order],
+            order=level.order,
+            picked=level.picked,
+            n_readers=8 if request.is_url else 4,
+            token=None if token is None else f"{token} {level.picked}",
+            check=partial(ome_zarr.check_part, request.path),
+        )
+        levels.append((array, level.world_from_index, level.facts))
+    return LazyGrid([one[0] for one in levels], [one[1] for one in levels], levels[0][2])
+
+
+def _token_of_url(request: Request, inner: str) -> str | None:
+    """What a server says of the metadata of an array, by which a change would be noticed."""
+    import fsspec
+
+    if not request.is_url:
+        return None
+    base = f"{str(request.path).rstrip('/')}/{inner}".rstrip("/")
+    for name in ("zarr.json", ".zarray"):
+        try:
+            files, path = fsspec.url_to_fs(f"{base}/{name}")
+            told = files.info(path)
+        except (OSError, ValueError, NotImplementedError):
+            continue
+        mark = told.get("ETag") or told.get("etag") or told.get("LastModified") or told.get("mtime")
+        if mark:
+            return f"{base} {mark}"
+    return None
+
+
+def _of_tiff(request: Request) -> LazyGrid:
+    array, matrix, facts = lazy_tiff.stack_of(request)
+    return LazyGrid([array], [matrix], facts)
+
+
+READERS = {
+    "arrays": _of_npy,
+    "raw": _of_raw,
+    "nifti": _of_nifti,
+    "itk": _of_itk,
+    "hdf5": _of_hdf5,
+    "ome_zarr": _of_zarr,
+    "tiff": _of_tiff,
+}
+
+
+def n_stored_bytes(grid: LazyGrid) -> int:
+    """Bytes of the samples of the finest level, in memory."""
+    finest = grid.levels[0]
+    return payload.n_bytes(finest.shape, finest.dtype)
+

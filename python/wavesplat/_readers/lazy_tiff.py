@@ -1,0 +1,136 @@
+"""TIFF stacks page by page: each slice is read, and unpacked, when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.facts import Facts
+from wavesplat._model.lazy_array import SlicedArray, file_token
+from wavesplat._readers import tiff
+from wavesplat._readers.request import Request, quiet
+from wavesplat.errors import FileError
+
+__all__ = ["stack_of"]
+
+
+def stack_of(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+    """The slices of a TIFF file, or of a folder of them, with place and facts."""
+    with quiet("tifffile"):
+        return _of_folder(request) if request.file.is_dir() else _of_file(request)
+
+
+def _of_file(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+    path = request.file
+    described = tiff.described(path, request)
+    series_shape, keyframe = described.shape, described.page_shape
+    n_of_pages = len(series_shape) - len(keyframe)
+    if series_shape[n_of_pages:] != keyframe or n_of_pages == 0:
+        raise FileError(f"the slices are no pages of their own; open the file without memory=: {path}")
+    pages = np.arange(int(np.prod(series_shape[:n_of_pages]))).reshape(series_shape[:n_of_pages])
+    wanted = pages[described.picked[:n_of_pages]]
+    inside = described.picked[n_of_pages:]
+    if wanted.ndim != 1 or sum(isinstance(part, slice) for part in inside) != 2:
+        raise FileError(f"the slices are no pages along z; open the file without memory=: {path}")
+    turned = described.order != [0, 1, 2]
+    array = _stack(
+        partial(_FilePages, str(path), [int(k) for k in wanted.ravel()], inside, turned),
+        request,
+        (wanted.size, *(n for n, part in zip(keyframe, inside, strict=True) if isinstance(part, slice))),
+        described.dtype,
+        file_token(path, described.picked),
+        turned=turned,
+    )
+    return array, described.world_from_index, described.facts
+
+
+def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+    import tifffile
+
+    folder = request.file
+    files = tiff.files_in(folder)
+    first = tiff.slice_of(tifffile.imread(files[0]), files[0], request)
+    changed = max(file.stat().st_mtime_ns for file in files)
+    array = _stack(
+        partial(_FolderPages, [str(file) for file in files], request, first.shape, first.dtype),
+        request,
+        (len(files), *first.shape),
+        first.dtype,
+        f"{folder.absolute()} {len(files)} {changed} {sum(file.stat().st_size for file in files)} {request.channel}",
+    )
+    return array, np.eye(4), tiff.FACTS_OF_FOLDER
+
+
+def _stack(
+    opened: Any, request: Request, shape: Sequence[int], dtype: Any, token: str | None, *, turned: bool = False
+) -> SlicedArray:
+    z, y, x = (int(shape[0]), int(shape[2]), int(shape[1])) if turned else (int(n) for n in shape)
+    return SlicedArray(
+        None,
+        name=request.name,
+        chunks=(1, y, x),
+        opened=opened,
+        dtype=np.dtype(dtype),
+        shape=(z, y, x),
+        n_readers=2,
+        token=token,
+    )
+
+
+class _Pages:
+    """Slices one after the other, by slicing."""
+
+    def page(self, number: int) -> NDArray[Any]:
+        """A slice."""
+        raise NotImplementedError
+
+    def __getitem__(self, index: tuple[slice, slice, slice]) -> NDArray[Any]:
+        zs, ys, xs = index
+        return np.stack([self.page(z)[ys, xs] for z in range(zs.start, zs.stop)])
+
+
+class _FilePages(_Pages):
+    """Pages of a file. `inside`: what is picked of a page; `turned`: its axes are x, y."""
+
+    def __init__(self, path: str, numbers: list[int], inside: Sequence[Any], turned: bool) -> None:
+        import tifffile
+
+        self._file = tifffile.TiffFile(path)
+        self._pages = self._file.series[0].pages
+        self._numbers, self._inside, self._turned = numbers, tuple(inside), turned
+        self._lock = Lock()
+
+    def page(self, number: int) -> NDArray[Any]:
+        """A slice."""
+        with self._lock, quiet("tifffile"):
+            page: Any = self._pages[self._numbers[number]]
+            if page is None:
+                raise ValueError(f"page {self._numbers[number]} is not there")
+            samples = page.asarray()[self._inside]
+        return samples.T if self._turned else samples
+
+
+class _FolderPages(_Pages):
+    """A file for each slice."""
+
+    def __init__(self, files: list[str], request: Request, shape: tuple[int, ...], dtype: Any) -> None:
+        self._files, self._request, self._shape, self._dtype = files, request, shape, dtype
+
+    def page(self, number: int) -> NDArray[Any]:
+        """A slice."""
+        import tifffile
+
+        file = Path(self._files[number])
+        with quiet("tifffile"):
+            one = tiff.slice_of(tifffile.imread(file), file, self._request)
+        if (one.shape, one.dtype) != (self._shape, self._dtype):
+            raise ValueError(
+                f"slices differ: the first is {self._shape} of {self._dtype}, {file.name} is {one.shape} of {one.dtype}"
+            )
+        return one

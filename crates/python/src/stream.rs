@@ -106,6 +106,17 @@ impl PyStream {
         Ok(self.locked().n_texels(block))
     }
 
+    /// Bytes that each block reads, if no ray were done before its end.
+    fn bytes_to_read(&self, py: Python<'_>) -> Vec<u64> {
+        py.detach(|| self.locked().bytes_to_read())
+    }
+
+    /// Bytes of samples that are held at most while a block is drawn.
+    fn bytes_held(&self, block: usize) -> PyResult<u64> {
+        self.check(block, None)?;
+        Ok(self.locked().bytes_held(block))
+    }
+
     /// Of each layer, the box of samples that a step is drawn from.
     fn held(&self, block: usize, step: usize) -> PyResult<Vec<PyBox>> {
         self.check(block, Some(step))?;

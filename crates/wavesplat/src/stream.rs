@@ -16,7 +16,7 @@ use wavesplat_splat::render::frame::finish;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::segments::{can_fold, fold};
-use wavesplat_splat::render::stream::{SampleBox, Storage, StreamPlan};
+use wavesplat_splat::render::stream::{SampleBox, StreamPlan, volume_of};
 use wavesplat_splat::render::tile::n_tiles;
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox};
@@ -173,21 +173,25 @@ impl Stream {
         (0..slices.len()).map(reads).collect()
     }
 
-    /// Bytes of all reads of the frame, if no ray were done before its end.
-    pub fn bytes_to_read(&self, storage: &[Storage]) -> Vec<u64> {
+    /// Bytes that each block reads, if no ray were done before its end.
+    pub fn bytes_to_read(&self) -> Vec<u64> {
         let nothing = BlockState::default();
-        let of_block = |block: usize| {
-            let of_step = |step: usize| {
-                let reads = self.reads(block, step, step == 0, &nothing);
-                let of_layer = |(boxes, own): (&Vec<SampleBox>, &Storage)| {
-                    let n: usize = boxes.iter().map(wavesplat_splat::render::stream::volume_of).sum();
-                    (n * own.sample_bytes) as u64
-                };
-                reads.iter().zip(storage).map(of_layer).sum::<u64>()
-            };
-            (0..self.n_steps(block)).map(of_step).sum()
+        let of_step = |block: usize, step: usize| {
+            let reads = self.reads(block, step, step == 0, &nothing);
+            let bytes = reads.iter().zip(self.steps.storage()).map(|(boxes, own)| {
+                let n: usize = boxes.iter().map(volume_of).sum();
+                (n * own.sample_bytes) as u64
+            });
+            bytes.sum::<u64>()
         };
-        (0..self.n_blocks()).map(of_block).collect()
+        parallel::with_threads(self.n_threads, || {
+            parallel::map(self.n_blocks(), |block| (0..self.n_steps(block)).map(|step| of_step(block, step)).sum())
+        })
+    }
+
+    /// Bytes of samples that are held at most while a block is drawn.
+    pub fn bytes_held(&self, block: usize) -> u64 {
+        self.steps.blocks[block].most_bytes(self.steps.storage()) as u64
     }
 
     /// Texels of a block, all sheets.

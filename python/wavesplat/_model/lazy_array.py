@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -25,7 +26,7 @@ from wavesplat._model.labelled_array import in_order, is_labelled
 from wavesplat._model.taken import check_shape
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-__all__ = ["LazyArray", "LazyTaken", "SlicedArray", "file_token", "lazy_array", "renderable_type", "zarr_token"]
+__all__ = ["ComputedArray", "LazyArray", "LazyTaken", "SlicedArray", "file_token", "lazy_array", "renderable_type", "zarr_token"]
 
 Shape = tuple[int, int, int]
 Box = tuple[Shape, Shape]
@@ -210,6 +211,71 @@ class ComputedArray(SlicedArray):
             return [self._made(part) for part in dask.compute(*parts, **options)]
         except Exception as error:
             raise self._unreadable(*boxes[0], error) from error
+
+
+    # For tasks of a cluster, to which chunks are brought.
+
+    @property
+    def is_persisted(self) -> bool:
+        """Whether chunks lie in the memory of a cluster's workers."""
+        graph = self._source.dask
+        return any(type(value).__module__.startswith("distributed") for value in dict(graph).values())
+
+    def delayed_chunks(self) -> NDArray[Any]:
+        """The chunks as delayed objects, by their numbers along the array's own axes."""
+        delayed: NDArray[Any] = self._source.to_delayed()
+        return delayed
+
+    def chunk_numbers(self, box: Box) -> list[tuple[int, ...]]:
+        """Numbers of the chunks that a box touches."""
+        ranges = []
+        for part, ends in zip(self._index(*box), self._ends(), strict=True):
+            places = (part, part + 1) if isinstance(part, int) else (part.start, part.stop)
+            first, last = (int(np.searchsorted(ends, place, side="right")) for place in (places[0], places[1] - 1))
+            ranges.append(range(first, last + 1))
+        return list(product(*ranges))
+
+    def _ends(self) -> list[NDArray[np.int64]]:
+        return [np.cumsum(sizes) for sizes in self._source.chunks]
+
+    def held(self, chunks: dict[tuple[int, ...], NDArray[Any]]) -> SlicedArray:
+        """The same, read from chunks that are there."""
+        source = _HeldChunks([[0, *ends.tolist()] for ends in self._ends()], chunks, self._stored)
+        return SlicedArray(
+            source,
+            name=self.name,
+            chunks=self.chunks,
+            order=self._order,
+            picked=self._picked,
+            dtype=self._stored,
+            shape=self.shape,
+        )
+
+
+class _HeldChunks:
+    """Chunks of an array, by slicing. `places`: where they begin and end along each axis."""
+
+    def __init__(
+        self, places: list[list[int]], chunks: dict[tuple[int, ...], NDArray[Any]], dtype: np.dtype[Any]
+    ) -> None:
+        self._places, self._chunks, self.dtype = places, chunks, dtype
+
+    def __getitem__(self, index: tuple[int | slice, ...]) -> NDArray[Any]:
+        lows = [part if isinstance(part, int) else part.start for part in index]
+        highs = [part + 1 if isinstance(part, int) else part.stop for part in index]
+        out = np.zeros([b - a for a, b in zip(lows, highs, strict=True)], self.dtype)
+        for number, chunk in self._chunks.items():
+            first = [places[k] for places, k in zip(self._places, number, strict=True)]
+            end = [places[k + 1] for places, k in zip(self._places, number, strict=True)]
+            low = [max(a, b) for a, b in zip(lows, first, strict=True)]
+            high = [min(a, b) for a, b in zip(highs, end, strict=True)]
+            if all(a < b for a, b in zip(low, high, strict=True)):
+                there, here = (
+                    tuple(slice(a - o, b - o) for a, b, o in zip(low, high, origin, strict=True))
+                    for origin in (first, lows)
+                )
+                out[here] = np.asarray(chunk)[there]
+        return out[tuple(0 if isinstance(part, int) else slice(None) for part in index)]
 
 
 def _is_in_worker() -> bool:

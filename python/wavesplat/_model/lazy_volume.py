@@ -8,6 +8,7 @@ whose samples are no further apart than its pixels. What one pass over the sampl
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -287,6 +288,23 @@ class LazyVolume(Volume):
             )
             self._surveys[level, kernel] = found
         return found
+
+    def packed_surveys(self, level: int, kernel: str) -> bytes:
+        """What is known of a level, for another process."""
+        found = {}
+        for own in {kernel, "linear"} if level > 0 else {kernel}:
+            survey = self.survey(level, own)
+            if not survey.core.has_bounds:
+                self._surveys.pop((level, own))
+                survey = self.survey(level, own)
+            found[level, own] = survey
+        return pickle.dumps(found)
+
+    def take_surveys(self, packed: bytes) -> None:
+        """Know what `packed_surveys` told."""
+        for key, survey in pickle.loads(packed).items():  # noqa: S301 - from our own process
+            if key not in self._surveys:
+                self._surveys[key] = survey
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]; of a pyramid the samples of a coarser level next to these."""

@@ -51,8 +51,14 @@ class Survey:
     """What a pass over the samples told, for a kernel."""
 
     def __init__(
-        self, core: _native.Survey, prepared: _native.Survey | None, kernel: str, steps: Sequence[Shape]
+        self,
+        shape: Shape,
+        core: _native.Survey,
+        prepared: _native.Survey | None,
+        kernel: str,
+        steps: Sequence[Shape],
     ) -> None:
+        self.shape = shape
         self.core = core
         self.prepared = prepared
         self.kernel = kernel
@@ -75,11 +81,27 @@ class Survey:
         if self.prepared is not None:
             self.prepared.forget_bounds()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        parts = {name: (core.parts(), core.statistics) for name, core in self._cores()}
+        return _unpacked, (self.shape, self.kernel, self.steps, parts)
+
+    def _cores(self) -> list[tuple[str, _native.Survey]]:
+        pairs = (("samples", self.core), ("prepared", self.prepared))
+        return [(name, core) for name, core in pairs if core is not None]
+
     def every(self, step: int) -> NDArray[np.float32] | None:
         """Every n-th sample along each axis, where they were kept."""
         wanted = (step, step, step)
         # The first are for light, of coefficients where there are any.
         return self.core.strided(self.steps.index(wanted)) if wanted in self.steps else None
+
+
+def _unpacked(shape: Shape, kernel: str, steps: list[Shape], parts: dict[str, Any]) -> Survey:
+    made = {}
+    for name, ((side, bounds, strided), statistics) in parts.items():
+        own = list(zip(steps[: len(strided)], strided, strict=True))
+        made[name] = _native.Survey.from_parts(shape, kernel, side, statistics, bounds, own)
+    return Survey(shape, made["samples"], made.get("prepared"), kernel, steps)
 
 
 def surveyed(
@@ -117,7 +139,7 @@ def surveyed(
             return _native.samples_for(shape, box, kernel, n_nonfinite, world_from_index)
 
         _read_prepared(array, memory, around, add, _part_of(progress, n_passes - 1, n_passes))
-    survey = Survey(core, prepared, kernel, steps)
+    survey = Survey(shape, core, prepared, kernel, steps)
     if file is not None:
         with suppress(FileError, OSError):  # a full disk must not keep a picture from being drawn
             _keep(file, survey)
@@ -237,7 +259,7 @@ def _kept(file: Path, array: LazyArray, kernel: str, steps: list[Shape], memory:
     except (OSError, ValueError, KeyError, EOFError, TypeError):
         return None
     # Bounds for a larger budget would not leave room for samples.
-    return None if bounds > memory // 3 else Survey(core, prepared, kernel, steps)
+    return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps)
 
 
 def _rebuilt(parts: Any, name: str, shape: Shape, kernel: str, steps: list[Shape]) -> _native.Survey:

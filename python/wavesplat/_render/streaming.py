@@ -79,7 +79,7 @@ def streamed(
     least: Sequence[float] | None,
     progress: Progress | None,
     *,
-    after_block: Callable[[int], object] | None = None,
+    after_block: Callable[[_native.Stream, int], object] | None = None,
     counts: ReadCounts | None = None,
 ) -> ReadCounts:
     """Draws all blocks of a stream. `arrays`: of each layer; `least`: what is put where samples cannot be read."""
@@ -92,7 +92,7 @@ def streamed(
         stream.put(block, state)
         done += weight
         if after_block is not None:
-            after_block(block)
+            after_block(stream, block)
     return told
 
 

@@ -36,7 +36,7 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
-from wavesplat._scene.lazy_layers import Elsewhere, LazyLayers
+from wavesplat._scene.lazy_layers import Elsewhere, FrameSpec, LazyLayers
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.shown import Curves, ShownLayer, shown_layers
 from wavesplat._scene.telling import facts_of_layers, facts_of_picture
@@ -73,6 +73,8 @@ class Options:
     segments: int | None = None
     #: Of pictures that many machines draw: what takes the place of drawing here.
     elsewhere: Elsewhere | None = None
+    #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are done.
+    after_block: Callable[[Any, int], object] | None = None
 
 
 @dataclass(frozen=True)
@@ -264,9 +266,8 @@ def _faded(frame: _Frame, layer: ShownLayer, function: Curves) -> Curves:
     return layer.faded(function) if frame.composite == "over" else function
 
 
-def _light(scene: Scene, layer: ShownLayer) -> Any:
-    shading = scene.shading if scene.shading is None or isinstance(scene.shading, Shading) else layer.look.shading
-    return None if shading is None else shading._core
+def _light(scene: Scene, layer: ShownLayer) -> Shading | None:
+    return scene.shading if scene.shading is None or isinstance(scene.shading, Shading) else layer.look.shading
 
 
 def _rendered(
@@ -276,9 +277,11 @@ def _rendered(
     options, (width, height), operator = frame.options, frame.size, frame.operator
     lazy = LazyLayers.of(layers, frame.camera, frame.size, options)
     cores = [layer.core for layer in layers] if lazy is None else lazy.cores
+    faded = [_faded(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
+    lights = [_light(frame.scene, layer) for layer in layers]
     drawn = [
-        (core, _faded(frame, layer, function)._core, _light(frame.scene, layer))
-        for core, layer, function in zip(cores, layers, functions, strict=True)
+        (core, function._core, None if light is None else light._core)
+        for core, function, light in zip(cores, faded, lights, strict=True)
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], absorbs)
@@ -287,9 +290,7 @@ def _rendered(
         sheets_per_slice, oversampling = _sampling(frame, drawn)
         texels = 1 if options.psnr is not None else min(abs(oversampling), MOST_OVERSAMPLING) ** 2
         check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
-        labels = chosen_labels(frame.labels, layers[0].volume, layers[0].boxes)
-        arguments: _native.FrameArguments = {
-            "labels": labels,
+        arguments: dict[str, Any] = {
             "width": width,
             "height": height,
             "kernel": options.kernel,
@@ -309,10 +310,12 @@ def _rendered(
             "pre_integration": bool(options.pre_integration),
             "early_ray_termination": bool(options.early_ray_termination),
         }
+        labels, boxes = frame.labels, layers[0].boxes
         if lazy is None:
-            result = _native.render(drawn, frame.camera._core, arguments, options.progress)
+            of_frame: Any = {**arguments, "labels": chosen_labels(labels, layers[0].volume, boxes)}
+            result = _native.render(drawn, frame.camera._core, of_frame, options.progress)
         else:
-            result = lazy.rendered(drawn, frame.camera._core, arguments)
+            result = lazy.rendered(FrameSpec(lazy, faded, lights, frame.camera, labels, boxes, arguments))
     memory.remember(result["report"])
     return result, result["report"] | numbers
 

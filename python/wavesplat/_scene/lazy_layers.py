@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -15,17 +15,21 @@ from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
 from wavesplat._model.read_ahead import ReadCounts
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._render.arguments import chosen_labels
 from wavesplat._render.streaming import Streaming, streamed
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._looks.labels import Labels
+    from wavesplat._looks.shading import Shading
+    from wavesplat._model.cutting import Boxes
     from wavesplat._scene.drawing import Options
-    from wavesplat._scene.shown import ShownLayer
+    from wavesplat._scene.shown import Curves, ShownLayer
 
-__all__ = ["Elsewhere", "LazyLayers", "pixel_in_samples"]
+__all__ = ["Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
 
-#: What draws a stream instead of this process: from the stream, the layers and the arguments, to what was read.
-Elsewhere: TypeAlias = "Callable[[_native.Stream, LazyLayers], ReadCounts]"
+#: What draws a frame instead of this process, and gives its stream with all blocks, and what was read.
+Elsewhere: TypeAlias = "Callable[[FrameSpec], tuple[_native.Stream, ReadCounts]]"
 
 
 @dataclass
@@ -40,9 +44,10 @@ class LazyLayers:
     def of(
         cls, layers: Sequence[ShownLayer], camera: Camera, size: tuple[int, int], options: Options
     ) -> LazyLayers | None:
-        """None where no layer is lazy, and rays are not cut into segments."""
+        """None where no layer is lazy, and nothing asks for blocks or segments."""
         volumes = [layer.seen for layer in layers]
-        if not any(isinstance(volume, LazyVolume) for volume in volumes) and options.segments is None:
+        is_asked_for = options.segments is not None or options.elsewhere is not None
+        if not is_asked_for and not any(isinstance(volume, LazyVolume) for volume in volumes):
             return None
         if options.psnr is not None:
             raise ArgumentError(
@@ -79,16 +84,15 @@ class LazyLayers:
         """Bytes for samples and bounds: what the volume with the least allows."""
         return min(volume.memory for volume in self.volumes)
 
-    def rendered(
-        self, drawn: Sequence[Any], camera: _native.Camera, arguments: _native.FrameArguments
-    ) -> _native.RenderResult:
+    def rendered(self, spec: FrameSpec) -> _native.RenderResult:
         """The picture of the layers, as `_native.render` gives it."""
-        streaming = Streaming(self.memory, segment_slices=self.options.segments)
-        stream = streaming.planned(drawn, camera, arguments)
         if self.options.elsewhere is not None:
-            counts = self.options.elsewhere(stream, self)
+            stream, counts = self.options.elsewhere(spec)
         else:
-            counts = streamed(stream, self.arrays, self.least, self.options.progress)
+            stream = spec.stream()
+            counts = streamed(
+                stream, spec.arrays, spec.least, self.options.progress, after_block=self.options.after_block
+            )
         result = stream.picture()
         result["report"]["lazy"] = {
             "levels": list(self.levels),
@@ -100,6 +104,65 @@ class LazyLayers:
         if counts.holes:
             result["report"]["holes"] = list(counts.holes)
         return result
+
+
+@dataclass
+class FrameSpec:
+    """All that a frame of lazy layers is planned from, in any process: it can be sent to others."""
+
+    layers: LazyLayers
+    #: Transfer functions with the layers' opacities, and lights.
+    functions: list[Curves]
+    lights: list[Shading | None]
+    camera: Camera
+    #: Labels of the first layer, the volume they lie beside, and what is cut out of them.
+    labels: Labels | None
+    boxes: Boxes
+    #: The arguments of the compiled module, without labels.
+    arguments: dict[str, Any]
+    n_blocks: int = 1
+    memory: int | None = None
+    #: What is known of the samples, for processes that have not looked through them: pickled, by layer.
+    surveys: list[bytes] | None = None
+
+    def with_surveys(self) -> FrameSpec:
+        """The same with what is known of the samples."""
+        kernel = self.layers.options.kernel
+        pairs = zip(self.layers.volumes, self.layers.levels, strict=True)
+        return replace(self, surveys=[volume.packed_surveys(level, kernel) for volume, level in pairs])
+
+    @property
+    def arrays(self) -> list[LazyArray]:
+        """Where the samples of each layer are read."""
+        return self.layers.arrays
+
+    @property
+    def least(self) -> list[float] | None:
+        """As of the layers."""
+        return self.layers.least
+
+    @property
+    def segments(self) -> int | None:
+        """Slices of a segment of the rays."""
+        return self.layers.options.segments
+
+    def stream(self) -> _native.Stream:
+        """The stream of the frame, which is the same in every process."""
+        for volume, packed in zip(self.layers.volumes, self.surveys or [], strict=False):
+            volume.take_surveys(packed)
+        drawn = [
+            (core, function._core, None if light is None else light._core)
+            for core, function, light in zip(self.layers.cores, self.functions, self.lights, strict=True)
+        ]
+        labels = chosen_labels(self.labels, self.layers.volumes[0], self.boxes)
+        arguments: Any = {**self.arguments, "labels": labels}
+        streaming = Streaming(self.memory or self.layers.memory, self.n_blocks, self.segments)
+        return streaming.planned(drawn, self.camera._core, arguments)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What a process does beside drawing stays in it.
+        plain = replace(self.layers.options, progress=None, elsewhere=None, after_block=None)
+        return {**self.__dict__, "layers": replace(self.layers, options=plain)}
 
 
 def pixel_in_samples(level: Level, camera: Camera, size: tuple[int, int]) -> float:

@@ -293,6 +293,8 @@ class Scene:
         depth: bool = False,
         threads: int | None = None,
         progress: Callable[[float], object] | None = None,
+        client: Any = None,
+        segments: int | None = None,
     ) -> Picture:
         """A picture of the scene; `wavesplat.render` says what the options mean.
 
@@ -321,6 +323,8 @@ class Scene:
         >>> frames[0].report["expected_psnr_spread_db"] < frames[1].report["expected_psnr_spread_db"]
         True
         """
+        from wavesplat._cluster.blocks import on_machines
+        from wavesplat._render.arguments import checked_count
         from wavesplat._scene.drawing import Options, draw
 
         options = Options(
@@ -332,6 +336,8 @@ class Scene:
             depth=depth,
             threads=threads,
             progress=progress,
+            segments=checked_count(segments, "segments"),
+            elsewhere=None if client is None else on_machines(client, progress),
         )
         return draw(self, camera, options)
 

@@ -75,7 +75,7 @@ impl StreamBlock {
     }
 
     /// Bytes of samples that are held at most: those of a step, and those that the next one reads meanwhile.
-    fn most_bytes(&self, storage: &[Storage]) -> usize {
+    pub fn most_bytes(&self, storage: &[Storage]) -> usize {
         let bytes = |boxes: &[SampleBox]| {
             let each = boxes.iter().zip(storage).map(|(held, own)| volume_of(held) * own.sample_bytes);
             each.sum::<usize>()
@@ -153,6 +153,11 @@ impl StreamPlan {
         let StreamStep { held, new, .. } = &block.steps[step];
         let new = if is_first { std::slice::from_ref(&held[layer]) } else { &new[layer][..] };
         new.iter().flat_map(|part| runs_of_chunks(part, chunk, &is_read)).collect()
+    }
+
+    /// How the samples of each layer are stored.
+    pub fn storage(&self) -> &[Storage] {
+        &self.storage
     }
 
     /// Samples that the reads of all steps would be, without regard to what is visible; of a layer.

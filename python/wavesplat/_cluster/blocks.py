@@ -1,0 +1,201 @@
+"""A picture over many machines: blocks of its base planes, or segments of blocks, as tasks of Dask.
+
+A block is drawn front to back by one worker, which streams its boxes from the files: nothing is merged, every operator works,
+and the bytes are those of one machine. With segments, a task is some slices of a block; their states are folded from the front
+to the back, by one task for each block, so that the picture does not depend on who drew what: it is that of one machine with
+the same segments. That is for data in workers' memory, and for translucent volumes that all of is seen.
+
+Tasks are plain `dask.delayed`, at most some thousands for any volume; they can be run again, and are where a worker is lost.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from wavesplat import _native
+from wavesplat._cluster.machines import MOST_TASKS, machines_of
+from wavesplat._model.lazy_array import ComputedArray
+from wavesplat._model.read_ahead import ReadCounts
+from wavesplat._render.streaming import Progress, draw_segment
+from wavesplat.errors import ArgumentError, CancelledError
+
+__all__ = ["on_machines"]
+
+#: Times that a task is run again: reading may fail for once.
+N_RETRIES = 3
+#: Streams that a process keeps: tasks of one picture share theirs.
+MOST_STREAMS = 2
+
+#: What a task gives: the state of rays as bytes, bytes and boxes that were read, and what could not be.
+Drawn = tuple[bytes, int, int, list[str]]
+
+
+def on_machines(client: Any, progress: Progress | None) -> Callable[[Any], tuple[_native.Stream, ReadCounts]]:
+    """What draws a frame by the workers of a client, or by "threads"."""
+
+    def draw(spec: Any) -> tuple[_native.Stream, ReadCounts]:
+        machines = machines_of(client)
+        memory = min(machines.memory, spec.layers.memory)
+        arguments = {**spec.arguments, "threads": machines.threads}
+        spec = replace(spec, n_blocks=machines.n_blocks, memory=memory, arguments=arguments).with_surveys()
+        stream = spec.stream()
+        counts = ReadCounts()
+        begun = time.perf_counter()
+        plan = _Tasks(spec, stream)
+        for block, drawn in plan.done(client, progress):
+            state, n_bytes, n_boxes, holes = drawn
+            stream.put(block, _native.BlockState.from_bytes(state))
+            counts.n_bytes += n_bytes
+            counts.n_boxes += n_boxes
+            counts.holes += holes
+        counts.seconds = time.perf_counter() - begun
+        return stream, counts
+
+    return draw
+
+
+class _Tasks:
+    """The tasks of a frame."""
+
+    def __init__(self, spec: Any, stream: _native.Stream) -> None:
+        self._stream = stream
+        self._packed = pickle.dumps(spec)
+        self._token = hashlib.sha256(self._packed).hexdigest()[:16]
+        self._spec = spec
+        self._is_cut = spec.segments is not None
+        n = sum(len(stream.segments(block)) if self._is_cut else 1 for block in range(stream.n_blocks))
+        if n > MOST_TASKS:
+            raise ArgumentError(
+                f"this picture would take {n} tasks, and {MOST_TASKS} are the most; give longer segments, or more memory "
+                "to the workers"
+            )
+        for array in spec.arrays:
+            if isinstance(array, ComputedArray) and array.is_persisted and not self._is_cut:
+                raise ArgumentError(
+                    f"the Dask array of {array.name!r} lies in workers' memory, which is drawn in segments; "
+                    "give segments=256, say"
+                )
+
+    def done(self, client: Any, progress: Progress | None) -> Iterator[tuple[int, Drawn]]:
+        """Blocks and what they gave, as they are done."""
+        costs = np.array(self._stream.bytes_to_read(), np.float64) + 1.0
+        # The longest first, so that none is waited for at the end.
+        order = [int(block) for block in np.argsort(-costs, kind="stable")]
+        told, whole = 0.0, float(costs.sum())
+        results = self._by_threads(order) if isinstance(client, str) else self._by_client(client, order)
+        for block, drawn in results:
+            told += float(costs[block])
+            if progress is not None and progress(told / whole) is False:
+                results.close()
+                raise CancelledError("rendering was cancelled by the progress callback")
+            yield block, drawn
+
+    def _by_threads(self, order: Sequence[int]) -> Any:
+        import dask
+
+        # Some at once, so that progress is told and states need not all wait.
+        for k in range(0, len(order), 16):
+            part = order[k : k + 16]
+            tasks = [self._task(self._packed, block) for block in part]
+            yield from zip(part, dask.compute(*tasks, scheduler="threads"), strict=True)
+
+    def _by_client(self, client: Any, order: Sequence[int]) -> Any:
+        from distributed import CancelledError as LostError
+        from distributed import as_completed
+
+        waiting = list(order)
+        for attempt in range(N_RETRIES + 1):
+            # One copy for every worker, and again if all that had one are gone.
+            spec = client.scatter(self._packed, broadcast=True, hash=False)
+            futures = client.compute([self._task(spec, block) for block in waiting], retries=N_RETRIES)
+            of = dict(zip([future.key for future in futures], waiting, strict=True))
+            try:
+                for future in as_completed(futures):
+                    yield of[future.key], future.result()
+                    waiting.remove(of[future.key])
+                return
+            except LostError:
+                if attempt == N_RETRIES:
+                    raise
+            finally:
+                client.cancel(futures)
+
+    def _task(self, spec: Any, block: int) -> Any:
+        from dask import delayed
+
+        pure = {"pure": True}
+        if not self._is_cut:
+            key = f"wavesplat-block-{self._token}-{block}"
+            return delayed(_draw, **pure)(spec, self._token, block, None, None, dask_key_name=key)
+        parts = []
+        for k, steps in enumerate(self._stream.segments(block)):
+            key = f"wavesplat-segment-{self._token}-{block}-{k}"
+            chunks = self._chunks(block, steps)
+            parts.append(delayed(_draw, **pure)(spec, self._token, block, steps, chunks, dask_key_name=key))
+        key = f"wavesplat-fold-{self._token}-{block}"
+        return delayed(_fold, **pure)(spec, self._token, parts, dask_key_name=key)
+
+    def _chunks(self, block: int, steps: tuple[int, int]) -> list[Any] | None:
+        """Of arrays of Dask, the chunks that a segment is drawn from, which tasks are brought to."""
+        if not any(isinstance(array, ComputedArray) for array in self._spec.arrays):
+            return None
+        nothing = _native.BlockState()
+        needed: list[Any] = []
+        for layer, array in enumerate(self._spec.arrays):
+            if not isinstance(array, ComputedArray):
+                needed.append(None)
+                continue
+            delayed = array.delayed_chunks()
+            own = {}
+            for step in range(*steps):
+                for box in self._stream.reads(block, step, step == steps[0], nothing)[layer]:
+                    own |= {index: delayed[index] for index in array.chunk_numbers(box)}
+            needed.append((list(own), list(own.values())))
+        return needed
+
+
+_STREAMS: OrderedDict[str, tuple[Any, _native.Stream]] = OrderedDict()
+_LOCK = threading.Lock()
+
+
+def _planned(packed: bytes, token: str) -> tuple[Any, _native.Stream]:
+    """The frame and its stream, planned once in a process."""
+    with _LOCK:
+        found = _STREAMS.pop(token, None)
+        if found is None:
+            spec = pickle.loads(packed)  # noqa: S301 - our own, by the way that Dask sends tasks
+            found = spec, spec.stream()
+        _STREAMS[token] = found
+        while len(_STREAMS) > MOST_STREAMS:
+            _STREAMS.popitem(last=False)
+        return found
+
+
+def _draw(packed: bytes, token: str, block: int, steps: tuple[int, int] | None, chunks: list[Any] | None) -> Drawn:
+    """A task: a block, or a segment of it."""
+    spec, stream = _planned(packed, token)
+    arrays = list(spec.arrays)
+    for layer, own in enumerate(chunks or ()):
+        if own is not None:
+            numbers, samples = own
+            arrays[layer] = arrays[layer].held(dict(zip(numbers, samples, strict=True)))
+    counts = ReadCounts()
+    state = draw_segment(stream, block, steps or (0, stream.n_steps(block)), arrays, spec.least, None, counts)
+    return state.to_bytes(), counts.n_bytes, counts.n_boxes, counts.holes
+
+
+def _fold(packed: bytes, token: str, parts: Sequence[Drawn]) -> Drawn:
+    """A task: the segments of a block, front to back, as one."""
+    _, stream = _planned(packed, token)
+    state = stream.fold([_native.BlockState.from_bytes(part[0]) for part in parts])
+    return state.to_bytes(), sum(p[1] for p in parts), sum(p[2] for p in parts), [h for p in parts for h in p[3]]
+

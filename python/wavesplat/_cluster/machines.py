@@ -1,0 +1,101 @@
+"""What draws elsewhere: the workers of a Dask client, or the threads of this process."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from wavesplat import _native
+from wavesplat._files.libraries import library
+from wavesplat._model.argument_types import described
+from wavesplat._model.lazy_volume import default_memory
+from wavesplat.errors import ArgumentError, LibraryError
+
+__all__ = ["MOST_TASKS", "Machines", "machines_of"]
+
+#: Tasks of a picture, at most: schedulers get slow beyond tens of thousands, and a task takes them about a millisecond.
+MOST_TASKS = 4000
+#: Blocks for each task that runs at once, so that those that are done early get another one.
+BLOCKS_PER_THREAD = 4
+#: Share of a worker's memory, of each of its threads, for samples: Dask does not see what the renderer holds, and its nanny
+#: ends a worker that takes nearly all.
+SHARE = 0.3
+
+
+@dataclass(frozen=True)
+class Machines:
+    """How tasks are to be cut for them."""
+
+    #: Tasks that run at once.
+    n_at_once: int
+    #: Threads, and bytes for samples, of a task.
+    threads: int
+    memory: int
+
+    @property
+    def n_blocks(self) -> int:
+        """Blocks that a picture is cut into, at least."""
+        return min(max(1, BLOCKS_PER_THREAD * self.n_at_once), MOST_TASKS // 2)
+
+
+def machines_of(client: Any) -> Machines:
+    """The workers of a client, or "threads" of this process.
+
+    Raises
+    ------
+    ArgumentError
+        If that is neither, or there is no worker.
+    LibraryError
+        If workers lack this package, or have another release of it.
+    """
+    library("dask", extra="dask")
+    if isinstance(client, str):
+        if client != "threads":
+            raise ArgumentError(f'client is {client!r}; give a dask.distributed.Client, or "threads"')
+        return Machines(n_at_once=os.cpu_count() or 1, threads=1, memory=default_memory() // (os.cpu_count() or 1))
+    if not (hasattr(client, "scheduler_info") and hasattr(client, "compute")):
+        raise ArgumentError(f'client is {described(client)}; give a dask.distributed.Client, or "threads"')
+    if getattr(client, "asynchronous", False):
+        raise ArgumentError(
+            "this client is asynchronous, and pictures are drawn synchronously; give Client(..., asynchronous=False), "
+            "and draw in a thread if an event loop runs here"
+        )
+    told = client.run(_told)
+    if not told:
+        raise ArgumentError("the cluster has no workers yet; wait for them with client.wait_for_workers(1)")
+    missing = sorted(address for address, (version, *_) in told.items() if version != _native.__version__)
+    if missing:
+        first = told[missing[0]][0]
+        raise LibraryError(
+            f"{len(missing)} of {len(told)} workers, such as {missing[0]}, have "
+            f"{'no wavesplat' if first is None else f'wavesplat {first}'}, and this is {_native.__version__}; install the "
+            "same release there (client.run, a plugin such as distributed.PipInstall, or the image of the workers)"
+        )
+    n_at_once = sum(n_threads for _, _, n_threads, _, _ in told.values())
+    # Several workers of one machine share its processors.
+    on_host = Counter[str]()
+    for _, host, n_threads, _, _ in told.values():
+        on_host[host] += n_threads
+    threads = min(max(1, n_cores // on_host[host]) for _, host, _, n_cores, _ in told.values())
+    limits = [limit // n_threads for _, _, n_threads, _, limit in told.values() if limit]
+    memory = int(SHARE * min(limits)) if limits else default_memory()
+    return Machines(n_at_once, threads, memory)
+
+
+def _told(dask_worker: Any = None) -> tuple[str | None, str, int, int, int]:
+    """What a worker tells of itself: release, host, threads, processors, memory."""
+    import platform
+
+    try:
+        from wavesplat import __version__ as version
+    except ImportError:
+        version = None
+    n_threads = int(dask_worker.state.nthreads)
+    limit = getattr(getattr(dask_worker, "memory_manager", None), "memory_limit", None)
+    try:
+        n_cores = len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        n_cores = os.cpu_count() or 1
+    return version, platform.node(), n_threads, n_cores, int(limit or 0)

@@ -22,6 +22,7 @@ ROOMS = {
         "_picture",
         "examples",
         "_render",
+        "_cluster",
         "_scene",
         "_movie",
         "_mesh",

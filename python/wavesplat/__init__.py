@@ -12,7 +12,7 @@ public names are defined in included: import `wavesplat.Volume`, from nowhere el
 public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`examples`, `_render`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
+`examples`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -35,10 +35,12 @@ if TYPE_CHECKING:
     from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
     from wavesplat._model.crop import Crop
     from wavesplat._model.facts import Channel, Facts
+    from wavesplat._model.lazy_volume import LazyVolume
     from wavesplat._model.sampling import Sampling
     from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._movie.frames import render_frames
     from wavesplat._movie.key_frame import KeyFrame
     from wavesplat._movie.movie import movie
     from wavesplat._movie.turn import Turn
@@ -46,8 +48,10 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
     from wavesplat._readers.time_points import open_series
+    from wavesplat._scene.cost import Cost, plan
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.opening import open_scene
+    from wavesplat._scene.progressive import progressive
     from wavesplat._scene.rendering import render
     from wavesplat._scene.scene import Scene
     from wavesplat._scene.slicing import slice
@@ -57,6 +61,7 @@ __all__ = [
     "Camera",
     "Channel",
     "ClipPlane",
+    "Cost",
     "Crop",
     "CutOut",
     "DepthShadedMaximum",
@@ -66,6 +71,7 @@ __all__ = [
     "Label",
     "Labels",
     "Layer",
+    "LazyVolume",
     "Light",
     "LocalMaximum",
     "Look",
@@ -93,8 +99,11 @@ __all__ = [
     "open",
     "open_scene",
     "open_series",
+    "plan",
+    "progressive",
     "reference",
     "render",
+    "render_frames",
     "slice",
     "study",
     "view",
@@ -105,6 +114,7 @@ _HOMES = {
     "Camera": "_model.camera",
     "Channel": "_model.facts",
     "ClipPlane": "_model.clips",
+    "Cost": "_scene.cost",
     "Crop": "_model.crop",
     "CutOut": "_model.clips",
     "DepthShadedMaximum": "_model.composites",
@@ -114,6 +124,7 @@ _HOMES = {
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
     "Layer": "_scene.layer",
+    "LazyVolume": "_model.lazy_volume",
     "Light": "_looks.shading",
     "LocalMaximum": "_model.composites",
     "Look": "_looks.look",
@@ -139,7 +150,10 @@ _HOMES = {
     "open": "_readers.opening",
     "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",
+    "plan": "_scene.cost",
+    "progressive": "_scene.progressive",
     "render": "_scene.rendering",
+    "render_frames": "_movie.frames",
     "slice": "_scene.slicing",
     "view": "_viewer.viewer",
 }

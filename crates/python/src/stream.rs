@@ -111,6 +111,17 @@ impl PyStream {
         py.detach(|| self.locked().bytes_to_read())
     }
 
+    /// Boxes that all steps read, if no ray were done before its end.
+    fn n_boxes(&self, py: Python<'_>) -> usize {
+        py.detach(|| self.locked().n_boxes())
+    }
+
+    /// Rays of a block.
+    fn n_rays(&self, block: usize) -> PyResult<u64> {
+        self.check(block, None)?;
+        Ok(self.locked().n_rays(block))
+    }
+
     /// Bytes of samples that are held at most while a block is drawn.
     fn bytes_held(&self, block: usize) -> PyResult<u64> {
         self.check(block, None)?;

@@ -189,6 +189,23 @@ impl Stream {
         })
     }
 
+    /// Boxes that all steps read, if no ray were done before its end.
+    pub fn n_boxes(&self) -> usize {
+        let nothing = BlockState::default();
+        let of_block = |block| {
+            let of_step = |step| self.reads(block, step, step == 0, &nothing).iter().map(Vec::len).sum::<usize>();
+            (0..self.n_steps(block)).map(of_step).sum::<usize>()
+        };
+        let n = || parallel::map(self.n_blocks(), of_block).into_iter().sum();
+        parallel::with_threads(self.n_threads, n)
+    }
+
+    /// Rays of a block.
+    pub fn n_rays(&self, block: usize) -> u64 {
+        let tiles = &self.steps.blocks[block].tiles;
+        (tiles.iter().map(ExactSizeIterator::len).product::<usize>() * TILE_U * TILE_V) as u64
+    }
+
     /// Bytes of samples that are held at most while a block is drawn.
     pub fn bytes_held(&self, block: usize) -> u64 {
         self.steps.blocks[block].most_bytes(self.steps.storage()) as u64

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from wavesplat._model.lazy_volume import LazyVolume
 
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
@@ -17,6 +20,8 @@ __all__ = ["Choice", "describe", "describe_wavelets", "lines", "wavelet_lines"]
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 #: Samples that the percentiles are taken from, at most.
 N_SAMPLES_MAX = 10_000_000
+#: Of those that are read as they are drawn: as many as are known of each.
+N_SAMPLES_MAX_LAZY = 2_000_000
 #: Facts that are told as they are.
 OF_FILE = (
     "modality",
@@ -76,7 +81,7 @@ def describe(volume: Volume) -> dict[str, Any]:
     return {
         **_place(volume),
         "dtype": str(volume.dtype),
-        "n_bytes": int(volume.samples.nbytes),
+        "n_bytes": math.prod(volume.shape) * volume.dtype.itemsize,
         "value_range": [low, high],
         "percentiles": _percentiles(volume),
         "n_nonfinite": volume.n_nonfinite,
@@ -210,8 +215,8 @@ def _channel_text(channel: dict[str, Any]) -> str:
 
 
 def _percentiles(volume: Volume) -> dict[str, float]:
-    step = max(1, int(np.ceil((volume.samples.size / N_SAMPLES_MAX) ** (1 / 3))))
-    values = volume.samples[::step, ::step, ::step].ravel()
+    most = N_SAMPLES_MAX_LAZY if isinstance(volume, LazyVolume) else N_SAMPLES_MAX
+    values = volume._every(max(1, math.ceil((math.prod(volume.shape) / most) ** (1 / 3)))).ravel()
     if values.dtype.kind == "f":
         values = values[np.isfinite(values)]
     if values.size == 0:

@@ -76,6 +76,13 @@ class ReaderOptions:
     external_files: Annotated[
         bool, typer.Option("--external-files", help="Read samples from files elsewhere that a trusted file names.")
     ] = False
+    memory: Annotated[
+        str | None,
+        typer.Option(metavar="SIZE", help="Read samples as they are drawn, so much of them at once, such as 2GB."),
+    ] = None
+    holes: Annotated[
+        bool, typer.Option("--holes", help="With --memory: leave out samples that cannot be read, and say so.")
+    ] = False
 
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:

@@ -25,7 +25,7 @@ from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.survey import Survey, surveyed
+from wavesplat._model.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -287,6 +287,13 @@ class LazyVolume(Volume):
                 own.array, own.world_from_index, kernel, self._memory, keep=self._keep, progress=progress
             )
             self._surveys[level, kernel] = found
+        return found
+
+    def known_survey(self, level: int, kernel: str) -> Survey | None:
+        """What is known of a level without reading its samples, bounds included; None where nothing is."""
+        found: Survey | None = self._surveys.get((level, kernel))
+        if found is None or not found.core.has_bounds:
+            found = kept_survey(self._levels[level].array, self._levels[level].world_from_index, kernel, self._memory, self._keep)
         return found
 
     def packed_surveys(self, level: int, kernel: str) -> bytes:

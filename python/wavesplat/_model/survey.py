@@ -24,7 +24,7 @@ from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import Box, BoxReader, cells
 from wavesplat.errors import ArgumentError, CancelledError, FileError
 
-__all__ = ["Survey", "cache_folder", "strides", "surveyed"]
+__all__ = ["Survey", "cache_folder", "kept_survey", "strides", "surveyed"]
 
 #: Version of what is kept.
 FORMAT = 2
@@ -144,6 +144,14 @@ def surveyed(
         with suppress(FileError, OSError):  # a full disk must not keep a picture from being drawn
             _keep(file, survey)
     return survey
+
+
+def kept_survey(
+    array: LazyArray, world_from_index: Matrix, kernel: str, memory: int, keep: bool | str | os.PathLike[str]
+) -> Survey | None:
+    """What was kept of a survey; None where there is nothing."""
+    file = _file_of(array, kernel, keep)
+    return None if file is None else _kept(file, array, kernel, strides(array.shape, world_from_index), memory)
 
 
 def _part_of(

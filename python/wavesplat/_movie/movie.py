@@ -5,10 +5,10 @@ The compiled renderer and the encoders work without Python's interpreter lock, s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from wavesplat._files.output import check_output, removed_when_terminated, write_atomically
 from wavesplat._looks.look import Look
@@ -18,6 +18,7 @@ from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
+from wavesplat._movie.frames import drawn_elsewhere
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.pipeline import MOST_AT_ONCE, Progress, made_ahead, work_beside
 from wavesplat._movie.seen import camera_of, with_settled_looks
@@ -31,6 +32,8 @@ from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Along", "check_movie", "movie"]
+
+T = TypeVar("T")
 
 #: Pixels of frames that are drawn at once, at most: each takes some hundred bytes meanwhile.
 MOST_PIXELS_AT_ONCE = 8_000_000
@@ -61,6 +64,7 @@ def movie(
     resume: bool = False,
     threads: int | None = None,
     progress: Callable[[float], object] | None = None,
+    client: Any = None,
 ) -> Path:
     """A movie of a volume or a scene: a turn, a flight along cameras, or what changes between key frames.
 
@@ -93,6 +97,8 @@ def movie(
         Of PNG files: keep frames that are there and show what they must, and draw the others.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
+    client : dask.distributed.Client or "threads", optional
+        Draw frames on the workers of a Dask cluster, as `render_frames`; not with `psnr`.
 
     Returns
     -------
@@ -130,10 +136,12 @@ def movie(
     if quality is None:
         quality = OF_MOVIES if psnr is None else "normal"
     options: dict[str, Any] = {"quality": quality, "psnr": psnr, "kernel": kernel, "composite": composite}
+    if client is not None and psnr is not None:
+        raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
     told = Progress(progress, len(shots))
-    draw = _Drawing(shots, told, threads, size=(width, height), **options)
+    draw = _Drawing(shots, told, threads, client, size=(width, height), **options)
     if pattern is None:
-        frames = made_ahead(lambda number: draw(number).rgba, range(len(shots)), draw.at_once, told)
+        frames = draw.all(range(len(shots)), lambda _, picture: picture.rgba)
         settings: Any = {"fps": fps, "size": (width, height), "crf": crf}
         write_atomically(
             target,
@@ -143,23 +151,37 @@ def movie(
     png_sequence.make_folder(pattern)
     marks = png_sequence.Marks((width, height), **options)
 
-    def frame(number: int) -> png_sequence.Frame:
-        return png_sequence.Frame(png_sequence.frame_path(pattern, number), draw(number).rgba, marks.of(shots[number]))
+    def frame(number: int, picture: Picture) -> png_sequence.Frame:
+        return png_sequence.Frame(png_sequence.frame_path(pattern, number), picture.rgba, marks.of(shots[number]))
 
     missing = _missing(pattern, shots, marks, told) if resume else range(len(shots))
     part = png_sequence.part_beside(pattern)
     with removed_when_terminated(part):
-        drawn = made_ahead(frame, missing, draw.at_once, told)
-        work_beside(lambda come: png_sequence.write_frames(part, come), drawn)
+        work_beside(lambda come: png_sequence.write_frames(part, come), draw.all(missing, frame))
     return pattern
 
 
 class _Drawing:
     """Draws frames, several of the same scene at once: together with as many threads as one picture has."""
 
-    def __init__(self, shots: _Shots, told: Progress, threads: int | None, **options: Any) -> None:
+    def __init__(
+        self, shots: _Shots, told: Progress, threads: int | None, client: Any = None, **options: Any
+    ) -> None:
         self._shots, self._told, self._threads, self._options = shots, told, threads, options
+        self._client = client
         self._n_threads = 1
+
+    def all(self, numbers: Iterable[int], made: Callable[[int, Picture], T]) -> Generator[T]:
+        """What is made of frames, in their order; several of them are drawn at once, here or elsewhere."""
+        if self._client is None:
+            yield from made_ahead(lambda number: made(number, self(number)), numbers, self.at_once, self._told)
+            return
+        wanted = list(numbers)
+        pictures = drawn_elsewhere([self._shots[number] for number in wanted], self._options, self._client)
+        for number, picture in zip(wanted, pictures, strict=True):
+            self._told.finish(number)
+            self._told.tell()
+            yield made(number, picture)
 
     def __call__(self, number: int) -> Picture:
         shot, at_once = self._shots[number], self.at_once()

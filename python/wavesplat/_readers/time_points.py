@@ -42,6 +42,8 @@ def open_series(
     unit: str | None = None,
     gaps: Literal["fill", "refuse"] = "fill",
     external_files: bool = False,
+    memory: float | str | None = None,
+    holes: bool = False,
 ) -> Series:
     """The time points of a file, or files of one time point each, read when they are asked for.
 
@@ -52,8 +54,8 @@ def open_series(
         ImageJ, DICOM; arrays without named axes (.npy, raw, HDF5), whose first axis is time. Or files of one time point
         each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
         numbers in their names (t2 before t10). A file of one volume is a series of one.
-    series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files : optional
-        As of `wavesplat.open`, for every time point.
+    series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes :
+        optional. As of `wavesplat.open`, for every time point.
 
     Returns
     -------
@@ -88,6 +90,8 @@ def open_series(
         "unit": unit,
         "gaps": gaps,
         "external_files": external_files,
+        "memory": memory,
+        "holes": holes,
     }
     paths = _files(path)
     if len(paths) == 1 and isinstance(path, str | PathLike):

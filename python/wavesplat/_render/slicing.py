@@ -28,6 +28,7 @@ from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, check_magnitude, vector
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation
@@ -40,6 +41,7 @@ from wavesplat._render.arguments import (
     chosen_threads,
     chosen_transfer_function,
 )
+from wavesplat._render.lazy_slices import part_around
 from wavesplat._render.notes import notes_on_slice
 from wavesplat.errors import ArgumentError
 
@@ -151,6 +153,13 @@ class Planes:
         """Where the planes of the slab lie along the normal, from the middle one: as close as a volume's samples."""
         return _offsets(volume, self.cut, self.thickness)
 
+    def _corners(self, offsets: Array) -> Array:
+        """World positions of the corners of the slab, a row each."""
+        across = self.frame.pixel * self.cut.right * (self.frame.size[0] - 1)
+        down = -self.frame.pixel * self.cut.up * (self.frame.size[1] - 1)
+        ends = [self.frame.origin + offset * self.cut.normal for offset in (offsets[0], offsets[-1])]
+        return np.array([end + a * across + b * down for end in ends for a in (0, 1) for b in (0, 1)])
+
     def values_of(
         self, volume: Volume | WaveletVolume, kernel: Kernel, slab: Slab, threads: int | None
     ) -> NDArray[np.float32]:
@@ -158,6 +167,11 @@ class Planes:
         cut, frame, offsets = self.cut, self.frame, self.offsets_in(volume)
         if not len(offsets):
             return np.full(frame.size[::-1], np.nan, np.float32)
+        if isinstance(volume, LazyVolume):
+            part = part_around(volume, self._corners(offsets), frame.pixel)
+            if part is None:
+                return np.full(frame.size[::-1], np.nan, np.float32)
+            volume = part
         drawn = volume._decoded(volume.left_out) if isinstance(volume, WaveletVolume) else volume._core
         first, step = offsets[0], offsets[1] - offsets[0] if len(offsets) > 1 else 0.0
         with drawing(volume):

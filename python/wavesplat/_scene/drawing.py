@@ -38,14 +38,14 @@ from wavesplat._render.arguments import (
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._scene.lazy_layers import Elsewhere, FrameSpec, LazyLayers
 from wavesplat._scene.reporting import facts_of
-from wavesplat._scene.shown import Curves, ShownLayer, shown_layers
+from wavesplat._scene.shown import Curves, Shown, ShownLayer, shown_layers
 from wavesplat._scene.telling import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Options", "draw"]
+__all__ = ["Options", "camera_of", "draw"]
 
 #: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
@@ -106,8 +106,7 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     shown = shown_layers(scene, None if asked is None else name_of(asked))
     layers, composite = shown.layers, shown.composite
     operator = asked or checked_operator(composite) or "over"
-    # A box in samples is in those of the first layer, which the compiled module knows only where it draws it alone.
-    clipping = scene._clipping if shown.has_first and len(layers) == 1 else scene._clipping.in_world(shown.first)
+    clipping = _clipping_of(scene, shown)
     labels = scene.labels
     if labels is None and shown.has_first:
         labels = layers[0].look.labels
@@ -126,6 +125,22 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
     return picture
+
+
+def camera_of(scene: Scene, camera: Camera | str | None, options: Options) -> Camera:
+    """The camera that `draw` takes."""
+    size = checked_size(options.size)
+    asked = checked_operator(options.composite)
+    shown = shown_layers(scene, None if asked is None else name_of(asked))
+    clipping = _clipping_of(scene, shown)
+    parts = [(layer.seen, layer.look) for layer in shown.layers]
+    return chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
+
+
+def _clipping_of(scene: Scene, shown: Shown) -> Clipping:
+    # A box in samples is in those of the first layer, which the compiled module knows only where it draws it alone.
+    is_alone = shown.has_first and len(shown.layers) == 1
+    return scene._clipping if is_alone else scene._clipping.in_world(shown.first)
 
 
 def _drawn(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:

@@ -65,6 +65,8 @@ def open_scene(
     unit: str | None = None,
     gaps: Literal["fill", "refuse"] = "fill",
     external_files: bool = False,
+    memory: float | str | None = None,
+    holes: bool = False,
 ) -> Scene:
     """A scene of all channels in a file, in the file's colours and windows.
 
@@ -80,8 +82,8 @@ def open_scene(
         Which time point, if the file holds several. The scene keeps all of them: `scene.at_time(3)`.
     composite : str, default "over"
         Operator that several channels are shown with: "over", or "maximum", whose colours add up.
-    series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files : optional
-        As of `wavesplat.open`.
+    series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes :
+        optional. As of `wavesplat.open`.
 
     Returns
     -------
@@ -126,6 +128,8 @@ def open_scene(
         "unit": unit,
         "gaps": gaps,
         "external_files": external_files,
+        "memory": memory,
+        "holes": holes,
     }
     source = _Source(path, options, time)
     wanted = _all_of(source) if channels is None else [_wanted(one, source) for one in channels]

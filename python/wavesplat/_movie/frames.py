@@ -1,0 +1,185 @@
+"""Whole frames over the workers of a Dask cluster: each is drawn by one of them."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from wavesplat._cluster.machines import Machines, machines_of
+from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera
+from wavesplat._model.composites import Operator
+from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.sampling import Sampling
+from wavesplat._movie.seen import camera_of, with_settled_looks
+from wavesplat._picture.picture import Picture
+from wavesplat._public import public
+from wavesplat._render.arguments import checked_size
+from wavesplat._scene.scene import Scene, as_scene
+from wavesplat.errors import ArgumentError, CancelledError
+
+__all__ = ["drawn_elsewhere", "render_frames"]
+
+#: Frames that are on their way for each that is drawn at once: pictures are large, and are handed on in their order.
+AHEAD = 3
+#: Times that a frame is drawn again where a worker, or a read, fails.
+N_RETRIES = 3
+
+
+@public
+def render_frames(
+    what: Any,
+    cameras: Sequence[Camera | str],
+    *,
+    client: Any = None,
+    size: tuple[int, int] = (512, 512),
+    quality: Quality | Sampling = "normal",
+    kernel: Kernel = "linear",
+    composite: Operator | None = None,
+    depth: bool = False,
+    background: str | Sequence[float] | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Iterator[Picture]:
+    """Pictures of a scene from several cameras, one after the other, drawn here or each by a worker of a cluster.
+
+    Parameters
+    ----------
+    what : Scene, Volume, or what else `render` takes
+        Workers open the files of lazy volumes themselves; what is in memory is sent to each of them once.
+    cameras : sequence of Camera or str
+        One for each picture.
+    client : dask.distributed.Client or "threads", optional
+        Where to draw; None is this process, one frame after the other.
+    size, quality, kernel, composite, depth, background
+        As for `render`. What is chosen by the data, looks and greys, is chosen once here.
+    progress : callable, optional
+        Called with the part done, 0..1; returning False stops.
+
+    Yields
+    ------
+    Picture
+        In the order of the cameras; with the bytes of `Scene.render`.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work, or workers cannot draw.
+    CancelledError
+        If `progress` returned False.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> scene = ws.Scene(ws.examples.ct_pelvis(), "ct-bone")
+    >>> [picture.size for picture in ws.render_frames(scene, ["front", "left"], size=(32, 24), client="threads")]
+    [(32, 24), (32, 24)]
+    """
+    scene = as_scene(what, None, labels=None, shading="look", clip=(), background=background)
+    width, height = checked_size(size)
+    if isinstance(cameras, Camera | str) or not (given := list(cameras)):
+        raise ArgumentError(f"cameras is {described(cameras)}; give a list with a camera, or a view, for each picture")
+    chosen = [camera_of(scene, camera, composite, width / max(height, 1)) for camera in given]
+    scene, _ = with_settled_looks(scene, composite, chosen[0], (width, height))
+    options = {"size": size, "quality": quality, "kernel": kernel, "composite": composite, "depth": depth}
+    return _told(drawn_elsewhere([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
+
+
+def _told(
+    pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None
+) -> Iterator[Picture]:
+    for k, picture in enumerate(pictures):
+        yield picture
+        if progress is not None and progress((k + 1) / n) is False:
+            raise CancelledError("rendering was cancelled by the progress callback")
+
+
+def drawn_elsewhere(
+    shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], client: Any
+) -> Iterator[Picture]:
+    """Pictures of scenes from cameras, in their order, by the workers of a client; of None here."""
+    if client is None:
+        for scene, camera in shots:
+            yield scene.render(camera, **options)
+        return
+    machines = machines_of(client)
+    own = {**options, "threads": machines.threads}
+    if isinstance(client, str):
+        yield from _by_threads(shots, own, machines)
+        return
+    yield from _by_client(shots, own, machines, client)
+
+
+def _by_threads(
+    shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines
+) -> Iterator[Picture]:
+    import dask
+
+    for k in range(0, len(shots), machines.n_at_once):
+        part = shots[k : k + machines.n_at_once]
+        tasks = [dask.delayed(scene.render, pure=False)(camera, **options) for scene, camera in part]
+        yield from dask.compute(*tasks, scheduler="threads")
+
+
+def _by_client(
+    shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines, client: Any
+) -> Iterator[Picture]:
+    from dask import delayed
+
+    scenes: dict[int, tuple[str, Any]] = {}
+    waiting: deque[Any] = deque()
+    places = iter(shots)
+
+    def sent(scene: Scene) -> tuple[str, Any]:
+        if id(scene) not in scenes:
+            packed = pickle.dumps(_within(scene, machines))
+            token = hashlib.sha256(packed).hexdigest()[:16]
+            # One copy for every worker.
+            scenes[id(scene)] = token, client.scatter(packed, broadcast=True, hash=False)
+        return scenes[id(scene)]
+
+    def begin() -> bool:
+        shot = next(places, None)
+        if shot is None:
+            return False
+        token, packed = sent(shot[0])
+        task = delayed(_drawn, pure=False)(packed, token, shot[1], options)
+        waiting.append(client.compute(task, retries=N_RETRIES))
+        return True
+
+    try:
+        while len(waiting) < AHEAD * machines.n_at_once and begin():
+            pass
+        while waiting:
+            picture: Picture = waiting.popleft().result()
+            begin()
+            yield picture
+    finally:
+        client.cancel(list(waiting))
+
+
+def _within(scene: Scene, machines: Machines) -> Scene:
+    """The scene with lazy volumes that keep within a worker's memory, and what is known of their samples."""
+    layers = []
+    for layer in scene.layers:
+        volume = layer.volume
+        if isinstance(volume, LazyVolume) and volume.memory > machines.memory:
+            volume = volume.with_memory(machines.memory)
+        layers.append(replace(layer, volume=volume))
+    return scene.with_(layers=layers)
+
+
+_SCENES: dict[str, Scene] = {}
+
+
+def _drawn(packed: bytes, token: str, camera: Any, options: dict[str, Any]) -> Picture:
+    """A task: a frame. The scene is kept between those of one process."""
+    scene = _SCENES.get(token)
+    if scene is None:
+        _SCENES.clear()
+        scene = _SCENES[token] = pickle.loads(packed)  # noqa: S301 - our own, by the way that Dask sends tasks
+    return scene.render(camera, **options)

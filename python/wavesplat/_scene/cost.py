@@ -1,0 +1,329 @@
+"""What a picture of a lazy volume costs, before anything of it is read: boxes, bytes, tasks, memory, time.
+
+    T = T_plan + max(T_read, T_draw) + T_merge + T_tasks,
+    T_read = bytes · amplification / (workers · rate),   T_draw = texels · sheets · ns / (workers · cores),
+    T_merge = 16 bytes · texels · segments / (workers · rate),   T_tasks = tasks · 1 ms
+
+Bytes are those of the plan that the picture would be drawn by, chunk by chunk; rates of reading and drawing are measured on
+this machine unless they are given. Blocks take unequal times: half of the whole is added for the last ones.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wavesplat import _native
+from wavesplat._cluster.machines import MOST_TASKS
+from wavesplat._files.byte_sizes import byte_size, bytes_of
+from wavesplat._looks.shading import Shading
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.camera import Camera
+from wavesplat._model.lazy_volume import LazyVolume, Level
+from wavesplat._model.read_ahead import cells
+from wavesplat._model.volume import Volume
+from wavesplat._public import public
+from wavesplat._render.arguments import checked_size
+from wavesplat._render.framing import natural_view
+from wavesplat._render.streaming import Streaming
+from wavesplat._scene.lazy_layers import pixel_in_samples
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Cost", "plan"]
+
+#: Blocks of a picture for each worker, as pictures are cut.
+BLOCKS_PER_WORKER = 4
+#: Seconds that a scheduler takes for a task, bytes of a texel of a partial picture, and bytes a second between workers.
+TASK_S, PARTIAL_BYTES, MERGE_RATE = 1e-3, 16, 200e6
+#: What is added for blocks that are done last.
+STRAGGLERS = 1.5
+#: Boxes that are read to measure how fast that goes, and bytes of each.
+N_PROBES, PROBE_BYTES = 4, 8 << 20
+
+
+@public
+@dataclass(frozen=True)
+class Cost:
+    """What a picture costs; numbers are for all of it, or for one worker where they say so.
+
+    Attributes
+    ----------
+    shape : (z, y, x)
+        Samples of the level that is drawn; `level` is its number, 0 the finest.
+    chunks : int
+        Chunks of its file.
+    blocks, steps, tasks, boxes : int
+        Blocks of the picture, steps that all of them take, tasks of a cluster, boxes that are read.
+    bytes_stored, bytes_read : int
+        Of the level in memory, and of all reads: neighbouring blocks share chunks, and what shows nothing is not read where
+        bounds are known (`is_known`).
+    memory : int
+        Bytes that a worker holds at once: samples, bounds, rays.
+    partial_bytes : int
+        Of partial pictures that are merged; 0 without segments.
+    seconds : dict
+        `plan`, `read`, `draw`, `merge`, `tasks` and `whole`.
+    rates : dict
+        `read` (bytes a second of a worker), `draw` (nanoseconds of a texel on one core): measured here, or given.
+    """
+
+    shape: tuple[int, int, int]
+    level: int
+    chunks: int
+    blocks: int
+    steps: int
+    tasks: int
+    boxes: int
+    bytes_stored: int
+    bytes_read: int
+    is_known: bool
+    memory: int
+    partial_bytes: int
+    seconds: dict[str, float]
+    rates: dict[str, float]
+    workers: int
+    cores: int
+
+    def lines(self) -> list[str]:
+        """For people."""
+        z, y, x = self.shape
+        seconds = ", ".join(f"{name} {value:.3g}" for name, value in self.seconds.items() if name != "whole")
+        known = "chunks that show nothing left out" if self.is_known else "nothing is known of the samples, so all of them"
+        return [
+            f"level {self.level}: z {z}, y {y}, x {x}, {byte_size(self.bytes_stored)} in {self.chunks} chunks",
+            f"{self.blocks} blocks, {self.steps} steps, {self.boxes} boxes; {self.tasks} tasks for {self.workers} "
+            f"workers of {self.cores} cores",
+            f"read {byte_size(self.bytes_read)}, {self.bytes_read / max(self.bytes_stored, 1):.2f} of the level ({known})",
+            f"memory {byte_size(self.memory)} of each worker"
+            + (f", partial pictures {byte_size(self.partial_bytes)}" if self.partial_bytes else ""),
+            f"about {self.seconds['whole']:.3g} s: {seconds} "
+            f"(reading {byte_size(self.rates['read'])}/s a worker, drawing {self.rates['draw']:.2g} ns a texel)",
+        ]
+
+    def as_json(self) -> dict[str, Any]:
+        """The numbers as JSON has them."""
+        return dict(self.__dict__)
+
+
+@public
+@takes_its_types
+def plan(
+    volume: Volume,
+    *,
+    size: tuple[int, int] = (512, 512),
+    camera: Camera | None = None,
+    workers: int = 1,
+    cores: int | None = None,
+    memory: float | str | None = None,
+    segments: int | None = None,
+    read_rate: float | str | None = None,
+    draw_ns: float | None = None,
+) -> Cost:
+    """What a picture of a lazy volume costs, on this machine or on many, before it is drawn.
+
+    Parameters
+    ----------
+    volume : LazyVolume
+        From `open(path, memory=...)` or `Volume.lazy`. Bounds count that were kept of earlier pictures; without them all
+        chunks do.
+    size : (width, height), default (512, 512)
+        Pixels.
+    camera : Camera, optional
+        None is a three-quarter view of all of it.
+    workers, cores : int
+        Machines, and cores of each; None is those of this one.
+    memory : str or number, optional
+        Of a worker, for samples and bounds; None is the volume's.
+    segments : int, optional
+        Slices of a segment, as for `render`.
+    read_rate : str or number, optional
+        Bytes a second that a worker reads, unpacked, such as "250 MB"; None measures it on some boxes of the volume.
+    draw_ns : float, optional
+        Nanoseconds of a texel on one core; None measures it on a small volume.
+
+    Returns
+    -------
+    Cost
+        Numbers; `lines()` says them for people.
+
+    Raises
+    ------
+    ArgumentError
+        If the volume is not lazy, or there would be too many tasks.
+    LimitError
+        If the memory does not hold the smallest step; the message says what does.
+
+    Examples
+    --------
+    >>> import numpy as np, wavesplat as ws
+    >>> lazy = ws.Volume.lazy(np.zeros((64, 64, 64), np.uint8), memory="100 MB")
+    >>> ws.plan(lazy, workers=4, read_rate="250 MB", draw_ns=4).bytes_stored
+    262144
+    """
+    begun = time.perf_counter()
+    if not isinstance(volume, LazyVolume):
+        raise ArgumentError(f"volume is {described(volume)}, which is in memory; plan is for wavesplat.LazyVolume")
+    if workers < 1 or (cores is not None and cores < 1):
+        raise ArgumentError(f"workers is {workers} and cores {cores}; give 1 or more of each")
+    eye = camera or Camera.orbit(volume, *natural_view(volume), aspect=size[0] / max(size[1], 1))
+    width, height = checked_size(size)
+    number = volume.level_for(lambda level: pixel_in_samples(level, eye, (width, height)))
+    level = volume._levels[number]
+    budget = volume.memory if memory is None else bytes_of(memory)
+    core, is_known = _core_of(volume, number, level)
+    n_blocks = 1 if workers == 1 else BLOCKS_PER_WORKER * workers
+    stream = _stream(core, eye, (width, height), budget, n_blocks, segments)
+    costs = stream.bytes_to_read()
+    n_segments = sum(len(stream.segments(block)) for block in range(stream.n_blocks))
+    steps = sum(stream.n_steps(block) for block in range(stream.n_blocks))
+    tasks = stream.n_blocks if segments is None else n_segments + stream.n_blocks
+    if tasks > MOST_TASKS:
+        raise ArgumentError(f"this would take {tasks} tasks, and {MOST_TASKS} are the most; give longer segments")
+    itemsize = level.array.dtype.itemsize
+    texels = [stream.n_texels(block) for block in range(stream.n_blocks)]
+    n_cores = cores or os.cpu_count() or 1
+    rates = {
+        "read": _read_rate(volume, number) if read_rate is None else float(bytes_of(read_rate, "read_rate")),
+        "draw": _draw_ns() if draw_ns is None else float(draw_ns),
+    }
+    partial = 0 if segments is None else PARTIAL_BYTES * sum(stream.n_rays(block) for block in _segment_blocks(stream))
+    planned = time.perf_counter() - begun
+    seconds = {
+        "plan": planned,
+        "read": sum(costs) / (workers * rates["read"]),
+        "draw": sum(texels) * rates["draw"] * 1e-9 / (workers * n_cores),
+        "merge": partial / (workers * MERGE_RATE),
+        "tasks": 0.0 if workers == 1 else tasks * TASK_S,
+    }
+    longest = max(seconds["read"], seconds["draw"]) * (STRAGGLERS if workers > 1 else 1.0)
+    seconds["whole"] = seconds["plan"] + longest + seconds["merge"] + seconds["tasks"]
+    n_chunks = math.prod(-(-n // c) for n, c in zip(level.array.shape, level.array.chunks, strict=True))
+    held = max(stream.bytes_held(block) for block in range(stream.n_blocks))
+    rays = 20 * max(stream.n_rays(block) for block in range(stream.n_blocks))
+    return Cost(
+        shape=level.array.shape,
+        level=number,
+        chunks=n_chunks,
+        blocks=stream.n_blocks,
+        steps=steps,
+        tasks=tasks if workers > 1 or segments is not None else 1,
+        boxes=stream.n_boxes(),
+        bytes_stored=math.prod(level.array.shape) * itemsize,
+        bytes_read=sum(costs),
+        is_known=is_known,
+        memory=held + rays + min(budget // 8, math.prod(level.array.shape) // 128),
+        partial_bytes=partial,
+        seconds=seconds,
+        rates=rates,
+        workers=workers,
+        cores=n_cores,
+    )
+
+
+def _segment_blocks(stream: _native.Stream) -> list[int]:
+    return [block for block in range(stream.n_blocks) for _ in stream.segments(block)]
+
+
+#: Everything is seen of values from 0 to 1, a little.
+ALL_SEEN = TransferFunction([(0.0, 0.01), (1.0, 0.01)], [(0.0, 1.0, 1.0, 1.0)])
+
+
+def _core_of(volume: LazyVolume, number: int, level: Level) -> tuple[_native.LazyVolume, bool]:
+    """The level as it is planned with: by what is known of it, else as if all of it were seen."""
+    known = volume.known_survey(number, "linear")
+    shape = level.array.shape
+    if known is None:
+        side = 64
+        n = [-(-(n - 1) // side) for n in shape]
+        bounds = np.broadcast_to(np.array([0, 1], np.float32), (*n, 2)).copy()
+        survey = _native.Survey.from_parts(shape, "linear", side, (0.0, 1.0, 0), bounds, [])
+    else:
+        survey = known.core
+    core = _native.LazyVolume(
+        volume.name,
+        shape,
+        level.world_from_index,
+        kernel="linear",
+        is_narrow=True,
+        survey=survey,
+        prepared=None,
+        light=0,
+        chunk=level.array.chunks,
+        sample_bytes=level.array.dtype.itemsize,
+        level=None,
+    )
+    return core, known is not None
+
+
+def _stream(
+    core: _native.LazyVolume, camera: Camera, size: tuple[int, int], memory: int, n_blocks: int, segments: int | None
+) -> _native.Stream:
+    low, high = core.value_range
+    # Of known bounds what is above their lower tenth counts as seen: air, and the empty field, do not.
+    start = low if (low, high) == (0.0, 1.0) else low + 0.1 * (high - low)
+    function = TransferFunction([(start, 0.0), (start + 1e-6 * max(high - low, 1e-30), 0.01)], [(low, 1.0, 1.0, 1.0)])
+    function = ALL_SEEN if start == low else function
+    drawn = [(core, function._core, None)]
+    sheets, texels = _native.quality_settings("normal", drawn, camera._core, size[1])
+    frame: Any = {
+        "labels": None,
+        "width": size[0],
+        "height": size[1],
+        "kernel": "linear",
+        "composite": "over",
+        "iso_value": None,
+        "local_threshold": None,
+        "depth_shading": None,
+        "attenuation": None,
+        "sheets_per_slice": sheets,
+        "oversampling": texels,
+        "psnr": None,
+        "like": None,
+        "crop_index": None,
+        "crop_world": None,
+        "clip_planes": [],
+        "background": None,
+        "threads": None,
+        "depth": False,
+        "pre_integration": True,
+        "early_ray_termination": True,
+    }
+    return Streaming(memory, n_blocks, segments).planned(drawn, camera._core, frame)
+
+
+def _read_rate(volume: LazyVolume, number: int) -> float:
+    """Bytes a second that this machine reads and unpacks, by some boxes in the middle and around it."""
+    array = volume.arrays(number)
+    whole = ((0, 0, 0), array.shape)
+    boxes = cells(whole, array.chunks, max(1, PROBE_BYTES // array.dtype.itemsize))
+    chosen = [boxes[len(boxes) * (2 * k + 1) // (2 * N_PROBES)] for k in range(N_PROBES)]
+    begun, n_bytes = time.perf_counter(), 0
+    for box in dict.fromkeys(chosen):
+        n_bytes += array.read(*box).nbytes
+    one = n_bytes / max(time.perf_counter() - begun, 1e-6)
+    return one * min(array.n_readers, os.cpu_count() or 1)
+
+
+def _draw_ns() -> float:
+    """Nanoseconds of a texel on one core: a soft picture of a small volume."""
+    n = 96
+    z, y, x = np.ogrid[-1:1:96j, -1:1:96j, -1:1:96j]
+    samples = (127 * (1 + np.sin(9 * x + 5 * z) * np.cos(7 * y))).astype(np.uint8)
+    volume = Volume(samples, name="probe")
+    look = TransferFunction([(0, 0.0), (255, 0.05)], [(0, 1.0, 1.0, 1.0)])
+    from wavesplat._scene.drawing import Options, draw
+    from wavesplat._scene.scene import Scene
+
+    scene = Scene(volume, look, shading=Shading())
+    camera = Camera.orbit(volume, 30, 20)
+    options = Options(size=(2 * n, 2 * n), threads=1)
+    draw(scene, camera, options)
+    begun = time.perf_counter()
+    picture = draw(scene, camera, options)
+    return 1e9 * (time.perf_counter() - begun) / max(int(picture.report["n_texels"]), 1)

@@ -1,0 +1,194 @@
+"""Pictures that get better: coarse levels first, then the one that is wanted, as its blocks are done."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from wavesplat._model.camera import Camera
+from wavesplat._model.composites import Operator
+from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.sampling import Sampling
+from wavesplat._picture.picture import Picture
+from wavesplat._public import public
+from wavesplat._scene.drawing import Options, camera_of, draw
+from wavesplat._scene.lazy_layers import pixel_in_samples
+from wavesplat._scene.scene import Scene, as_scene
+
+__all__ = ["coarser_scenes", "progressive"]
+
+#: Seconds between two pictures of one level that is not done yet.
+SHOWN_EVERY_S = 0.5
+#: Each level before the wanted one is at least so many levels coarser than the next: those between take time and show little.
+LEVELS_BETWEEN = 2
+#: How a first picture of what has no levels is drawn: fewer pixels, and few sheets.
+QUICK, QUICK_SHARE = Sampling(sheets_per_slice=1, quality="draft"), 0.5
+
+
+@public
+def progressive(
+    what: Any,
+    camera: Camera | str | None = None,
+    *,
+    size: tuple[int, int] = (512, 512),
+    quality: Quality | Sampling = "normal",
+    kernel: Kernel = "linear",
+    composite: Operator | None = None,
+    depth: bool = False,
+    background: Any = None,
+    threads: int | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Iterator[Picture]:
+    """Pictures of one view, each better than the one before; the last one is that of `Scene.render`, to the byte.
+
+    Of a lazy volume with levels of detail the coarsest comes first, within a small part of the bytes; the wanted level then
+    fills in block by block. Of any other volume a quick picture comes first.
+
+    Parameters
+    ----------
+    what : Scene, Volume, or what else `render` takes
+        What is shown.
+    camera, size, quality, kernel, composite, depth, background, threads
+        As for `render`.
+    progress : callable, optional
+        Called with the part of the last picture that is done, 0..1, from a thread of its own; returning False stops.
+
+    Yields
+    ------
+    Picture
+        All of one size. `report["is_final"]` tells the last one. To stop early, leave the loop: what is being read and
+        drawn is given up within a tenth of a second.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work.
+    CancelledError
+        If `progress` returned False.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> scene = ws.Scene(ws.examples.ct_pelvis(), "ct-bone")
+    >>> [picture.report["is_final"] for picture in ws.progressive(scene, "front", size=(32, 24))]
+    [False, True]
+    """
+    scene = as_scene(what, None, labels=None, shading="look", clip=(), background=background)
+    options = Options(
+        size=size, quality=quality, kernel=kernel, composite=composite, depth=depth, threads=threads, progress=progress
+    )
+    return _refined(scene, camera, options)
+
+
+def _refined(scene: Scene, camera: Camera | str | None, options: Options) -> Iterator[Picture]:
+    coarse: Picture | None = None
+    # One camera for all, or levels would be framed each on its own.
+    eye = camera_of(scene, camera, options)
+    for picture in _first(scene, eye, options):
+        coarse = picture
+        yield _marked(picture)
+    yield from _in_blocks(scene, eye, options, coarse)
+
+
+def _first(scene: Scene, camera: Camera, options: Options) -> Iterator[Picture]:
+    """Pictures from coarser levels, or a quick one."""
+    quiet = replace(options, progress=None)
+    coarser = coarser_scenes(scene, options.size, camera)
+    if not coarser:
+        if any(isinstance(layer.volume, LazyVolume) for layer in scene.layers):
+            return
+        width, height = (max(1, round(QUICK_SHARE * n)) for n in options.size)
+        quick = draw(scene, camera, replace(quiet, size=(width, height), quality=QUICK))
+        yield _enlarged(quick, options.size)
+        return
+    for one in coarser:
+        yield draw(one, camera, quiet)
+
+
+def coarser_scenes(scene: Scene, size: tuple[int, int], camera: Camera) -> list[Scene]:
+    """The scene with coarser levels of its lazy volumes than a picture needs, the coarsest first; none without levels."""
+    lazy = [layer.volume for layer in scene.layers if isinstance(layer.volume, LazyVolume)]
+    n_levels = max((len(volume.levels) for volume in lazy if volume.level is None), default=1)
+    if n_levels < 2:
+        return []
+    needed = max(volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy)
+    scenes = []
+    for left_out in range(n_levels - 1, needed, -LEVELS_BETWEEN):
+        layers = []
+        for layer in scene.layers:
+            volume = layer.volume
+            if isinstance(volume, LazyVolume) and volume.level is None:
+                volume = volume.at_level(min(left_out, len(volume.levels) - 1))
+            layers.append(replace(layer, volume=volume))
+        scenes.append(scene.with_(layers=layers))
+    return scenes
+
+
+def _marked(picture: Picture, *, is_final: bool = False) -> Picture:
+    picture.report["is_final"] = is_final
+    return picture
+
+
+def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
+    """Every pixel repeated."""
+    width, height = size
+    rows = np.arange(height) * picture.rgba.shape[0] // height
+    columns = np.arange(width) * picture.rgba.shape[1] // width
+    index = np.ix_(rows, columns)
+    depth, value = (None if plane is None else plane[index] for plane in (picture.depth, picture.value))
+    return Picture(picture.rgba[index], depth, value, dict(picture.report))
+
+
+def _in_blocks(scene: Scene, camera: Camera, options: Options, coarse: Picture | None) -> Iterator[Picture]:
+    """The wanted picture, shown now and then as its blocks are done, over the coarser one."""
+    made: queue.Queue[Any] = queue.Queue()
+    stopped = threading.Event()
+    shown = [time.monotonic()]
+
+    def goes_on(done: float) -> bool:
+        if stopped.is_set():
+            return False
+        return options.progress is None or options.progress(done) is not False
+
+    def after_block(stream: Any, block: int) -> None:
+        if block + 1 < stream.n_blocks and time.monotonic() - shown[0] >= SHOWN_EVERY_S:
+            shown[0] = time.monotonic()
+            made.put(("partial", stream.picture()["rgba"]))
+
+    def work() -> None:
+        try:
+            own = replace(options, progress=goes_on, after_block=after_block)
+            made.put(("final", draw(scene, camera, own)))
+        except BaseException as error:  # noqa: BLE001 - carried to the thread that waits, which raises it
+            made.put(("error", error))
+
+    worker = threading.Thread(target=work, name="wavesplat-progressive", daemon=True)
+    worker.start()
+    try:
+        while True:
+            kind, result = made.get()
+            if kind == "final":
+                yield _marked(result, is_final=True)
+                return
+            if kind == "error":
+                raise result
+            yield _marked(_over(result, coarse))
+    finally:
+        stopped.set()
+        worker.join()
+
+
+def _over(rgba: Any, coarse: Picture | None) -> Picture:
+    """What is done, and the coarser picture where nothing is yet."""
+    if coarse is None:
+        return Picture(rgba)
+    is_done = rgba[..., 3:] > 0
+    return Picture(np.where(is_done, rgba, coarse.rgba), report=dict(coarse.report))
+

@@ -1,8 +1,8 @@
-"""Volumes larger than memory, and several processes: time, memory and reads; `make bench BENCH="--only scale"` runs this.
+"""Volumes larger than memory, and several processes; `make bench BENCH="--only scale"` runs this.
 
-The volume is made up: shells of different sizes with noise in their walls, air between them, uint8. 2048^3 of it lie in a
-Zarr array on disk, in chunks of 64^3; 4096 x 4096 x 6144, 100 GB, are made up as they are read. Each case runs in a fresh
-process, which tells its wall time, the time of its processors, its largest memory, and what it read.
+The volume is made up: shells of different sizes with noise in their walls, air between them, uint8. 2048^3 of it lie
+in a Zarr array on disk, in chunks of 64^3; 4096 x 4096 x 6144, 100 GB, are made up as they are read. Each case runs in
+a fresh process, which tells its wall time, the time of its processors, its largest memory, and what it read.
 """
 
 from __future__ import annotations
@@ -74,11 +74,15 @@ class MadeUp:
         for centre, radius, thickness, value in SHELLS:
             middle = [share * n for share, n in zip(centre, self.shape, strict=True)]
             nearest = math.dist([min(max(m, a), b - 1) for m, a, b in zip(middle, first, end, strict=True)], middle)
-            farthest = math.dist([max(abs(a - m), abs(b - 1 - m)) for m, a, b in zip(middle, first, end, strict=True)], [0] * 3)
+            farthest = math.dist(
+                [max(abs(a - m), abs(b - 1 - m)) for m, a, b in zip(middle, first, end, strict=True)], [0] * 3
+            )
             wall = thickness * shortest
             if nearest > radius * shortest + wall or farthest < radius * shortest - wall:
                 continue
-            axes = [np.arange(a, b, dtype=np.float32) - np.float32(m) for a, b, m in zip(first, end, middle, strict=True)]
+            axes = [
+                np.arange(a, b, dtype=np.float32) - np.float32(m) for a, b, m in zip(first, end, middle, strict=True)
+            ]
             squares = axes[0][:, None, None] ** 2 + axes[1][None, :, None] ** 2 + axes[2][None, None, :] ** 2
             off = np.abs(np.sqrt(squares) - np.float32(radius * shortest)) / np.float32(wall)
             shell = value * np.clip(1.4 - 1.4 * off, 0, 1)

@@ -161,7 +161,7 @@ class BlockState:
 
 @final
 class Stream:
-    """A frame of lazy volumes: blocks of its base planes, each drawn front to back in steps from boxes that are read."""
+    """A frame of lazy volumes: blocks of its base planes, each drawn front to back in steps, of boxes that are read."""
 
     def __new__(
         cls,
@@ -335,7 +335,7 @@ class Ablation:
     ) -> Ablation: ...
 
 def render(
-    layers: Sequence[tuple[Volume | DecodedVolume, TransferFunction, Shading | None]],
+    layers: Sequence[tuple[Volume | DecodedVolume | LazyVolume, TransferFunction, Shading | None]],
     camera: Camera,
     frame: FrameArguments,
     progress: Callable[[float], object] | None,

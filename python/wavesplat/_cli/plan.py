@@ -24,7 +24,8 @@ def plan(
     cores: Annotated[int | None, typer.Option(metavar="N", help="Cores of each; those of this machine.")] = None,
     segments: Annotated[int | None, typer.Option(metavar="N", help="Slices of a segment of the rays.")] = None,
     read_rate: Annotated[
-        str | None, typer.Option(metavar="SIZE", help="Bytes a second that a worker reads, such as 250MB; else measured.")
+        str | None,
+        typer.Option(metavar="SIZE", help="Bytes a second that a worker reads, such as 250MB; else measured."),
     ] = None,
     draw_ns: Annotated[
         float | None, typer.Option(metavar="NS", help="Nanoseconds of a texel on a core; else measured.")

@@ -1,11 +1,13 @@
 """A picture over many machines: blocks of its base planes, or segments of blocks, as tasks of Dask.
 
-A block is drawn front to back by one worker, which streams its boxes from the files: nothing is merged, every operator works,
-and the bytes are those of one machine. With segments, a task is some slices of a block; their states are folded from the front
-to the back, by one task for each block, so that the picture does not depend on who drew what: it is that of one machine with
-the same segments. That is for data in workers' memory, and for translucent volumes that all of is seen.
+A block is drawn front to back by one worker, which streams its boxes from the files: nothing is merged, every operator
+works, and the bytes are those of one machine. With segments, a task is some slices of a block; their states are folded
+from the front to the back, by one task for each block, so that the picture does not depend on who drew what: it is
+that of one machine with the same segments. That is for data in workers' memory, and for translucent volumes that all
+of is seen.
 
-Tasks are plain `dask.delayed`, at most some thousands for any volume; they can be run again, and are where a worker is lost.
+Tasks are plain `dask.delayed`, at most some thousands for any volume; they can be run again, and are where a worker is
+lost.
 """
 
 from __future__ import annotations
@@ -23,9 +25,10 @@ import numpy as np
 
 from wavesplat import _native
 from wavesplat._cluster.machines import MOST_TASKS, machines_of
+from wavesplat._files.libraries import library
 from wavesplat._model.lazy_array import ComputedArray
 from wavesplat._model.read_ahead import ReadCounts
-from wavesplat._render.streaming import Progress, draw_segment
+from wavesplat._render.streaming import Progress, Reading, draw_segment
 from wavesplat.errors import ArgumentError, CancelledError
 
 __all__ = ["on_machines"]
@@ -75,8 +78,8 @@ class _Tasks:
         n = sum(len(stream.segments(block)) if self._is_cut else 1 for block in range(stream.n_blocks))
         if n > MOST_TASKS:
             raise ArgumentError(
-                f"this picture would take {n} tasks, and {MOST_TASKS} are the most; give longer segments, or more memory "
-                "to the workers"
+                f"this picture would take {n} tasks, and {MOST_TASKS} are the most; give longer segments, or workers "
+                "more memory"
             )
         for array in spec.arrays:
             if isinstance(array, ComputedArray) and array.is_persisted and not self._is_cut:
@@ -100,8 +103,7 @@ class _Tasks:
             yield block, drawn
 
     def _by_threads(self, order: Sequence[int]) -> Any:
-        import dask
-
+        dask: Any = library("dask", extra="dask")
         # Some at once, so that progress is told and states need not all wait.
         for k in range(0, len(order), 16):
             part = order[k : k + 16]
@@ -109,9 +111,7 @@ class _Tasks:
             yield from zip(part, dask.compute(*tasks, scheduler="threads"), strict=True)
 
     def _by_client(self, client: Any, order: Sequence[int]) -> Any:
-        from distributed import CancelledError as LostError
-        from distributed import as_completed
-
+        distributed: Any = library("distributed", extra="dask")
         waiting = list(order)
         for attempt in range(N_RETRIES + 1):
             # One copy for every worker, and again if all that had one are gone.
@@ -119,20 +119,19 @@ class _Tasks:
             futures = client.compute([self._task(spec, block) for block in waiting], retries=N_RETRIES)
             of = dict(zip([future.key for future in futures], waiting, strict=True))
             try:
-                for future in as_completed(futures):
+                for future in distributed.as_completed(futures):
                     yield of[future.key], future.result()
                     waiting.remove(of[future.key])
                 return
-            except LostError:
+            except distributed.CancelledError:
                 if attempt == N_RETRIES:
                     raise
             finally:
                 client.cancel(futures)
 
     def _task(self, spec: Any, block: int) -> Any:
-        from dask import delayed
-
-        pure = {"pure": True}
+        dask: Any = library("dask", extra="dask")
+        delayed, pure = dask.delayed, {"pure": True}
         if not self._is_cut:
             key = f"wavesplat-block-{self._token}-{block}"
             return delayed(_draw, **pure)(spec, self._token, block, None, None, dask_key_name=key)
@@ -155,7 +154,7 @@ class _Tasks:
                 needed.append(None)
                 continue
             delayed = array.delayed_chunks()
-            own = {}
+            own: dict[Any, Any] = {}
             for step in range(*steps):
                 for box in self._stream.reads(block, step, step == steps[0], nothing)[layer]:
                     own |= {index: delayed[index] for index in array.chunk_numbers(box)}
@@ -188,8 +187,9 @@ def _draw(packed: bytes, token: str, block: int, steps: tuple[int, int] | None, 
         if own is not None:
             numbers, samples = own
             arrays[layer] = arrays[layer].held(dict(zip(numbers, samples, strict=True)))
-    counts = ReadCounts()
-    state = draw_segment(stream, block, steps or (0, stream.n_steps(block)), arrays, spec.least, None, counts)
+    reading = Reading(arrays, spec.least)
+    state = draw_segment(stream, block, steps or (0, stream.n_steps(block)), reading)
+    counts = reading.counts
     return state.to_bytes(), counts.n_bytes, counts.n_boxes, counts.holes
 
 
@@ -198,4 +198,3 @@ def _fold(packed: bytes, token: str, parts: Sequence[Drawn]) -> Drawn:
     _, stream = _planned(packed, token)
     state = stream.fold([_native.BlockState.from_bytes(part[0]) for part in parts])
     return state.to_bytes(), sum(p[1] for p in parts), sum(p[2] for p in parts), [h for p in parts for h in p[3]]
-

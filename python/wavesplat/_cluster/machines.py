@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import sys
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,8 +22,8 @@ __all__ = ["MOST_TASKS", "Machines", "machines_of"]
 MOST_TASKS = 4000
 #: Blocks for each task that runs at once, so that those that are done early get another one.
 BLOCKS_PER_THREAD = 4
-#: Share of a worker's memory, of each of its threads, for samples: Dask does not see what the renderer holds, and its nanny
-#: ends a worker that takes nearly all.
+#: Share of a worker's memory, of each of its threads, for samples: Dask does not see what the renderer holds, and its
+#: nanny ends a worker that takes nearly all.
 SHARE = 0.3
 
 
@@ -70,8 +73,8 @@ def machines_of(client: Any) -> Machines:
         first = told[missing[0]][0]
         raise LibraryError(
             f"{len(missing)} of {len(told)} workers, such as {missing[0]}, have "
-            f"{'no wavesplat' if first is None else f'wavesplat {first}'}, and this is {_native.__version__}; install the "
-            "same release there (client.run, a plugin such as distributed.PipInstall, or the image of the workers)"
+            f"{'no wavesplat' if first is None else f'wavesplat {first}'}, and this is {_native.__version__}; install "
+            "the same release there (client.run, a plugin such as distributed.PipInstall, or the image of the workers)"
         )
     n_at_once = sum(n_threads for _, _, n_threads, _, _ in told.values())
     # Several workers of one machine share its processors.
@@ -88,10 +91,10 @@ def _told(dask_worker: Any = None) -> tuple[str | None, str, int, int, int]:
     """What a worker tells of itself: release, host, threads, processors, memory."""
     import platform
 
-    try:
-        from wavesplat import __version__ as version
-    except ImportError:
-        version = None
+    version = getattr(sys.modules.get("wavesplat._native"), "__version__", None)
+    if version is None:
+        with suppress(ImportError):
+            version = importlib.import_module("wavesplat._native").__version__
     n_threads = int(dask_worker.state.nthreads)
     limit = getattr(getattr(dask_worker, "memory_manager", None), "memory_limit", None)
     try:

@@ -1,8 +1,8 @@
 """Arrays whose samples are read when they are asked for, box by box: what a lazy volume stands on.
 
-Any object with a shape, a type and slicing will do; objects of Zarr, Dask, h5py, xarray and NumPy's memory maps are known by
-what they have, so that chunks, names and what tells them from others are used. Those that cannot be sent to another process
-are sent by the name of their file, and opened there.
+Any object with a shape, a type and slicing will do; objects of Zarr, Dask, h5py, xarray and NumPy's memory maps are
+known by what they have, so that chunks, names and what tells them from others are used. Those that cannot be sent to
+another process are sent by the name of their file, and opened there.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.libraries import library
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._model.argument_types import VOLUME, described
 from wavesplat._model.facts import Facts
@@ -26,7 +27,16 @@ from wavesplat._model.labelled_array import in_order, is_labelled
 from wavesplat._model.taken import check_shape
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-__all__ = ["ComputedArray", "LazyArray", "LazyTaken", "SlicedArray", "file_token", "lazy_array", "renderable_type", "zarr_token"]
+__all__ = [
+    "ComputedArray",
+    "LazyArray",
+    "LazyTaken",
+    "SlicedArray",
+    "file_token",
+    "lazy_array",
+    "renderable_type",
+    "zarr_token",
+]
 
 Shape = tuple[int, int, int]
 Box = tuple[Shape, Shape]
@@ -202,8 +212,7 @@ class ComputedArray(SlicedArray):
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
         """Those of several boxes, in one computation."""
-        import dask
-
+        dask: Any = library("dask", extra="dask")
         parts = [self._source[self._index(*box)] for box in boxes]
         try:
             # In a worker its own threads: waiting for the scheduler from there could wait for ever.
@@ -211,7 +220,6 @@ class ComputedArray(SlicedArray):
             return [self._made(part) for part in dask.compute(*parts, **options)]
         except Exception as error:
             raise self._unreadable(*boxes[0], error) from error
-
 
     # For tasks of a cluster, to which chunks are brought.
 
@@ -324,8 +332,8 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
         return _of_hdf5(thing)
     if not (hasattr(thing, "shape") and hasattr(thing, "dtype") and hasattr(thing, "__getitem__")):
         raise ArgumentError(
-            f"{argument} is {described(thing)}; give an array with shape, dtype and slicing (of Zarr, Dask, h5py, xarray, "
-            f"a memory map), or a list of levels; what is in memory is {VOLUME}"
+            f"{argument} is {described(thing)}; give an array with shape, dtype and slicing (of Zarr, Dask, h5py, "
+            f"xarray, a memory map), or a list of levels; what is in memory is {VOLUME}"
         )
     name = _name_of(thing)
     order, picked = _spatial(thing.shape, name)

@@ -43,7 +43,9 @@ def lazy_volume(
         matrices, known = [_checked_affine(None, one, name) for one in own], found.facts
     else:
         first = _checked_affine(spacing, matrix, name)
-        known = found.facts if spacing is None and matrix is None else replace(found.facts, unit=None, is_anatomical=False)
+        known = (
+            found.facts if spacing is None and matrix is None else replace(found.facts, unit=None, is_anatomical=False)
+        )
         matrices = [first, *(_spread(first, found.levels[0], coarser, name) for coarser in found.levels[1:])]
     facts = known if given_facts is None else _with_guesses(given_facts, known.guesses, name)
     if len(matrices) > 1 and not own:
@@ -62,7 +64,7 @@ def lazy_volume(
 
 
 def _spread(finest: Matrix, fine: LazyArray, coarse: LazyArray, name: str) -> Matrix:
-    """Affine of a coarser level that fills the same box: its samples are means of blocks, in the middle of which they lie."""
+    """Affine of a coarser level that fills the same box: its samples lie in the middle of blocks of the finer one."""
     matrix = finest.copy()
     for axis, (n, m) in enumerate(zip(reversed(fine.shape), reversed(coarse.shape), strict=True)):
         if m > n:

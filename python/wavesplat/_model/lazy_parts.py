@@ -18,10 +18,12 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume, Level
 
-__all__ = ["nearest_every", "part_of", "place_of_level"]
+__all__ = ["MOST_OVERVIEW", "nearest_every", "part_of", "place_of_level", "preview_of", "read_box"]
 
 #: Samples of the finer level that its brightness is learnt from, and by how much finer it is at most.
 MOST_PART, MOST_FINER = 1 << 22, 4.5
+#: Samples of a level that are read as a whole for looks, cameras and previews.
+MOST_OVERVIEW = 1 << 24
 
 Matrix = NDArray[np.float64]
 
@@ -75,7 +77,7 @@ def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> N
         a = 2 - axis
         index = between[a, a] * np.arange(0, n, step) + between[a, 3]
         places.append(np.clip(np.rint(index), 0, level.array.shape[axis] - 1).astype(np.int64))
-    if math.prod(level.array.shape) <= 1 << 24:
+    if math.prod(level.array.shape) <= MOST_OVERVIEW:
         samples = volume._overview(number)
         return samples[np.ix_(*places)]
     # Of a level that is no overview: the samples that its survey kept, the next of them.
@@ -83,8 +85,25 @@ def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> N
     steps = [own for own in survey.steps if own[0] == own[1] == own[2]]
     finest = min(steps)
     strided = survey.core.strided(survey.steps.index(finest))
-    nearest = [np.minimum(np.rint(p / finest[0]).astype(np.int64), n - 1) for p, n in zip(places, strided.shape, strict=True)]
+    nearest = [
+        np.minimum(np.rint(p / finest[0]).astype(np.int64), n - 1) for p, n in zip(places, strided.shape, strict=True)
+    ]
     return strided[np.ix_(*nearest)].astype(volume.dtype)
+
+
+def preview_of(volume: LazyVolume, number: int) -> Volume:
+    """A small level as it is; of a large one the samples that its survey kept, every n-th along each axis."""
+    level = volume._levels[number]
+    matrix = level.world_from_index.copy()
+    if math.prod(level.array.shape) <= MOST_OVERVIEW:
+        samples = volume._overview(number)
+    else:
+        survey = volume.survey(number, "linear")
+        cubes = [step for step in survey.steps if step[0] == step[1] == step[2]]
+        step = min(cubes)
+        samples = survey.core.strided(survey.steps.index(step)).astype(level.array.dtype)
+        matrix[:3, :3] *= step[0]
+    return Volume(samples, world_from_index=matrix, name=volume.name, facts=volume.facts)
 
 
 def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | None:

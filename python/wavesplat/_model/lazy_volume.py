@@ -1,7 +1,7 @@
 """A volume whose samples stay where they are: read box by box while it is drawn, within a memory budget.
 
-It may have several levels, each with half as many samples along an axis, say; a picture is drawn from the coarsest level
-whose samples are no further apart than its pixels. What one pass over the samples tells of a level is its survey
+It may have several levels, each with half as many samples along an axis, say; a picture is drawn from the coarsest
+level whose samples are no further apart than its pixels. What one pass over the samples tells of a level is its survey
 (`survey.py`), made with the first picture and kept.
 """
 
@@ -86,7 +86,7 @@ class LazyVolume(Volume):
     Examples
     --------
     >>> import numpy as np, wavesplat as ws
-    >>> array = np.random.default_rng(1).integers(0, 255, (40, 50, 60), np.uint8)  # or of Zarr, Dask, h5py, a memory map
+    >>> array = np.random.default_rng(1).integers(0, 255, (40, 50, 60), np.uint8)  # or of Zarr, Dask, h5py
     >>> lazy = ws.Volume.lazy(array, memory="100 MB")
     >>> a, b = (ws.render(volume, "ct-bone", size=(32, 32)) for volume in (lazy, ws.Volume(array)))
     >>> np.array_equal(a.rgba, b.rgba)
@@ -96,6 +96,14 @@ class LazyVolume(Volume):
     __slots__ = ("_at", "_holes", "_keep", "_levels", "_memory", "_ready", "_surveys")
 
     _levels: list[Level]
+    #: The level that is drawn; None: whichever a picture needs.
+    _at: int | None
+    _memory: int
+    _keep: bool | str | PathLike[str]
+    _holes: bool
+    #: Surveys by level and kernel, and what was made of them: the latest last.
+    _surveys: dict[tuple[int, str], Survey]
+    _ready: dict[Any, Any]
 
     @classmethod
     def _made(
@@ -178,8 +186,7 @@ class LazyVolume(Volume):
     @property
     def level(self) -> int | None:
         """The level that is drawn, 0 the finest; None: whichever a picture needs."""
-        at: int | None = self._at
-        return at
+        return self._at
 
     @property
     def value_range(self) -> tuple[float, float]:
@@ -212,7 +219,7 @@ class LazyVolume(Volume):
             If there is no such level.
         """
         n = len(self._levels)
-        if level is not None and not (isinstance(level, int) and 0 <= level < n):
+        if level is not None and not 0 <= level < n:
             raise ArgumentError(f"level is {level!r}; {self.name!r} has {n} levels, so give 0 to {n - 1}, or None")
         other = self._copy()
         other._at = level
@@ -274,26 +281,33 @@ class LazyVolume(Volume):
             raise ArgumentError(f"level is {level}; there are {len(self._levels)} levels, 0 is the finest")
         return level
 
+    def preview(self) -> Volume:
+        """A coarse copy in memory, of some millions of samples at most, for pictures that must come at once."""
+        from wavesplat._model.lazy_parts import preview_of
+
+        found: Volume | None = self._ready.get("preview")
+        if found is None:
+            found = self._ready["preview"] = preview_of(self, self._told_by())
+        return found
+
     # What pictures need.
 
-    def survey(
-        self, level: int, kernel: str, progress: Callable[[float], object] | None = None
-    ) -> Survey:
+    def survey(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> Survey:
         """What one pass over the samples of a level tells, made once."""
-        found: Survey | None = self._surveys.get((level, kernel))
+        found = self._surveys.get((level, kernel))
         if found is None:
             own = self._levels[level]
-            found = surveyed(
-                own.array, own.world_from_index, kernel, self._memory, keep=self._keep, progress=progress
-            )
+            found = surveyed(own.array, own.world_from_index, kernel, self._memory, keep=self._keep, progress=progress)
             self._surveys[level, kernel] = found
         return found
 
     def known_survey(self, level: int, kernel: str) -> Survey | None:
         """What is known of a level without reading its samples, bounds included; None where nothing is."""
-        found: Survey | None = self._surveys.get((level, kernel))
+        found = self._surveys.get((level, kernel))
         if found is None or not found.core.has_bounds:
-            found = kept_survey(self._levels[level].array, self._levels[level].world_from_index, kernel, self._memory, self._keep)
+            found = kept_survey(
+                self._levels[level].array, self._levels[level].world_from_index, kernel, self._memory, self._keep
+            )
         return found
 
     def packed_surveys(self, level: int, kernel: str) -> bytes:
@@ -335,9 +349,7 @@ class LazyVolume(Volume):
             found = self._ready["overview", level] = read_box(array, ((0, 0, 0), array.shape))
         return found
 
-    def ready(
-        self, level: int, kernel: str, progress: Callable[[float], object] | None = None
-    ) -> _native.LazyVolume:
+    def ready(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
         """What the compiled module plans with."""
         key = level, kernel
         core: _native.LazyVolume | None = self._ready.pop(key, None)
@@ -386,8 +398,7 @@ class LazyVolume(Volume):
     @property
     def holes(self) -> bool:
         """Whether samples that cannot be read are left out, and reported, instead of ending a picture."""
-        allowed: bool = self._holes
-        return allowed
+        return self._holes
 
     def __repr__(self) -> str:
         n_z, n_y, n_x = self.shape
@@ -400,18 +411,16 @@ class LazyVolume(Volume):
     def __reduce__(self) -> tuple[Any, ...]:
         keep = self._keep if isinstance(self._keep, bool) else str(self._keep)
         shown = self._at, self._source
-        return _rebuilt, (self._levels, self.name, self.facts, self._memory, keep, self._holes, shown)
+        return _rebuilt, (self._levels, (self.name, self.facts), (self._memory, keep, self._holes), shown)
 
 
 def _rebuilt(
     levels: list[Level],
-    name: str,
-    facts: Facts,
-    memory: int,
-    keep: bool | str,
-    holes: bool,
+    place: tuple[str, Facts],
+    how: tuple[int, bool | str, bool],
     shown: tuple[int | None, Source | None],
 ) -> LazyVolume:
+    (name, facts), (memory, keep, holes) = place, how
     volume = LazyVolume._made(levels, name, facts, memory=memory, keep=keep, holes=holes)
     volume._at, volume._source = shown
     return volume

@@ -1,8 +1,8 @@
 """Reading boxes of samples by a few threads, ahead of what is drawn from them.
 
-Samples are read in parts along the chunks of their file, of a few megabytes, so that what a part takes beside its place in
-the box is small. What could not be read ends the picture with an error that names the chunk; or, where holes are allowed, is
-drawn as the least sample that there is, and told.
+Samples are read in parts along the chunks of their file, of a few megabytes, so that what a part takes beside its
+place in the box is small. What could not be read ends the picture with an error that names the chunk; or, where holes
+are allowed, is drawn as the least sample that there is, and told.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import threading
 from collections.abc import Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -79,7 +80,7 @@ class BoxReader:
         if self._stopped or not boxes:
             return
         for box, part in zip(boxes, self._arrays[which].read_many(boxes), strict=True):
-            self._put(which, samples, low, box, lambda part=part: part)  # type: ignore[misc]
+            self._put(which, samples, low, box, lambda part=part: part)
 
     def _put(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box, read: Any) -> None:
         place = tuple(slice(a - first, b - first) for a, b, first in zip(*box, low, strict=True))
@@ -101,7 +102,7 @@ class BoxReader:
         self._stopped = True
         self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def __enter__(self) -> BoxReader:
+    def __enter__(self) -> BoxReader:  # noqa: PYI034 - Self needs Python 3.11
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -149,10 +150,8 @@ def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
     for axis in range(3):
         first, end, step = low[axis], high[axis], size[axis]
         places = [first, *range((first // step + 1) * step, end, step), end]
-        ranges.append([(a, b) for a, b in zip(places[:-1], places[1:], strict=True) if a < b])
-    return [
-        ((z[0], y[0], x[0]), (z[1], y[1], x[1])) for z in ranges[0] for y in ranges[1] for x in ranges[2]
-    ]
+        ranges.append([(a, b) for a, b in pairwise(places) if a < b])
+    return [((z[0], y[0], x[0]), (z[1], y[1], x[1])) for z in ranges[0] for y in ranges[1] for x in ranges[2]]
 
 
 def joined(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:

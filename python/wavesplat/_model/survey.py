@@ -1,8 +1,8 @@
 """One pass over the samples of a lazy volume: range, bounds of bricks, and every n-th sample; and where that is kept.
 
-A frame is planned with it before a sample is read: the range scales tables, bounds tell which chunks show nothing, and a part
-of the samples is enough for looks, cameras and light. It is kept in a cache folder by what tells the samples from others
-(`LazyArray.token`), so that it is made once for all programs; or beside the data, where that is wanted.
+A frame is planned with it before a sample is read: the range scales tables, bounds tell which chunks show nothing, and
+a part of the samples is enough for looks, cameras and light. It is kept in a cache folder by what tells the samples
+from others (`LazyArray.token`), so that it is made once for all programs; or beside the data, where that is wanted.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def surveyed(
     keep: bool | str | os.PathLike[str] = True,
     progress: Callable[[float], object] | None = None,
 ) -> Survey:
-    """The survey that was kept, or a new one, which reads all samples; twice for kernels with coefficients, or with holes.
+    """The survey that was kept, or a new one, which reads all samples; twice for coefficients, or with holes.
 
     memory : bytes; a quarter is for bounds, so that bricks are larger where there is less.
     keep : in the cache folder, in a folder of that name, or not at all.
@@ -154,9 +154,7 @@ def kept_survey(
     return None if file is None else _kept(file, array, kernel, strides(array.shape, world_from_index), memory)
 
 
-def _part_of(
-    progress: Callable[[float], object] | None, number: int, n: int
-) -> Callable[[float], object] | None:
+def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:
     return None if progress is None else lambda done: progress((number + done) / n)
 
 

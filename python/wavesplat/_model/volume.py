@@ -136,23 +136,23 @@ class Volume(Grid):
         Parameters
         ----------
         samples : array, or list of arrays
-            Anything with `shape` (z, y, x), `dtype` and slicing: of Zarr, Dask, h5py, xarray, TensorStore, a memory map of
-            NumPy. A list has the levels of a pyramid, the finest first, each about half as large as the one before;
-            pictures take the coarsest whose samples are no further apart than pixels.
+            Anything with `shape` (z, y, x), `dtype` and slicing: of Zarr, Dask, h5py, xarray, TensorStore, a memory
+            map of NumPy. A list has the levels of a pyramid, the finest first, each about half as large as the one
+            before; pictures take the coarsest whose samples are no further apart than pixels.
         spacing, world_from_index, unit, anatomical, name, facts : optional
-            As of `Volume`, of the finest level; coarser ones fill the same box, from the outer faces of its samples, where
-            the arrays do not say where they lie.
+            As of `Volume`, of the finest level; coarser ones fill the same box, from the outer faces of its samples,
+            where the arrays do not say where they lie.
         memory : str or number, optional
-            Bytes of samples that are held at once while it is drawn, such as "2 GB". None is a quarter of the memory that
-            is free, at most 4 GB.
+            Bytes of samples that are held at once while it is drawn, such as "2 GB". None is a quarter of the memory
+            that is free, at most 4 GB.
         level : int, optional
             Draw this level, whatever the picture; 0 is the finest.
         cache : bool or path, default True
             Where to keep what one pass over the samples told (their range, and bounds of bricks, by which what shows
             nothing is not read again): the user's cache folder, a folder of that name, or nowhere.
         holes : bool, default False
-            Samples that cannot be read are drawn as the least there is, and told in `Picture.report["holes"]`, instead of
-            an error that names the chunk.
+            Samples that cannot be read are drawn as the least there is, and told in `Picture.report["holes"]`, instead
+            of an error that names the chunk.
 
         Returns
         -------

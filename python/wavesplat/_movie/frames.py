@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from wavesplat._cluster.machines import Machines, machines_of
+from wavesplat._files.libraries import library
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.composites import Operator
@@ -89,18 +90,14 @@ def render_frames(
     return _told(drawn_elsewhere([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
 
 
-def _told(
-    pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None
-) -> Iterator[Picture]:
+def _told(pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None) -> Iterator[Picture]:
     for k, picture in enumerate(pictures):
         yield picture
         if progress is not None and progress((k + 1) / n) is False:
             raise CancelledError("rendering was cancelled by the progress callback")
 
 
-def drawn_elsewhere(
-    shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], client: Any
-) -> Iterator[Picture]:
+def drawn_elsewhere(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], client: Any) -> Iterator[Picture]:
     """Pictures of scenes from cameras, in their order, by the workers of a client; of None here."""
     if client is None:
         for scene, camera in shots:
@@ -114,11 +111,8 @@ def drawn_elsewhere(
     yield from _by_client(shots, own, machines, client)
 
 
-def _by_threads(
-    shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines
-) -> Iterator[Picture]:
-    import dask
-
+def _by_threads(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines) -> Iterator[Picture]:
+    dask: Any = library("dask", extra="dask")
     for k in range(0, len(shots), machines.n_at_once):
         part = shots[k : k + machines.n_at_once]
         tasks = [dask.delayed(scene.render, pure=False)(camera, **options) for scene, camera in part]
@@ -128,8 +122,7 @@ def _by_threads(
 def _by_client(
     shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines, client: Any
 ) -> Iterator[Picture]:
-    from dask import delayed
-
+    dask: Any = library("dask", extra="dask")
     scenes: dict[int, tuple[str, Any]] = {}
     waiting: deque[Any] = deque()
     places = iter(shots)
@@ -147,7 +140,7 @@ def _by_client(
         if shot is None:
             return False
         token, packed = sent(shot[0])
-        task = delayed(_drawn, pure=False)(packed, token, shot[1], options)
+        task = dask.delayed(_drawn, pure=False)(packed, token, shot[1], options)
         waiting.append(client.compute(task, retries=N_RETRIES))
         return True
 

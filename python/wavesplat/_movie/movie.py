@@ -164,9 +164,7 @@ def movie(
 class _Drawing:
     """Draws frames, several of the same scene at once: together with as many threads as one picture has."""
 
-    def __init__(
-        self, shots: _Shots, told: Progress, threads: int | None, client: Any = None, **options: Any
-    ) -> None:
+    def __init__(self, shots: _Shots, told: Progress, threads: int | None, client: Any = None, **options: Any) -> None:
         self._shots, self._told, self._threads, self._options = shots, told, threads, options
         self._client = client
         self._n_threads = 1

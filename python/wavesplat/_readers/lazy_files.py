@@ -1,13 +1,13 @@
 """Files whose samples are read while they are drawn: from a request to levels of lazy arrays, their places and facts.
 
-Parts can be read of what is stored as it is, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and MetaImage, HDF5, TIFF page
-by page, Zarr. What is compressed as one stream has to be unpacked, or stored in chunks, first.
+Parts can be read of what is stored as it is, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and MetaImage, HDF5,
+TIFF page by page, Zarr. What is compressed as one stream has to be unpacked, or stored in chunks, first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,7 @@ class LazyGrid:
 
     levels: list[LazyArray]
     world_from_index: list[Matrix]
-    facts: Facts = Facts()
+    facts: Facts = field(default_factory=Facts)
 
 
 def lazy_grid(request: Request, family: str) -> LazyGrid:
@@ -46,7 +46,8 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
     read = READERS.get(family)
     if read is None:
         raise ArgumentError(
-            f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: {request.path}"
+            f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
+            f"{request.path}"
         )
     with reading(family, request.path):
         return read(request)
@@ -54,8 +55,8 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
 
 def _one_stream(path: object, what: str) -> FileError:
     return FileError(
-        f"the samples are compressed as one stream ({what}), so parts of them cannot be read; unpack the file (gunzip), "
-        f"{INSTEAD}, or open it without memory=: {path}"
+        f"the samples are compressed as one stream ({what}), so parts of them cannot be read; unpack the file "
+        f"(gunzip), {INSTEAD}, or open it without memory=: {path}"
     )
 
 
@@ -201,7 +202,10 @@ def _of_itk(request: Request) -> LazyGrid:
     if len(size) != 3 or n_components != 1:
         raise FileError(f"the file holds several times or channels; open it without memory=: {path}")
     endian = fields.get("endian", "little").lower()
-    is_big = endian == "big" or fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "f")).lower()[0] == "t"
+    is_big = (
+        endian == "big"
+        or fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "f")).lower()[0] == "t"
+    )
     skip = int(fields.get("byte skip", fields.get("headersize", 0)))
     needed = payload.n_bytes(size, dtype)
     offset = file.stat().st_size - needed if skip == -1 else offset + skip
@@ -294,4 +298,3 @@ def n_stored_bytes(grid: LazyGrid) -> int:
     """Bytes of the samples of the finest level, in memory."""
     finest = grid.levels[0]
     return payload.n_bytes(finest.shape, finest.dtype)
-

@@ -112,7 +112,7 @@ class _FilePages(_Pages):
             page: Any = self._pages[self._numbers[number]]
             if page is None:
                 raise ValueError(f"page {self._numbers[number]} is not there")
-            samples = page.asarray()[self._inside]
+            samples: NDArray[Any] = page.asarray()[self._inside]
         return samples.T if self._turned else samples
 
 

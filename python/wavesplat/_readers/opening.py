@@ -145,10 +145,10 @@ def open(
         any that it names. Such a file can name whatever you may read: allow it for files that you trust.
 
     memory : str or number, optional
-        Leave the samples where they are, and read them while they are drawn, holding at once so many bytes of them, such as
-        "2 GB": a `LazyVolume`, as of `Volume.lazy`, of an OME-Zarr image with all its levels. It is what None does too
-        where the samples take more than a quarter of the memory that is free. Not of files that are compressed as one
-        stream, and of DICOM.
+        Leave the samples where they are, and read them while they are drawn, holding at once so many bytes of them,
+        such as "2 GB": a `LazyVolume`, as of `Volume.lazy`, of an OME-Zarr image with all its levels. It is what None
+        does too where the samples take more than a quarter of the memory that is free. Not of files that are
+        compressed as one stream, and of DICOM.
     holes : bool, default False
         With `memory`: samples that cannot be read are left out and reported, instead of an error.
 

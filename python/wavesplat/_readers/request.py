@@ -86,7 +86,8 @@ class Request:
     unit: str | None = None
     gaps: str = "fill"
     external_files: bool = False
-    #: Of volumes that are left in their files: bytes that are held at once, and whether what cannot be read is left out.
+    #: Of volumes that are left in their files: bytes that are held at once, and whether what cannot be read is left
+    #: out.
     memory: float | str | None = None
     holes: bool = False
     #: What readers keep from one time point of a file to the next, such as a file that is read on.

@@ -54,7 +54,8 @@ def open_series(
         ImageJ, DICOM; arrays without named axes (.npy, raw, HDF5), whose first axis is time. Or files of one time point
         each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
         numbers in their names (t2 before t10). A file of one volume is a series of one.
-    series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes :
+    series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory,
+    holes :
         optional. As of `wavesplat.open`, for every time point.
 
     Returns

@@ -46,8 +46,8 @@ def part_around(volume: LazyVolume, corners: NDArray[np.float64], pixel: float) 
         if volume.level is not None:
             break
     raise LimitError(
-        f"this slice of {volume.name!r} is made of {byte_size(needed)}, and its memory is {byte_size(volume.memory)}; cut along "
-        "an axis of its samples, give it more with with_memory, or a coarser level"
+        f"this slice of {volume.name!r} is made of {byte_size(needed)}, and its memory is "
+        f"{byte_size(volume.memory)}; cut along an axis, give it more with with_memory, or a coarser level"
     )
 
 

@@ -26,9 +26,9 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import check_place
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, check_magnitude, vector
-from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation

@@ -1,14 +1,14 @@
 """Drawing a lazy volume: boxes are read ahead while those before are drawn, within a memory budget.
 
-The compiled module plans (`_native.Stream`): blocks of the base plane, and for each the steps in the order of the sheets with
-the boxes that they need. Here the boxes are read by a few threads, one step ahead.
+The compiled module plans (`_native.Stream`): blocks of the base plane, and for each the steps in the order of the
+sheets with the boxes that they need. Here the boxes are read by a few threads, one step ahead.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import Box, BoxReader, Pending, ReadCounts, joined
 from wavesplat.errors import CancelledError, LimitError
 
-__all__ = ["Streaming", "draw_block", "draw_segment", "streamed"]
+__all__ = ["Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
 
 #: Share of a budget that is for the samples of two steps; the rest is for bounds and for what is being unpacked.
 FOR_SAMPLES = 0.5
@@ -38,7 +38,6 @@ class Streaming:
     n_blocks: int = 1
     #: Slices of a segment of the rays, where they are cut into segments.
     segment_slices: int | None = None
-    counts: ReadCounts = field(default_factory=ReadCounts)
 
     def planned(self, layers: Sequence[Any], camera: Any, frame: _native.FrameArguments) -> _native.Stream:
         """The stream of a frame; a `LimitError` says how much memory would do."""
@@ -73,89 +72,78 @@ class Streaming:
         return int(enough / FOR_SAMPLES)
 
 
+@dataclass
+class Reading:
+    """Where the samples of each layer are read, and what hears of it."""
+
+    arrays: Sequence[LazyArray]
+    #: What is put where samples of each layer cannot be read; None ends the picture.
+    least: Sequence[float] | None
+    progress: Progress | None = None
+    counts: ReadCounts = field(default_factory=ReadCounts)
+
+    def part(self, before: float, share: float) -> Reading:
+        """The same for a part of the work."""
+        progress = self.progress
+        told = None if progress is None else lambda done: progress(before + share * done)
+        return replace(self, progress=told)
+
+
 def streamed(
     stream: _native.Stream,
-    arrays: Sequence[LazyArray],
-    least: Sequence[float] | None,
-    progress: Progress | None,
-    *,
+    reading: Reading,
     after_block: Callable[[_native.Stream, int], object] | None = None,
-    counts: ReadCounts | None = None,
 ) -> ReadCounts:
-    """Draws all blocks of a stream. `arrays`: of each layer; `least`: what is put where samples cannot be read."""
-    told = counts if counts is not None else ReadCounts()
+    """Draws all blocks of a stream."""
     weights = [stream.n_texels(block) for block in range(stream.n_blocks)]
     whole, done = max(sum(weights), 1), 0
     for block, weight in enumerate(weights):
-        before, share = done / whole, weight / whole
-        state = draw_block(stream, block, arrays, least, _part_of(progress, before, share), told)
-        stream.put(block, state)
+        stream.put(block, draw_block(stream, block, reading.part(done / whole, weight / whole)))
         done += weight
         if after_block is not None:
             after_block(stream, block)
-    return told
+    return reading.counts
 
 
-def _part_of(progress: Progress | None, before: float, share: float) -> Progress | None:
-    return None if progress is None else lambda done: progress(before + share * done)
-
-
-def draw_block(
-    stream: _native.Stream,
-    block: int,
-    arrays: Sequence[LazyArray],
-    least: Sequence[float] | None,
-    progress: Progress | None = None,
-    counts: ReadCounts | None = None,
-) -> _native.BlockState:
+def draw_block(stream: _native.Stream, block: int, reading: Reading) -> _native.BlockState:
     """Draws a block through all its segments, and gives the state of its rays."""
-    segments = stream.segments(block)
     n_steps = stream.n_steps(block)
-    states = []
-    for first, end in segments:
-        part = _part_of(progress, first / n_steps, (end - first) / n_steps)
-        states.append(draw_segment(stream, block, (first, end), arrays, least, part, counts))
+    states = [
+        draw_segment(stream, block, steps, reading.part(steps[0] / n_steps, (steps[1] - steps[0]) / n_steps))
+        for steps in stream.segments(block)
+    ]
     return states[0] if len(states) == 1 else stream.fold(states)
 
 
-def draw_segment(
-    stream: _native.Stream,
-    block: int,
-    steps: tuple[int, int],
-    arrays: Sequence[LazyArray],
-    least: Sequence[float] | None,
-    progress: Progress | None = None,
-    counts: ReadCounts | None = None,
-) -> _native.BlockState:
+def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], reading: Reading) -> _native.BlockState:
     """Draws some consecutive steps of a block from nothing, the boxes of the next step being read meanwhile."""
     first, end = steps
     state = _native.BlockState()
     started = time.perf_counter()
     waited = 0.0
-    with BoxReader(arrays, holes=least) as reader:
+    with BoxReader(reading.arrays, holes=reading.least) as reader:
         ahead = _asked(stream, block, first, is_first=True, state=state, reader=reader)
         for step in range(first, end):
             held, boxes = stream.held(block, step), ahead
+            own = reading.part((step - first) / (end - first), 1 / (end - first))
             before_waiting = time.perf_counter()
-            samples = _all(boxes, progress, (step - first) / (end - first))
+            samples = _all(boxes, own.progress)
             waited += time.perf_counter() - before_waiting
             if step + 1 < end:
                 # Asked for by what is known before this step is drawn.
                 ahead = _asked(stream, block, step + 1, is_first=False, state=state, reader=reader)
                 for k, box in enumerate(stream.held(block, step + 1)):
                     joined(samples[k], held[k], ahead[k].samples, box)
-            part = _part_of(progress, (step - first) / (end - first), 1 / (end - first))
-            state = stream.draw(block, step, samples, state, part)
+            state = stream.draw(block, step, samples, state, own.progress)
             if state.is_done:
                 break
         reader.stop()
-        own = reader.counts
-    if counts is not None:
-        counts.n_bytes += own.n_bytes
-        counts.n_boxes += own.n_boxes
-        counts.holes += own.holes
-        counts.seconds += time.perf_counter() - started
-        counts.waited += waited
+        counts = reading.counts
+        counts.n_bytes += reader.counts.n_bytes
+        counts.n_boxes += reader.counts.n_boxes
+        counts.holes += reader.counts.holes
+    counts.seconds += time.perf_counter() - started
+    counts.waited += waited
     return state
 
 
@@ -171,10 +159,10 @@ def _asked(
 LOOK_EVERY = 0.05
 
 
-def _all(pending: Sequence[Pending], progress: Progress | None, done: float) -> list[NDArray[Any]]:
+def _all(pending: Sequence[Pending], progress: Progress | None) -> list[NDArray[Any]]:
     """The samples, once they are there; asks meanwhile whether to go on."""
     for one in pending:
         while progress is not None and not one.is_there(LOOK_EVERY):
-            if progress(done) is False:
+            if progress(0.0) is False:
                 raise CancelledError("rendering was cancelled by the progress callback")
     return [np.ascontiguousarray(one.result()) for one in pending]

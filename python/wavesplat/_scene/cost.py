@@ -4,8 +4,8 @@
     T_read = bytes · amplification / (workers · rate),   T_draw = texels · sheets · ns / (workers · cores),
     T_merge = 16 bytes · texels · segments / (workers · rate),   T_tasks = tasks · 1 ms
 
-Bytes are those of the plan that the picture would be drawn by, chunk by chunk; rates of reading and drawing are measured on
-this machine unless they are given. Blocks take unequal times: half of the whole is added for the last ones.
+Bytes are those of the plan that the picture would be drawn by, chunk by chunk; rates of reading and drawing are
+measured on this machine unless they are given. Blocks take unequal times: half of the whole is added for the last ones.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ class Cost:
     blocks, steps, tasks, boxes : int
         Blocks of the picture, steps that all of them take, tasks of a cluster, boxes that are read.
     bytes_stored, bytes_read : int
-        Of the level in memory, and of all reads: neighbouring blocks share chunks, and what shows nothing is not read where
-        bounds are known (`is_known`).
+        Of the level in memory, and of all reads: neighbouring blocks share chunks, and what shows nothing is not read
+        where bounds are known (`is_known`).
     memory : int
         Bytes that a worker holds at once: samples, bounds, rays.
     partial_bytes : int
@@ -94,16 +94,19 @@ class Cost:
         """For people."""
         z, y, x = self.shape
         seconds = ", ".join(f"{name} {value:.3g}" for name, value in self.seconds.items() if name != "whole")
-        known = "chunks that show nothing left out" if self.is_known else "nothing is known of the samples, so all of them"
+        known = (
+            "chunks that show nothing left out" if self.is_known else "nothing is known of the samples, so all of them"
+        )
+        tasks = f"{self.tasks} tasks for {self.workers} workers of {self.cores} cores"
+        share = f"{self.bytes_read / max(self.bytes_stored, 1):.2f} of the level ({known})"
+        rates = f"reading {byte_size(self.rates['read'])}/s a worker, drawing {self.rates['draw']:.2g} ns a texel"
         return [
             f"level {self.level}: z {z}, y {y}, x {x}, {byte_size(self.bytes_stored)} in {self.chunks} chunks",
-            f"{self.blocks} blocks, {self.steps} steps, {self.boxes} boxes; {self.tasks} tasks for {self.workers} "
-            f"workers of {self.cores} cores",
-            f"read {byte_size(self.bytes_read)}, {self.bytes_read / max(self.bytes_stored, 1):.2f} of the level ({known})",
+            f"{self.blocks} blocks, {self.steps} steps, {self.boxes} boxes; {tasks}",
+            f"read {byte_size(self.bytes_read)}, {share}",
             f"memory {byte_size(self.memory)} of each worker"
             + (f", partial pictures {byte_size(self.partial_bytes)}" if self.partial_bytes else ""),
-            f"about {self.seconds['whole']:.3g} s: {seconds} "
-            f"(reading {byte_size(self.rates['read'])}/s a worker, drawing {self.rates['draw']:.2g} ns a texel)",
+            f"about {self.seconds['whole']:.3g} s: {seconds} ({rates})",
         ]
 
     def as_json(self) -> dict[str, Any]:
@@ -130,8 +133,8 @@ def plan(
     Parameters
     ----------
     volume : LazyVolume
-        From `open(path, memory=...)` or `Volume.lazy`. Bounds count that were kept of earlier pictures; without them all
-        chunks do.
+        From `open(path, memory=...)` or `Volume.lazy`. Bounds count that were kept of earlier pictures; without them
+        all chunks do.
     size : (width, height), default (512, 512)
         Pixels.
     camera : Camera, optional
@@ -178,7 +181,7 @@ def plan(
     budget = volume.memory if memory is None else bytes_of(memory)
     core, is_known = _core_of(volume, number, level)
     n_blocks = 1 if workers == 1 else BLOCKS_PER_WORKER * workers
-    stream = _stream(core, eye, (width, height), budget, n_blocks, segments)
+    stream = _stream(core, eye, (width, height), Streaming(budget, n_blocks, segments))
     costs = stream.bytes_to_read()
     n_segments = sum(len(stream.segments(block)) for block in range(stream.n_blocks))
     steps = sum(stream.n_steps(block) for block in range(stream.n_blocks))
@@ -261,9 +264,7 @@ def _core_of(volume: LazyVolume, number: int, level: Level) -> tuple[_native.Laz
     return core, known is not None
 
 
-def _stream(
-    core: _native.LazyVolume, camera: Camera, size: tuple[int, int], memory: int, n_blocks: int, segments: int | None
-) -> _native.Stream:
+def _stream(core: _native.LazyVolume, camera: Camera, size: tuple[int, int], streaming: Streaming) -> _native.Stream:
     low, high = core.value_range
     # Of known bounds what is above their lower tenth counts as seen: air, and the empty field, do not.
     start = low if (low, high) == (0.0, 1.0) else low + 0.1 * (high - low)
@@ -294,7 +295,7 @@ def _stream(
         "pre_integration": True,
         "early_ray_termination": True,
     }
-    return Streaming(memory, n_blocks, segments).planned(drawn, camera._core, frame)
+    return streaming.planned(drawn, camera._core, frame)
 
 
 def _read_rate(volume: LazyVolume, number: int) -> float:

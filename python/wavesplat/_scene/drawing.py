@@ -73,7 +73,8 @@ class Options:
     segments: int | None = None
     #: Of pictures that many machines draw: what takes the place of drawing here.
     elsewhere: Elsewhere | None = None
-    #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are done.
+    #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
+    #: done.
     after_block: Callable[[Any, int], object] | None = None
 
 

@@ -16,7 +16,7 @@ from wavesplat._model.read_ahead import ReadCounts
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_labels
-from wavesplat._render.streaming import Streaming, streamed
+from wavesplat._render.streaming import Reading, Streaming, streamed
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -51,12 +51,11 @@ class LazyLayers:
             return None
         if options.psnr is not None:
             raise ArgumentError(
-                "psnr draws parts of a picture several times, which lazy volumes do not do; give a quality or a Sampling"
+                "psnr draws parts of a picture several times, which lazy volumes do not do; "
+                "give a quality or a Sampling"
             )
         lazy = [_lazily(volume) for volume in volumes]
-        levels = [
-            volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy
-        ]
+        levels = [volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy]
         return cls(lazy, levels, options)
 
     @property
@@ -90,9 +89,8 @@ class LazyLayers:
             stream, counts = self.options.elsewhere(spec)
         else:
             stream = spec.stream()
-            counts = streamed(
-                stream, spec.arrays, spec.least, self.options.progress, after_block=self.options.after_block
-            )
+            reading = Reading(spec.arrays, spec.least, self.options.progress)
+            counts = streamed(stream, reading, self.options.after_block)
         result = stream.picture()
         result["report"]["lazy"] = {
             "levels": list(self.levels),
@@ -203,4 +201,3 @@ def _lazily(volume: Volume | WaveletVolume) -> LazyVolume:
             [array], [volume.world_from_index], volume.name, volume.facts, memory=None, keep=False
         )
     return made
-

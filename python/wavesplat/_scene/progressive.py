@@ -21,12 +21,14 @@ from wavesplat._public import public
 from wavesplat._scene.drawing import Options, camera_of, draw
 from wavesplat._scene.lazy_layers import pixel_in_samples
 from wavesplat._scene.scene import Scene, as_scene
+from wavesplat._scene.telling import facts_of_picture
 
 __all__ = ["coarser_scenes", "progressive"]
 
 #: Seconds between two pictures of one level that is not done yet.
 SHOWN_EVERY_S = 0.5
-#: Each level before the wanted one is at least so many levels coarser than the next: those between take time and show little.
+#: Each level before the wanted one is at least so many levels coarser than the next: those between take time and show
+#: little.
 LEVELS_BETWEEN = 2
 #: How a first picture of what has no levels is drawn: fewer pixels, and few sheets.
 QUICK, QUICK_SHARE = Sampling(sheets_per_slice=1, quality="draft"), 0.5
@@ -48,8 +50,8 @@ def progressive(
 ) -> Iterator[Picture]:
     """Pictures of one view, each better than the one before; the last one is that of `Scene.render`, to the byte.
 
-    Of a lazy volume with levels of detail the coarsest comes first, within a small part of the bytes; the wanted level then
-    fills in block by block. Of any other volume a quick picture comes first.
+    Of a lazy volume with levels of detail the coarsest comes first, within a small part of the bytes; the wanted level
+    then fills in block by block. Of any other volume a quick picture comes first.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def _first(scene: Scene, camera: Camera, options: Options) -> Iterator[Picture]:
 
 
 def coarser_scenes(scene: Scene, size: tuple[int, int], camera: Camera) -> list[Scene]:
-    """The scene with coarser levels of its lazy volumes than a picture needs, the coarsest first; none without levels."""
+    """The scene with coarser levels of its lazy volumes than a picture needs, the coarsest first."""
     lazy = [layer.volume for layer in scene.layers if isinstance(layer.volume, LazyVolume)]
     n_levels = max((len(volume.levels) for volume in lazy if volume.level is None), default=1)
     if n_levels < 2:
@@ -149,6 +151,7 @@ def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
 def _in_blocks(scene: Scene, camera: Camera, options: Options, coarse: Picture | None) -> Iterator[Picture]:
     """The wanted picture, shown now and then as its blocks are done, over the coarser one."""
     made: queue.Queue[Any] = queue.Queue()
+    told = facts_of_picture(scene, camera, options.size, None, scene.labels)
     stopped = threading.Event()
     shown = [time.monotonic()]
 
@@ -179,16 +182,14 @@ def _in_blocks(scene: Scene, camera: Camera, options: Options, coarse: Picture |
                 return
             if kind == "error":
                 raise result
-            yield _marked(_over(result, coarse))
+            yield _marked(_over(result, coarse, told))
     finally:
         stopped.set()
         worker.join()
 
 
-def _over(rgba: Any, coarse: Picture | None) -> Picture:
+def _over(rgba: Any, coarse: Picture | None, told: dict[str, Any]) -> Picture:
     """What is done, and the coarser picture where nothing is yet."""
     if coarse is None:
-        return Picture(rgba)
-    is_done = rgba[..., 3:] > 0
-    return Picture(np.where(is_done, rgba, coarse.rgba), report=dict(coarse.report))
-
+        return Picture(rgba, report=dict(told))
+    return Picture(np.where(rgba[..., 3:] > 0, rgba, coarse.rgba), report=dict(coarse.report))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Literal
 
+from wavesplat._cluster.blocks import on_machines
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
 from wavesplat._model.argument_types import takes_its_types
@@ -15,7 +16,6 @@ from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
-from wavesplat._cluster.blocks import on_machines
 from wavesplat._render.arguments import checked_count
 from wavesplat._scene.drawing import Options, draw
 from wavesplat._scene.layer import AnyLook
@@ -102,9 +102,9 @@ def render(
         Draw blocks of the picture on the workers of a Dask cluster, each of which opens the files itself; the bytes are
         those of this machine. "threads" is Dask's scheduler in this process.
     segments : int, optional
-        Composite rays in segments of so many slices, which are folded from front to back: with `client` a task each, for
-        data in workers' memory. The picture is the same wherever it is drawn, and differs from that in one go by where
-        rays stop, at most 2e-4 of full light. Not with `depth`, and not of a local maximum.
+        Composite rays in segments of so many slices, which are folded from front to back: with `client` a task each,
+        for data in workers' memory. The picture is the same wherever it is drawn, and differs from that in one go by
+        where rays stop, at most 2e-4 of full light. Not with `depth`, and not of a local maximum.
 
     Returns
     -------

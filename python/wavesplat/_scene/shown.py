@@ -17,8 +17,8 @@ from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.cutting import Boxes, in_samples_of
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume

@@ -12,6 +12,7 @@ from wavesplat._looks import presets
 from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._model.camera import Camera
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite, Kernel
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
@@ -69,7 +70,9 @@ def fingerprint_of(scene: Scene) -> str:
     for layer in scene.layers:
         volume = layer.drawn
         digest.update(repr((volume.shape, volume.world_from_index.tolist())).encode())
-        if isinstance(volume, Volume):
+        if isinstance(volume, LazyVolume):
+            digest.update(repr([volume.arrays(0).token, volume.value_range]).encode())
+        elif isinstance(volume, Volume):
             samples = volume.samples.reshape(-1) if volume.samples.flags.c_contiguous else volume.samples.flat
             step = max(1, volume.samples.size // N_SAMPLES)
             digest.update(np.asarray(samples[::step]).tobytes())
@@ -80,7 +83,9 @@ def _volume(layer: Layer) -> dict[str, Any]:
     volume = layer.drawn
     low, high = robust_range(volume)
     least, most = (low, high)
-    if isinstance(volume, Volume):
+    if isinstance(volume, LazyVolume):
+        least, most = volume.value_range
+    elif isinstance(volume, Volume):
         finite = volume.samples[np.isfinite(volume.samples)] if volume.n_nonfinite else volume.samples
         if finite.size:
             least, most = float(finite.min()), float(finite.max())

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
+from wavesplat._scene.progressive import progressive
+from wavesplat._viewer.previews import has_lazy, preview_of
 from wavesplat._viewer.slice_view import slice_of
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["picture_of", "render_arguments"]
+__all__ = ["picture_of", "pictures_at_rest", "render_arguments"]
 
 
 def render_arguments(state: ViewerState, size: tuple[int, int]) -> dict[str, Any]:
@@ -47,4 +49,17 @@ def picture_of(
         arguments["quality"] = sampling
     elif psnr is not None:
         arguments["psnr"] = psnr
-    return state.scene.render(state.camera, progress=progress, **arguments)
+    # While something moves, what is read as it is drawn is shown by a copy.
+    scene = state.scene if psnr is None and sampling is None else preview_of(state.scene)
+    return scene.render(state.camera, progress=progress, **arguments)
+
+
+def pictures_at_rest(
+    state: ViewerState, size: tuple[int, int], progress: Callable[[float], object]
+) -> Iterator[Picture]:
+    """The picture at rest; of what is read as it is drawn first coarser ones, and parts of it."""
+    if not has_lazy(state.scene):
+        yield picture_of(state, "3d", size, progress=progress)
+        return
+    arguments = render_arguments(state, size)
+    yield from progressive(state.scene, state.camera, progress=progress, **arguments)

@@ -18,11 +18,13 @@ from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.picturing import picture_of
+from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
@@ -126,7 +128,7 @@ def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Ans
             values.append(None)
             continue
         place = _sample_at(volume.world_from_index, volume.shape, point)
-        value = None if place is None else float(volume.samples[place])
+        value = None if place is None else _value_at(volume, place)
         values.append(value if value is not None and isfinite(value) else None)
     first = state.scene.layers[0].drawn
     matrix = np.linalg.inv(first.world_from_index)
@@ -140,6 +142,13 @@ def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Ans
         if number or look is not None:
             label = {"number": number, "name": (look.name if look else "") or str(number)}
     return {"values": values, "label": label, "index": index}, b""
+
+
+def _value_at(volume: Volume, place: tuple[int, int, int]) -> float:
+    if isinstance(volume, LazyVolume):
+        z, y, x = place
+        return float(volume.arrays(0).read(place, (z + 1, y + 1, x + 1))[0, 0, 0])
+    return float(volume.samples[place])
 
 
 def _sample_at(world_from_index: Any, shape: tuple[int, ...], point: Any) -> tuple[int, int, int] | None:
@@ -199,7 +208,9 @@ def _around(
         small = Camera(eye, eye + distance * direction, camera.view_up, view_angle=max(angle, 1e-3))
         origin = eye
     arguments = {"quality": "normal", "kernel": state.options["kernel"], "composite": state.options["composite"]}
-    picture = state.scene.render(small, size=(PICKED_PX, PICKED_PX), depth=True, progress=progress, **arguments)
+    picture = preview_of(state.scene).render(
+        small, size=(PICKED_PX, PICKED_PX), depth=True, progress=progress, **arguments
+    )
     return picture, (origin, direction)
 
 
@@ -241,7 +252,7 @@ def _preset_picture(state: ViewerState, arguments: Mapping[str, Any], progress: 
         background=look.background or "black",
     )
     camera = state.camera.fitted(scene)
-    picture = scene.render(camera, size=(size, size), quality="draft", progress=progress)
+    picture = preview_of(scene).render(camera, size=(size, size), quality="draft", progress=progress)
     return {}, encoding.png_bytes(picture.rgba)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +20,7 @@ from wavesplat._picture.picture import Picture
 from wavesplat._viewer import encoding, questions
 from wavesplat._viewer.info import welcome_of
 from wavesplat._viewer.pace import BUDGETS_MS, Pace, Settings, rungs_of
-from wavesplat._viewer.picturing import picture_of
+from wavesplat._viewer.picturing import picture_of, pictures_at_rest
 from wavesplat._viewer.slice_view import geometry_of
 from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
 from wavesplat._viewer.view_json import VIEWS
@@ -372,7 +372,12 @@ class Session:
             return not at_rest or (pane.n_changes == n_changes and client.is_open and self._is_open)
 
         try:
-            picture = self._picture(state, view, size, settings, goes_on)
+            pictures = self._pictures(state, view, size, settings, goes_on, at_rest=at_rest)
+            picture = next(pictures)
+            # Of what is read as it is drawn, coarser pictures and parts of the last one go before it.
+            for better in pictures:
+                self._send_part(client, view, state, seq, picture)
+                picture = better
         except CancelledError:
             return
         except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
@@ -411,6 +416,47 @@ class Session:
                     "encode": round((encoded - drawn) * 1e3, 2),
                 },
                 "notes": list(picture.report.get("notes", [])) if at_rest else [],
+            }
+        client.send(header, payload)
+
+    def _pictures(
+        self,
+        state: ViewerState,
+        view: str,
+        size: tuple[int, int],
+        settings: Settings,
+        goes_on: Callable[[float], bool],
+        *,
+        at_rest: bool,
+    ) -> Iterator[Picture]:
+        if view == "3d" and at_rest:
+            yield from pictures_at_rest(state, size, goes_on)
+        else:
+            yield self._picture(state, view, size, settings, goes_on)
+
+    def _send_part(self, client: Client, view: str, state: ViewerState, seq: int, picture: Picture) -> None:
+        """A picture that a better one follows, if the page has shown those before."""
+        fmt, payload = self._encoded(client, picture, at_rest=False)
+        with self._changed:
+            pane = client.panes.get(view)
+            if not client.is_open or pane is None or len(pane.in_flight) >= MOST_IN_FLIGHT:
+                return
+            pane.number += 1
+            pane.in_flight[pane.number] = time.monotonic()
+            header = {
+                "type": "frame",
+                "view": view,
+                "number": pane.number,
+                "seq": seq,
+                "width": picture.size[0],
+                "height": picture.size[1],
+                "format": fmt,
+                "at_rest": False,
+                **_place(state, view, picture),
+                "settings": _settings(picture, Settings(None)),
+                "expected_psnr_db": None,
+                "ms": {"wait": 0.0, "render": 0.0, "encode": 0.0},
+                "notes": [],
             }
         client.send(header, payload)
 

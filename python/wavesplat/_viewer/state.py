@@ -25,6 +25,7 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat._viewer import view_json
 from wavesplat._viewer.patches import patched
+from wavesplat._viewer.previews import has_lazy, preview_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["ViewerState", "changes_picture", "changes_slices"]
@@ -76,8 +77,10 @@ class ViewerState:
             If an argument cannot work.
         """
         given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
-        picture = scene.render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
+        picture = preview_of(scene).render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
         document = picture.report["scene"]
+        if has_lazy(scene):
+            _as_of_all_samples(document, scene)
         if scene.shading != "look" and any(layer["look"] is None for layer in document["layers"]):
             document["shading"] = scene_json.document_of(scene, strict=False)["shading"]
         sources = tuple(layer["volume"] for layer in document["layers"])
@@ -218,6 +221,15 @@ def _check_document(document: Any) -> None:
         raise ArgumentError(
             f"{WHAT}: field 'version' is {described(version)}; this release reads version {scene_json.VERSION}"
         )
+
+
+def _as_of_all_samples(document: dict[str, Any], scene: Scene) -> None:
+    """Makes a document of a coarse copy that of the scene itself: its volumes and clips, with what was found out."""
+    own = scene_json.document_of(scene, strict=False)
+    for found, layer in zip(document["layers"], own["layers"], strict=True):
+        found["volume"] = layer["volume"]
+    for name in set(own) - {"layers", "camera", "render", "background", "shading"}:
+        document[name] = own[name]
 
 
 def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:

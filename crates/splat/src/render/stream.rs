@@ -245,7 +245,9 @@ impl Reader<'_> {
         while cuts[0] * cuts[1] < n_blocks.min(n[0] * n[1]) {
             self.cut_once_more(&mut cuts, n);
         }
-        let mut depth = LEAST_DEPTH;
+        let chunk = self.storage[0].chunk[self.family.plane.family.axes[2]];
+        // Whole layers of chunks, several where they are thin.
+        let mut depth = if chunk >= LEAST_DEPTH { chunk } else { LEAST_DEPTH / chunk * chunk };
         loop {
             let made = self.blocks(family, cuts, n, depth);
             let most = made.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0);
@@ -253,10 +255,13 @@ impl Reader<'_> {
                 blocks.extend(made);
                 return Ok(());
             }
-            // First smaller blocks, as long as they are no smaller than what chunks and shear add to them.
+            // First smaller blocks, as long as they are no smaller than what chunks and shear add to them; then fewer layers;
+            // then smaller blocks still; and at last parts of layers, which are read several times then.
             let is_small = (0..2).all(|a| cuts[a] >= n[a].div_ceil(SMALL_BLOCK[a]));
-            if depth > 1 && is_small {
-                depth = if depth > 2 { depth / 2 } else { 1 };
+            if depth > chunk && is_small {
+                depth = (depth / 2 / chunk).max(1) * chunk;
+            } else if cuts == n && depth > 1 {
+                depth /= 2;
             } else if cuts == n {
                 let mend = "give more memory, or store the samples in smaller chunks";
                 let [needed_mib, limit_mib] = [most, budget].map(|bytes| bytes.div_ceil(1 << 20) as u64);
@@ -298,8 +303,7 @@ impl Reader<'_> {
     fn steps(&self, tiles: &[Range<usize>; 2], depth: usize) -> (Vec<StreamStep>, Vec<usize>) {
         let all = self.drawn_slabs();
         let axis = self.family.plane.family.axes[2];
-        let (chunk, size) = (self.storage[0].chunk[axis], self.plan.layers[0].grid.size()[axis]);
-        let per_step = if chunk >= depth { chunk } else { depth / chunk * chunk };
+        let (per_step, size) = (depth, self.plan.layers[0].grid.size()[axis]);
         // Where a step ends: the samples that slabs need of the first layer lie before the end of a layer of chunks.
         let (_, per_w) = self.plan.layers[0].map[axis];
         let ascends = self.family.plane.family.ascending == (per_w > 0.0);

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +17,9 @@ from hypothesis import HealthCheck, settings
 # Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
 settings.register_profile("shared_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("shared_machine")
+# What is kept of lazy volumes must not come from, or go to, the user's own folder.
+os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="wavesplat-tests-")
+atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
 
 SPACING = (0.7, 0.8, 1.5)
 

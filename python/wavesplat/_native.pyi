@@ -29,6 +29,7 @@ __all__ = [
     "render_standard",
     "rgb_bytes",
     "samples_for",
+    "smallest_budget",
     "splat_ablated",
     "splat_literal",
     "straight_bytes",
@@ -153,8 +154,6 @@ class BlockState:
     """The rays of a block of a base plane between two steps; empty before the first."""
 
     def __new__(cls) -> BlockState: ...
-    @property
-    def is_done(self) -> bool: ...
     def to_bytes(self) -> bytes: ...
     @staticmethod
     def from_bytes(bytes: bytes) -> BlockState: ...
@@ -176,6 +175,7 @@ class Stream:
     def n_blocks(self) -> int: ...
     def n_steps(self, block: int) -> int: ...
     def segments(self, block: int) -> list[tuple[int, int]]: ...
+    def is_done(self, block: int, state: BlockState) -> bool: ...
     def n_texels(self, block: int) -> int: ...
     def bytes_to_read(self) -> list[int]: ...
     def n_boxes(self) -> int: ...
@@ -340,6 +340,14 @@ def render(
     frame: FrameArguments,
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
+def smallest_budget(
+    layers: Sequence[tuple[LazyVolume, TransferFunction, Shading | None]],
+    camera: Camera,
+    frame: FrameArguments,
+    segment_slices: int | None,
+) -> int:
+    """The least budget that a stream of these arguments can do with, bytes."""
+
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 

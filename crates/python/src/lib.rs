@@ -30,7 +30,7 @@ mod _native {
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, render, rgb_bytes, straight_bytes};
     #[pymodule_export]
-    use crate::stream::{PyBlockState, PyStream};
+    use crate::stream::{PyBlockState, PyStream, smallest_budget};
     #[pymodule_export]
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]

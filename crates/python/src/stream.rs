@@ -5,7 +5,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use wavesplat::{BlockState, Samples, Scene, SceneLayer, SceneVolume, Stream, StreamOptions};
+use wavesplat::{BlockState, FrameOptions, Samples, Scene, SceneLayer, SceneVolume, Stream, StreamOptions};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
 use crate::errors::to_py;
@@ -37,12 +37,6 @@ impl PyBlockState {
         Self(BlockState::default())
     }
 
-    /// Whether no ray can change any more.
-    #[getter]
-    fn is_done(&self) -> bool {
-        self.0.is_done()
-    }
-
     fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.0.to_bytes())
     }
@@ -53,6 +47,34 @@ impl PyBlockState {
         let state = BlockState::from_bytes(bytes, 1 << 24);
         state.map(Self).ok_or_else(|| PyValueError::new_err("the bytes are not those of the state of a block"))
     }
+}
+
+/// The scene of lazy layers, how it is drawn, and its size.
+fn scene_of(layers: &[PyLazyLayer<'_>], frame: &PyFrame<'_>) -> PyResult<(Scene<'static>, FrameOptions, [usize; 2])> {
+    let layer = |(volume, tf, shading): &PyLazyLayer<'_>| SceneLayer {
+        volume: SceneVolume::Lazy(volume.0.clone()),
+        transfer_function: tf.0.clone(),
+        shading: shading.as_ref().map(|shading| shading.0.clone()),
+    };
+    let mut scene = Scene::of(layers.iter().map(layer).collect());
+    frame.fill(&mut scene);
+    Ok((scene, frame.options()?, [frame.width, frame.height]))
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+pub fn smallest_budget(
+    py: Python<'_>,
+    layers: Vec<PyLazyLayer<'_>>,
+    camera: &PyCamera,
+    frame: PyFrame<'_>,
+    segment_slices: Option<usize>,
+) -> PyResult<usize> {
+    let (scene, options, size) = scene_of(&layers, &frame)?;
+    let streaming = StreamOptions { segment_slices, ..StreamOptions::default() };
+    let camera = &camera.0;
+    py.detach(|| scene.smallest_budget(camera, size, &options, &streaming)).map_err(to_py)
 }
 
 #[pymethods]
@@ -68,15 +90,7 @@ impl PyStream {
         n_blocks: usize,
         segment_slices: Option<usize>,
     ) -> PyResult<Self> {
-        let layer = |(volume, tf, shading): &PyLazyLayer<'_>| SceneLayer {
-            volume: SceneVolume::Lazy(volume.0.clone()),
-            transfer_function: tf.0.clone(),
-            shading: shading.as_ref().map(|shading| shading.0.clone()),
-        };
-        let mut scene = Scene::of(layers.iter().map(layer).collect());
-        frame.fill(&mut scene);
-        let options = frame.options()?;
-        let size = [frame.width, frame.height];
+        let (scene, options, size) = scene_of(&layers, &frame)?;
         let streaming = StreamOptions { budget_bytes, n_blocks, segment_slices };
         let camera = &camera.0;
         let stream = py.detach(|| scene.stream(camera, size, &options, &streaming)).map_err(to_py)?;
@@ -98,6 +112,12 @@ impl PyStream {
     fn segments(&self, block: usize) -> PyResult<Vec<(usize, usize)>> {
         self.check(block, None)?;
         Ok(self.locked().segments(block).into_iter().map(|range| (range.start, range.end)).collect())
+    }
+
+    /// Whether no ray of a block can change any more after a state.
+    fn is_done(&self, block: usize, state: &PyBlockState) -> PyResult<bool> {
+        self.check(block, None)?;
+        Ok(self.locked().is_done(block, &state.0))
     }
 
     /// Texels of a block, all sheets.

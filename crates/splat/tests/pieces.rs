@@ -279,12 +279,7 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
                 assert_eq!(step.slabs.start, slabs_done, "no slab is left out");
                 slabs_done = step.slabs.end;
                 let held = &step.held[0];
-                let width = block.tiles[0].len();
-                let is_alive = |[u, v]: [usize; 2]| {
-                    let k = (v - block.tiles[1].start) * width + u - block.tiles[0].start;
-                    !states[k].as_ref().is_some_and(TileState::is_done)
-                };
-                let reads = steps.reads(plan, &[slices], b, k, 0, before.is_none(), &is_alive);
+                let reads = steps.reads(plan, &[slices], b, k, 0, before.is_none(), &states);
                 let mut own = nonsense(data, volume_of(held));
                 if let Some((part, samples)) = &before {
                     let common = [0, 1, 2].map(|a| held[a].start.max(part[a].start)..held[a].end.min(part[a].end));

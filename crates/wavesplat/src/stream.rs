@@ -11,12 +11,11 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Error, Kernel, Picture, Result, Samples};
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::quality::error_model::Sampling;
-use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::frame::finish;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::segments::{can_fold, fold};
-use wavesplat_splat::render::stream::{SampleBox, StreamPlan, volume_of};
+use wavesplat_splat::render::stream::{SampleBox, Storage, StreamPlan, volume_of};
 use wavesplat_splat::render::tile::n_tiles;
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox};
@@ -71,6 +70,51 @@ impl Scene<'static> {
         options: &FrameOptions,
         streaming: &StreamOptions,
     ) -> Result<Stream> {
+        let Planned { plan, slices, storage, sampling } = self.planned(camera, size_px, options, streaming)?;
+        let of_slices: Vec<&Slices> = slices.iter().collect();
+        let StreamOptions { budget_bytes, n_blocks, segment_slices } = *streaming;
+        let cut = || StreamPlan::new(&plan, &of_slices, &storage, budget_bytes, n_blocks, segment_slices);
+        let steps = parallel::with_threads(options.n_threads, cut)?;
+        let pictures = plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
+        let report = Report {
+            n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
+            n_base_planes: plan.families.len(),
+            n_threads: parallel::with_threads(options.n_threads, parallel::n_threads),
+            simd: plan.simd.name(),
+            n_sheets: plan.families.iter().map(|own| own.spacing.n_slabs + 1).collect(),
+            n_base_texels: plan.families.iter().map(|own| own.plane.size.iter().product::<usize>() as u64).sum(),
+            ..Report::default()
+        };
+        let n_threads = options.n_threads;
+        Ok(Stream { plan, steps, slices, sampling, segment_slices, n_threads, pictures, report })
+    }
+
+    /// The least [`StreamOptions::budget_bytes`] that [`Scene::stream`] can do with.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Scene::stream`], but for the budget.
+    pub fn smallest_budget(
+        &self,
+        camera: &Camera,
+        size_px: [usize; 2],
+        options: &FrameOptions,
+        streaming: &StreamOptions,
+    ) -> Result<usize> {
+        let Planned { plan, slices, storage, .. } = self.planned(camera, size_px, options, streaming)?;
+        let of_slices: Vec<&Slices> = slices.iter().collect();
+        let least = || StreamPlan::smallest_budget(&plan, &of_slices, &storage, streaming.segment_slices);
+        Ok(parallel::with_threads(options.n_threads, least))
+    }
+
+    /// What is decided before samples are read, but for how.
+    fn planned(
+        &self,
+        camera: &Camera,
+        size_px: [usize; 2],
+        options: &FrameOptions,
+        streaming: &StreamOptions,
+    ) -> Result<Planned> {
         let sampling = match options.effort {
             Effort::Named(quality) => self.sampling(quality.name(), camera, size_px[1])?,
             Effort::Fixed(sampling) => sampling,
@@ -101,36 +145,16 @@ impl Scene<'static> {
             let mend = "draw it without segments, or without depth";
             return Err(Error::out_of_range("segments of this operator", "several", "one", mend));
         }
-        let of_slices: Vec<&Slices> = slices.iter().collect();
-        let steps = StreamPlan::new(
-            &plan,
-            &of_slices,
-            &storage,
-            streaming.budget_bytes,
-            streaming.n_blocks,
-            streaming.segment_slices,
-        )?;
-        let pictures = plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
-        let report = Report {
-            n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
-            n_base_planes: plan.families.len(),
-            n_threads: parallel::with_threads(options.n_threads, parallel::n_threads),
-            simd: plan.simd.name(),
-            n_sheets: plan.families.iter().map(|own| own.spacing.n_slabs + 1).collect(),
-            n_base_texels: plan.families.iter().map(|own| own.plane.size.iter().product::<usize>() as u64).sum(),
-            ..Report::default()
-        };
-        Ok(Stream {
-            plan,
-            steps,
-            slices,
-            sampling,
-            segment_slices: streaming.segment_slices,
-            n_threads: options.n_threads,
-            pictures,
-            report,
-        })
+        Ok(Planned { plan, slices, storage, sampling })
     }
+}
+
+/// A frame that is planned, and how its samples are stored.
+struct Planned {
+    plan: Plan,
+    slices: Vec<Slices<'static>>,
+    storage: Vec<Storage>,
+    sampling: Sampling,
 }
 
 impl Stream {
@@ -162,15 +186,16 @@ impl Stream {
     /// Of each layer, the boxes that a step of a block reads: what the step before did not hold (all, where it `is_first` to be
     /// drawn) and something visible is drawn from. `state`: what is known of the rays, those that are done need nothing.
     pub fn reads(&self, block: usize, step: usize, is_first: bool, state: &BlockState) -> Vec<Vec<SampleBox>> {
-        let own = &self.steps.blocks[block];
-        let width = own.tiles[0].len();
-        let is_alive = |[u, v]: [usize; 2]| {
-            let k = (v - own.tiles[1].start) * width + u - own.tiles[0].start;
-            !state.tiles.get(k).and_then(Option::as_ref).is_some_and(TileState::is_done)
-        };
         let slices: Vec<&Slices> = self.slices.iter().collect();
-        let reads = |layer| self.steps.reads(&self.plan, &slices, block, step, layer, is_first, &is_alive);
+        let reads = |layer| self.steps.reads(&self.plan, &slices, block, step, layer, is_first, &state.tiles);
         (0..slices.len()).map(reads).collect()
+    }
+
+    /// Whether no ray of a block can change any more after a state.
+    pub fn is_done(&self, block: usize, state: &BlockState) -> bool {
+        let own = &self.steps.blocks[block];
+        let is_alive = |k: usize| own.is_alive(k, state.tiles.get(k).and_then(Option::as_ref));
+        !(0..own.tiles.iter().map(ExactSizeIterator::len).product()).any(is_alive)
     }
 
     /// Bytes that each block reads, if no ray were done before its end.

@@ -77,14 +77,16 @@ class Choice:
 
 def describe(volume: Volume) -> dict[str, Any]:
     """Facts about a volume, ready for JSON."""
-    low, high = volume.value_range
+    if isinstance(volume, LazyVolume) and not volume.is_looked_through:
+        told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None}
+    else:
+        told = {"value_range": list(volume.value_range), "percentiles": _percentiles(volume)}
+        told["n_nonfinite"] = volume.n_nonfinite
     return {
         **_place(volume),
         "dtype": str(volume.dtype),
         "n_bytes": math.prod(volume.shape) * volume.dtype.itemsize,
-        "value_range": [low, high],
-        "percentiles": _percentiles(volume),
-        "n_nonfinite": volume.n_nonfinite,
+        **told,
     }
 
 
@@ -157,13 +159,17 @@ def lines(facts: dict[str, Any]) -> list[str]:
     """The same for people, one fact a line."""
     z, y, x = facts["shape_zyx"]
     percentiles = "  ".join(f"{name} %: {value:g}" for name, value in facts["percentiles"].items())
+    if facts["value_range"] is None:
+        values = ["values       not looked through yet; the first picture does that, and keeps what it finds"]
+    else:
+        low, high = facts["value_range"]
+        values = [f"values       {low:g} to {high:g}", f"percentiles  {percentiles}"]
+        values.append(f"not finite   {facts['n_nonfinite']} samples")
     return [
         f"name         {facts['name']}",
         f"samples      {x} x {y} x {z} (x, y, z), {facts['dtype']}, {facts['n_bytes'] / 2**20:.1f} MiB",
         *_place_lines(facts),
-        f"values       {facts['value_range'][0]:g} to {facts['value_range'][1]:g}",
-        f"percentiles  {percentiles}",
-        f"not finite   {facts['n_nonfinite']} samples",
+        *values,
         *(f"convention   {text}" for text in facts["conventions"]),
         *(f"guess        {text}" for text in facts["guesses"]),
         *_processing_lines(facts),

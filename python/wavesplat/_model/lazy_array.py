@@ -47,6 +47,8 @@ NATIVE = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
 N_READERS = 4
 #: Chunks of an array in memory, for plans.
 SIDE_IN_MEMORY = 32
+#: Chunks that are read one by one to find the one that cannot be.
+MOST_LOOKED_THROUGH = 512
 #: Chunk files of a Zarr array that are looked at to tell whether it has changed.
 N_FILES_LOOKED_AT = 64
 
@@ -166,16 +168,35 @@ class SlicedArray:
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         """The samples of a box."""
         try:
-            index = self._index(lo, hi)
-            if self._check is not None:
-                self._check(self._source, index)
-            samples = self._made(self._source[index])
+            samples = self._read(lo, hi)
         except Exception as error:
-            raise self._unreadable(lo, hi, error) from error
+            place, told = self._first_unreadable(lo, hi, error)
+            raise self._unreadable(*place, told) from error
         wanted = tuple(b - a for a, b in zip(lo, hi, strict=True))
         if samples.shape != wanted:
             raise self._unreadable(lo, hi, ValueError(f"the shape is {samples.shape} instead of {wanted}"))
         return samples
+
+    def _read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
+        index = self._index(lo, hi)
+        if self._check is not None:
+            self._check(self._source, index)
+        return self._made(self._source[index])
+
+    def _first_unreadable(self, lo: Shape, hi: Shape, error: Exception) -> tuple[Box, Exception]:
+        """The first chunk of a box that cannot be read, and why; the box itself where chunks can one by one."""
+        places = [range(a // c * c, b, c) for a, b, c in zip(lo, hi, self.chunks, strict=True)]
+        for n, first in enumerate(product(*places)):
+            if n >= MOST_LOOKED_THROUGH:
+                break
+            own = [max(a, b) for a, b in zip(first, lo, strict=True)]
+            end = [min(a + c, b) for a, c, b in zip(first, self.chunks, hi, strict=True)]
+            box: Box = ((own[0], own[1], own[2]), (end[0], end[1], end[2]))
+            try:
+                self._read(*box)
+            except Exception as told:  # noqa: BLE001 - whatever it is, it is what is told
+                return box, told
+        return (lo, hi), error
 
     def _unreadable(self, lo: Shape, hi: Shape, error: Exception) -> WavesplatError:
         if isinstance(error, WavesplatError) and not isinstance(error, FileError):
@@ -184,7 +205,7 @@ class SlicedArray:
         chunk = tuple(a // c for a, c in zip(lo, self.chunks, strict=True))
         ranges = ", ".join(f"{axis} {a}..{b - 1}" for axis, a, b in zip("zyx", lo, hi, strict=True))
         return FileError(
-            f"{self.name!r}: cannot read the samples {ranges} (from chunk {chunk} on): {said}; copy or export the data "
+            f"{self.name!r}: cannot read the samples {ranges} (chunk {chunk}): {said}; copy or export the data "
             "again, or draw what there is: Volume.lazy(..., holes=True)"
         )
 

@@ -151,6 +151,10 @@ class LazyVolume(Volume):
         self._refuse("its samples")
 
     @property
+    def _samples(self) -> NDArray[Any]:  # type: ignore[override]
+        self._refuse("this")
+
+    @property
     def _core(self) -> _native.Volume:  # type: ignore[override]
         self._refuse("this")
 
@@ -200,6 +204,13 @@ class LazyVolume(Volume):
     def n_nonfinite(self) -> int:
         """How many samples of that level are NaN or infinite; they are drawn as empty."""
         return self.survey(self._told_by(), "linear").n_nonfinite
+
+    @property
+    def is_looked_through(self) -> bool:
+        """Whether range and values are known, or soon told: samples were looked through before, or are few."""
+        level = self._told_by()
+        few = math.prod(self._levels[level].array.shape) <= MOST_OVERVIEW
+        return few or (level, "linear") in self._surveys or self.known_survey(level, "linear") is not None
 
     def _told_by(self) -> int:
         """The level that tells of values: the finest that is no larger than an overview, else the coarsest."""
@@ -297,7 +308,7 @@ class LazyVolume(Volume):
         found = self._surveys.get((level, kernel))
         if found is None:
             own = self._levels[level]
-            found = surveyed(own.array, own.world_from_index, kernel, self._memory, keep=self._keep, progress=progress)
+            found = surveyed(own.array, own.world_from_index, kernel, self._memory, keep=self._keep, holes=self._holes, progress=progress)
             self._surveys[level, kernel] = found
         return found
 

@@ -11,6 +11,7 @@ import threading
 from collections.abc import Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -74,22 +75,43 @@ class BoxReader:
     def _read(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box) -> None:
         if self._stopped:
             return
-        self._put(which, samples, low, box, lambda: self._arrays[which].read(*box))
+        self._put(which, samples, low, box, partial(self._arrays[which].read, *box))
 
     def _read_together(self, which: int, samples: NDArray[Any], low: Sequence[int], boxes: list[Box]) -> None:
         if self._stopped or not boxes:
             return
-        for box, part in zip(boxes, self._arrays[which].read_many(boxes), strict=True):
-            self._put(which, samples, low, box, lambda part=part: part)
+        array = self._arrays[which]
+        try:
+            parts = array.read_many(boxes)
+        except FileError:
+            if self._holes is None:
+                raise
+            for box in boxes:
+                self._put(which, samples, low, box, partial(array.read, *box))
+            return
+        for box, part in zip(boxes, parts, strict=True):
+            self._put(which, samples, low, box, partial(np.asarray, part))
 
     def _put(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box, read: Any) -> None:
         place = tuple(slice(a - first, b - first) for a, b, first in zip(*box, low, strict=True))
         try:
             part = read()
+            if part.shape != samples[place].shape:
+                raise FileError(
+                    f"{self._arrays[which].name!r}: samples {box[0]} to {box[1]} (z, y, x) came with shape {part.shape} instead "
+                    f"of {samples[place].shape}; mend what gives them"
+                )
             samples[place] = part
         except FileError as error:
             if self._holes is None:
                 raise
+            array = self._arrays[which]
+            chunks = cells(box, array.chunks, 1)
+            if len(chunks) > 1:
+                # All but the chunks that cannot be read are drawn.
+                for chunk in chunks:
+                    self._put(which, samples, low, chunk, partial(array.read, *chunk))
+                return
             samples[place] = self._holes[which]
             with self._lock:
                 self.counts.holes.append(str(error))

@@ -10,6 +10,8 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import zipfile
+import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -111,12 +113,14 @@ def surveyed(
     memory: int,
     *,
     keep: bool | str | os.PathLike[str] = True,
+    holes: bool = False,
     progress: Callable[[float], object] | None = None,
 ) -> Survey:
     """The survey that was kept, or a new one, which reads all samples; twice for coefficients, or with holes.
 
     memory : bytes; a quarter is for bounds, so that bricks are larger where there is less.
     keep : in the cache folder, in a folder of that name, or not at all.
+    holes : samples that cannot be read count as those that have no value; nothing is kept then.
     """
     shape, steps = array.shape, strides(array.shape, world_from_index)
     file = _file_of(array, kernel, keep)
@@ -124,7 +128,11 @@ def surveyed(
         return known
     n_passes = 2 if kernel.startswith("bspline") else 1
     core = _native.Survey(shape, kernel, memory // 4, steps)
-    _read_all(array, memory, lambda samples, box: core.add(samples, box[0]), _part_of(progress, 0, n_passes))
+
+    def add_samples(samples: NDArray[Any], box: Box) -> None:
+        core.add(samples, box[0])
+
+    n_missing = _read_all(array, memory, add_samples, holes, _part_of(progress, 0, n_passes))
     low, high, n_nonfinite = core.statistics
     if not low <= high:
         raise ArgumentError(f"volume {array.name!r}: none of its samples is finite, so there is nothing to draw")
@@ -138,9 +146,9 @@ def surveyed(
         def around(box: Box) -> Box:
             return _native.samples_for(shape, box, kernel, n_nonfinite, world_from_index)
 
-        _read_prepared(array, memory, around, add, _part_of(progress, n_passes - 1, n_passes))
+        _read_prepared(array, memory, around, add, holes, _part_of(progress, n_passes - 1, n_passes))
     survey = Survey(shape, core, prepared, kernel, steps)
-    if file is not None:
+    if file is not None and not n_missing:
         with suppress(FileError, OSError):  # a full disk must not keep a picture from being drawn
             _keep(file, survey)
     return survey
@@ -174,11 +182,12 @@ def _read_all(
     array: LazyArray,
     memory: int,
     add: Callable[[NDArray[Any], Box], None],
+    holes: bool,
     progress: Callable[[float], object] | None,
-) -> None:
-    """Reads every box once, the next ones while one is looked at."""
+) -> int:
+    """Reads every box once, the next ones while one is looked at; how many chunks could not be read."""
     boxes = _steps(array, memory)
-    with BoxReader([array]) as reader:
+    with BoxReader([array], holes=[0.0] if holes else None) as reader:
         ahead = max(2, array.n_readers)
         pending = [reader.filled(0, box, [box]) for box in boxes[:ahead]]
         for k, box in enumerate(boxes):
@@ -187,6 +196,7 @@ def _read_all(
                 pending.append(reader.filled(0, boxes[k + ahead], [boxes[k + ahead]]))
             add(samples, box)
             _told(progress, (k + 1) / len(boxes))
+        return len(reader.counts.holes)
 
 
 def _read_prepared(
@@ -194,11 +204,12 @@ def _read_prepared(
     memory: int,
     around: Callable[[Box], Box],
     add: Callable[[NDArray[Any], Box, Box], None],
+    holes: bool,
     progress: Callable[[float], object] | None,
 ) -> None:
     """The same with what each box needs around it."""
     boxes = _steps(array, memory)
-    with BoxReader([array]) as reader:
+    with BoxReader([array], holes=[0.0] if holes else None) as reader:
         held = around(boxes[0])
         pending = reader.filled(0, held, [held])
         for k, box in enumerate(boxes):
@@ -262,7 +273,7 @@ def _kept(file: Path, array: LazyArray, kernel: str, steps: list[Shape], memory:
             if "prepared side" in parts.files:
                 prepared = _rebuilt(parts, "prepared", array.shape, kernel, steps[:1])
             bounds = math.prod(parts["samples bounds"].shape) * 4
-    except (OSError, ValueError, KeyError, EOFError, TypeError):
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error):
         return None
     # Bounds for a larger budget would not leave room for samples.
     return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps)

@@ -19,6 +19,7 @@ from wavesplat._files import payload
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
 from wavesplat._files.silence import silenced
+from wavesplat._files.stored_array import StoredArray
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import LazyArray, SlicedArray, file_token, open_hdf5, zarr_token
 from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw
@@ -60,34 +61,33 @@ def _one_stream(path: object, what: str) -> FileError:
     )
 
 
-def _mapped(
+def _stored(
     path: Path,
     dtype: np.dtype[Any],
     offset: int,
     shape: Sequence[int],
-    layout: str,
     *,
     order: tuple[int, int, int],
     picked: Sequence[int | None],
     convert: Any = None,
     made: np.dtype[Any] | None = None,
 ) -> SlicedArray:
-    """Samples that lie in a file as they are. `layout`: "C" has its last axis fastest, "F" its first."""
-    if payload.n_bytes(shape, dtype) + offset > path.stat().st_size:
-        payload.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
-    sizes = [shape[axis] for axis in order]
-    # A slice along z is read at once: z, y, x are the slowest to the fastest of all these formats.
-    chunks = [1, sizes[1], sizes[2]] if layout == "C" or order[0] > order[2] else [sizes[0], sizes[1], 1]
+    """Samples that lie in a file as they are, the last axis fastest."""
+    payload.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
+    z, y, x = (int(shape[axis]) for axis in order)
+    # What is read at once: a slice across the slowest of the three axes.
+    slowest = min(range(3), key=lambda k: order[k])
+    chunks = [1 if k == slowest else n for k, n in enumerate((z, y, x))]
     return SlicedArray(
         None,
         name=path.name,
         chunks=chunks,
         order=order,
         picked=picked,
-        opened=partial(np.memmap, path, dtype, "r", offset, tuple(shape), layout),
+        opened=partial(StoredArray, path, dtype, offset, tuple(shape)),
         convert=convert,
         dtype=made if made is not None else dtype,
-        shape=(sizes[0], sizes[1], sizes[2]),
+        shape=(z, y, x),
         token=file_token(path, dtype.str, offset, tuple(shape), tuple(picked)),
     )
 
@@ -113,7 +113,11 @@ def _of_npy(request: Request) -> LazyGrid:
         _, is_fortran, _ = read(file)
         offset = file.tell()
     order, picked = _unnamed(shape, request)
-    array = _mapped(path, dtype, offset, shape, "F" if is_fortran else "C", order=order, picked=picked)
+    if is_fortran:
+        # The first axis is the fastest: the same array with its axes the other way round.
+        last = len(shape) - 1
+        order, picked = (last - order[0], last - order[1], last - order[2]), picked[::-1]
+    array = _stored(path, dtype, offset, shape[::-1] if is_fortran else shape, order=order, picked=picked)
     return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
 
 
@@ -123,7 +127,7 @@ def _of_raw(request: Request) -> LazyGrid:
     payload.check_readable(path)
     raw.check_size(path, shape, dtype, request.offset, held=(1,))
     order, picked = _unnamed(shape, request)
-    array = _mapped(path, dtype, request.offset, shape, "C", order=order, picked=picked)
+    array = _stored(path, dtype, request.offset, shape, order=order, picked=picked)
     return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
 
 
@@ -139,20 +143,20 @@ def _of_nifti(request: Request) -> LazyGrid:
     time, channel, colour = nifti.checked_picks(image, request)
     if colour is not None:
         raise FileError(f"the samples are colours; open the file without memory=: {request.path}")
-    # The first axis is the fastest.
-    picked: list[int | None] = [None, None, None, time, channel, 0, 0][: len(image.shape)]
+    # The first axis is the fastest: in the file it is the last one.
+    n_axes = len(image.shape)
+    picked: list[int | None] = [None, None, None, time, channel, 0, 0][:n_axes][::-1]
     slope, intercept = float(proxy.slope), float(proxy.inter)
     convert = made = None
     if (slope, intercept) != (1.0, 0.0):
         made = _type_of_scaled(proxy.dtype, slope, intercept)
         convert = partial(_scaled, slope=slope, intercept=intercept, dtype=made)
-    array = _mapped(
+    array = _stored(
         path,
         proxy.dtype,
         int(proxy.offset),
-        image.shape,
-        "F",
-        order=(2, 1, 0),
+        image.shape[::-1],
+        order=(n_axes - 3, n_axes - 2, n_axes - 1),
         picked=picked,
         convert=convert,
         made=made,
@@ -209,9 +213,8 @@ def _of_itk(request: Request) -> LazyGrid:
     skip = int(fields.get("byte skip", fields.get("headersize", 0)))
     needed = payload.n_bytes(size, dtype)
     offset = file.stat().st_size - needed if skip == -1 else offset + skip
-    array = _mapped(
-        file, dtype.newbyteorder(">" if is_big else "<"), offset, size[::-1], "C", order=(0, 1, 2), picked=[None] * 3
-    )
+    stored = dtype.newbyteorder(">" if is_big else "<")
+    array = _stored(file, stored, offset, size[::-1], order=(0, 1, 2), picked=[None] * 3)
     return LazyGrid([array], [matrix], header.facts)
 
 
@@ -220,6 +223,10 @@ def _of_hdf5(request: Request) -> LazyGrid:
 
     with h5py.File(request.file, "r") as file:
         dataset = hdf5.chosen_dataset(file, request)
+        if not (dataset.external or dataset.is_virtual):
+            stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
+            one = sorted(dataset.shape)[-3:]
+            payload.check_stored(one, dataset.dtype, stored, request.path, ratio=payload.ANY_RATIO, held=(1,))
         place = hdf5.place_of(dataset)
         order, picked = _unnamed(dataset.shape, request)
         zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])

@@ -46,30 +46,13 @@ class Streaming:
             return _native.Stream(layers, camera, frame, budget, self.n_blocks, self.segment_slices)
         except LimitError:
             pass
-        needed = self._smallest(layers, camera, frame, budget)
+        least = _native.smallest_budget(layers, camera, frame, self.segment_slices)
+        needed = int(least / FOR_SAMPLES * 1.01)
         raise LimitError(
             f"memory is {byte_size(self.memory)}, and the smallest step of this picture needs {byte_size(needed)}; "
             f'give memory="{-(-needed // 10**6)} MB" or more, store the samples in smaller chunks, '
             "or draw a coarser level"
         )
-
-    def _smallest(self, layers: Sequence[Any], camera: Any, frame: _native.FrameArguments, budget: int) -> int:
-        """The smallest memory that works, to a few percent."""
-
-        def works(budget: int) -> bool:
-            try:
-                _native.Stream(layers, camera, frame, budget, self.n_blocks, self.segment_slices)
-            except LimitError:
-                return False
-            return True
-
-        too_small, enough = budget, 2 * budget
-        while not works(enough):
-            too_small, enough = enough, 2 * enough
-        for _ in range(5):
-            middle = (too_small + enough) // 2
-            too_small, enough = (too_small, middle) if works(middle) else (middle, enough)
-        return int(enough / FOR_SAMPLES)
 
 
 @dataclass
@@ -135,7 +118,7 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
                 for k, box in enumerate(stream.held(block, step + 1)):
                     joined(samples[k], held[k], ahead[k].samples, box)
             state = stream.draw(block, step, samples, state, own.progress)
-            if state.is_done:
+            if stream.is_done(block, state):
                 break
         reader.stop()
         counts = reading.counts

@@ -8,7 +8,7 @@ from typing import Any
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._scene.progressive import progressive
-from wavesplat._viewer.previews import has_lazy, preview_of
+from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.slice_view import slice_of
 from wavesplat._viewer.state import ViewerState
 
@@ -57,9 +57,6 @@ def picture_of(
 def pictures_at_rest(
     state: ViewerState, size: tuple[int, int], progress: Callable[[float], object]
 ) -> Iterator[Picture]:
-    """The picture at rest; of what is read as it is drawn first coarser ones, and parts of it."""
-    if not has_lazy(state.scene):
-        yield picture_of(state, "3d", size, progress=progress)
-        return
+    """The picture at rest of what is read as it is drawn: first coarser ones, and parts of it."""
     arguments = render_arguments(state, size)
     yield from progressive(state.scene, state.camera, progress=progress, **arguments)

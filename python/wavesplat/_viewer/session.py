@@ -21,6 +21,7 @@ from wavesplat._viewer import encoding, questions
 from wavesplat._viewer.info import welcome_of
 from wavesplat._viewer.pace import BUDGETS_MS, Pace, Settings, rungs_of
 from wavesplat._viewer.picturing import picture_of, pictures_at_rest
+from wavesplat._viewer.previews import has_lazy
 from wavesplat._viewer.slice_view import geometry_of
 from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
 from wavesplat._viewer.view_json import VIEWS
@@ -429,7 +430,7 @@ class Session:
         *,
         at_rest: bool,
     ) -> Iterator[Picture]:
-        if view == "3d" and at_rest:
+        if view == "3d" and at_rest and has_lazy(state.scene):
             yield from pictures_at_rest(state, size, goes_on)
         else:
             yield self._picture(state, view, size, settings, goes_on)

@@ -65,11 +65,6 @@ impl TileState {
         Some(Self { rgba, value, length, s_half, found, done: done.iter().map(|done| *done != 0).collect() })
     }
 
-    /// Whether no ray can change any more.
-    pub fn is_done(&self) -> bool {
-        !self.done.is_empty() && self.done.iter().all(|done| *done)
-    }
-
     /// An array with an entry for every chunk.
     pub fn per_chunk<T: Clone>(value: T) -> Vec<T> {
         vec![value; Chunk::N]
@@ -92,7 +87,6 @@ mod tests {
         };
         let bytes = state.to_bytes();
         assert_eq!(TileState::from_bytes(&bytes).unwrap().to_bytes(), bytes);
-        assert!(TileState::from_bytes(&bytes).unwrap().is_done());
         let other = TileState { value: lanes(2.0), length: lanes(3.0), ..TileState::default() };
         let read = TileState::from_bytes(&other.to_bytes()).unwrap();
         assert!(read.value[5].0[3] == 2.0 && read.length[127].0[15] == 3.0 && read.rgba.is_empty());

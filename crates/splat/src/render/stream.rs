@@ -12,9 +12,11 @@ use std::ops::Range;
 use crate::render::plan::{FamilyPlan, Plan};
 use crate::render::tile::{TileJob, n_tiles};
 use crate::sheet::spacing::SheetSpacing;
-use crate::sheet::tile_layout::{BLOCK_V, TILE_U, TILE_V};
+use crate::ray::state::TileState;
+use crate::sheet::tile_layout::{BLOCK_V, Chunk, TILE_U, TILE_V};
 use crate::source::geometry::SheetGeometry;
 use crate::source::slices::{Slices, needed_samples};
+use wavesplat_compute::parallel;
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Error, Result};
 
@@ -41,6 +43,8 @@ pub struct StreamBlock {
     pub steps: Vec<StreamStep>,
     /// Steps that begin a segment of the rays; the first one at least.
     pub segment_starts: Vec<usize>,
+    /// Chunks of rays of each tile, row by row, that may see something, as bits ([`Chunk::index`]).
+    seen: Vec<u128>,
 }
 
 /// Slabs that are drawn from what has been read so far.
@@ -68,6 +72,13 @@ pub struct StreamPlan {
 const LEAST_DEPTH: usize = 32;
 
 impl StreamBlock {
+    /// Whether a ray of its `k`th tile can still change after a state.
+    pub fn is_alive(&self, k: usize, state: Option<&TileState>) -> bool {
+        let done = state.filter(|state| !state.done.is_empty());
+        let is_open = |chunk: usize| !done.is_some_and(|state| state.done[chunk]);
+        (0..Chunk::N).any(|chunk| self.seen[k] >> chunk & 1 == 1 && is_open(chunk))
+    }
+
     /// Its tiles, row by row.
     pub fn all_tiles(&self) -> Vec<[usize; 2]> {
         let [us, vs] = self.tiles.clone();
@@ -99,13 +110,26 @@ impl StreamPlan {
         segment_slices: Option<usize>,
     ) -> Result<Self> {
         let mut blocks = Vec::new();
-        for k in 0..plan.families.len() {
-            let family = &plan.families[k];
+        for (k, family) in plan.families.iter().enumerate() {
             let job = TileJob::new(plan, family, slices);
-            let reader = Reader { plan, family, job: &job, storage, segment_slices };
+            let reader = Reader::new(plan, family, &job, storage, segment_slices);
             reader.cut(k, n_blocks, budget_bytes, &mut blocks)?;
         }
         Ok(Self { blocks, storage: storage.to_vec() })
+    }
+
+    /// The least budget that [`StreamPlan::new`] can do with, bytes.
+    pub fn smallest_budget(
+        plan: &Plan,
+        slices: &[&Slices],
+        storage: &[Storage],
+        segment_slices: Option<usize>,
+    ) -> usize {
+        let of_family = |family| {
+            let job = TileJob::new(plan, family, slices);
+            Reader::new(plan, family, &job, storage, segment_slices).smallest()
+        };
+        plan.families.iter().map(of_family).max().unwrap_or(0)
     }
 
     /// The steps of each segment of a block.
@@ -126,13 +150,16 @@ impl StreamPlan {
         step: usize,
         layer: usize,
         is_first: bool,
-        alive: &dyn Fn([usize; 2]) -> bool,
+        states: &[Option<TileState>],
     ) -> Vec<SampleBox> {
         let block = &self.blocks[block];
         let family = &plan.families[block.family];
         let job = TileJob::new(plan, family, slices);
-        let reader = Reader { plan, family, job: &job, storage: &self.storage, segment_slices: None };
-        let Some(tiles) = hull_of(block, alive) else { return Vec::new() };
+        let reader = Reader { plan, family, job: &job, storage: &self.storage, segment_slices: None, seen: Vec::new() };
+        let is_alive = |k: usize| block.is_alive(k, states.get(k).and_then(Option::as_ref));
+        let Some(tiles) = hull_of(block.all_tiles().into_iter().enumerate().filter(|(k, _)| is_alive(*k))) else {
+            return Vec::new();
+        };
         let slabs = block.steps[step].slabs.start..block.steps[step].served[layer];
         let needed = reader.needed(&tiles, &slabs, layer);
         let margin = reader.margins(&tiles, &slabs, layer);
@@ -172,16 +199,14 @@ pub fn volume_of(part: &SampleBox) -> usize {
     part.iter().map(ExactSizeIterator::len).product()
 }
 
-/// The hull of those tiles of a block that are alive.
-fn hull_of(block: &StreamBlock, alive: &dyn Fn([usize; 2]) -> bool) -> Option<[Range<usize>; 2]> {
-    let mut hull: Option<[Range<usize>; 2]> = None;
-    for tile in block.all_tiles().into_iter().filter(|tile| alive(*tile)) {
-        hull = Some(match hull {
+/// The hull of tiles.
+fn hull_of(tiles: impl Iterator<Item = (usize, [usize; 2])>) -> Option<[Range<usize>; 2]> {
+    tiles.fold(None, |hull: Option<[Range<usize>; 2]>, (_, tile)| {
+        Some(match hull {
             None => tile.map(|t| t..t + 1),
             Some(all) => [0, 1].map(|a| all[a].start.min(tile[a])..all[a].end.max(tile[a] + 1)),
-        });
-    }
-    hull
+        })
+    })
 }
 
 /// The chunks of a box that pass a test, put together along x.
@@ -231,9 +256,23 @@ struct Reader<'a> {
     job: &'a TileJob<'a>,
     storage: &'a [Storage],
     segment_slices: Option<usize>,
+    /// Chunks of rays of each tile of the base plane that may see something, row by row.
+    seen: Vec<u128>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
+    fn new(
+        plan: &'a Plan,
+        family: &'a FamilyPlan,
+        job: &'a TileJob<'a>,
+        storage: &'a [Storage],
+        segment_slices: Option<usize>,
+    ) -> Self {
+        let [n_u, n_v] = n_tiles(&family.plane);
+        let seen = parallel::map(n_u * n_v, |k| job.chunks_that_see([k % n_u * TILE_U, k / n_u * TILE_V]));
+        Self { plan, family, job, storage, segment_slices, seen }
+    }
+
     fn spacing(&self) -> &SheetSpacing {
         &self.family.spacing
     }
@@ -243,11 +282,12 @@ impl Reader<'_> {
         let n = n_tiles(&self.family.plane);
         let mut cuts = [1, 1];
         while cuts[0] * cuts[1] < n_blocks.min(n[0] * n[1]) {
-            self.cut_once_more(&mut cuts, n);
+            self.cut_once_more(&mut cuts, n, 1.0);
         }
         let chunk = self.storage[0].chunk[self.family.plane.family.axes[2]];
         // Whole layers of chunks, several where they are thin.
         let mut depth = if chunk >= LEAST_DEPTH { chunk } else { LEAST_DEPTH / chunk * chunk };
+        let mut smallest = None;
         loop {
             let made = self.blocks(family, cuts, n, depth);
             let most = made.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0);
@@ -255,48 +295,54 @@ impl Reader<'_> {
                 blocks.extend(made);
                 return Ok(());
             }
+            let least = *smallest.get_or_insert_with(|| self.smallest());
+            if least > budget {
+                let mend = "give more memory, or store the samples in smaller chunks";
+                let [needed_mib, limit_mib] = [least, budget].map(|bytes| bytes.div_ceil(1 << 20) as u64);
+                return Err(Error::TooLarge { what: "the samples of the smallest step", needed_mib, limit_mib, mend });
+            }
             // First smaller blocks, as long as they are no smaller than what chunks and shear add to them; then fewer layers;
             // then smaller blocks still; and at last parts of layers, which are read several times then.
             let is_small = (0..2).all(|a| cuts[a] >= n[a].div_ceil(SMALL_BLOCK[a]));
             if depth > chunk && is_small {
                 depth = (depth / 2 / chunk).max(1) * chunk;
-            } else if cuts == n && depth > 1 {
-                depth /= 2;
             } else if cuts == n {
-                let mend = "give more memory, or store the samples in smaller chunks";
-                let [needed_mib, limit_mib] = [most, budget].map(|bytes| bytes.div_ceil(1 << 20) as u64);
-                return Err(Error::TooLarge { what: "the samples of the smallest step", needed_mib, limit_mib, mend });
+                depth = (depth / 2).max(1);
             } else {
-                self.cut_once_more(&mut cuts, n);
+                self.cut_once_more(&mut cuts, n, most as f64 / budget as f64);
             }
         }
     }
 
+    /// Bytes that the smallest blocks and thinnest steps hold.
+    fn smallest(&self) -> usize {
+        let n = n_tiles(&self.family.plane);
+        let blocks = self.blocks(0, n, n, 1);
+        blocks.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0)
+    }
+
     /// More parts along the longer side of the blocks; along v where they are alike, so that rows of samples stay long.
-    fn cut_once_more(&self, cuts: &mut [usize; 2], n: [usize; 2]) {
+    /// `ratio`: by how much they are too large.
+    fn cut_once_more(&self, cuts: &mut [usize; 2], n: [usize; 2], ratio: f64) {
         let length = [n[0] * TILE_U / cuts[0], n[1] * TILE_V / cuts[1]];
         let axis = usize::from(2 * length[1] >= length[0] && cuts[1] < n[1] || cuts[0] >= n[0]);
-        let more = (cuts[axis] / 4).max(1);
-        cuts[axis] = (cuts[axis] + more).min(n[axis]);
+        let more = (cuts[axis] as f64 * (0.25 * (ratio - 1.0)).clamp(0.0, 1.0)) as usize;
+        cuts[axis] = (cuts[axis] + more.max(1)).min(n[axis]);
     }
 
     fn blocks(&self, family: usize, cuts: [usize; 2], n: [usize; 2], depth: usize) -> Vec<StreamBlock> {
         let part = |k: usize, a: usize| k * n[a] / cuts[a]..(k + 1) * n[a] / cuts[a];
-        let mut blocks = Vec::new();
-        for v in 0..cuts[1] {
-            for u in 0..cuts[0] {
-                let tiles = [part(u, 0), part(v, 1)];
-                let [from, to] = texels_of(&tiles);
-                if tiles.iter().any(Range::is_empty) || !self.family.plane.is_needed(from, to) {
-                    continue;
-                }
-                let (steps, segment_starts) = self.steps(&tiles, depth);
-                if !steps.is_empty() {
-                    blocks.push(StreamBlock { family, tiles, steps, segment_starts });
-                }
-            }
-        }
-        blocks
+        let made = parallel::map(cuts[0] * cuts[1], |k| {
+            let all = [part(k % cuts[0], 0), part(k / cuts[0], 1)];
+            let within = all[1].clone().flat_map(|v| all[0].clone().map(move |u| [u, v]));
+            let seen = within.filter(|[u, v]| self.seen[v * n[0] + u] != 0).enumerate();
+            let tiles = hull_of(seen)?;
+            let (steps, segment_starts) = self.steps(&tiles, depth);
+            let seen = tiles[1].clone().flat_map(|v| tiles[0].clone().map(move |u| self.seen[v * n[0] + u]));
+            let block = StreamBlock { family, seen: seen.collect(), tiles: tiles.clone(), steps, segment_starts };
+            (!block.steps.is_empty()).then_some(block)
+        });
+        made.into_iter().flatten().collect()
     }
 
     /// The steps of a block, slabs up to where layers of chunks of the first layer end or a segment does; and which begin one.

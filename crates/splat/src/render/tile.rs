@@ -106,6 +106,22 @@ impl<'a> TileJob<'a> {
         Self { family, layers, rays, level: plan.simd, fields: plan.fields.fields.iter().map(of_field).collect() }
     }
 
+    /// Chunks of the rays of a tile, by its first texel, that may see something anywhere, as bits ([`Chunk::index`]).
+    pub fn chunks_that_see(&self, first: [usize; 2]) -> u128 {
+        let needed = self.needed_blocks(first);
+        if needed == 0 || !self.layers.iter().any(|layer| layer.active_layers(first).contains(&true)) {
+            return 0;
+        }
+        let (rays, _) = Rays::new(&self.rays, self.level, first);
+        let mut seen = 0;
+        for block in bits(needed) {
+            for chunk in Block::new(block).chunks().filter(|chunk| !rays.none(*chunk)) {
+                seen |= 1 << chunk.index();
+            }
+        }
+        seen
+    }
+
     /// Runs a piece of a tile from a state on; `None` where nothing has been seen, in this piece and before it.
     pub fn run<C: Compositor>(
         &self,

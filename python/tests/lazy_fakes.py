@@ -1,0 +1,80 @@
+"""Lazy arrays for tests: made of an array in memory, and counted, slow, or broken."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter
+
+import numpy as np
+
+from wavesplat.errors import FileError
+
+
+class Chunked:
+    """Samples of an array, read in chunks that divide nothing, and counted."""
+
+    is_in_memory, n_readers, reads_together, token = False, 4, False, None
+
+    def __init__(self, samples, chunks=(17, 23, 29), name="chunked"):
+        self.samples = samples
+        self.shape, self.dtype = samples.shape, samples.dtype
+        self.chunks = tuple(min(c, n) for c, n in zip(chunks, samples.shape, strict=True))
+        self.name = name
+        self.counts = Counter()
+        self._lock = threading.Lock()
+
+    def __getstate__(self):
+        return {**vars(self), "_lock": None}
+
+    def __setstate__(self, state):
+        vars(self).update(state, _lock=threading.Lock())
+
+    def read(self, lo, hi):
+        ranges = [range(a // c, (b - 1) // c + 1) for a, b, c in zip(lo, hi, self.chunks, strict=True)]
+        with self._lock:
+            self.counts.update((z, y, x) for z in ranges[0] for y in ranges[1] for x in ranges[2])
+        return np.ascontiguousarray(self.samples[tuple(slice(a, b) for a, b in zip(lo, hi, strict=True))])
+
+    def read_many(self, boxes):
+        return [self.read(*box) for box in boxes]
+
+
+class Slow(Chunked):
+    """Every read takes a while."""
+
+    seconds = 0.02
+
+    def read(self, lo, hi):
+        time.sleep(self.seconds)
+        return super().read(lo, hi)
+
+
+class Broken(Chunked):
+    """One chunk cannot be read; `times`: how often."""
+
+    def __init__(self, samples, chunk, times=10**9, **options):
+        super().__init__(samples, **options)
+        self.chunk, self.times = chunk, times
+
+    def read(self, lo, hi):
+        ranges = [range(a // c, (b - 1) // c + 1) for a, b, c in zip(lo, hi, self.chunks, strict=True)]
+        if all(k in r for k, r in zip(self.chunk, ranges, strict=True)) and self.times > 0:
+            self.times -= 1
+            raise FileError(f"{self.name!r}: cannot read chunk {self.chunk}: it is broken")
+        return super().read(lo, hi)
+
+
+class WrongShape(Chunked):
+    """What is read is one slice short."""
+
+    def read(self, lo, hi):
+        return super().read(lo, hi)[:-1]
+
+
+def shells(n=96, dtype=np.uint8):
+    """Two shells in air, aslant of each other."""
+    z, y, x = np.ogrid[-1 : 1 : n * 1j, -1 : 1 : n * 1j, -1 : 1 : n * 1j]
+    first = 220 * np.exp(-(((np.sqrt(x**2 + y**2 + z**2) - 0.45) / 0.05) ** 2))
+    second = 160 * np.exp(-(((np.sqrt((x - 0.3) ** 2 + (y + 0.2) ** 2 + z**2) - 0.25) / 0.06) ** 2))
+    return np.maximum(first, second).astype(dtype)

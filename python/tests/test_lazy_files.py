@@ -1,0 +1,264 @@
+"""Files that are left where they are: the samples, place and facts of `open`, and what cannot be read in parts."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+
+
+def _volume():
+    rng = np.random.default_rng(3)
+    samples = rng.integers(-900, 2900, (13, 18, 21)).astype(np.int16)
+    matrix = np.array([[0.7, 0.1, 0, 5], [-0.1, 0.8, 0, -7], [0, 0, 1.5, 11], [0, 0, 0, 1.0]])
+    return ws.Volume(samples, world_from_index=matrix, unit="mm", anatomical=True)
+
+
+def _npy(folder, volume):
+    np.save(folder / "a.npy", volume.samples)
+    return folder / "a.npy", {}
+
+
+def _npy_of_times(folder, volume):
+    np.save(folder / "t.npy", np.stack([volume.samples, 2 * volume.samples]))
+    return folder / "t.npy", {"time": 1}
+
+
+def _raw(folder, volume):
+    (folder / "a.raw").write_bytes(b"head" + volume.samples.astype(">i2").tobytes())
+    return folder / "a.raw", {"shape": volume.shape, "dtype": "i2", "byte_order": "big", "offset": 4}
+
+
+def _nifti(folder, volume):
+    volume.save(folder / "a.nii")
+    return folder / "a.nii", {}
+
+
+def _scaled_nifti(folder, volume):
+    import nibabel
+
+    image = nibabel.Nifti1Image(volume.samples.T.astype(np.float32) * 0.25, volume.world_from_index)
+    image.header.set_data_dtype(np.int16)
+    image.header.set_slope_inter(0.25, 1.5)
+    nibabel.save(image, folder / "s.nii")
+    return folder / "s.nii", {}
+
+
+def _nifti_pair(folder, volume):
+    import nibabel
+
+    nibabel.save(nibabel.Nifti1Pair(volume.samples.T, volume.world_from_index), folder / "p.img")
+    return folder / "p.hdr", {}
+
+
+def _itk(suffix, compressed=False):
+    def write(folder, volume):
+        import SimpleITK
+
+        SimpleITK.WriteImage(volume.to_sitk(), str(folder / f"a{suffix}"), compressed)
+        return folder / f"a{suffix}", {}
+
+    return write
+
+
+def _hdf5(folder, volume):
+    import h5py
+
+    with h5py.File(folder / "a.h5", "w") as file:
+        file.create_dataset("deep/x", data=volume.samples, chunks=(5, 6, 7), compression="gzip")
+        file["deep/x"].attrs["element_size_um"] = [3.0, 2.0, 1.0]
+    return folder / "a.h5", {}
+
+
+def _zarr(folder, volume):
+    import zarr
+
+    zarr.create_array(folder / "a.zarr", data=np.array(volume.samples), chunks=(5, 6, 7))
+    return folder / "a.zarr", {}
+
+
+def ome_zarr(folder, samples, n_levels=3, chunk=8):
+    """An OME-Zarr 0.5 image, its axes t, c, z, y, x, of means."""
+    import zarr
+
+    group = zarr.open_group(folder, mode="w")
+    datasets = []
+    for level in range(n_levels):
+        array = group.create_array(
+            str(level), shape=(1, 2, *samples.shape), chunks=(1, 1, chunk, chunk, chunk), dtype=samples.dtype
+        )
+        array[0, 0], array[0, 1] = samples, samples // 2
+        scale = [1, 1, 2.0 * 2**level, 0.5 * 2**level, 0.5 * 2**level]
+        shift = [0, 0, 2.0 * (2**level - 1) / 2, 0.5 * (2**level - 1) / 2, 0.5 * (2**level - 1) / 2]
+        transforms = [{"type": "scale", "scale": scale}, {"type": "translation", "translation": shift}]
+        datasets.append({"path": str(level), "coordinateTransformations": transforms})
+        z, y, x = (n // 2 * 2 for n in samples.shape)
+        blocks = samples[:z, :y, :x].astype(np.float32).reshape(z // 2, 2, y // 2, 2, x // 2, 2)
+        samples = blocks.mean((1, 3, 5)).astype(samples.dtype)
+    axes = [{"name": "t", "type": "time"}, {"name": "c", "type": "channel"}]
+    axes += [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
+
+
+def _ome_zarr(folder, volume):
+    ome_zarr(folder / "o.zarr", np.array(volume.samples))
+    return folder / "o.zarr", {"channel": 1}
+
+
+def _tiff(folder, volume):
+    import tifffile
+
+    tifffile.imwrite(
+        folder / "a.tif", volume.samples, imagej=True, metadata={"axes": "ZYX", "spacing": 2.0, "unit": "um"}
+    )
+    return folder / "a.tif", {}
+
+
+def _packed_tiff(folder, volume):
+    import tifffile
+
+    tifffile.imwrite(folder / "p.ome.tif", volume.samples, compression="zlib", metadata={"axes": "ZYX"})
+    return folder / "p.ome.tif", {}
+
+
+def _tiff_folder(folder, volume):
+    import tifffile
+
+    (folder / "slices").mkdir()
+    for k, one in enumerate(volume.samples):
+        tifffile.imwrite(folder / "slices" / f"s{k}.tif", one)
+    return folder / "slices", {}
+
+
+KINDS = {
+    "npy": _npy,
+    "npy of times": _npy_of_times,
+    "raw": _raw,
+    "NIfTI": _nifti,
+    "scaled NIfTI": _scaled_nifti,
+    "NIfTI in two files": _nifti_pair,
+    "NRRD": _itk(".nrrd"),
+    "NRRD in two files": _itk(".nhdr"),
+    "MetaImage": _itk(".mha"),
+    "MetaImage in two files": _itk(".mhd"),
+    "HDF5": _hdf5,
+    "Zarr": _zarr,
+    "OME-Zarr": _ome_zarr,
+    "TIFF": _tiff,
+    "TIFF, packed": _packed_tiff,
+    "folder of TIFF": _tiff_folder,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_left_in_the_file_is_what_open_reads(kind, tmp_path):
+    path, options = KINDS[kind](tmp_path, _volume())
+    whole, lazy = ws.open(path, **options), ws.open(path, memory="50 MB", **options)
+    assert isinstance(lazy, ws.LazyVolume)
+    assert (lazy.shape, lazy.dtype, lazy.facts) == (whole.shape, whole.dtype, whole.facts)
+    assert np.array_equal(lazy.world_from_index, whole.world_from_index)
+    assert np.array_equal(lazy.read(level=0).samples, whole.samples)
+    again = pickle.loads(pickle.dumps(lazy))
+    box = (2, 3, 5), (9, 17, 8)
+    assert np.array_equal(again.arrays(0).read(*box), whole.samples[2:9, 3:17, 5:8])
+    # A small picture takes a coarser level where there is one.
+    look = ws.TransferFunction([(0, 0.0), (3000, 0.4)], [(0, 1, 1, 1)])
+    pictures = [ws.render(one, look, "isometric", size=(40, 30)) for one in (whole, lazy.at_level(0))]
+    assert np.array_equal(*(picture.rgba for picture in pictures))
+
+
+def test_levels_of_ome_zarr_lie_where_they_are_said_to(tmp_path):
+    path, options = _ome_zarr(tmp_path, _volume())
+    lazy = ws.open(path, memory="50 MB", **options)
+    assert len(lazy.levels) == 3
+    for level in range(3):
+        one = ws.open(path, level=level, **options)
+        assert np.allclose(lazy._levels[level].world_from_index, one.world_from_index)
+        assert np.array_equal(lazy.read(level=level).samples, one.samples)
+    assert len(ws.open(path, memory="50 MB", level=1, **options).levels) == 1
+
+
+def test_channels_of_a_file_become_lazy_layers(tmp_path):
+    path, _ = _ome_zarr(tmp_path, _volume())
+    scene = ws.open_scene(path, memory="50 MB")
+    assert [type(layer.volume).__name__ for layer in scene.layers] == ["LazyVolume"] * 2
+    assert scene.render(size=(20, 20)).rgba[..., 3].max() > 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "match"),
+    [
+        (lambda folder, v: (v.save(folder / "a.nii.gz"), folder / "a.nii.gz")[1], "one stream.*gunzip"),
+        (lambda folder, v: _itk(".nrrd", True)(folder, v)[0], "one stream"),
+        (lambda folder, v: _itk(".mha", True)(folder, v)[0], "one stream"),
+        (lambda folder, v: (np.savez(folder / "a.npz", v.samples), folder / "a.npz")[1], "archive.*npy"),
+        (lambda folder, v: _itk(".vtk")(folder, v)[0], "without memory="),
+    ],
+)
+def test_what_cannot_be_read_in_parts_says_what_helps(kind, match, tmp_path):
+    with pytest.raises(ws.errors.FileError, match=match):
+        ws.open(kind(tmp_path, _volume()), memory="50 MB")
+
+
+def test_dicom_is_refused_by_name(tmp_path):
+    from dicom_files import random, save, slice_at
+
+    save(tmp_path, [slice_at(pixels, number) for number, pixels in enumerate(random(4))])
+    with pytest.raises(ws.errors.ArgumentError, match="dicom.*without memory="):
+        ws.open(tmp_path, memory="50 MB")
+
+
+def test_a_chunk_that_was_cut_short_is_named(tmp_path):
+    path, _ = _zarr(tmp_path, _volume())
+    chunk = path / "c" / "1" / "0" / "2"
+    chunk.write_bytes(chunk.read_bytes()[:20])
+    with pytest.raises(ws.errors.FileError, match=r"samples z 5..9, y 0..5, x 14..20 \(chunk \(1, 0, 2\)\)"):
+        ws.render(ws.open(path, memory="50 MB"), size=(20, 20))
+
+
+def test_a_file_that_ends_early_is_refused_at_once(tmp_path):
+    path, options = _npy(tmp_path, _volume())
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(ws.errors.FileError, match="truncated"):
+        ws.open(path, memory="50 MB", **options)
+
+
+def test_what_is_kept_of_a_file_is_not_that_of_another(tmp_path):
+    volume = _volume()
+    path, _ = _npy(tmp_path, volume)
+    assert ws.open(path, memory="50 MB").value_range == volume.value_range
+    np.save(path, np.array(volume.samples) // 2)
+    assert ws.open(path, memory="50 MB").value_range[1] == volume.samples.max() // 2
+    path, _ = _zarr(tmp_path, volume)
+    assert ws.open(path, memory="50 MB").value_range == volume.value_range
+    import zarr
+
+    zarr.open_array(path, mode="r+")[:] = np.array(volume.samples) // 2
+    assert ws.open(path, memory="50 MB").value_range[1] == volume.samples.max() // 2
+
+
+def test_large_files_are_left_where_they_are_by_themselves(tmp_path, monkeypatch):
+    volume = _volume()
+    free = volume.samples.nbytes * 4 - 8
+    monkeypatch.setattr("wavesplat._readers.opening.free_bytes", lambda: free)
+    for kind in ("npy", "raw", "NIfTI", "HDF5", "Zarr", "TIFF"):
+        folder = tmp_path / kind
+        folder.mkdir()
+        path, options = KINDS[kind](folder, volume)
+        assert isinstance(ws.open(path, **options), ws.LazyVolume), kind
+    volume.save(tmp_path / "z.nii.gz")
+    assert not isinstance(ws.open(tmp_path / "z.nii.gz"), ws.LazyVolume), "one stream"
+    monkeypatch.setattr("wavesplat._readers.opening.free_bytes", lambda: 5 * free)
+    assert not isinstance(ws.open(*[KINDS["npy"](tmp_path, volume)[0]]), ws.LazyVolume)
+
+
+def test_scenes_of_lazy_files_are_documents(tmp_path):
+    path, _ = _npy(tmp_path, _volume())
+    look = ws.TransferFunction([(0, 0.0), (3000, 0.4)], [(0, 1, 1, 1)])
+    scene = ws.Scene(ws.open(path, memory="50 MB"), look)
+    again = ws.Scene.from_json(scene.to_json())
+    assert isinstance(again.layers[0].volume, ws.LazyVolume)
+    assert again.layers[0].volume.memory == 50 * 10**6

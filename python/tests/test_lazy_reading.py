@@ -1,0 +1,216 @@
+"""Lazy volumes keep within their memory, read chunks once, and say what cannot be read."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from lazy_fakes import Broken, Chunked, Slow, WrongShape, shells
+
+import wavesplat as ws
+
+LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
+
+
+def lazily(array, memory="100 MB", **options):
+    return ws.Volume.lazy(array, memory=memory, **{"cache": False, **options})
+
+
+def test_a_chunk_is_read_once_and_invisible_ones_never():
+    array = Chunked(shells(192), (24, 24, 24))
+    volume = lazily(array)
+    volume.survey(0, "linear")
+    assert set(array.counts.values()) == {1}, "looking through the samples reads each chunk once"
+    assert len(array.counts) == 8**3
+    array.counts.clear()
+    ws.render(volume, LOOK, "isometric", size=(300, 300))
+    assert max(array.counts.values()) == 1
+    # What is seen, and a chunk around it.
+    is_seen = shells(192) > 60
+    touched = {tuple(index) for index in np.argwhere(is_seen) // 24}
+    around = {
+        tuple(np.add(index, step)) for index in touched for step in np.ndindex(3, 3, 3)
+    }
+    assert len(array.counts) < 0.75 * 8**3
+    assert set(array.counts) <= {tuple(np.subtract(index, 1)) for index in around}
+
+
+def test_blocks_share_few_chunks():
+    array = Chunked(shells(192), (24, 24, 24))
+    volume = lazily(array, "2.5 MB")
+    volume.survey(0, "linear")
+    array.counts.clear()
+    picture = ws.render(volume, LOOK, "isometric", size=(500, 500))
+    assert picture.report["lazy"]["blocks"] > 1
+    assert sum(array.counts.values()) <= 1.6 * len(array.counts)
+
+
+def test_opaque_rays_stop_reading():
+    solid = np.full((192, 96, 96), 200, np.uint8)
+    solid[0], solid[-1] = 0, 0
+    array = Chunked(solid, (16, 96, 96))
+    volume = lazily(array, "4 MB")
+    volume.survey(0, "linear")
+    array.counts.clear()
+    hard = ws.TransferFunction([(100, 0.0), (101, 1.0)], [(0, 1, 1, 1)])
+    ws.render(volume, hard, ws.Camera.orbit(volume, 0, 90), size=(60, 60))
+    assert len(array.counts) < 5, "of twelve layers"
+
+
+def test_bounds_are_kept_for_other_programs(tmp_path):
+    samples = shells(96)
+    picture = []
+    for _ in range(2):
+        array = Chunked(samples, (16, 16, 16))
+        array.token = "always the same"
+        volume = lazily(array, cache=tmp_path / "kept")
+        picture.append(ws.render(volume, LOOK, "isometric", size=(100, 100)))
+        n_reads = sum(array.counts.values())
+    assert n_reads < 6**3, "nothing was looked through again"
+    assert np.array_equal(picture[0].rgba, picture[1].rgba)
+    # Another content is looked through again, and so is what is damaged.
+    array = Chunked(samples, (16, 16, 16))
+    array.token = "another one"
+    ws.render(lazily(array, cache=tmp_path / "kept"), LOOK, "isometric", size=(100, 100))
+    assert sum(array.counts.values()) >= 6**3
+    for file in (tmp_path / "kept").iterdir():
+        file.write_bytes(file.read_bytes()[:100])
+    array.counts.clear()
+    array.token = "always the same"
+    again = ws.render(lazily(array, cache=tmp_path / "kept"), LOOK, "isometric", size=(100, 100))
+    assert sum(array.counts.values()) >= 6**3
+    assert np.array_equal(picture[0].rgba, again.rgba)
+
+
+def test_too_little_memory_says_how_much_is_enough():
+    array = Chunked(shells(256), (64, 64, 64))
+    volume = lazily(array, "50 kB")
+    volume.survey(0, "linear")
+    begun = time.monotonic()
+    with pytest.raises(ws.errors.LimitError, match=r"memory is 50 kB.*give memory=\"(\d+) MB\"") as error:
+        ws.render(volume, LOOK, "isometric", size=(300, 300))
+    assert time.monotonic() - begun < 1
+    enough = str(error.value).split('memory="')[1].split('"')[0]
+    picture = ws.render(lazily(array, enough), LOOK, "isometric", size=(300, 300))
+    assert np.array_equal(picture.rgba, ws.render(ws.Volume(shells(256)), LOOK, "isometric", size=(300, 300)).rgba)
+
+
+def test_a_fresh_process_stays_within_its_memory():
+    code = """
+import resource, sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np, wavesplat as ws
+from lazy_fakes import Chunked
+
+class MadeUp(Chunked):
+    def __init__(self, n):
+        super().__init__(np.broadcast_to(np.zeros(1, np.uint8), (n, n, n)), (32, 32, 32))
+    def read(self, lo, hi):
+        z, y, x = (np.arange(a, b, dtype=np.float32) - 256 for a, b in zip(lo, hi))
+        r = np.sqrt(z[:, None, None] ** 2 + y[None, :, None] ** 2 + x[None, None, :] ** 2)
+        return (220 * np.exp(-((r - 150) / 12) ** 2)).astype(np.uint8)
+
+tf = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
+ws.render(ws.Volume(np.zeros((8, 8, 8), np.uint8)), tf, size=(8, 8))
+def peak():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+before = peak()
+volume = ws.Volume.lazy(MadeUp(512), memory="32 MB", cache=False)
+picture = ws.render(volume, tf, "isometric", size=(400, 400))
+assert picture.rgba[..., 3].max() > 0.1
+print(peak() - before)
+"""
+    here = os.path.dirname(__file__)  # noqa: PTH120
+    told = subprocess.run([sys.executable, "-c", code, here], capture_output=True, text=True, check=True)
+    # 32 MB of samples and bounds; the picture and its rays; what numpy needs to make samples up.
+    assert float(told.stdout) < 32 + 45, "of 134 MB"
+
+
+def test_a_chunk_that_cannot_be_read_is_named():
+    volume = lazily(Broken(shells(96), (2, 3, 1), chunks=(16, 16, 16)))
+    with pytest.raises(ws.errors.FileError, match=r"chunk \(2, 3, 1\)"):
+        ws.render(volume, LOOK, "isometric", size=(60, 60))
+
+
+def test_holes_are_drawn_and_reported():
+    samples = shells(96)
+    # Looked through well, broken afterwards: as a disk, or a server, fails.
+    array = Broken(samples, (2, 3, 1), times=0, chunks=(16, 16, 16))
+    volume = lazily(array, holes=True)
+    volume.survey(0, "linear")
+    array.times = 10**9
+    picture = ws.render(volume, LOOK, "isometric", size=(200, 200))
+    assert any("chunk (2, 3, 1)" in hole for hole in picture.report["holes"])
+    punched = samples.copy()
+    punched[32:48, 48:64, 16:32] = 0
+    whole = ws.render(ws.Volume(samples), LOOK, "isometric", size=(200, 200))
+    assert not np.array_equal(picture.rgba, whole.rgba)
+    assert np.abs(picture.rgba - ws.render(ws.Volume(punched), LOOK, "isometric", size=(200, 200)).rgba).max() < 0.02
+
+
+def test_holes_are_left_out_of_the_survey_too():
+    volume = lazily(Broken(shells(96), (2, 3, 1), chunks=(16, 16, 16)), holes=True)
+    picture = ws.render(volume, LOOK, "isometric", size=(60, 60))
+    assert picture.report["holes"]
+    assert picture.rgba[..., 3].max() > 0.2
+
+
+def test_what_comes_in_another_shape_is_refused():
+    with pytest.raises(ws.errors.FileError, match="shape"):
+        ws.render(lazily(WrongShape(shells(48))), LOOK, "isometric", size=(30, 30))
+
+
+@pytest.mark.parametrize("where", ["surveying", "drawing"])
+def test_cancelling_takes_a_tenth_of_a_second(where):
+    array = Slow(shells(160), (16, 160, 160))
+    volume = lazily(array, "8 MB")
+    if where == "drawing":
+        array.seconds = 0
+        volume.survey(0, "linear")
+    array.seconds = 0.1
+    asked = threading.Event()
+    told = []
+
+    def progress(done):
+        told.append(time.monotonic())
+        return not asked.is_set()
+
+    threading.Timer(0.4, asked.set).start()
+    begun = time.monotonic()
+    with pytest.raises(ws.errors.CancelledError):
+        ws.render(volume, LOOK, "isometric", size=(300, 300), progress=progress)
+    # A read that is under way is waited for.
+    assert time.monotonic() - begun < 0.4 + 0.1 + 0.15
+
+
+def test_reading_and_drawing_overlap():
+    array = Slow(shells(256), (32, 256, 256))
+    array.seconds = 0
+    volume = lazily(array, "40 MB")
+    camera = ws.Camera.orbit(volume, 0, 90)
+    options = {"size": (900, 900), "quality": ws.Sampling(sheets_per_slice=3, oversampling=1.2)}
+    ws.render(volume, LOOK, camera, **options)
+    begun = time.monotonic()
+    ws.render(volume, LOOK, camera, **options)
+    drawing = time.monotonic() - begun
+    array.seconds = drawing / 8 * 0.9
+    begun = time.monotonic()
+    ws.render(volume, LOOK, camera, **options)
+    both = time.monotonic() - begun
+    # Eight layers: one is read before anything can be drawn. One after the other would take 1.9 times as long.
+    assert both < 1.5 * drawing, (drawing, both)
+
+
+def test_memory_is_an_amount():
+    for wrong in ("much", "-1 GB", 0, float("nan"), "2 parsecs", None and 0):
+        if wrong is None:
+            continue
+        with pytest.raises(ws.errors.ArgumentError, match="memory"):
+            lazily(Chunked(shells(16)), wrong)
+    assert lazily(Chunked(shells(16)), "1.5 GiB").memory == 3 << 29
+    assert lazily(Chunked(shells(16)), 2e9).memory == 2 * 10**9

@@ -65,6 +65,18 @@ class Broken(Chunked):
         return super().read(lo, hi)
 
 
+class FailsOnce(Chunked):
+    """The first read of a process fails."""
+
+    failed = False
+
+    def read(self, lo, hi):
+        if not FailsOnce.failed:
+            FailsOnce.failed = True
+            raise FileError("the network is away for a moment")
+        return super().read(lo, hi)
+
+
 class WrongShape(Chunked):
     """What is read is one slice short."""
 

@@ -406,7 +406,7 @@ def _public_functions():
     found = {}
     for holder, name in places:
         function = getattr(holder, name)
-        if not callable(function) or name == "movie":  # which draws what Scene takes
+        if not callable(function) or name in ("movie", "render_frames"):  # which draw what Scene takes
             continue
         try:
             first = next(iter(inspect.signature(function).parameters), None)

@@ -46,7 +46,20 @@ ROOMS = {
     ],
     "crates/wavelet/src": ["family", "error", "transform", "volume"],
     "crates/lod/src": ["sample_box", "probe_rays", "level_brightness", "level_histogram", "level_transfer_function"],
-    "crates/wavesplat/src": ["error", "quality", "level_volume", "volume_cache", "scene", "frame", "bytes", "png"],
+    "crates/wavesplat/src": [
+        "error",
+        "quality",
+        "level_look",
+        "level_volume",
+        "volume_cache",
+        "lazy_volume",
+        "scene",
+        "frame",
+        "block_state",
+        "stream",
+        "bytes",
+        "png",
+    ],
 }
 #: Beside each other after all of these; nothing imports from them. `lib` is what the root of a crate defines or passes
 #: on: inside a crate everything is imported from where it is.

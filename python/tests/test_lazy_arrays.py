@@ -49,9 +49,7 @@ def _sharded(tmp_path):
 def _zarr_2(tmp_path):
     import zarr
 
-    array = zarr.create_array(
-        tmp_path / "two.zarr", shape=SAMPLES.shape, chunks=(8, 9, 10), dtype="u2", zarr_format=2
-    )
+    array = zarr.create_array(tmp_path / "two.zarr", shape=SAMPLES.shape, chunks=(8, 9, 10), dtype="u2", zarr_format=2)
     array[:] = SAMPLES
     return array
 
@@ -143,7 +141,9 @@ def test_names_and_coordinates_say_where_samples_lie(tmp_path):
 
 @pytest.mark.parametrize("dtype", ["?", "<f2", ">f4", "<i8", "<u8"])
 def test_other_types_become_those_of_the_renderer(dtype, tmp_path):
-    samples = (np.arange(6 * 7 * 8).reshape(6, 7, 8) % 2 if dtype == "?" else np.arange(336).reshape(6, 7, 8)).astype(dtype)
+    samples = (np.arange(6 * 7 * 8).reshape(6, 7, 8) % 2 if dtype == "?" else np.arange(336).reshape(6, 7, 8)).astype(
+        dtype
+    )
     samples.tofile(tmp_path / "t.raw")
     lazy = ws.Volume.lazy(np.memmap(tmp_path / "t.raw", dtype, "r", shape=samples.shape), memory="20 MB")
     assert np.array_equal(lazy.read().samples, samples.astype(np.float64))

@@ -165,7 +165,8 @@ def test_labels_lie_beside_a_lazy_volume():
     codes = (np.array(volume.samples) > 250).astype(np.uint8)
     labels = ws.Labels(codes, {1: ws.Label("red", opacity=0.6)})
     pictures = [
-        ws.Scene(one, "ct-soft-tissue", labels=labels).render("front", size=(70, 60)) for one in (volume, lazily(volume))
+        ws.Scene(one, "ct-soft-tissue", labels=labels).render("front", size=(70, 60))
+        for one in (volume, lazily(volume))
     ]
     assert same(*pictures)
 
@@ -179,7 +180,10 @@ def test_several_layers_of_which_some_are_lazy():
     layers = [ws.Layer(volume, "ct-soft-tissue"), ws.Layer(spots, look, opacity=0.7)]
     whole = ws.Scene(layers).render("front", size=(70, 60))
     for lazy in ([0], [1], [0, 1]):
-        mixed = [ws.Layer(lazily(one.volume), one.look, opacity=one.opacity) if k in lazy else one for k, one in enumerate(layers)]
+        mixed = [
+            ws.Layer(lazily(one.volume), one.look, opacity=one.opacity) if k in lazy else one
+            for k, one in enumerate(layers)
+        ]
         assert same(whole, ws.Scene(mixed).render("front", size=(70, 60))), lazy
 
 
@@ -255,9 +259,7 @@ def test_segments_are_the_same_wherever_they_are_cut():
     whole = ws.render(volume, look, "isometric", size=(200, 160))
     cut = ws.render(volume, look, "isometric", size=(200, 160), segments=20)
     for chunks, memory in (((17, 23, 29), "40 MB"), ((32, 32, 32), "3 MB")):
-        assert same(
-            cut, ws.render(lazily(volume, chunks, memory), look, "isometric", size=(200, 160), segments=20)
-        )
+        assert same(cut, ws.render(lazily(volume, chunks, memory), look, "isometric", size=(200, 160), segments=20))
     off = np.abs(whole.rgba - cut.rgba).max()
     assert 0 < off < 3e-4
     with pytest.raises(ws.errors.ArgumentError, match="segments"):

@@ -33,9 +33,7 @@ def test_a_chunk_is_read_once_and_invisible_ones_never():
     # What is seen, and a chunk around it.
     is_seen = shells(192) > 60
     touched = {tuple(index) for index in np.argwhere(is_seen) // 24}
-    around = {
-        tuple(np.add(index, step)) for index in touched for step in np.ndindex(3, 3, 3)
-    }
+    around = {tuple(np.add(index, step)) for index in touched for step in np.ndindex(3, 3, 3)}
     assert len(array.counts) < 0.75 * 8**3
     assert set(array.counts) <= {tuple(np.subtract(index, 1)) for index in around}
 

@@ -18,7 +18,7 @@ use wavesplat_splat::render::piece::{draw_piece, finish_tile, samples_of, tiles_
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::segments::{can_fold, fold};
-use wavesplat_splat::render::stream::{SampleBox, Storage, StreamPlan, volume_of};
+use wavesplat_splat::render::stream::{IndexBox, Storage, StreamPlan, volume_of};
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
 use wavesplat_splat::source::strided::light_steps;
@@ -61,14 +61,14 @@ impl Data {
     }
 
     /// Of samples that are those of `whole`, those of a part of it.
-    fn copied_from(&self, whole: &SampleBox, part: &SampleBox) -> Self {
+    fn copied_from(&self, whole: &IndexBox, part: &IndexBox) -> Self {
         let own = [0, 1, 2].map(|a| part[a].start - whole[a].start..part[a].end - whole[a].start);
         self.copied(whole.each_ref().map(Range::len), &own)
     }
 
     /// Puts the samples of `part` in their place among those of `whole`.
-    fn put(&mut self, whole: &SampleBox, samples: &Self, part: &SampleBox) {
-        fn rows<T: Copy>(all: &mut [T], whole: &SampleBox, own: &[T], part: &SampleBox) {
+    fn put(&mut self, whole: &IndexBox, samples: &Self, part: &IndexBox) {
+        fn rows<T: Copy>(all: &mut [T], whole: &IndexBox, own: &[T], part: &IndexBox) {
             let [nx, ny] = [whole[0].len(), whole[1].len()];
             let places = part[2].clone().flat_map(|z| part[1].clone().map(move |y| (y, z)));
             for ((y, z), row) in places.zip(own.chunks_exact(part[0].len().max(1))) {
@@ -220,7 +220,7 @@ fn surveyed(whole: &Slices, data: &Data, random: &mut Random) -> Slices<'static>
     let (_, step) = light_steps(grid);
     let chunk = odd_chunk(random);
     let n = [0, 1, 2].map(|a| SIZE[a].div_ceil(chunk[a]));
-    let parts: Vec<SampleBox> = (0..n.iter().product())
+    let parts: Vec<IndexBox> = (0..n.iter().product())
         .map(|k: usize| {
             let place = [k % n[0], k / n[0] % n[1], k / (n[0] * n[1])];
             [0, 1, 2].map(|a| place[a] * chunk[a]..((place[a] + 1) * chunk[a]).min(SIZE[a]))
@@ -243,7 +243,7 @@ fn surveyed(whole: &Slices, data: &Data, random: &mut Random) -> Slices<'static>
     survey.slices(grid, needs_prepared.then_some(&prepared), 0)
 }
 
-fn box_of<'a>(part: &SampleBox, data: &'a Data) -> VolumeBox<'a> {
+fn box_of<'a>(part: &IndexBox, data: &'a Data) -> VolumeBox<'a> {
     VolumeBox { lo: part.each_ref().map(|r| r.start), size: part.each_ref().map(Range::len), samples: data.samples() }
 }
 
@@ -270,7 +270,7 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
     for (b, block) in steps.blocks.iter().enumerate() {
         let tiles = block.all_tiles();
         let mut segments: Vec<Vec<Option<TileState>>> = Vec::new();
-        let mut before: Option<(SampleBox, Data)> = None;
+        let mut before: Option<(IndexBox, Data)> = None;
         let mut slabs_done = block.steps[0].slabs.start;
         for segment in steps.segments(b) {
             let mut states = vec![None; tiles.len()];

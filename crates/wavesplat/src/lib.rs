@@ -96,7 +96,7 @@ pub use wavesplat_core::{
 };
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
-pub use wavesplat_splat::render::stream::{SampleBox, Storage};
+pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::source::survey::Survey;
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
 pub use wavesplat_splat::{ProgressCallback, Report};

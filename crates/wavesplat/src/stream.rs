@@ -15,7 +15,7 @@ use wavesplat_splat::render::frame::finish;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::segments::{can_fold, fold};
-use wavesplat_splat::render::stream::{SampleBox, Storage, StreamPlan, volume_of};
+use wavesplat_splat::render::stream::{IndexBox, Storage, StreamPlan, volume_of};
 use wavesplat_splat::render::tile::n_tiles;
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox};
@@ -179,13 +179,13 @@ impl Stream {
     }
 
     /// Of each layer, the samples that a step of a block is drawn from.
-    pub fn held(&self, block: usize, step: usize) -> &[SampleBox] {
+    pub fn held(&self, block: usize, step: usize) -> &[IndexBox] {
         &self.steps.blocks[block].steps[step].held
     }
 
     /// Of each layer, the boxes that a step of a block reads: what the step before did not hold (all, where it `is_first` to be
     /// drawn) and something visible is drawn from. `state`: what is known of the rays, those that are done need nothing.
-    pub fn reads(&self, block: usize, step: usize, is_first: bool, state: &BlockState) -> Vec<Vec<SampleBox>> {
+    pub fn reads(&self, block: usize, step: usize, is_first: bool, state: &BlockState) -> Vec<Vec<IndexBox>> {
         let slices: Vec<&Slices> = self.slices.iter().collect();
         let reads = |layer| self.steps.reads(&self.plan, &slices, block, step, layer, is_first, &state.tiles);
         (0..slices.len()).map(reads).collect()

@@ -19,7 +19,7 @@ def plan(
     input: Input,
     *,
     reader: ReaderOptions,
-    size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels of the picture.")] = (512, 512),
+    size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels of the picture.")] = "512x512",
     workers: Annotated[int, typer.Option(metavar="N", help="Machines, or processes, that draw together.")] = 1,
     cores: Annotated[int | None, typer.Option(metavar="N", help="Cores of each; those of this machine.")] = None,
     segments: Annotated[int | None, typer.Option(metavar="N", help="Slices of a segment of the rays.")] = None,

@@ -115,10 +115,11 @@ def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | No
     # The finest level whose samples are few times closer: beyond that reading costs more than it tells.
     ratios = [max(a / b for a, b in zip(own.spacing, finer.spacing, strict=True)) for finer in levels[:number]]
     fitting = [k for k, ratio in enumerate(ratios) if ratio <= MOST_FINER]
-    finer = levels[fitting[0] if fitting else number - 1]
+    place = fitting[0] if fitting else number - 1
+    finer = levels[place]
     n_finer = math.prod(a / b for a, b in zip(own.spacing, finer.spacing, strict=True))
     coarse_box = _busiest(volume, number, MOST_PART / n_finer)
-    coarse = read_box(own.array, coarse_box)
+    coarse = read_box(volume.arrays(number), coarse_box)
     between = np.linalg.inv(finer.world_from_index) @ own.world_from_index
     low, high = [], []
     for axis in range(3):
@@ -129,7 +130,7 @@ def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | No
         low.append(first)
         high.append(int(np.clip(math.ceil(max(ends)) + 1, first + 2, n)))
     fine_box: Box = ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-    fine = read_box(finer.array, fine_box)
+    fine = read_box(volume.arrays(place), fine_box)
     low_value = min(value_range[0], float(np.nanmin(fine)))
     high_value = max(value_range[1], float(np.nanmax(fine)))
     told = (finer.world_from_index, (_finite(fine), fine_box[0]), (_finite(coarse), coarse_box[0]))

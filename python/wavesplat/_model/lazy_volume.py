@@ -24,7 +24,7 @@ from wavesplat._model import affine
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
-from wavesplat._model.lazy_array import LazyArray
+from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -41,8 +41,9 @@ __all__ = ["LazyVolume", "default_memory"]
 SHARE, MOST_DEFAULT = 4, 4 * 10**9
 #: Surveyed levels and kernels that are kept ready.
 MOST_READY = 4
-#: Samples of a level that are read as a whole for looks and cameras.
-MOST_OVERVIEW = 1 << 24
+#: Samples of a level that tells of values, for looks and cameras, at most; and one of how many of the finest level's it has:
+#: first pictures from afar must not wait for what they do not show.
+SMALL, OVERVIEW_SHARE = 1 << 21, 64
 #: Types that are densities as they are.
 NARROW = ("u1", "i1", "u2", "i2")
 
@@ -86,9 +87,9 @@ class LazyVolume(Volume):
     Examples
     --------
     >>> import numpy as np, wavesplat as ws
-    >>> array = np.random.default_rng(1).integers(0, 255, (40, 50, 60), np.uint8)  # or of Zarr, Dask, h5py
+    >>> array = np.array(ws.examples.ripples(32).samples)  # or an array of Zarr, Dask, h5py
     >>> lazy = ws.Volume.lazy(array, memory="100 MB")
-    >>> a, b = (ws.render(volume, "ct-bone", size=(32, 32)) for volume in (lazy, ws.Volume(array)))
+    >>> a, b = (ws.render(volume, size=(32, 32)) for volume in (lazy, ws.Volume(array)))
     >>> np.array_equal(a.rgba, b.rgba)
     True
     """
@@ -209,14 +210,17 @@ class LazyVolume(Volume):
     def is_looked_through(self) -> bool:
         """Whether range and values are known, or soon told: samples were looked through before, or are few."""
         level = self._told_by()
-        few = math.prod(self._levels[level].array.shape) <= MOST_OVERVIEW
+        few = math.prod(self._levels[level].array.shape) <= SMALL
         return few or (level, "linear") in self._surveys or self.known_survey(level, "linear") is not None
 
     def _told_by(self) -> int:
-        """The level that tells of values: the finest that is no larger than an overview, else the coarsest."""
+        """The level that tells of values: the finest that is small, and takes a small part of the bytes of all."""
         if self._at is not None:
             return self._at
-        fitting = [k for k, level in enumerate(self._levels) if math.prod(level.array.shape) <= MOST_OVERVIEW]
+        sizes = [math.prod(level.array.shape) for level in self._levels]
+        if sizes[0] <= SMALL:
+            return 0
+        fitting = [k for k, size in enumerate(sizes) if size <= min(SMALL, sizes[0] / OVERVIEW_SHARE)]
         return fitting[0] if fitting else len(self._levels) - 1
 
     # Making others of it.
@@ -308,7 +312,15 @@ class LazyVolume(Volume):
         found = self._surveys.get((level, kernel))
         if found is None:
             own = self._levels[level]
-            found = surveyed(own.array, own.world_from_index, kernel, self._memory, keep=self._keep, holes=self._holes, progress=progress)
+            found = surveyed(
+                self.arrays(level),
+                own.world_from_index,
+                kernel,
+                self._memory,
+                keep=self._keep,
+                holes=self._holes,
+                progress=progress,
+            )
             self._surveys[level, kernel] = found
         return found
 
@@ -403,8 +415,14 @@ class LazyVolume(Volume):
         return 0
 
     def arrays(self, level: int) -> LazyArray:
-        """The samples of a level."""
-        return self._levels[level].array
+        """The samples of a level; of a small one of a pyramid a copy in memory, which is read once."""
+        array = self._levels[level].array
+        if level == 0 or math.prod(array.shape) > SMALL or array.is_in_memory:
+            return array
+        copy: LazyArray | None = self._ready.get(("copy", level))
+        if copy is None:
+            copy = self._ready["copy", level] = lazy_array(self._overview(level)).levels[0]
+        return copy
 
     @property
     def holes(self) -> bool:

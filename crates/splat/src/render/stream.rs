@@ -21,7 +21,7 @@ use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Error, Result};
 
 /// A box of samples: ranges along x, y, z.
-pub type SampleBox = [Range<usize>; 3];
+pub type IndexBox = [Range<usize>; 3];
 
 /// How the samples of a layer are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,9 +53,9 @@ pub struct StreamStep {
     /// Spaces between two sheets, counted in the order in which rays meet them.
     pub slabs: Range<usize>,
     /// Of each layer, the samples that the slabs are drawn from.
-    pub held: Vec<SampleBox>,
+    pub held: Vec<IndexBox>,
     /// Of each layer, which of them the step before had not; of those some need not be read ([`StreamPlan::reads`]).
-    pub new: Vec<Vec<SampleBox>>,
+    pub new: Vec<Vec<IndexBox>>,
     /// Of each layer, the end of the slabs that are drawn from what is held, be it in later steps.
     pub served: Vec<usize>,
 }
@@ -87,7 +87,7 @@ impl StreamBlock {
 
     /// Bytes of samples that are held at most: those of a step, and those that the next one reads meanwhile.
     pub fn most_bytes(&self, storage: &[Storage]) -> usize {
-        let bytes = |boxes: &[SampleBox]| {
+        let bytes = |boxes: &[IndexBox]| {
             let each = boxes.iter().zip(storage).map(|(held, own)| volume_of(held) * own.sample_bytes);
             each.sum::<usize>()
         };
@@ -151,7 +151,7 @@ impl StreamPlan {
         layer: usize,
         is_first: bool,
         states: &[Option<TileState>],
-    ) -> Vec<SampleBox> {
+    ) -> Vec<IndexBox> {
         let block = &self.blocks[block];
         let family = &plan.families[block.family];
         let job = TileJob::new(plan, family, slices);
@@ -164,7 +164,7 @@ impl StreamPlan {
         let needed = reader.needed(&tiles, &slabs, layer);
         let margin = reader.margins(&tiles, &slabs, layer);
         let chunk = self.storage[layer].chunk;
-        let is_read = |part: &SampleBox| match &family.layers[layer].occupancy {
+        let is_read = |part: &IndexBox| match &family.layers[layer].occupancy {
             _ if (0..3).any(|a| part[a].end <= needed[a].start || part[a].start >= needed[a].end) => false,
             None => true,
             Some(occupied) => {
@@ -195,7 +195,7 @@ impl StreamPlan {
 }
 
 /// Samples of a box.
-pub fn volume_of(part: &SampleBox) -> usize {
+pub fn volume_of(part: &IndexBox) -> usize {
     part.iter().map(ExactSizeIterator::len).product()
 }
 
@@ -210,13 +210,13 @@ fn hull_of(tiles: impl Iterator<Item = (usize, [usize; 2])>) -> Option<[Range<us
 }
 
 /// The chunks of a box that pass a test, put together along x.
-fn runs_of_chunks(part: &SampleBox, chunk: [usize; 3], test: &impl Fn(&SampleBox) -> bool) -> Vec<SampleBox> {
+fn runs_of_chunks(part: &IndexBox, chunk: [usize; 3], test: &impl Fn(&IndexBox) -> bool) -> Vec<IndexBox> {
     let cells = |a: usize| {
         let range = part[a].clone();
         (range.start / chunk[a]..range.end.div_ceil(chunk[a]))
             .map(move |k| range.start.max(k * chunk[a])..range.end.min((k + 1) * chunk[a]))
     };
-    let mut runs: Vec<SampleBox> = Vec::new();
+    let mut runs: Vec<IndexBox> = Vec::new();
     for z in cells(2) {
         for y in cells(1) {
             let mut run: Option<Range<usize>> = None;
@@ -235,10 +235,10 @@ fn runs_of_chunks(part: &SampleBox, chunk: [usize; 3], test: &impl Fn(&SampleBox
 }
 
 /// Boxes that lie beside each other along an axis and are alike along the others, put together.
-fn merged(boxes: Vec<SampleBox>, axis: usize) -> Vec<SampleBox> {
-    let mut out: Vec<SampleBox> = Vec::new();
+fn merged(boxes: Vec<IndexBox>, axis: usize) -> Vec<IndexBox> {
+    let mut out: Vec<IndexBox> = Vec::new();
     for part in boxes {
-        let fits = |before: &SampleBox| {
+        let fits = |before: &IndexBox| {
             before[axis].end == part[axis].start && (0..3).all(|a| a == axis || before[a] == part[a])
         };
         match out.iter_mut().rev().take(64).find(|before| fits(before)) {
@@ -374,7 +374,7 @@ impl<'a> Reader<'a> {
                 if fits(own) { end = middle } else { beyond = middle }
             }
             let slabs = start..end;
-            let (held, served): (Vec<SampleBox>, Vec<usize>) =
+            let (held, served): (Vec<IndexBox>, Vec<usize>) =
                 (0..self.storage.len()).map(|layer| self.held(tiles, &slabs, &all, layer, ascends, per_step)).unzip();
             let before = steps.last().map(|step| &step.held);
             let new = held
@@ -429,7 +429,7 @@ impl<'a> Reader<'a> {
     }
 
     /// What slabs are drawn from, of a layer.
-    fn needed(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> SampleBox {
+    fn needed(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> IndexBox {
         let geometry = self.geometry(layer);
         let [from, to] = texels_of(tiles);
         let reached = geometry.reached(from, to, self.ends(slabs));
@@ -446,7 +446,7 @@ impl<'a> Reader<'a> {
         layer: usize,
         ascends: bool,
         per_step: usize,
-    ) -> (SampleBox, usize) {
+    ) -> (IndexBox, usize) {
         let axis = self.family.plane.family.axes[2];
         let own = self.needed(tiles, slabs, layer)[axis].clone();
         let size = self.plan.layers[layer].grid.size()[axis];
@@ -522,7 +522,7 @@ fn texels_of(tiles: &[Range<usize>; 2]) -> [[usize; 2]; 2] {
 
 /// What of a box lies beyond another along an axis. Across it the other has all that is drawn from: it holds what any later
 /// slab needs of its slices ([`StreamStep::served`]).
-fn beyond_along(axis: usize, whole: &SampleBox, before: &SampleBox) -> Vec<SampleBox> {
+fn beyond_along(axis: usize, whole: &IndexBox, before: &IndexBox) -> Vec<IndexBox> {
     let (own, held) = (whole[axis].clone(), before[axis].clone());
     let parts = [own.start..own.end.min(held.start), own.start.max(held.end)..own.end];
     let along = |range: Range<usize>| {

@@ -99,9 +99,7 @@ impl<'a> SheetGeometry<'a> {
         let along_w = reached(axis_w, [w[0].min(w[1]), w[0].max(w[1])]);
         let mut ranges = [0..0, 0..0, 0..0];
         for (k, [lo, hi]) in [ends[0], ends[1], along_w].into_iter().enumerate() {
-            let folded = (lo..=hi).map(|i| fold(self.axes[k].kernel, i, self.axes[k].n_samples));
-            let (first, last) = folded.fold((usize::MAX, 0), |(a, b), i| (a.min(i), b.max(i)));
-            ranges[self.plane.family.axes[k]] = first..last + 1;
+            ranges[self.plane.family.axes[k]] = folded(&self.axes[k], lo, hi);
         }
         ranges
     }
@@ -127,6 +125,19 @@ impl<'a> SheetGeometry<'a> {
         }
         hull
     }
+}
+
+/// The samples that indices from `lo` to `hi` stand for, what lies outside folded back.
+fn folded(axis: &Axis, lo: i64, hi: i64) -> Range<usize> {
+    let end = axis.n_samples as i64;
+    let inside = lo.max(0)..(hi + 1).min(end);
+    let (mut first, mut last) =
+        if inside.is_empty() { (usize::MAX, 0) } else { (inside.start as usize, inside.end as usize - 1) };
+    for i in (lo..hi.min(-1) + 1).chain(lo.max(end)..hi + 1) {
+        let i = fold(axis.kernel, i, axis.n_samples);
+        (first, last) = (first.min(i), last.max(i));
+    }
+    first..last + 1
 }
 
 /// First and last sample that footprints of texels in an interval hold a weight for, be it 0.

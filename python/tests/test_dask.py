@@ -1,0 +1,223 @@
+"""Pictures over the workers of a Dask cluster: the bytes of one machine, whatever happens to workers and reads."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from lazy_fakes import Broken, Chunked, FailsOnce, Slow, shells
+
+import wavesplat as ws
+
+distributed = pytest.importorskip("distributed")
+
+LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
+HARD = ws.TransferFunction([(120, 0.0), (121, 1.0)], [(0, 1.0, 0.8, 0.5)])
+
+pytestmark = [
+    # The scheduler's sockets are closed by its own loop, now and then after the test.
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
+    # One process has the cluster.
+    pytest.mark.xdist_group("dask"),
+]
+
+
+@pytest.fixture(scope="module")
+def client():
+    options = {"dashboard_address": None, "host": "127.0.0.1", "memory_limit": "1GiB"}
+    os.environ["PYTHONPATH"] = os.path.dirname(__file__)  # noqa: PTH120 - workers unpickle the fakes
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **options) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
+
+
+def _zarr(folder, samples, chunks=(17, 23, 29)):
+    import zarr
+
+    array = zarr.create_array(folder / "a.zarr", shape=samples.shape, chunks=chunks, dtype=samples.dtype)
+    array[:] = samples
+    return folder / "a.zarr"
+
+
+def _pelvis(folder):
+    volume = ws.examples.ct_pelvis()
+    path = _zarr(folder, np.array(volume.samples))
+    lazy = ws.Volume.lazy(
+        __import__("zarr").open_array(path),
+        world_from_index=volume.world_from_index,
+        facts=volume.facts,
+        name=volume.name,
+        memory="100 MB",
+    )
+    return volume, lazy
+
+
+OPERATORS = ("over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "x-ray", ws.FirstHit(250.0))
+
+
+def _scenes(volume):
+    """24 of them: operators, cameras, kernels, light, clips."""
+    views = [
+        ws.Camera.orbit(volume, 30, 20),
+        ws.Camera.orbit(volume, 45, 35, view_angle=60),
+        ws.Camera.orbit(volume, -120, -30),
+    ]
+    scenes = []
+    for k, operator in enumerate(OPERATORS):
+        look = "ct-soft-tissue" if operator == "over" else ws.Look.auto(volume, "over")
+        for view in views:
+            kernel = ("linear", "catmull-rom", "bspline3")[k % 3]
+            clip = ws.ClipPlane((0, 0, 0), (0, 1, 0.3)) if k % 4 == 3 else ()
+            depth = operator == "over" or isinstance(operator, ws.FirstHit)
+            options = {"size": (90, 70), "kernel": kernel, "composite": operator, "depth": depth}
+            scenes.append((look, clip, view, options))
+    return scenes
+
+
+def _same(a, b):
+    planes = [(a.rgba, b.rgba), (a.depth, b.depth), (a.value, b.value)]
+    return all((x is None and y is None) or x.tobytes() == y.tobytes() for x, y in planes)
+
+
+def test_blocks_have_the_bytes_of_one_machine(client, tmp_path):
+    volume, lazy = _pelvis(tmp_path)
+    scenes = _scenes(volume)
+    assert len(scenes) == 24
+    for look, clip, view, options in scenes:
+        here = ws.Scene(volume, look, clip=clip).render(view, **options)
+        there = ws.Scene(lazy, look, clip=clip).render(view, client=client, **options)
+        assert _same(here, there), options
+        assert there.report["lazy"]["blocks"] > 1
+
+
+def test_segments_have_the_bytes_of_one_machine_with_segments(client, tmp_path):
+    volume, lazy = _pelvis(tmp_path)
+    n = 0
+    for look, clip, view, options in _scenes(volume):
+        if options["composite"] == "local-maximum":
+            continue
+        own = {**options, "depth": False, "segments": 30}
+        here = ws.Scene(volume, look, clip=clip).render(view, **own)
+        there = ws.Scene(lazy, look, clip=clip).render(view, client=client, **own)
+        assert _same(here, there), options
+        n += 1
+    assert n == 21
+
+
+def test_frames_have_the_bytes_of_one_machine(client, tmp_path):
+    volume, lazy = _pelvis(tmp_path)
+    cameras = [ws.Camera.orbit(volume, angle, 20) for angle in (0, 40, 80, 120, 160)]
+    told = []
+    for scene in (ws.Scene(lazy, "ct-bone"), ws.Scene(volume, "ct-bone")):
+        pictures = list(ws.render_frames(scene, cameras, client=client, size=(60, 50), progress=told.append))
+        for picture, camera in zip(pictures, cameras, strict=True):
+            assert _same(picture, ws.render(volume, "ct-bone", camera, size=(60, 50)))
+    assert told == [0.2, 0.4, 0.6, 0.8, 1.0] * 2
+
+
+def test_a_movie_is_drawn_elsewhere(client, tmp_path):
+    pytest.importorskip("av")
+    volume, _ = _pelvis(tmp_path)
+    for name, where in (("here", None), ("there", client), ("threads", "threads")):
+        ws.movie(volume, tmp_path / name / "%02d.png", ws.Turn(frames=4), "ct-bone", size=(40, 40), client=where)
+    for k in range(4):
+        frames = {(tmp_path / name / f"{k:02}.png").read_bytes() for name in ("here", "there", "threads")}
+        assert len(frames) == 1
+
+
+def test_threads_of_this_process_will_do(tmp_path):
+    volume, lazy = _pelvis(tmp_path)
+    view = ws.Camera.orbit(volume, 30, 20)
+    here = ws.render(volume, "ct-bone", view, size=(90, 70))
+    assert _same(here, ws.render(lazy, "ct-bone", view, size=(90, 70), client="threads"))
+    cut = ws.render(volume, "ct-bone", view, size=(90, 70), segments=25)
+    assert _same(cut, ws.render(lazy, "ct-bone", view, size=(90, 70), client="threads", segments=25))
+
+
+def test_arrays_in_workers_memory_are_drawn_in_segments(client):
+    da = pytest.importorskip("dask.array")
+    samples = shells(64)
+    persisted = da.from_array(samples, chunks=(20, 30, 25)).persist()
+    lazy = ws.Volume.lazy(persisted, memory="50 MB")
+    here = ws.render(ws.Volume(samples), LOOK, "isometric", size=(80, 60), segments=16)
+    assert _same(here, ws.render(lazy, LOOK, "isometric", size=(80, 60), segments=16, client=client))
+    with pytest.raises(ws.errors.ArgumentError, match="segments=256"):
+        ws.render(lazy, LOOK, "isometric", size=(80, 60), client=client)
+
+
+def test_a_worker_that_is_killed_changes_nothing(client):
+    samples = shells(96)
+    array = Slow(samples, (16, 16, 16))
+    array.seconds = 0.0
+    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
+    lazy.survey(0, "linear")
+    array.seconds = 0.05
+    here = ws.render(ws.Volume(samples), HARD, "isometric", size=(200, 150))
+    pids = client.run(os.getpid)
+    killed = threading.Timer(0.7, os.kill, (next(iter(pids.values())), signal.SIGKILL))
+    killed.start()
+    begun = time.monotonic()
+    there = ws.render(lazy, HARD, "isometric", size=(200, 150), client=client)
+    took = time.monotonic() - begun
+    killed.join()
+    assert took > 0.8, "it was killed in the middle"
+    assert _same(here, there)
+    client.wait_for_workers(2, timeout=30)
+    assert set(client.run(os.getpid).values()) != set(pids.values())
+
+
+def test_a_read_that_fails_once_is_done_again(client):
+    samples = shells(64)
+    lazy = ws.Volume.lazy(FailsOnce(samples, (16, 16, 16)), memory="50 MB", cache=False)
+    FailsOnce.failed = True  # here it is looked through
+    there = ws.render(lazy, LOOK, "isometric", size=(80, 60), client=client)
+    assert _same(there, ws.render(ws.Volume(samples), LOOK, "isometric", size=(80, 60)))
+
+
+def test_a_read_that_always_fails_is_named(client):
+    array = Broken(shells(64), (2, 2, 1), times=0, chunks=(16, 16, 16))
+    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
+    lazy.survey(0, "linear")
+    array.times = 10**6
+    with pytest.raises(ws.errors.FileError, match=r"chunk \(2, 2, 1\)"):
+        ws.render(lazy, LOOK, "isometric", size=(80, 60), client=client)
+
+
+def test_progress_is_told_and_cancels(client):
+    lazy = ws.Volume.lazy(Chunked(shells(64), (16, 16, 16)), memory="50 MB", cache=False)
+    told = []
+    ws.render(lazy, LOOK, "isometric", size=(200, 150), client=client, progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+    with pytest.raises(ws.errors.CancelledError):
+        ws.render(lazy, LOOK, "isometric", size=(200, 150), client=client, progress=lambda _: False)
+
+
+def test_clients_that_cannot_draw_are_refused(client):
+    lazy = ws.Volume.lazy(shells(32), memory="50 MB")
+    for wrong, match in (("processes", "threads"), (42, "Client"), (object(), "Client")):
+        with pytest.raises(ws.errors.ArgumentError, match=match):
+            ws.render(lazy, LOOK, size=(20, 20), client=wrong)
+
+
+def test_workers_without_the_package_are_named(client, monkeypatch):
+    def run(_function):
+        return {"tcp://10.0.0.1:1": (None, "host", 1, 1, 0), "tcp://10.0.0.2:1": ("0.0.9", "host", 1, 1, 0)}
+
+    monkeypatch.setattr(client, "run", run)
+    with pytest.raises(ws.errors.LibraryError, match=r"2 of 2 workers.*10.0.0.1.*no wavesplat.*PipInstall"):
+        ws.render(ws.Volume.lazy(shells(32), memory="50 MB"), LOOK, size=(20, 20), client=client)
+
+
+def test_what_is_sent_is_small(tmp_path):
+    _, lazy = _pelvis(tmp_path)
+    assert len(pickle.dumps(ws.Scene(lazy, "ct-bone"))) < 20_000

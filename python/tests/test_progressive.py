@@ -23,7 +23,7 @@ def _levels(n=128, kind=Chunked):
 
 
 def test_levels_come_coarse_first_and_the_last_is_the_picture():
-    arrays, volume = _levels()
+    _, volume = _levels()
     scene = ws.Scene(volume, LOOK)
     pictures = list(ws.progressive(scene, "isometric", size=(300, 240)))
     levels = [picture.report["lazy"]["levels"][0] for picture in pictures]
@@ -90,7 +90,7 @@ def test_the_viewer_shows_a_copy_while_moving_and_all_at_rest():
     frames = []
 
     def confirm():
-        for frame in list(frames):
+        for frame in frames.copy():
             if frame["type"] == "frame":
                 client.receive({"type": "shown", "view": "3d", "frame": frame["number"]})
         time.sleep(0.02)

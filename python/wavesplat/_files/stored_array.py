@@ -1,4 +1,7 @@
-"""An array that lies in a file as it is, read by slicing: without mapping the file, whose pages would count as memory."""
+"""An array that lies in a file as it is, read by slicing.
+
+The file is not mapped: pages of a map count as memory of the process.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ __all__ = ["StoredArray"]
 
 
 class StoredArray:
-    """Numbers of a file from byte `offset` on, the last axis fastest; indices are whole numbers and slices without steps."""
+    """Numbers of a file from byte `offset` on, the last axis fastest; indices are whole numbers and plain slices."""
 
     def __init__(self, path: Path, dtype: np.dtype[Any], offset: int, shape: Sequence[int]) -> None:
         self.dtype, self.shape = np.dtype(dtype), tuple(int(n) for n in shape)

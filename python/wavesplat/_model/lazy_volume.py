@@ -41,9 +41,11 @@ __all__ = ["LazyVolume", "default_memory"]
 SHARE, MOST_DEFAULT = 4, 4 * 10**9
 #: Surveyed levels and kernels that are kept ready.
 MOST_READY = 4
-#: Samples of a level that tells of values, for looks and cameras, at most; and one of how many of the finest level's it has:
-#: first pictures from afar must not wait for what they do not show.
+#: Samples of a level that tells of values, for looks and cameras, at most; and one of how many of the finest level's it
+#: has: first pictures from afar must not wait for what they do not show.
 SMALL, OVERVIEW_SHARE = 1 << 21, 64
+#: Coarser levels that take no more than one part in so many of the memory are copied into it.
+COPY_SHARE = 8
 #: Types that are densities as they are.
 NARROW = ("u1", "i1", "u2", "i2")
 
@@ -417,7 +419,8 @@ class LazyVolume(Volume):
     def arrays(self, level: int) -> LazyArray:
         """The samples of a level; of a small one of a pyramid a copy in memory, which is read once."""
         array = self._levels[level].array
-        if level == 0 or math.prod(array.shape) > SMALL or array.is_in_memory:
+        n_bytes = math.prod(array.shape) * array.dtype.itemsize
+        if level == 0 or array.is_in_memory or n_bytes > self._memory // COPY_SHARE:
             return array
         copy: LazyArray | None = self._ready.get(("copy", level))
         if copy is None:

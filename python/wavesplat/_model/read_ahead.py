@@ -97,9 +97,10 @@ class BoxReader:
         try:
             part = read()
             if part.shape != samples[place].shape:
+                name, wanted = self._arrays[which].name, samples[place].shape
                 raise FileError(
-                    f"{self._arrays[which].name!r}: samples {box[0]} to {box[1]} (z, y, x) came with shape {part.shape} instead "
-                    f"of {samples[place].shape}; mend what gives them"
+                    f"{name!r}: samples {box[0]} to {box[1]} (z, y, x) came with shape {part.shape}, not {wanted}; "
+                    "mend what gives them"
                 )
             samples[place] = part
         except FileError as error:

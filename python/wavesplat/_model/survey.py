@@ -146,7 +146,8 @@ def surveyed(
         def around(box: Box) -> Box:
             return _native.samples_for(shape, box, kernel, n_nonfinite, world_from_index)
 
-        _read_prepared(array, memory, around, add, holes, _part_of(progress, n_passes - 1, n_passes))
+        told = _part_of(progress, n_passes - 1, n_passes)
+        _read_prepared(array, memory, around, add, holes=holes, progress=told)
     survey = Survey(shape, core, prepared, kernel, steps)
     if file is not None and not n_missing:
         with suppress(FileError, OSError):  # a full disk must not keep a picture from being drawn
@@ -204,6 +205,7 @@ def _read_prepared(
     memory: int,
     around: Callable[[Box], Box],
     add: Callable[[NDArray[Any], Box, Box], None],
+    *,
     holes: bool,
     progress: Callable[[float], object] | None,
 ) -> None:

@@ -23,7 +23,7 @@ from wavesplat.errors import CancelledError, LimitError
 __all__ = ["Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
 
 #: Share of a budget that is for the samples of two steps; the rest is for bounds and for what is being unpacked.
-FOR_SAMPLES = 0.5
+FOR_SAMPLES = 0.4
 
 Progress = Callable[[float], object]
 

@@ -145,7 +145,8 @@ impl PySurvey {
     /// Smallest and largest finite sample, and how many are not finite.
     #[getter]
     fn statistics(&self) -> (f64, f64, usize) {
-        let Statistics { min, max, n_nonfinite } = self.survey.lock().unwrap_or_else(PoisonError::into_inner).statistics();
+        let Statistics { min, max, n_nonfinite } =
+            self.survey.lock().unwrap_or_else(PoisonError::into_inner).statistics();
         (min, max, n_nonfinite)
     }
 

@@ -145,10 +145,9 @@ impl PyFrame<'_> {
         };
         let effort = match self.psnr {
             Some(psnr_db) => Effort::Psnr(Wanted { psnr_db, like: self.like.map(Measured::from) }),
-            None => Effort::Fixed(Sampling {
-                sheets_per_slice: self.sheets_per_slice,
-                oversampling: self.oversampling,
-            }),
+            None => {
+                Effort::Fixed(Sampling { sheets_per_slice: self.sheets_per_slice, oversampling: self.oversampling })
+            }
         };
         Ok(FrameOptions {
             kernel: Kernel::from_name(&self.kernel).map_err(to_py)?,

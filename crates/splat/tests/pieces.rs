@@ -13,10 +13,10 @@ use wavesplat_splat::Layer;
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile, samples_of, tiles_of};
 use wavesplat_splat::render::plan::Plan;
-use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::segments::{can_fold, fold};
 use wavesplat_splat::render::stream::{IndexBox, Storage, StreamPlan, volume_of};
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
@@ -226,8 +226,7 @@ fn surveyed(whole: &Slices, data: &Data, random: &mut Random) -> Slices<'static>
             [0, 1, 2].map(|a| place[a] * chunk[a]..((place[a] + 1) * chunk[a]).min(SIZE[a]))
         })
         .collect();
-    let needs_prepared =
-        matches!(kernel, Kernel::Bspline2 | Kernel::Bspline3) || grid.statistics().n_nonfinite > 0;
+    let needs_prepared = matches!(kernel, Kernel::Bspline2 | Kernel::Bspline3) || grid.statistics().n_nonfinite > 0;
     let mut survey = Survey::new(SIZE, kernel, 1 << 20, &[step]);
     let mut prepared = Survey::new(SIZE, kernel, 1 << 20, &[step]);
     for part in &parts {

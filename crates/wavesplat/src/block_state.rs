@@ -25,7 +25,9 @@ impl BlockState {
         for (k, tile) in self.tiles.iter().enumerate() {
             if let Some(tile) = tile {
                 let own = tile.to_bytes();
-                [k as u64, own.len() as u64].iter().for_each(|n| bytes.extend_from_slice(&n.to_le_bytes()));
+                for n in [k as u64, own.len() as u64] {
+                    bytes.extend_from_slice(&n.to_le_bytes());
+                }
                 bytes.extend_from_slice(&own);
             }
         }
@@ -44,7 +46,8 @@ impl BlockState {
         let n_tiles = usize::try_from(n_tiles).ok().filter(|n| *n <= most_tiles)?;
         let mut tiles = vec![None; n_tiles];
         while !rest.is_empty() {
-            let [k, length] = [number(&mut rest)?, number(&mut rest)?].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+            let [k, length] =
+                [number(&mut rest)?, number(&mut rest)?].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
             let (own, others) = rest.split_at_checked(length)?;
             *tiles.get_mut(k)? = Some(TileState::from_bytes(own)?);
             rest = others;

@@ -141,7 +141,13 @@ impl Scene<'_> {
             if let Effort::Psnr(wanted) = options.effort {
                 let (picture, report, estimate) = render_to_psnr(layers, camera, render_options, &wanted, callback)?;
                 times.draw = now() - prepared;
-                return Ok(Frame { picture, report, sampling: estimate.sampling, estimate: Some(estimate), times: None });
+                return Ok(Frame {
+                    picture,
+                    report,
+                    sampling: estimate.sampling,
+                    estimate: Some(estimate),
+                    times: None,
+                });
             }
             let plan = Plan::new(Level::best(), layers, camera, render_options)?;
             let planned = now();

@@ -91,13 +91,14 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
 }
 
 pub use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, LevelGrid, Light,
-    LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction, Volume,
+    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, LevelGrid,
+    Light, LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction,
+    Volume,
 };
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
+pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
 pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::source::survey::Survey;
-pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
 pub use wavesplat_splat::{ProgressCallback, Report};
 pub use wavesplat_wavelet::{Keep, Norm, WaveletFamily, WaveletVolume};

@@ -133,7 +133,8 @@ impl Scene<'static> {
             };
             storage.push(volume.storage());
         }
-        let slices: Vec<Slices<'static>> = self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
+        let slices: Vec<Slices<'static>> =
+            self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
         if slices.iter().any(|own| own.kernel() != options.kernel) {
             let mend = "look through the samples for the kernel that they are drawn with";
             return Err(Error::out_of_range("kernel of a lazy volume", "another one", "the picture's", mend));
@@ -313,8 +314,7 @@ impl Stream {
 
     /// The picture of all that was put.
     pub fn picture(&self) -> Frame {
-        let picture: Picture =
-            parallel::with_threads(self.n_threads, || finish(&self.plan, &self.pictures));
+        let picture: Picture = parallel::with_threads(self.n_threads, || finish(&self.plan, &self.pictures));
         Frame { picture, report: self.report.clone(), sampling: self.sampling, estimate: None, times: None }
     }
 

@@ -29,13 +29,16 @@ impl TileState {
     /// reads them back.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Self { rgba, value, length, s_half, found, done } = self;
-        let mut bytes = Vec::with_capacity(24 + 4 * LANES * (4 * rgba.len() + value.len() + length.len() + s_half.len()));
+        let mut bytes =
+            Vec::with_capacity(24 + 4 * LANES * (4 * rgba.len() + value.len() + length.len() + s_half.len()));
         for n in [rgba.len(), value.len(), length.len(), s_half.len(), found.len(), done.len()] {
             bytes.extend_from_slice(&(n as u32).to_le_bytes());
         }
         let lanes = rgba.as_flattened().iter().chain(value).chain(length).chain(s_half);
         lanes.flat_map(|lanes| lanes.0).for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
-        found.iter().for_each(|bits| bytes.extend_from_slice(&bits.to_le_bytes()));
+        for bits in found {
+            bytes.extend_from_slice(&bits.to_le_bytes());
+        }
         bytes.extend(done.iter().map(|done| u8::from(*done)));
         bytes
     }

@@ -30,7 +30,6 @@ use wavesplat_core::{Error, Result};
 /// in the order in which rays meet them. `slices`: of each layer, the whole volume, or a box with what [`samples_of`] tells. `states`: of
 /// these tiles after the slabs before, from the first one on without gaps; `None` where nothing has been seen yet. Returns
 /// the states after these slabs. `callback` hears how many of the tiles are done, and may cancel ([`Error::Cancelled`]).
-#[expect(clippy::too_many_arguments, reason = "what a piece is, and who hears of it")]
 pub fn draw_piece(
     plan: &Plan,
     family: usize,

@@ -9,10 +9,10 @@
 
 use std::ops::Range;
 
+use crate::ray::state::TileState;
 use crate::render::plan::{FamilyPlan, Plan};
 use crate::render::tile::{TileJob, n_tiles};
 use crate::sheet::spacing::SheetSpacing;
-use crate::ray::state::TileState;
 use crate::sheet::tile_layout::{BLOCK_V, Chunk, TILE_U, TILE_V};
 use crate::source::geometry::SheetGeometry;
 use crate::source::slices::{Slices, needed_samples};
@@ -282,7 +282,7 @@ impl<'a> Reader<'a> {
         let n = n_tiles(&self.family.plane);
         let mut cuts = [1, 1];
         while cuts[0] * cuts[1] < n_blocks.min(n[0] * n[1]) {
-            self.cut_once_more(&mut cuts, n, 1.0);
+            Self::cut_once_more(&mut cuts, n, 1.0);
         }
         let chunk = self.storage[0].chunk[self.family.plane.family.axes[2]];
         // Whole layers of chunks, several where they are thin.
@@ -309,7 +309,7 @@ impl<'a> Reader<'a> {
             } else if cuts == n {
                 depth = (depth / 2).max(1);
             } else {
-                self.cut_once_more(&mut cuts, n, most as f64 / budget as f64);
+                Self::cut_once_more(&mut cuts, n, most as f64 / budget as f64);
             }
         }
     }
@@ -323,7 +323,7 @@ impl<'a> Reader<'a> {
 
     /// More parts along the longer side of the blocks; along v where they are alike, so that rows of samples stay long.
     /// `ratio`: by how much they are too large.
-    fn cut_once_more(&self, cuts: &mut [usize; 2], n: [usize; 2], ratio: f64) {
+    fn cut_once_more(cuts: &mut [usize; 2], n: [usize; 2], ratio: f64) {
         let length = [n[0] * TILE_U / cuts[0], n[1] * TILE_V / cuts[1]];
         let axis = usize::from(2 * length[1] >= length[0] && cuts[1] < n[1] || cuts[0] >= n[0]);
         let more = (cuts[axis] as f64 * (0.25 * (ratio - 1.0)).clamp(0.0, 1.0)) as usize;
@@ -359,13 +359,13 @@ impl<'a> Reader<'a> {
         while start < all.end {
             let segment_end = self.segment_end(start, all.end);
             let first = self.needed(tiles, &(start..start + 1), 0)[axis].clone();
-            let (fits, mut end): (Box<dyn Fn(&Range<usize>) -> bool>, _) = if ascends {
-                let limit = (first.end.div_ceil(per_step) * per_step).min(size);
-                (Box::new(move |own| own.end <= limit), start + 1)
+            let limit = if ascends {
+                (first.end.div_ceil(per_step) * per_step).min(size)
             } else {
-                let limit = first.start / per_step * per_step;
-                (Box::new(move |own| own.start >= limit), start + 1)
+                first.start / per_step * per_step
             };
+            let fits = |own: &Range<usize>| if ascends { own.end <= limit } else { own.start >= limit };
+            let mut end = start + 1;
             // Needs only grow: the last slab that fits is found by halving.
             let mut beyond = segment_end + 1;
             while beyond - end > 1 {
@@ -380,7 +380,9 @@ impl<'a> Reader<'a> {
             let new = held
                 .iter()
                 .enumerate()
-                .map(|(layer, held)| before.map_or(vec![held.clone()], |before| beyond_along(axis, held, &before[layer])))
+                .map(|(layer, held)| {
+                    before.map_or(vec![held.clone()], |before| beyond_along(axis, held, &before[layer]))
+                })
                 .collect();
             steps.push(StreamStep { slabs, held, new, served });
             start = end;
@@ -397,7 +399,8 @@ impl<'a> Reader<'a> {
         let Some(slices) = self.segment_slices else { return end };
         let spacing = self.spacing();
         let per_slice = 1.0 / spacing.step;
-        let sheet = |segment: usize| (((segment * slices.max(1)) as f64 * per_slice).round() as usize).min(spacing.n_slabs);
+        let sheet =
+            |segment: usize| (((segment * slices.max(1)) as f64 * per_slice).round() as usize).min(spacing.n_slabs);
         let ascending = self.family.plane.family.ascending;
         // The sheet in front of the slab, and so the segment that it lies in.
         let place = if ascending { slab } else { spacing.n_slabs - slab };

@@ -133,7 +133,7 @@ fn folded(axis: &Axis, lo: i64, hi: i64) -> Range<usize> {
     let inside = lo.max(0)..(hi + 1).min(end);
     let (mut first, mut last) =
         if inside.is_empty() { (usize::MAX, 0) } else { (inside.start as usize, inside.end as usize - 1) };
-    for i in (lo..hi.min(-1) + 1).chain(lo.max(end)..hi + 1) {
+    for i in (lo..=hi.min(-1)).chain(lo.max(end)..=hi) {
         let i = fold(axis.kernel, i, axis.n_samples);
         (first, last) = (first.min(i), last.max(i));
     }

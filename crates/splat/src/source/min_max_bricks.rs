@@ -166,7 +166,9 @@ impl Reach {
         bricks: [Range<usize>; 3],
     ) -> Vec<[f32; 2]> {
         let mut bounds = self.bounds_within(rows, lo, n, bricks);
-        bounds.iter_mut().for_each(|bounds| *bounds = self.widened(*bounds));
+        for bounds in &mut bounds {
+            *bounds = self.widened(*bounds);
+        }
         bounds
     }
 

@@ -73,9 +73,9 @@ class FrameArguments(TypedDict):
     early_ray_termination: bool
 
 #: First and end of samples along (z, y, x).
-Box: TypeAlias = tuple[tuple[int, int, int], tuple[int, int, int]]
+_Box: TypeAlias = tuple[tuple[int, int, int], tuple[int, int, int]]
 #: Samples [z, y, x] of a box of a level, and where it begins.
-LevelBox: TypeAlias = tuple[NDArray[np.float32], tuple[int, int, int]]
+_LevelBox: TypeAlias = tuple[NDArray[np.float32], tuple[int, int, int]]
 
 @final
 class Survey:
@@ -105,7 +105,7 @@ class Survey:
         self,
         samples: NDArray[Any],
         lo: tuple[int, int, int],
-        inner: Box,
+        inner: _Box,
         kernel: str,
         statistics: tuple[float, float, int],
         world_from_index: NDArray[np.float64],
@@ -142,7 +142,7 @@ class LazyVolume:
         level: tuple[
             tuple[int, int, int],
             NDArray[np.float64],
-            tuple[NDArray[np.float64], LevelBox, LevelBox, tuple[float, float]] | None,
+            tuple[NDArray[np.float64], _LevelBox, _LevelBox, tuple[float, float]] | None,
         ]
         | None,
     ) -> LazyVolume: ...
@@ -181,8 +181,8 @@ class Stream:
     def n_boxes(self) -> int: ...
     def n_rays(self, block: int) -> int: ...
     def bytes_held(self, block: int) -> int: ...
-    def held(self, block: int, step: int) -> list[Box]: ...
-    def reads(self, block: int, step: int, is_first: bool, state: BlockState) -> list[list[Box]]: ...
+    def held(self, block: int, step: int) -> list[_Box]: ...
+    def reads(self, block: int, step: int, is_first: bool, state: BlockState) -> list[list[_Box]]: ...
     def draw(
         self,
         block: int,
@@ -352,8 +352,8 @@ def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64
     """Steps (z, y, x) between the samples that light is worked out from."""
 
 def samples_for(
-    shape: tuple[int, int, int], part: Box, kernel: str, n_nonfinite: int, world_from_index: NDArray[np.float64]
-) -> Box:
+    shape: tuple[int, int, int], part: _Box, kernel: str, n_nonfinite: int, world_from_index: NDArray[np.float64]
+) -> _Box:
     """The box of samples that a box of coefficients, or of samples whose holes are filled, is made of."""
 
 def render_standard(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -102,6 +103,8 @@ class _FilePages(_Pages):
         import tifffile
 
         self._file = tifffile.TiffFile(path)
+        # Closed with these pages, rather than by the garbage collector's warning.
+        weakref.finalize(self, self._file.close)
         self._pages = self._file.series[0].pages
         self._numbers, self._inside, self._turned = numbers, tuple(inside), turned
         self._lock = Lock()

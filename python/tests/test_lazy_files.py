@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -60,6 +62,33 @@ def _itk(suffix, compressed=False):
 
         SimpleITK.WriteImage(volume.to_sitk(), str(folder / f"a{suffix}"), compressed)
         return folder / f"a{suffix}", {}
+
+    return write
+
+
+def _skipping_nrrd(folder, volume):
+    data = b"one\ntwo\nabc" + volume.samples.astype(">i2").tobytes()
+    z, y, x = volume.shape
+    header = f"NRRD0004\ntype: short\ndimension: 3\nsizes: {x} {y} {z}\nencoding: raw\nendian: big\n"
+    (folder / "s.raw").write_bytes(data)
+    (folder / "s.nhdr").write_text(header + "line skip: 2\nbyte skip: 3\ndata file: s.raw\n")
+    return folder / "s.nhdr", {}
+
+
+def _nrrd_at_the_end(folder, volume):
+    path, _ = _itk(".nrrd")(folder, volume)
+    head, _, data = path.read_bytes().partition(b"\n\n")
+    path.write_bytes(head + b"\nbyte skip: -1\n\nwhatever\n" + data)
+    return path, {}
+
+
+def _skipping_meta_image(skip):
+    def write(folder, volume):
+        _itk(".mhd")(folder, volume)
+        header, data = folder / "a.mhd", folder / "a.raw"
+        header.write_text(header.read_text().replace("ElementDataFile", f"HeaderSize = {skip}\nElementDataFile"))
+        data.write_bytes(b"12345" + data.read_bytes())
+        return header, {}
 
     return write
 
@@ -142,6 +171,10 @@ KINDS = {
     "NIfTI in two files": _nifti_pair,
     "NRRD": _itk(".nrrd"),
     "NRRD in two files": _itk(".nhdr"),
+    "NRRD that skips lines and bytes": _skipping_nrrd,
+    "NRRD at the end of the file": _nrrd_at_the_end,
+    "MetaImage that skips bytes": _skipping_meta_image(5),
+    "MetaImage at the end of the file": _skipping_meta_image(-1),
     "MetaImage": _itk(".mha"),
     "MetaImage in two files": _itk(".mhd"),
     "HDF5": _hdf5,
@@ -170,6 +203,40 @@ def test_what_is_left_in_the_file_is_what_open_reads(kind, tmp_path):
     assert np.array_equal(*(picture.rgba for picture in pictures))
 
 
+FORKING = """
+import multiprocessing, sys
+import numpy as np
+import wavesplat as ws
+
+volumes = [ws.open(path, memory="50 MB") for path in sys.argv[1:]]
+
+def seen(number):
+    volume = volumes[number]
+    rows = [volume.arrays(0).read((z, 0, 0), (z + 1, *volume.shape[1:])) for z in range(volume.shape[0])]
+    return np.concatenate(rows), ws.render(volume, size=(40, 30)).rgba
+
+numbers = range(len(volumes))
+here = [seen(number) for number in numbers]
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    # Both at once: they would disturb each other's places in files that they share.
+    for number, there in zip(list(numbers) * 4, pool.map_async(seen, list(numbers) * 4).get(timeout=100)):
+        assert all(np.array_equal(*pair) for pair in zip(here[number], there)), sys.argv[1 + number]
+print("same")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no process is forked there")
+def test_forked_processes_read_and_draw_as_their_parent(tmp_path):
+    paths = []
+    for kind in ("npy", "NIfTI", "HDF5", "Zarr", "TIFF", "TIFF, packed", "folder of TIFF"):
+        (tmp_path / kind).mkdir()
+        paths.append(str(KINDS[kind](tmp_path / kind, _volume())[0]))
+    done = subprocess.run(
+        [sys.executable, "-c", FORKING, *paths], capture_output=True, text=True, timeout=200, check=False
+    )
+    assert (done.returncode, done.stdout.strip()) == (0, "same"), done.stderr[-2000:]
+
+
 def test_levels_of_ome_zarr_lie_where_they_are_said_to(tmp_path):
     path, options = _ome_zarr(tmp_path, _volume())
     lazy = ws.open(path, memory="50 MB", **options)
@@ -188,9 +255,16 @@ def test_channels_of_a_file_become_lazy_layers(tmp_path):
     assert scene.render(size=(20, 20)).rgba[..., 3].max() > 0
 
 
+def _as_text(folder, volume):
+    path, _ = _itk(".mha")(folder, volume)
+    path.write_bytes(path.read_bytes().replace(b"BinaryData = True", b"BinaryData = False"))
+    return path
+
+
 @pytest.mark.parametrize(
     ("kind", "match"),
     [
+        (_as_text, "as text"),
         (lambda folder, v: (v.save(folder / "a.nii.gz"), folder / "a.nii.gz")[1], "one stream.*gunzip"),
         (lambda folder, v: _itk(".nrrd", True)(folder, v)[0], "one stream"),
         (lambda folder, v: _itk(".mha", True)(folder, v)[0], "one stream"),

@@ -7,7 +7,9 @@
 #[cfg(feature = "threads")]
 use std::cell::RefCell;
 #[cfg(feature = "threads")]
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+#[cfg(feature = "threads")]
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Calls `work` for every index of `0..n` and returns the results in order.
 pub fn map<T: Send>(n: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
@@ -59,8 +61,31 @@ fn share<P: Send>(pieces: impl ExactSizeIterator<Item = P> + Send, work: impl Fn
 fn in_scope<'a>(work: impl FnOnce(&rayon::Scope<'a>)) {
     match OWN.with_borrow(|own| own.as_ref().and_then(|own| own.helpers.clone())) {
         Some(helpers) => helpers.in_place_scope(work),
-        None => rayon::in_place_scope(work),
+        None => match forked_pool(N_FORKS.load(Ordering::Relaxed)) {
+            Some(pool) => pool.in_place_scope(work),
+            None => rayon::in_place_scope(work),
+        },
     }
+}
+
+/// How often this process and its ancestors were forked since the pool was made.
+#[cfg(feature = "threads")]
+static N_FORKS: AtomicUsize = AtomicUsize::new(0);
+
+/// Says that this process was just made by `fork`, which keeps no thread but the caller's: helpers are made anew.
+/// Without it the first parallel work would wait for ever for the parent's.
+pub fn after_fork() {
+    #[cfg(feature = "threads")]
+    N_FORKS.fetch_add(1, Ordering::Relaxed);
+}
+
+/// The threads of the `n`th of a chain of forks; `None` for the first process, whose threads are rayon's own, and where
+/// the system gives none.
+#[cfg(feature = "threads")]
+fn forked_pool(n: usize) -> Option<&'static rayon::ThreadPool> {
+    /// One for each process of a chain, as a lock that was taken while forking stays taken.
+    static POOLS: [OnceLock<Option<rayon::ThreadPool>>; 8] = [const { OnceLock::new() }; 8];
+    POOLS.get(n.checked_sub(1)?)?.get_or_init(|| rayon::ThreadPoolBuilder::new().build().ok()).as_ref()
 }
 
 /// Calls the `k`th of `n` helpers, which first calls two others: waking all of them would keep the caller.
@@ -126,7 +151,10 @@ impl Threads {
 pub fn n_threads() -> usize {
     #[cfg(feature = "threads")]
     {
-        OWN.with_borrow(|own| own.as_ref().map(|own| own.n)).unwrap_or_else(rayon::current_num_threads)
+        OWN.with_borrow(|own| own.as_ref().map(|own| own.n)).unwrap_or_else(|| match N_FORKS.load(Ordering::Relaxed) {
+            0 => rayon::current_num_threads(),
+            n => forked_pool(n).map_or(1, rayon::ThreadPool::current_num_threads),
+        })
     }
     #[cfg(not(feature = "threads"))]
     {
@@ -165,6 +193,12 @@ mod tests {
             assert_eq!(map(7, |i| map(i, |k| k).len()), [0, 1, 2, 3, 4, 5, 6]);
         });
         for_each(0, |_| unreachable!());
+    }
+
+    #[test]
+    fn a_forked_process_has_threads_of_its_own() {
+        assert!(forked_pool(1).unwrap().current_num_threads() >= 1);
+        assert!(forked_pool(9).is_none(), "too long a chain: one thread");
     }
 
     #[test]

@@ -14,11 +14,21 @@ mod wavelet;
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Threads of its own for a process made by forking, as `multiprocessing` does on Linux.
+#[pyfunction]
+fn after_fork() {
+    wavesplat::after_fork();
+}
 
 /// The compiled half of the Python package; its contract is `_native.pyi`.
 #[pymodule]
 mod _native {
-    use super::{Bound, PyImportError, PyModule, PyModuleMethods, PyResult};
+    use super::{
+        Bound, PyAnyMethods, PyDict, PyDictMethods, PyImportError, PyModule, PyModuleMethods, PyResult, after_fork,
+        wrap_pyfunction,
+    };
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
@@ -43,6 +53,12 @@ mod _native {
         if let Ok(name) = std::env::var("WAVESPLAT_SIMD") {
             let wrong = |why: String| PyImportError::new_err(format!("WAVESPLAT_SIMD: {why}; unset it for the widest"));
             wavesplat::use_simd(&name).map_err(wrong)?;
+        }
+        let os = module.py().import("os")?;
+        if os.hasattr("register_at_fork")? {
+            let hooks = PyDict::new(module.py());
+            hooks.set_item("after_in_child", wrap_pyfunction!(after_fork, module)?)?;
+            os.call_method("register_at_fork", (), Some(&hooks))?;
         }
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }

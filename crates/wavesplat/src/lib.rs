@@ -90,6 +90,7 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
     wavesplat_compute::simd::Level::choose(name).map(|_| ())
 }
 
+pub use wavesplat_compute::parallel::after_fork;
 pub use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, LevelGrid,
     Light, LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction,

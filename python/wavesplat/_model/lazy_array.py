@@ -8,6 +8,7 @@ another process are sent by the name of their file, and opened there.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -130,6 +131,7 @@ class SlicedArray:
         check: Callable[[Any, Sequence[int | slice]], None] | None = None,
     ) -> None:
         self._array, self._opened = array, opened
+        self._process = os.getpid()
         self._order, self._picked = order, tuple(picked)
         self._convert, self._check = convert, check
         self.name, self.token, self.n_readers = name, token, n_readers
@@ -145,8 +147,9 @@ class SlicedArray:
 
     @property
     def _source(self) -> Any:
-        if self._array is None and self._opened is not None:
-            self._array = self._opened()
+        # A process made by forking shares the places in open files with its parent: it opens them anew.
+        if self._opened is not None and (self._array is None or self._process != os.getpid()):
+            self._array, self._process = self._opened(), os.getpid()
         return self._array
 
     def _index(self, lo: Shape, hi: Shape) -> tuple[int | slice, ...]:

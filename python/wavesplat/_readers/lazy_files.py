@@ -189,7 +189,8 @@ def _of_itk(request: Request) -> LazyGrid:
     encoding = fields.get("encoding", "raw").lower()
     if packed or encoding in ("gzip", "gz", "bzip2", "bz2"):
         raise _one_stream(path, "zlib" if packed else encoding)
-    if encoding != "raw" or path.suffix.lower() == ".vtk":
+    is_text = encoding != "raw" or fields.get("binarydata", "true").lower()[:1] not in ("t", "1")
+    if is_text or path.suffix.lower() == ".vtk":
         raise FileError(f"the samples are written as text or for VTK; open the file without memory=: {path}")
     places = detached_samples.places_of_samples(path, anywhere=request.external_files)
     if len(places) != 1:
@@ -205,17 +206,31 @@ def _of_itk(request: Request) -> LazyGrid:
         matrix = itk.world_from_index_of(reader, header)
     if len(size) != 3 or n_components != 1:
         raise FileError(f"the file holds several times or channels; open it without memory=: {path}")
-    endian = fields.get("endian", "little").lower()
-    is_big = (
-        endian == "big"
-        or fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "f")).lower()[0] == "t"
-    )
-    skip = int(fields.get("byte skip", fields.get("headersize", 0)))
-    needed = payload.n_bytes(size, dtype)
-    offset = file.stat().st_size - needed if skip == -1 else offset + skip
+    byte_order = fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "f")).lower()
+    is_big = fields.get("endian", "little").lower() == "big" or byte_order[:1] in ("t", "1")
+    offset = _first_sample(file, offset, fields, payload.n_bytes(size, dtype))
     stored = dtype.newbyteorder(">" if is_big else "<")
     array = _stored(file, stored, offset, size[::-1], order=(0, 1, 2), picked=[None] * 3)
     return LazyGrid([array], [matrix], header.facts)
+
+
+def _first_sample(file: Path, offset: int, fields: dict[str, str], n_bytes: int) -> int:
+    """Bytes before the first sample in a file, of which `offset` are a header; what NRRD and MetaImage skip is added.
+
+    NRRD skips lines first, then bytes: https://teem.sourceforge.net/nrrd/format.html#lineskip. -1 stands for as many
+    bytes as leave the samples at the end of the file. MetaImage counts from the start of the file.
+    """
+    meta_skip = int(fields.get("headersize", 0))
+    if meta_skip > 0:
+        return meta_skip
+    skip = int(fields.get("byte skip", fields.get("byteskip", meta_skip)))
+    if skip == -1:
+        return file.stat().st_size - n_bytes
+    with file.open("rb") as stream:
+        stream.seek(offset)
+        for _ in range(int(fields.get("line skip", fields.get("lineskip", 0)))):
+            stream.readline()
+        return stream.tell() + skip
 
 
 def _of_hdf5(request: Request) -> LazyGrid:

@@ -25,7 +25,6 @@ from wavesplat._files.places import expanded
 from wavesplat._files.reading import reading
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.facts import Facts
-from wavesplat._model.forked import check_threads
 from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source, of_file, then
 from wavesplat._model.volume import Volume
@@ -151,7 +150,6 @@ class WaveletVolume(Grid):
             )
         how, amount = _what_stays(threshold, keep, psnr)
         peak = normalisation == "peak"
-        check_threads("make coefficients")
         core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
         made = cls(core, volume.name, volume.world_from_index, family, volume.facts)
         options = {how: float(amount), "levels": levels, "normalisation": normalisation}
@@ -235,7 +233,6 @@ class WaveletVolume(Grid):
         >>> wavelets.level(2).to_volume().shape  # smooth, on all samples
         (16, 16, 16)
         """
-        check_threads("decode coefficients")
         check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
         weights = (0.0,) * self._left_out + self._weights[self._left_out :]
         samples = self._core.samples(weights)
@@ -349,7 +346,6 @@ class WaveletVolume(Grid):
             "values": values,
         }
         # Found by decoding everything: once here, not before the first picture of each program.
-        check_threads("decode coefficients")
         value_range = np.array(self._core.value_range, np.float32)
         if np.isfinite(value_range).all():
             arrays["value_range"] = value_range
@@ -422,7 +418,6 @@ class WaveletVolume(Grid):
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]."""
         decoded = self._decoded()
-        check_threads("decode coefficients")
         return decoded.every(step)
 
     def _check_levels(self, left_out: int) -> None:
@@ -436,7 +431,6 @@ class WaveletVolume(Grid):
         key = left_out, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:
-            check_threads("decode coefficients")
             share = self._cache_bytes // LARGEST_SHARE
             decoded = self._core.decoded(left_out, self._weights, self._world_from_index, self._name, share)
         self._decoded_levels[key] = decoded

@@ -21,7 +21,6 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera, check_place, check_view
 from wavesplat._model.clips import Clipping
 from wavesplat._model.cutting import Boxes, without
-from wavesplat._model.forked import threads_here
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS, Composite
 from wavesplat._model.volume import Volume
@@ -194,7 +193,7 @@ def checked_count(number: int | None, name: str) -> int | None:
 
 def chosen_threads(number: int | None) -> int | None:
     """How many threads draw, as the compiled module takes it."""
-    return threads_here(checked_count(number, "threads"))
+    return checked_count(number, "threads")
 
 
 def region(clipping: Clipping) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._files.memory import check_room
 from wavesplat._model import affine, units
-from wavesplat._model.forked import drawing, threads_here
+from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.vectors import Vector
 from wavesplat._model.volume import Volume
@@ -122,7 +122,7 @@ def _resampled(volume: Volume, axes: Array) -> Volume:
                 slab="maximum",
                 n_planes=1,
                 step=(0.0, 0.0, 0.0),
-                threads=threads_here(None),
+                threads=None,
             )
     spacing = " x ".join(f"{step:.4g}" for step in steps)
     how = f"resampled onto the axes of another volume, spacing {spacing}"

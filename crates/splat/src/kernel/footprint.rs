@@ -146,6 +146,15 @@ impl Axis {
     }
 }
 
+/// The sample from which the positions `origin + i · step` of a group are counted, so that f32 holds them well, and where
+/// the first of them is from there. `last`: position of the last sample.
+#[inline(always)]
+pub fn group_base([origin, step]: [f64; 2], group: usize, last: f64) -> (f64, f32) {
+    let first = origin + step * (group * LANES) as f64;
+    let base = first.min(first + step * (LANES - 1) as f64).clamp(0.0, last).floor();
+    (base, (first - base) as f32)
+}
+
 impl AxisFootprints {
     /// Rebuilds the tables for the positions `origin + i · step`, in samples, in those of `n_groups` groups that are
     /// `wanted`, as bits. After it, differences are ready when [`AxisFootprints::make_difference`] was called. Runs at the
@@ -285,13 +294,8 @@ impl AxisFootprints {
     /// counted from the window's first sample, which is returned with the last one.
     #[inline(always)]
     fn build_inside(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, offset: usize) -> [i64; 2] {
-        let group_span = step * (LANES - 1) as f64;
         let last = axis.last();
-        let group_base = |g: usize| {
-            let first = origin + step * (g * LANES) as f64;
-            let base = first.min(first + group_span).clamp(0.0, last).floor();
-            (base, (first - base) as f32)
-        };
+        let group_base = |g: usize| group_base([origin, step], g, last);
         let (reach, offset) = (reach(axis.kernel) as i64, offset as i64);
         let lowest = group_base(0).0.min(group_base(n_groups - 1).0) as i64 - reach - offset;
         let mut highest = lowest;

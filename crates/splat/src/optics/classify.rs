@@ -52,10 +52,14 @@ pub struct TransferTables<'a> {
     pub segments: &'a [Entry],
     /// Density of the first entry.
     pub first: f32,
+    /// Density of the last entry.
+    pub last: f32,
     /// Entries per density.
     pub per_density: f32,
     /// Densities beyond which nothing is visible.
     pub visible_range: [f32; 2],
+    /// The colour of all that is visible, where there is only one.
+    pub only_color: Option<[f32; 3]>,
 }
 
 impl Classifier {
@@ -137,8 +141,15 @@ impl Classifier {
 
     /// The tables as plain arrays.
     pub fn arrays(&self) -> TransferTables<'_> {
-        let Self { table, segments, lo, per_density, visible_range, .. } = self;
-        TransferTables { colors: table, segments, first: *lo, per_density: *per_density, visible_range: *visible_range }
+        TransferTables {
+            colors: &self.table,
+            segments: &self.segments,
+            first: self.lo,
+            last: self.hi,
+            per_density: self.per_density,
+            visible_range: self.visible_range,
+            only_color: self.only_color,
+        }
     }
 
     /// Densities beyond which nothing is visible.

@@ -42,7 +42,37 @@ enum Kind {
     Both(Table),
 }
 
+/// What the gradient decides as plain arrays: what another backend takes.
+#[derive(Clone, Copy, Debug)]
+pub enum GradientTables<'a> {
+    /// Factors of the optical depth, first of each entry, the last of which stands twice.
+    Factor {
+        /// Entries, from magnitude 0 on.
+        table: &'a [Entry],
+        /// Entries per magnitude.
+        per_magnitude: f32,
+    },
+    /// Red, green, blue and optical depth by density and magnitude.
+    Both {
+        /// Rows of densities, one row per magnitude; the last entry stands twice.
+        entries: &'a [Entry],
+        /// Entries, first, and step, of densities and of magnitudes.
+        along: [(usize, f64, f64); 2],
+    },
+}
+
 impl GradientOpacity {
+    /// Coefficients of the squared world gradient ([`Metric::numbers`]), and the tables.
+    pub fn arrays(&self) -> ([f32; 6], GradientTables<'_>) {
+        let tables = match &self.kind {
+            Kind::Factor { table, per_magnitude } => GradientTables::Factor { table, per_magnitude: *per_magnitude },
+            Kind::Both(Table { entries, along }) => {
+                GradientTables::Both { entries, along: along.map(|side| (side.n, side.first, side.step)) }
+            }
+        };
+        (self.metric.numbers(), tables)
+    }
+
     /// `None` where the gradient decides nothing. `density_from_sample`: as of the grid.
     pub fn new(
         tf: &TransferFunction,

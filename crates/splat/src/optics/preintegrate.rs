@@ -117,7 +117,7 @@ pub struct PartOpacities<S: Math> {
 }
 
 /// Difference of densities, in table entries, below which a difference of integrals is mostly rounding.
-const LEVEL: f32 = 0.25;
+pub const LEVEL: f32 = 0.25;
 
 /// Equal parts that the visible part of a segments is cut into, to see where its light comes from.
 pub const N_PARTS: usize = 2;

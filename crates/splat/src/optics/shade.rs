@@ -27,6 +27,11 @@ impl Metric {
         Self([uu, vv, ww, twice(0, 1), twice(0, 2), twice(1, 2)].map(|m| m as f32))
     }
 
+    /// The coefficients of uu, vv, ww, uv, uw, vw.
+    pub fn numbers(&self) -> [f32; 6] {
+        self.0
+    }
+
     /// Squared magnitude of the world gradient.
     #[inline(always)]
     pub fn squared<S: Wide>(&self, s: S, gradient: [S::F; 3]) -> S::F {
@@ -76,7 +81,53 @@ pub fn vanishing_gradient_squared(world_from_index: DMat3, range: [f32; 2]) -> f
     (GRADIENT_NOISE * magnitude * per_world).powi(2).max(1e-36)
 }
 
+/// Lights and coefficients as plain numbers: what another backend takes.
+#[derive(Clone, Debug)]
+pub struct ShaderNumbers {
+    /// Weights of the colour without light, under light, and of the highlight.
+    pub ambient_diffuse_specular: [f32; 3],
+    /// Exponent of the highlight.
+    pub specular_power: f32,
+    /// `|n · l|` where there is no normal.
+    pub unoriented: f32,
+    /// Squared world gradients from which on there is a normal.
+    pub vanishing: f32,
+    /// As of [`Metric::numbers`].
+    pub metric: [f32; 6],
+    /// The lights.
+    pub lights: Vec<LightNumbers>,
+}
+
+/// A light as plain numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct LightNumbers {
+    /// Its direction as a form on index gradients along u, v, w.
+    pub on_gradient: [f32; 3],
+    /// The same on view directions as forms.
+    pub on_view: [f32; 3],
+    /// Its colour.
+    pub rgb: [f32; 3],
+    /// Whether all rays run along it.
+    pub is_at_eye: bool,
+}
+
 impl Shader {
+    /// As plain numbers.
+    pub fn numbers(&self) -> ShaderNumbers {
+        let light = |light: &WorldLight| {
+            let WorldLight { on_gradient, on_view, rgb, is_at_eye } = *light;
+            LightNumbers { on_gradient, on_view, rgb, is_at_eye }
+        };
+        ShaderNumbers {
+            ambient_diffuse_specular: [self.ambient, self.diffuse, self.specular],
+            specular_power: self.specular_power,
+            unoriented: self.unoriented,
+            vanishing: self.vanishing,
+            metric: self.metric.numbers(),
+            lights: self.lights.iter().map(light).collect(),
+        }
+    }
+
     /// `range` bounds the densities.
     pub fn new(shading: &Shading, camera: &Camera, world_from_index: DMat3, family: &Family, range: [f32; 2]) -> Self {
         let on_gradient = world_gradient_from_index(world_from_index, family);

@@ -15,7 +15,7 @@ use crate::sheet::tile_rays::Rays;
 
 /// Densities that differ by less, relative to their size, are the same: reconstruction rounds to f32 a few times, and a
 /// plateau on the way up must not look like a maximum.
-const ROUNDING: f32 = 1e-6;
+pub const ROUNDING: f32 = 1e-6;
 
 /// The rays of a tile.
 pub struct LocalMaximum {

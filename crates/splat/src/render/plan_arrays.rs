@@ -8,8 +8,11 @@ use wavesplat_core::Kernel;
 use crate::kernel::footprint::{Axis, AxisFootprints};
 use crate::kernel::slice_taps::SliceTap;
 use crate::render::plan::{FamilyPlan, Plan};
-use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_U, TILE_V};
-use crate::sheet::tile_rays::Rays;
+use crate::render::tile::{TileJob, n_tiles};
+use crate::sheet::tile_layout::{BlockMask, Chunk, N_STRIPS, TILE_U, TILE_V, blocks_with};
+use crate::sheet::tile_rays::{DirectionForms, Rays};
+use crate::source::geometry::SheetGeometry;
+use crate::source::slices::Slices;
 
 /// The footprints of a tile on a sheet.
 pub struct TileFootprints {
@@ -55,11 +58,94 @@ impl FamilyPlan {
     pub fn ray_intervals(&self, plan: &Plan, layer: usize, tile: [usize; 2]) -> Vec<[f32; 2]> {
         let geometry = self.ray_geometry(plan, &plan.layers[layer]);
         let (rays, _) = Rays::new(&geometry, plan.simd, [tile[0] * TILE_U, tile[1] * TILE_V]);
-        let interval = |k: usize| {
-            let (column, row) = (k % TILE_U, k / TILE_U);
-            let [from, to] = rays.lanes(Chunk { strip: column / LANES, row });
-            [from.0[column % LANES], to.0[column % LANES]]
-        };
-        (0..TILE_U * TILE_V).map(interval).collect()
+        intervals_of(&rays)
     }
+}
+
+/// A base plane and its samples, told tile by tile.
+pub struct BasePlaneArrays<'a> {
+    plan: &'a Plan,
+    job: TileJob<'a>,
+}
+
+/// What of a tile is drawn.
+pub struct TileArrays {
+    /// Blocks that the picture needs, and of which a ray meets something.
+    pub blocks: BlockMask,
+    /// The interval of s that each ray draws, row by row: of all layers together, then, where there are several, of each;
+    /// first >= last where it draws nothing.
+    pub intervals: Vec<Vec<[f32; 2]>>,
+    /// Of each layer, the slabs that have something, by their number in the order of the rays, and the blocks in which they
+    /// do.
+    pub slabs: Vec<Vec<(usize, BlockMask)>>,
+}
+
+impl<'a> BasePlaneArrays<'a> {
+    /// `slices`: of each layer.
+    pub fn new(plan: &'a Plan, family: usize, slices: &[&'a Slices<'a>]) -> Self {
+        Self { plan, job: TileJob::new(plan, &plan.families[family], slices) }
+    }
+
+    /// Tiles along u and v.
+    pub fn n_tiles(&self) -> [usize; 2] {
+        n_tiles(&self.job.family.plane)
+    }
+
+    /// Where a layer's samples lie on sheets.
+    pub fn layer(&self, layer: usize) -> &SheetGeometry<'a> {
+        &self.job.layers[layer].geometry
+    }
+
+    /// Where a field's samples lie on sheets.
+    pub fn field(&self, field: usize) -> &SheetGeometry<'a> {
+        &self.job.fields[field]
+    }
+
+    /// Directions of the rays, whose lengths are to be taken in the layer's opacity unit.
+    pub fn direction_forms(&self, layer: usize) -> DirectionForms {
+        self.job.layers[layer].rays.direction_forms()
+    }
+
+    /// What of a tile is drawn.
+    pub fn tile(&self, tile: [usize; 2]) -> TileArrays {
+        let job = &self.job;
+        let spacing = &job.family.spacing;
+        let first = [tile[0] * TILE_U, tile[1] * TILE_V];
+        let nothing = TileArrays { blocks: 0, intervals: Vec::new(), slabs: Vec::new() };
+        let needed = job.needed_blocks(first);
+        if needed == 0 {
+            return nothing;
+        }
+        let is_mixed = job.layers.len() > 1;
+        let (rays, span) = Rays::new(&job.rays, self.plan.simd, first);
+        let alive = needed & blocks_with(|chunk| !rays.none(chunk));
+        let (mut intervals, mut slabs, mut blocks) = (vec![intervals_of(&rays)], Vec::new(), 0);
+        for layer in &job.layers {
+            let (mut range, mut own_alive) = (spacing.range(span), alive);
+            if is_mixed {
+                let (own, span) = Rays::new(&layer.rays, self.plan.simd, first);
+                range = spacing.range(span);
+                own_alive &= blocks_with(|chunk| !own.none(chunk));
+                intervals.push(intervals_of(&own));
+            }
+            let bricks = layer.active_layers(first);
+            let own = if bricks.contains(&true) {
+                layer.active_slabs(spacing, first, range, &(0..usize::MAX), &bricks, own_alive)
+            } else {
+                Vec::new()
+            };
+            blocks |= own.iter().fold(0, |all, slab| all | slab.blocks);
+            slabs.push(own.iter().map(|slab| (slab.place, slab.blocks)).collect());
+        }
+        if blocks == 0 { nothing } else { TileArrays { blocks, intervals, slabs } }
+    }
+}
+
+fn intervals_of(rays: &Rays) -> Vec<[f32; 2]> {
+    let interval = |k: usize| {
+        let (column, row) = (k % TILE_U, k / TILE_U);
+        let [from, to] = rays.lanes(Chunk { strip: column / LANES, row });
+        [from.0[column % LANES], to.0[column % LANES]]
+    };
+    (0..TILE_U * TILE_V).map(interval).collect()
 }

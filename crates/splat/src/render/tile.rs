@@ -72,17 +72,17 @@ pub(super) struct TileJob<'a> {
     pub family: &'a FamilyPlan,
     pub layers: Vec<LayerJob<'a>>,
     /// The rays of all layers together.
-    rays: RayGeometry<'a>,
+    pub rays: RayGeometry<'a>,
     level: Level,
     /// Where the fields lie.
-    fields: Vec<SheetGeometry<'a>>,
+    pub fields: Vec<SheetGeometry<'a>>,
 }
 
 /// A layer on a base plane.
 pub(super) struct LayerJob<'a> {
     pub geometry: SheetGeometry<'a>,
     pub family: &'a FamilyLayer,
-    rays: RayGeometry<'a>,
+    pub rays: RayGeometry<'a>,
 }
 
 impl<'a> TileJob<'a> {

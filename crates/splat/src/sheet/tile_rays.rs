@@ -2,7 +2,7 @@
 //!
 //! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
 
-use glam::{DAffine3, DMat3};
+use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::{LANES, Lanes, Level, Simd, Wide};
 
 use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_V};
@@ -204,7 +204,29 @@ fn halved<T: Copy>(mut lanes: [T; LANES], both: impl Fn(T, T) -> T) -> T {
     lanes[0]
 }
 
+/// Directions of rays, affine in the texel: at texel (0, 0), and the change per texel along u and along v.
+pub struct DirectionForms {
+    /// The way from slice to slice along w, world.
+    pub to_next: [DVec3; 3],
+    /// Towards the eye, as a form on index gradients, times the length of that way.
+    pub to_eye: [DVec3; 3],
+}
+
 impl RayGeometry<'_> {
+    /// The directions of all rays.
+    pub fn direction_forms(&self) -> DirectionForms {
+        let family = &self.plane.family;
+        let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));
+        let form = world_gradient_from_index(self.gradient_steps, family).transpose();
+        let sign = if family.ascending { 1.0 } else { -1.0 };
+        let slope = |i: f64, j: f64| self.plane.ray(i, j).slope;
+        let first = slope(0.0, 0.0);
+        let [along_u, along_v] = [slope(1.0, 0.0)[0] - first[0], slope(0.0, 1.0)[1] - first[1]];
+        let to_next =
+            [columns[0] * first[0] + columns[1] * first[1] + columns[2], columns[0] * along_u, columns[1] * along_v];
+        DirectionForms { to_next, to_eye: to_next.map(|v| form * (v * -sign)) }
+    }
+
     #[inline(always)]
     fn directions(&self, i: usize, j: usize) -> Directions {
         let family = &self.plane.family;

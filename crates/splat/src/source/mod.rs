@@ -9,6 +9,7 @@ pub mod nonfinite;
 pub mod occupancy;
 pub mod point_sampling;
 pub mod slices;
+pub mod stored;
 pub mod strided;
 pub mod survey;
 pub mod transposed;

@@ -29,13 +29,13 @@ use crate::source::window::{SliceRectangle, Turn, Window};
 /// Densities of a volume, ready for one kernel.
 #[derive(Clone)]
 pub struct Slices<'a> {
-    source: SampleSource<'a>,
+    pub(super) source: SampleSource<'a>,
     grid: Grid,
-    prepared: Arc<Prepared>,
+    pub(super) prepared: Arc<Prepared>,
 }
 
 #[derive(Clone)]
-enum SampleSource<'a> {
+pub(super) enum SampleSource<'a> {
     Samples(Samples<'a>),
     /// A volume without samples; its blocks where its densities are not all prepared.
     Decoded(Option<Arc<Blocks>>),
@@ -78,8 +78,8 @@ pub struct Prepared {
     lo: [usize; 3],
     held: [usize; 3],
     /// Densities or spline coefficients, where the samples are not used as they are.
-    densities: Option<Vec<f32>>,
-    mask: Option<Vec<bool>>,
+    pub(super) densities: Option<Vec<f32>>,
+    pub(super) mask: Option<Vec<bool>>,
     range: [f32; 2],
     /// Bounds of the densities; `None` of a box of a volume, which is drawn by those of the whole.
     bricks: Option<Bricks>,
@@ -507,7 +507,7 @@ impl<'a> Slices<'a> {
 }
 
 /// Whether samples are densities as they are.
-fn is_identity(density_from_sample: (f64, f64)) -> bool {
+pub(super) fn is_identity(density_from_sample: (f64, f64)) -> bool {
     density_from_sample == (0.0, 1.0)
 }
 

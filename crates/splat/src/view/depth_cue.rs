@@ -38,6 +38,20 @@ impl DepthCue {
         self.at_origin + self.per_index.dot(index)
     }
 
+    /// The factor on the rays of a base plane, as of [`DepthCue::along`]: at texel (0, 0), and the changes per texel along u
+    /// and along v, in which it is affine.
+    pub fn forms(&self, plane: &BasePlane) -> [[f64; 3]; 2] {
+        let [per_u, per_v, per_w] = plane.family.uvw(self.per_index);
+        let sign = if plane.family.ascending { 1.0 } else { -1.0 };
+        let at = |i: f64, j: f64| {
+            let ray = plane.ray(i, j);
+            let at_zero = self.at_origin + per_u * ray.at_zero[0] + per_v * ray.at_zero[1];
+            [at_zero, sign * (per_u * ray.slope[0] + per_v * ray.slope[1] + per_w)]
+        };
+        let [first, along_u, along_v] = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
+        [0, 1].map(|k| [first[k], along_u[k] - first[k], along_v[k] - first[k]])
+    }
+
     /// The factor on the rays of a run of texels that begins at `(i, j)`: at `s = 0`, and its change per s, the slice
     /// coordinate with the sign that makes it grow along the ray.
     pub fn along(&self, plane: &BasePlane, i: usize, j: usize) -> [Lanes; 2] {

@@ -1,0 +1,102 @@
+//! Adapters: the GPUs of this machine, as its drivers tell of them, and the choice of one.
+
+use wgpu::{Backends, DeviceType, Instance, InstanceDescriptor, InstanceFlags};
+
+use crate::failure::{Failure, Result};
+
+/// A GPU as its driver tells of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Adapter {
+    /// As the driver names it.
+    pub name: String,
+    /// Vulkan, Metal or DX12.
+    pub backend: &'static str,
+    /// Discrete, integrated, virtual, software, or other.
+    pub kind: &'static str,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// Numbers of vendor and device, as of PCI.
+    pub ids: [u32; 2],
+}
+
+impl Adapter {
+    fn of(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        let kind = match info.device_type {
+            DeviceType::DiscreteGpu => "discrete",
+            DeviceType::IntegratedGpu => "integrated",
+            DeviceType::VirtualGpu => "virtual",
+            DeviceType::Cpu => "software",
+            DeviceType::Other => "other",
+        };
+        let backend = match info.backend {
+            wgpu::Backend::Vulkan => "Vulkan",
+            wgpu::Backend::Metal => "Metal",
+            wgpu::Backend::Dx12 => "DX12",
+            wgpu::Backend::Gl => "OpenGL",
+            wgpu::Backend::BrowserWebGpu => "WebGPU",
+            wgpu::Backend::Noop => "none",
+        };
+        let driver = [info.driver, info.driver_info].join(" ").trim().to_owned();
+        Self { name: info.name, backend, kind, driver, ids: [info.vendor, info.device] }
+    }
+
+    /// Whether it is a program on the processor: never chosen by itself.
+    pub fn is_software(&self) -> bool {
+        self.kind == "software"
+    }
+
+    /// Lower is taken first.
+    fn rank(&self) -> usize {
+        ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind).unwrap_or(4)
+    }
+}
+
+/// Which GPU is wanted.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Choice {
+    /// The best one that is no program on the processor.
+    Best,
+    /// The first whose name has this in it, upper and lower case alike; a program on the processor too.
+    Named(String),
+}
+
+/// All GPUs of this machine, the best first.
+pub fn adapters() -> Vec<Adapter> {
+    all().1.into_iter().map(|(adapter, _)| adapter).collect()
+}
+
+fn all() -> (Instance, Vec<(Adapter, wgpu::Adapter)>) {
+    let backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
+    // A refusal is better than memory that the system pages out.
+    let memory_budget_thresholds =
+        wgpu::MemoryBudgetThresholds { for_resource_creation: Some(80), for_device_loss: None };
+    let instance = Instance::new(InstanceDescriptor {
+        backends,
+        flags: InstanceFlags::empty(),
+        memory_budget_thresholds,
+        ..InstanceDescriptor::new_without_display_handle()
+    });
+    let found = pollster::block_on(instance.enumerate_adapters(backends));
+    let mut adapters: Vec<_> = found.into_iter().map(|adapter| (Adapter::of(&adapter), adapter)).collect();
+    adapters.sort_by_key(|(adapter, _)| adapter.rank());
+    (instance, adapters)
+}
+
+/// The adapter that is wanted.
+pub(crate) fn choose(choice: &Choice) -> Result<(Instance, Adapter, wgpu::Adapter)> {
+    let (instance, adapters) = all();
+    let names: Vec<String> = adapters.iter().map(|(adapter, _)| format!("{:?}", adapter.name)).collect();
+    let is_wanted = |adapter: &Adapter| match choice {
+        Choice::Best => !adapter.is_software(),
+        Choice::Named(part) => adapter.name.to_lowercase().contains(&part.to_lowercase()),
+    };
+    let there_are = if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", names.join(", ")) };
+    match adapters.into_iter().find(|(adapter, _)| is_wanted(adapter)) {
+        Some((told, adapter)) => Ok((instance, told, adapter)),
+        None => Err(Failure::NoAdapter(match choice {
+            Choice::Best => format!("no GPU was found: {there_are}"),
+            Choice::Named(part) => format!("no GPU has {part:?} in its name: {there_are}"),
+        })),
+    }
+}

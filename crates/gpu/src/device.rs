@@ -1,0 +1,85 @@
+//! An open device: limits as the adapter has them, errors that are caught, and whether it is lost.
+
+use std::sync::{Arc, Mutex};
+
+use wgpu::{DeviceDescriptor, ErrorFilter, Features, Limits, PollType};
+
+use crate::adapter::{Adapter, Choice, choose};
+use crate::failure::{Failure, Result};
+
+/// A device and its queue.
+pub(crate) struct Device {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub adapter: Adapter,
+    pub limits: Limits,
+    /// Whether passes can be timed.
+    pub has_timestamps: bool,
+    /// Why it is lost, once it is.
+    lost: Arc<Mutex<Option<String>>>,
+    /// Kept as long as the device.
+    _instance: wgpu::Instance,
+}
+
+impl Device {
+    pub fn open(choice: &Choice) -> Result<Self> {
+        let (instance, told, adapter) = choose(choice)?;
+        let limits = adapter.limits();
+        let optional = Features::TIMESTAMP_QUERY;
+        let descriptor = DeviceDescriptor {
+            label: Some("wavesplat"),
+            required_features: adapter.features() & optional,
+            required_limits: limits.clone(),
+            ..DeviceDescriptor::default()
+        };
+        let opened = pollster::block_on(adapter.request_device(&descriptor));
+        let (device, queue) =
+            opened.map_err(|error| Failure::Refused(format!("{} cannot be opened: {error}", told.name)))?;
+        let lost = Arc::new(Mutex::new(None));
+        let (by_loss, by_error) = (lost.clone(), lost.clone());
+        let note = |lost: &Mutex<Option<String>>, why: String| {
+            lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(why);
+        };
+        device.set_device_lost_callback(move |reason, message| note(&by_loss, format!("{reason:?} {message}")));
+        // Whatever no scope has caught makes the device useless, not the program end.
+        device.on_uncaptured_error(Arc::new(move |error| note(&by_error, error.to_string())));
+        let has_timestamps = device.features().contains(optional);
+        Ok(Self { device, queue, adapter: told, limits, has_timestamps, lost, _instance: instance })
+    }
+
+    /// Why it is lost, if it is.
+    pub fn lost(&self) -> Option<String> {
+        self.lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
+    }
+
+    /// Runs work; what the device objects to while it runs is its failure.
+    pub fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        let filters = [ErrorFilter::Internal, ErrorFilter::Validation, ErrorFilter::OutOfMemory];
+        let scopes = filters.map(|filter| self.device.push_error_scope(filter));
+        let done = work();
+        let mut failure = None;
+        for scope in scopes.into_iter().rev() {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                failure = failure.or(Some(match error {
+                    wgpu::Error::OutOfMemory { .. } => Failure::Memory("the GPU has too little memory left".to_owned()),
+                    other => Failure::Refused(other.to_string()),
+                }));
+            }
+        }
+        match (self.lost(), failure) {
+            (Some(why), _) => Err(Failure::Lost(why)),
+            (None, Some(failure)) => Err(failure),
+            (None, None) => done,
+        }
+    }
+
+    /// Waits until all that was submitted is done.
+    pub fn wait(&self) -> Result<()> {
+        let waited = self.device.poll(PollType::wait_indefinitely());
+        match (self.lost(), waited) {
+            (Some(why), _) => Err(Failure::Lost(why)),
+            (None, Err(error)) => Err(Failure::Lost(error.to_string())),
+            (None, Ok(_)) => Ok(()),
+        }
+    }
+}

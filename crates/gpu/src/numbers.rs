@@ -1,0 +1,232 @@
+//! A base plane of a plan as plain numbers: what the shaders read. No decision is taken here; every number is the plan's.
+
+use glam::DVec3;
+use wavesplat_core::Composite;
+use wavesplat_core::Gradient;
+use wavesplat_splat::kernel::footprint::group_base;
+use wavesplat_splat::kernel::smoothed::width_of;
+use wavesplat_splat::optics::gradient_opacity::GradientTables;
+use wavesplat_splat::optics::shade::Shader;
+use wavesplat_splat::render::plan::{FamilyLayer, FamilyPlan, LayerPlan, Operator, Plan};
+use wavesplat_splat::render::plan_arrays::BasePlaneArrays;
+use wavesplat_splat::source::geometry::SheetGeometry;
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::LANES;
+
+use crate::layout::{GpuFrame, GpuLayer, GpuLighting, GpuSource};
+
+/// What stands for infinity: shaders may take infinities for anything.
+const HUGE: f32 = 3e38;
+
+/// What the shaders read of a base plane.
+pub(crate) struct Numbers {
+    pub frame: GpuFrame,
+    pub layers: Vec<GpuLayer>,
+    pub sources: Vec<GpuSource>,
+    /// Tables of colours, segments, gradients and lights.
+    pub tables: Vec<[f32; 4]>,
+    /// Positions of texels among samples, and of sheets.
+    pub words: Vec<u32>,
+}
+
+impl Numbers {
+    pub fn new(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> Self {
+        let mut numbers = Self {
+            frame: frame_of(plan, family, arrays),
+            layers: Vec::new(),
+            sources: Vec::new(),
+            tables: Vec::new(),
+            words: Vec::new(),
+        };
+        for (k, (layer, of_family)) in plan.layers.iter().zip(&family.layers).enumerate() {
+            let to_eye = arrays.direction_forms(k).to_eye.map(|form| four(form.as_vec3().to_array()));
+            let layer = numbers.layer(layer, of_family, to_eye);
+            numbers.layers.push(layer);
+        }
+        if let Some(shader) = family.layers.first().and_then(|layer| layer.modifiers.label_shader.as_ref()) {
+            numbers.frame.label_lighting = numbers.lighting(shader);
+        }
+        numbers.frame.slabs[3] = numbers.words.len() as u32;
+        let sheets = SheetPositions::new(family);
+        numbers.words.extend(sheets.s.iter().map(|s| s.to_bits()));
+        let of_layers = (0..plan.layers.len()).map(|k| arrays.layer(k));
+        for geometry in of_layers.chain((0..plan.fields.fields.len()).map(|k| arrays.field(k))) {
+            let source = numbers.source(family, &sheets.w, geometry);
+            numbers.sources.push(source);
+        }
+        numbers
+    }
+
+    fn layer(&mut self, layer: &LayerPlan, of_family: &FamilyLayer, to_eye: [[f32; 4]; 3]) -> GpuLayer {
+        let tables = layer.tables.arrays();
+        let mut gpu = GpuLayer {
+            domain: [tables.first, tables.per_density, tables.last, (1.0 / layer.opacity_unit) as f32],
+            to_eye,
+            only: tables.only_color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]),
+            ..GpuLayer::default()
+        };
+        let [lo, hi] = tables.visible_range.map(|density| density.clamp(-HUGE, HUGE));
+        gpu.visible = [lo, hi, 0.0, 0.0];
+        gpu.tables = [self.table(tables.colors), self.table(tables.segments), 0, tables.colors.len() as u32];
+        if let Some(by_gradient) = &of_family.modifiers.by_gradient {
+            let (metric, tables) = by_gradient.arrays();
+            gpu.joint_metric = eight(metric);
+            match tables {
+                GradientTables::Factor { table, per_magnitude } => {
+                    gpu.tables[2] = self.table(table);
+                    gpu.joint_size[0] = table.len() as u32;
+                    gpu.joint[3] = per_magnitude;
+                }
+                GradientTables::Both { entries, along } => {
+                    gpu.tables[2] = self.table(entries);
+                    let per_step = |step: f64| if step == 0.0 { 0.0 } else { 1.0 / step as f32 };
+                    let [(n, first, step), (n_magnitudes, least, step_magnitude)] = along;
+                    gpu.joint_size = [n as u32, n_magnitudes as u32, 0, 0];
+                    gpu.joint = [first as f32, per_step(step), least as f32, per_step(step_magnitude)];
+                }
+            }
+        }
+        if let Some(shader) = &of_family.shader {
+            gpu.lighting = self.lighting(shader);
+        }
+        gpu
+    }
+
+    /// Adds a table; its place.
+    fn table(&mut self, entries: &[[f32; 4]]) -> u32 {
+        let place = self.tables.len() as u32;
+        self.tables.extend_from_slice(entries);
+        place
+    }
+
+    fn lighting(&mut self, shader: &Shader) -> GpuLighting {
+        let numbers = shader.numbers();
+        let [ambient, diffuse, specular] = numbers.ambient_diffuse_specular;
+        let place = self.tables.len() as u32;
+        for light in &numbers.lights {
+            let [u, v, w] = light.on_gradient;
+            self.tables.push([u, v, w, f32::from(u8::from(light.is_at_eye))]);
+            self.tables.push(four(light.on_view));
+            self.tables.push(four(light.rgb));
+        }
+        GpuLighting {
+            coefficients: [ambient, diffuse, specular, numbers.specular_power],
+            limits: [numbers.unoriented, numbers.vanishing, 0.0, 0.0],
+            metric: eight(numbers.metric),
+            lights: [place, numbers.lights.len() as u32, 0, 0],
+        }
+    }
+
+    /// Positions among the samples of a source: on every sheet of each group of texels, and of the sheet.
+    fn source(&mut self, family: &FamilyPlan, sheets: &[f64], geometry: &SheetGeometry) -> GpuSource {
+        let n_groups = family.plane.size.map(|n| n.div_ceil(LANES));
+        let [last_u, last_v, last_w] = [0, 1, 2].map(|a| geometry.axes[a].last());
+        let per_sheet = 2 * (n_groups[0] + n_groups[1]) + 4;
+        let mut told = vec![0_u32; per_sheet * sheets.len()];
+        parallel::for_each_chunk(&mut told, per_sheet, |k, words| {
+            let ([(u, du), (v, dv)], own_w) = geometry.sheet(sheets[k]);
+            let groups = [([u, du], n_groups[0], last_u), ([v, dv], n_groups[1], last_v)];
+            let mut words = words.iter_mut();
+            let mut push = |word: u32| {
+                if let Some(place) = words.next() {
+                    *place = word;
+                }
+            };
+            for (positions, n, last) in groups {
+                for group in 0..n {
+                    let (base, start) = group_base(positions, group, last);
+                    push(base as i32 as u32);
+                    push(start.to_bits());
+                }
+            }
+            let inside = own_w.clamp(0.0, last_w);
+            push(inside.floor() as i32 as u32);
+            push(((inside - inside.floor()) as f32).to_bits());
+            push((du as f32).to_bits());
+            push((dv as f32).to_bits());
+        });
+        // Table by table, as the shaders read them.
+        let first = self.words.len();
+        let (n_u, n_v) = (2 * n_groups[0], 2 * n_groups[1]);
+        for part in [0..n_u, n_u..n_u + n_v, n_u + n_v..per_sheet] {
+            for sheet in told.chunks_exact(per_sheet) {
+                self.words.extend_from_slice(&sheet[part.clone()]);
+            }
+        }
+        let n = sheets.len();
+        let mut last = [0, 0, 0, n_groups[1] as i32];
+        for (a, axis) in family.plane.family.axes.into_iter().enumerate() {
+            last[axis] = geometry.axes[a].n_samples as i32 - 1;
+        }
+        let axis = &geometry.axes[0];
+        let (offset, per_width) = match axis.gradient {
+            None => (0.0, 0.0),
+            Some(Gradient::Difference(offset)) => (offset as f32, 0.0),
+            Some(Gradient::Smoothed(deviation)) => (0.0, 1.0 / width_of(axis.kernel, deviation) as f32),
+        };
+        GpuSource {
+            place: [first, first + n * n_u, first + n * (n_u + n_v), n_groups[0]].map(|n| n as u32),
+            last,
+            texel: [0.0, 0.0, offset, per_width],
+            ..GpuSource::default()
+        }
+    }
+}
+
+/// Where sheets lie, in the order in which rays meet them.
+struct SheetPositions {
+    w: Vec<f64>,
+    /// With the sign that makes them grow along rays.
+    s: Vec<f32>,
+}
+
+impl SheetPositions {
+    fn new(family: &FamilyPlan) -> Self {
+        let mut w = family.sheet_positions();
+        if !family.plane.family.ascending {
+            w.reverse();
+        }
+        let s = w.iter().map(|w| family.sign() * *w as f32).collect();
+        Self { w, s }
+    }
+}
+
+fn frame_of(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> GpuFrame {
+    let mut frame = GpuFrame {
+        slabs: [0, 0, family.spacing.n_slabs as u32, 0],
+        axes: [family.plane.family.axes[2] as u32, 0, 0, 0],
+        to_next: arrays.direction_forms(0).to_next.map(|v| four(v.as_vec3().to_array())),
+        ..GpuFrame::default()
+    };
+    frame.number[0] = match plan.operator {
+        Operator::Over { opaque, .. } => opaque,
+        Operator::FirstHit { iso } => iso,
+        Operator::LocalMaximum { threshold } => threshold,
+        Operator::Project { level, .. } => level,
+    };
+    if let Operator::FirstHit { iso } = plan.operator {
+        let [r, g, b, _] = plan.layers[0].tables.look_up_one(iso);
+        frame.color = [r, g, b, 0.0];
+    }
+    if let Some(cue) = &plan.depth_cue {
+        frame.fade = cue.forms(&family.plane).map(|form| four(DVec3::from_array(form).as_vec3().to_array()));
+    }
+    if let Some(light) = plan.fields.light {
+        let strength = |term: Option<(usize, f32)>| term.map_or(0.0, |(_, strength)| strength);
+        frame.light = [strength(light.openness), strength(light.shadow), 0.0, 0.0];
+    }
+    frame
+}
+
+/// Whether a projection's texels are means: what was gathered, by the length of the way.
+pub(crate) fn is_mean(operator: Operator) -> bool {
+    matches!(operator, Operator::Project { composite: Composite::Mean, .. })
+}
+
+fn four([a, b, c]: [f32; 3]) -> [f32; 4] {
+    [a, b, c, 0.0]
+}
+
+fn eight([uu, vv, ww, uv, uw, vw]: [f32; 6]) -> [[f32; 4]; 2] {
+    [[uu, vv, ww, uv], [uw, vw, 0.0, 0.0]]
+}

@@ -1,0 +1,348 @@
+//! Shaders: which parts a picture needs, and their text.
+//!
+//! A permutation is the text of `shaders/`, assembled: constants first, then the parts, those of samples once per source.
+//! Every part names the Rust that it is the twin of.
+
+use std::fmt::Write;
+
+use wavesplat_core::Kernel;
+use wavesplat_splat::optics::preintegrate::LEVEL;
+use wavesplat_splat::ray::local_maximum::ROUNDING;
+
+use crate::layout::FIRST_TEXTURE;
+
+/// How the sheets become one value per ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum GpuOperator {
+    /// Emission and absorption; whether slabs are pre-integrated.
+    Over {
+        /// Whether they are.
+        pre_integrated: bool,
+    },
+    /// The first crossing of a density.
+    FirstHit,
+    /// A projection.
+    Project(Projection),
+}
+
+/// The projections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Projection {
+    /// Greatest density.
+    Maximum,
+    /// Least density.
+    Minimum,
+    /// Greatest, dimmed by depth.
+    DepthShaded,
+    /// Integral of what is above a density.
+    XRay,
+    /// First local maximum.
+    LocalMaximum,
+    /// Integral, or mean.
+    Integral,
+}
+
+/// What the gradient decides beside shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ByGradient {
+    /// Nothing.
+    Nothing,
+    /// A factor of the optical depth.
+    Factor,
+    /// Colour and optical depth, with the density.
+    Both,
+}
+
+/// How samples are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// One byte, that of signed samples 128 more than these.
+    Byte {
+        /// Whether they are signed.
+        is_signed: bool,
+    },
+    /// Low and high byte, those of signed samples 32768 more than these.
+    Pair {
+        /// Whether they are signed.
+        is_signed: bool,
+    },
+    /// f32 densities, or spline coefficients.
+    Float,
+}
+
+/// How gradients are estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum GradientTaps {
+    /// None is wanted.
+    Nothing,
+    /// Differences of values.
+    Difference,
+    /// Widened B-splines: taps, and samples from the first of them to that of the position.
+    Smoothed {
+        /// Taps along an axis.
+        n: usize,
+        /// Samples before.
+        before: usize,
+    },
+}
+
+/// A volume or field that is reconstructed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SourceKind {
+    /// Between samples.
+    pub kernel: Kernel,
+    /// How they are stored.
+    pub format: Format,
+    /// Of it.
+    pub gradient: GradientTaps,
+    /// Whether there are samples that are drawn as empty.
+    pub has_holes: bool,
+    /// Texels of a page along each axis; `None`: all samples lie together.
+    pub page_side: Option<usize>,
+}
+
+/// A layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LayerKind {
+    /// Whether there are lights.
+    pub is_shaded: bool,
+    /// What the gradient decides.
+    pub by_gradient: ByGradient,
+}
+
+/// Which fields there are, by their place among the fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct FieldKinds {
+    /// Ambient occlusion.
+    pub openness: Option<usize>,
+    /// Shadow of the first light.
+    pub shadow: Option<usize>,
+    /// What labels leave of the scan.
+    pub scan: Option<usize>,
+    /// The first of four, of the tint.
+    pub tint: Option<usize>,
+    /// The first of four, of the labels' own matter.
+    pub matter: Option<usize>,
+    /// Whether that is shaded.
+    pub matter_is_shaded: bool,
+}
+
+impl FieldKinds {
+    fn any(&self) -> bool {
+        [self.openness, self.shadow, self.scan, self.tint, self.matter].iter().any(Option::is_some)
+    }
+}
+
+/// What tells shaders apart.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Permutation {
+    /// How the sheets become one value per ray.
+    pub operator: GpuOperator,
+    /// Volumes.
+    pub layers: Vec<LayerKind>,
+    /// Volumes, then fields.
+    pub sources: Vec<SourceKind>,
+    /// Which fields there are.
+    pub fields: FieldKinds,
+    /// Fetch four samples at once, where the device does it right.
+    pub gather: bool,
+    /// Whether the place of opacity 1/2 is wanted.
+    pub with_depth: bool,
+}
+
+const KERNELS: [(&str, Kernel); 5] = [
+    ("LINEAR", Kernel::Linear),
+    ("CATMULL_ROM", Kernel::CatmullRom),
+    ("BSPLINE2", Kernel::Bspline2),
+    ("BSPLINE3", Kernel::Bspline3),
+    ("GAUSSIAN", Kernel::Gaussian),
+];
+
+const PROJECTIONS: [(&str, Projection); 6] = [
+    ("MAXIMUM", Projection::Maximum),
+    ("MINIMUM", Projection::Minimum),
+    ("DEPTH_SHADED", Projection::DepthShaded),
+    ("X_RAY", Projection::XRay),
+    ("LOCAL_MAXIMUM", Projection::LocalMaximum),
+    ("INTEGRAL", Projection::Integral),
+];
+
+impl Permutation {
+    /// vec4s of the state of a ray.
+    pub fn n_state(&self) -> usize {
+        1 + usize::from(self.with_depth)
+    }
+
+    /// Binding of the samples of a source.
+    pub fn samples_binding(source: usize) -> u32 {
+        FIRST_TEXTURE + source as u32
+    }
+
+    /// Binding of the holes of a source.
+    pub fn holes_binding(&self, source: usize) -> u32 {
+        FIRST_TEXTURE + (self.sources.len() + source) as u32
+    }
+
+    /// The shader.
+    pub fn text(&self) -> String {
+        let mut text = self.constants();
+        text.push_str(include_str!("shaders/frame.wgsl"));
+        text.push_str(include_str!("shaders/axes.wgsl"));
+        text.push_str(include_str!("shaders/kernel.wgsl"));
+        for (k, source) in self.sources.iter().enumerate() {
+            text.push_str(&self.source_constants(k, source));
+            let mut parts = include_str!("shaders/samples.wgsl").to_owned();
+            if source.has_holes {
+                parts.push_str(include_str!("shaders/holes.wgsl"));
+            } else {
+                parts.push_str("fn is_hole_SOURCE(place: Place) -> bool { return false; }\n");
+            }
+            parts.push_str(include_str!("shaders/reconstruct.wgsl"));
+            let parts = parts
+                .replace("MASK_BINDING_SOURCE", &self.holes_binding(k).to_string())
+                .replace("BINDING_SOURCE", &Self::samples_binding(k).to_string());
+            text.push_str(&parts.replace("sources[SOURCE]", &format!("sources[{k}]")).replace("SOURCE", &k.to_string()));
+        }
+        for part in [
+            include_str!("shaders/slabs.wgsl"),
+            include_str!("shaders/rays.wgsl"),
+            include_str!("shaders/classify.wgsl"),
+            include_str!("shaders/preintegrate.wgsl"),
+            include_str!("shaders/shade.wgsl"),
+            include_str!("shaders/gradient_opacity.wgsl"),
+            include_str!("shaders/accumulate.wgsl"),
+        ] {
+            text.push_str(part);
+        }
+        match self.operator {
+            GpuOperator::Over { .. } => {
+                text.push_str(include_str!("shaders/light.wgsl"));
+                text.push_str(&self.fields_text());
+                if self.layers.len() > 1 {
+                    text.push_str(&self.layers_text());
+                } else {
+                    text.push_str(include_str!("shaders/over.wgsl"));
+                }
+            }
+            GpuOperator::FirstHit => text.push_str(include_str!("shaders/first_hit.wgsl")),
+            GpuOperator::Project(_) => text.push_str(include_str!("shaders/project.wgsl")),
+        }
+        text.push_str(include_str!("shaders/march.wgsl"));
+        text
+    }
+
+    fn constants(&self) -> String {
+        let mut text = String::new();
+        let mut add = |name: &str, kind: &str, value: &dyn std::fmt::Display| {
+            let _ = writeln!(text, "const {name}: {kind} = {value};");
+        };
+        add("N_LAYERS", "u32", &format!("{}u", self.layers.len()));
+        add("N_SOURCES", "u32", &format!("{}u", self.sources.len()));
+        add("N_STATE", "u32", &format!("{}u", self.n_state()));
+        add("GATHER", "bool", &self.gather);
+        for (k, (name, _)) in KERNELS.iter().enumerate() {
+            add(&format!("KERNEL_{name}"), "u32", &format!("{k}u"));
+        }
+        for (k, name) in ["FORMAT_BYTE", "FORMAT_PAIR", "FORMAT_FLOAT"].iter().enumerate() {
+            add(name, "u32", &format!("{k}u"));
+        }
+        for (k, name) in ["GRADIENT_NONE", "GRADIENT_DIFFERENCE", "GRADIENT_SMOOTHED"].iter().enumerate() {
+            add(name, "u32", &format!("{k}u"));
+        }
+        for (k, name) in ["BY_NOTHING", "BY_FACTOR", "BY_BOTH"].iter().enumerate() {
+            add(name, "u32", &format!("{k}u"));
+        }
+        for (k, (name, _)) in PROJECTIONS.iter().enumerate() {
+            add(name, "u32", &format!("{k}u"));
+        }
+        add("LEVEL", "f32", &format!("{LEVEL:?}f"));
+        add("ROUNDING", "f32", &format!("{ROUNDING:?}f"));
+        for (k, layer) in self.layers.iter().enumerate() {
+            add(&format!("IS_SHADED_{k}"), "bool", &layer.is_shaded);
+            add(&format!("BY_GRADIENT_{k}"), "u32", &format!("{}u", layer.by_gradient as u32));
+        }
+        let is_pre_integrated = matches!(self.operator, GpuOperator::Over { pre_integrated: true });
+        add("PRE_INTEGRATED", "bool", &is_pre_integrated);
+        let mut first_value = "0.0f";
+        if let GpuOperator::Project(projection) = self.operator {
+            let number = PROJECTIONS.iter().position(|(_, own)| *own == projection).unwrap_or_default();
+            add("PROJECTION", "u32", &format!("{number}u"));
+            first_value = match projection {
+                Projection::Maximum | Projection::DepthShaded | Projection::LocalMaximum => "-3.0e38f",
+                Projection::Minimum => "3.0e38f",
+                Projection::XRay | Projection::Integral => "0.0f",
+            };
+        }
+        add("FIRST_VALUE", "f32", &first_value);
+        let fields = &self.fields;
+        add("HAS_FIELDS", "bool", &fields.any());
+        add("HAS_SCAN", "bool", &fields.scan.is_some());
+        add("HAS_TINT", "bool", &fields.tint.is_some());
+        add("HAS_MATTER", "bool", &fields.matter.is_some());
+        add("MATTER_SHADED", "bool", &fields.matter_is_shaded);
+        text
+    }
+
+    fn source_constants(&self, k: usize, source: &SourceKind) -> String {
+        let mut text = String::new();
+        let mut add = |name: &str, kind: &str, value: &dyn std::fmt::Display| {
+            let _ = writeln!(text, "const {name}_{k}: {kind} = {value};");
+        };
+        let kernel = KERNELS.iter().position(|(_, own)| *own == source.kernel).unwrap_or_default();
+        add("KERNEL", "u32", &format!("{kernel}u"));
+        let (format, bias) = match source.format {
+            Format::Byte { is_signed } => (0, if is_signed { "128.0f" } else { "0.0f" }),
+            Format::Pair { is_signed } => (1, if is_signed { "32768.0f" } else { "0.0f" }),
+            Format::Float => (2, "0.0f"),
+        };
+        add("FORMAT", "u32", &format!("{format}u"));
+        add("BIAS", "f32", &bias);
+        let (gradient, n, before) = match source.gradient {
+            GradientTaps::Nothing => (0, 0, 0),
+            GradientTaps::Difference => (1, 0, 0),
+            GradientTaps::Smoothed { n, before } => (2, n, before),
+        };
+        add("GRADIENT", "u32", &format!("{gradient}u"));
+        add("N_SMOOTHED", "i32", &n);
+        add("BEFORE", "i32", &before);
+        add("PAGED", "bool", &source.page_side.is_some());
+        add("PAGE_SIDE", "i32", &source.page_side.unwrap_or_default());
+        text
+    }
+
+    /// `fields_at`: what the fields are at a texel of a sheet; of the labels' own matter alone where only it is asked for.
+    fn fields_text(&self) -> String {
+        let first = self.layers.len();
+        let mut text = String::from(
+            "fn fields_at(texel: vec2<u32>, sheet: u32) -> FieldValues {\n    var fields: FieldValues;\n    \
+             fields.openness = 1.0f;\n    fields.shadow = 1.0f;\n    fields.scan = 1.0f;\n",
+        );
+        let fields = &self.fields;
+        for (name, field) in [("openness", fields.openness), ("shadow", fields.shadow), ("scan", fields.scan)] {
+            if let Some(field) = field {
+                let k = first + field;
+                let _ = writeln!(text, "    fields.{name} = value_{k}(place_{k}(texel, sheet), vec3<f32>(0.0f));");
+            }
+        }
+        for (name, field) in [("tint", fields.tint), ("matter", fields.matter)] {
+            if let Some(field) = field {
+                let k = first + field;
+                let _ = writeln!(text, "    let place_of_{name} = place_{k}(texel, sheet);");
+                for c in 0..4 {
+                    let k = k + c;
+                    let _ = writeln!(text, "    fields.{name}[{c}] = value_{k}(place_of_{name}, vec3<f32>(0.0f));");
+                }
+                if name == "matter" && fields.matter_is_shaded {
+                    let _ = writeln!(text, "    fields.matter_gradient = gradient_{k}(place_of_matter);");
+                }
+            }
+        }
+        text.push_str("    return fields;\n}\n");
+        text
+    }
+
+    /// The parts of several layers.
+    fn layers_text(&self) -> String {
+        String::new()
+    }
+}

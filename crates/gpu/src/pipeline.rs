@@ -1,0 +1,74 @@
+//! Pipelines: shaders and what is bound to them, made when they are first used.
+
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
+    ComputePipelineDescriptor, PipelineCompilationOptions, PipelineLayoutDescriptor, SamplerBindingType,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType, TextureViewDimension,
+};
+
+use crate::device::Device;
+use crate::failure::Result;
+use crate::permutation::Permutation;
+
+/// A shader, ready to run.
+pub(crate) struct Pipeline {
+    pub layout: BindGroupLayout,
+    pub compute: ComputePipeline,
+}
+
+impl Pipeline {
+    pub fn new(device: &Device, permutation: &Permutation) -> Result<Self> {
+        device.guarded(|| {
+            let text = permutation.text();
+            let module = device.device.create_shader_module(ShaderModuleDescriptor {
+                label: Some("march"),
+                source: ShaderSource::Wgsl(text.into()),
+            });
+            let layout = device.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+                label: Some("march"),
+                entries: &entries(permutation),
+            });
+            let pipeline_layout = device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+                label: Some("march"),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+            let compute = device.device.create_compute_pipeline(&ComputePipelineDescriptor {
+                label: Some("march"),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some("march"),
+                compilation_options: PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            Ok(Self { layout, compute })
+        })
+    }
+}
+
+fn entries(permutation: &Permutation) -> Vec<BindGroupLayoutEntry> {
+    let entry = |binding: u32, ty: BindingType| BindGroupLayoutEntry {
+        binding,
+        visibility: ShaderStages::COMPUTE,
+        ty,
+        count: None,
+    };
+    let buffer = |ty: BufferBindingType| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let texture = BindingType::Texture {
+        sample_type: TextureSampleType::Float { filterable: false },
+        view_dimension: TextureViewDimension::D2Array,
+        multisampled: false,
+    };
+    let read = BufferBindingType::Storage { read_only: true };
+    let mut entries = vec![entry(0, buffer(BufferBindingType::Uniform))];
+    entries.extend((1..5).map(|binding| entry(binding, buffer(read))));
+    entries.push(entry(5, buffer(BufferBindingType::Storage { read_only: false })));
+    entries.push(entry(6, BindingType::Sampler(SamplerBindingType::NonFiltering)));
+    for (k, source) in permutation.sources.iter().enumerate() {
+        entries.push(entry(Permutation::samples_binding(k), texture));
+        if source.has_holes {
+            entries.push(entry(permutation.holes_binding(k), texture));
+        }
+    }
+    entries
+}

@@ -1,0 +1,21 @@
+// What a ray has gathered so far: colour and opacity, composited front to back. Twin of
+// crates/splat/src/ray/accumulator.rs.
+
+// Associated colour and opacity; of projections the density, the length of the way, and whether the ray has ended.
+var<private> gathered: vec4<f32>;
+// Position of opacity 1/2; NONE where it is not reached.
+var<private> s_half: f32;
+
+// A fragment with unassociated colour; opacity grows evenly from `begin` on.
+fn add_fragment(rgb: vec3<f32>, alpha: f32, begin: f32, length: f32) {
+    let before = gathered.w;
+    let weight = (1.0f - before) * alpha;
+    gathered = vec4<f32>(gathered.xyz + weight * rgb, before + weight);
+    if before < 0.5f && gathered.w >= 0.5f {
+        s_half = begin + (0.5f - before) / max(weight, 1e-30f) * length;
+    }
+}
+
+fn is_opaque() -> bool {
+    return gathered.w >= parameters.frame.number.x;
+}

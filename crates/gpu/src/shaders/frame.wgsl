@@ -1,0 +1,83 @@
+// What a frame is drawn by: its plan as plain numbers. Twin of the structs of `layout.rs`.
+
+struct Frame {
+    // Place of the list of blocks in `words`; how many blocks; workgroups in a row of the dispatch; words of the masks of
+    // occupied slabs, per block and layer.
+    blocks: vec4<u32>,
+    // First slab of this dispatch and one past its last; all slabs; place of the sheets' s in `words`.
+    slabs: vec4<u32>,
+    // The index axis called w; whether this dispatch begins the rays.
+    axes: vec4<u32>,
+    // Opacity at which a ray is done, iso-value, threshold, or level: what the operator needs.
+    number: vec4<f32>,
+    // Colour of the first hit.
+    color: vec4<f32>,
+    // The way from slice to slice, world: at texel (0, 0), and its change per texel along u and along v.
+    to_next: array<vec4<f32>, 3>,
+    // Depth shading along a ray, at s = 0 and per s: at texel (0, 0), and the changes per texel along u and along v.
+    fade: array<vec4<f32>, 2>,
+    // Strengths of ambient occlusion and of the shadow.
+    light: vec4<f32>,
+    // Light on the labels' own matter.
+    label_lighting: Lighting,
+}
+
+struct Lighting {
+    // Ambient, diffuse, specular, exponent.
+    coefficients: vec4<f32>,
+    // |n·l| without a normal; squared gradient from which on there is one.
+    limits: vec4<f32>,
+    // uu, vv, ww, uv; uw, vw.
+    metric: array<vec4<f32>, 2>,
+    // Place in `tables` of the lights, and how many.
+    lights: vec4<u32>,
+}
+
+struct Layer {
+    // Places in `tables` of the colours, the segments and the table of gradients; entries of the first two.
+    tables: vec4<u32>,
+    // Density of the first entry, entries per density, density of the last entry, 1 / opacity unit.
+    domain: vec4<f32>,
+    // Densities beyond which nothing is visible.
+    visible: vec4<f32>,
+    // The only colour, and whether there is only one.
+    only: vec4<f32>,
+    // Gradients: entries along densities and magnitudes.
+    joint_size: vec4<u32>,
+    // First density, steps per density, first magnitude, steps per magnitude.
+    joint: vec4<f32>,
+    joint_metric: array<vec4<f32>, 2>,
+    // Towards the eye, as a form on index gradients: at texel (0, 0), and its change per texel along u and along v.
+    to_eye: array<vec4<f32>, 3>,
+    lighting: Lighting,
+}
+
+struct Source {
+    // Places in `words` of the positions along u, along v, and of the sheets; groups along u.
+    place: vec4<u32>,
+    // Position of the last sample along x, y, z; groups along v.
+    last: vec4<i32>,
+    // Samples before the first, baked in; place in `words` of the page table.
+    apron: vec4<i32>,
+    // 1 / width and 1 / height of the texture; half distance of differences; taps per width of smoothed gradients.
+    texel: vec4<f32>,
+    // Pages along x, y, z.
+    pages: vec4<u32>,
+}
+
+struct Parameters {
+    frame: Frame,
+    layers: array<Layer, N_LAYERS>,
+    sources: array<Source, N_SOURCES>,
+}
+
+@group(0) @binding(0) var<uniform> parameters: Parameters;
+@group(0) @binding(1) var<storage, read> words: array<u32>;
+@group(0) @binding(2) var<storage, read> tables: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> intervals: array<vec2<f32>>;
+@group(0) @binding(4) var<storage, read> occupied: array<u32>;
+@group(0) @binding(5) var<storage, read_write> state: array<vec4<f32>>;
+@group(0) @binding(6) var unfiltered: sampler;
+
+// A number that stands for none.
+const NONE: f32 = 3.0e38;

@@ -1,0 +1,61 @@
+// Light that is held off, and labels. Twin of crates/splat/src/optics/modifiers.rs. The functions that read fields are made
+// for those that there are.
+
+const LEAST: f32 = 1e-20f;
+
+// What fields are at a point.
+struct FieldValues {
+    // What is left of all light, and of that of the first light, before their strengths.
+    openness: f32,
+    shadow: f32,
+    // What labels leave of the scan's optical depth, and tint of it with which colour.
+    scan: f32,
+    tint: vec4<f32>,
+    // Optical depth of the labels' own matter, and its colour times that.
+    matter: vec4<f32>,
+    matter_gradient: vec3<f32>,
+}
+
+fn between_fields(front: FieldValues, back: FieldValues, share: f32) -> FieldValues {
+    return FieldValues(
+        mix_exact(front.openness, back.openness, share),
+        mix_exact(front.shadow, back.shadow, share),
+        mix_exact(front.scan, back.scan, share),
+        front.tint + (back.tint - front.tint) * share,
+        front.matter + (back.matter - front.matter) * share,
+        front.matter_gradient + (back.matter_gradient - front.matter_gradient) * share,
+    );
+}
+
+fn mix_exact(a: f32, b: f32, share: f32) -> f32 {
+    return a + (b - a) * share;
+}
+
+// Factors of all light and of that of the first light.
+fn light_at(fields: FieldValues) -> vec2<f32> {
+    let strengths = parameters.frame.light.xy;
+    return max(vec2<f32>(1.0f) - strengths * (vec2<f32>(1.0f) - vec2<f32>(fields.openness, fields.shadow)), vec2<f32>(0.0f));
+}
+
+// The scan's colour with the tint of labels, which are shares of what is left of the scan.
+fn tinted(rgb: vec3<f32>, fields: FieldValues) -> vec3<f32> {
+    if !HAS_TINT {
+        return rgb;
+    }
+    let of_scan = 1.0f / max(fields.scan, LEAST);
+    return rgb * (1.0f - fields.tint.x * of_scan) + fields.tint.yzw * of_scan;
+}
+
+// A colour in the light that gets to a point.
+fn lit(lighting: Lighting, is_shaded: bool, rgb: vec3<f32>, gradient: vec3<f32>, eye: vec3<f32>, light: vec2<f32>) -> vec3<f32> {
+    if is_shaded {
+        return shade(lighting, rgb, gradient, eye, light.y) * light.x;
+    }
+    return rgb * (light.x * light.y);
+}
+
+// Colour of the labels' own matter.
+fn matter_color(fields: FieldValues, eye: vec3<f32>) -> vec3<f32> {
+    let rgb = fields.matter.yzw / max(fields.matter.x, LEAST);
+    return lit(parameters.frame.label_lighting, MATTER_SHADED, rgb, fields.matter_gradient, eye, light_at(fields));
+}

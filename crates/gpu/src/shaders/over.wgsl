@@ -1,0 +1,224 @@
+// Compositing by over, front to back: sheets that stand for slabs, or slabs of linear density, pre-integrated. Twin of
+// crates/splat/src/ray/over.rs.
+
+// The densities and gradients of a sheet, made when they are asked for.
+struct Sheet {
+    place: Place,
+    density: f32,
+    is_hole: bool,
+    gradient: vec3<f32>,
+    has_gradient: bool,
+    fields: FieldValues,
+    has_fields: bool,
+}
+
+fn sheet_at(ray: Ray, sheet: u32) -> Sheet {
+    var made: Sheet;
+    made.place = place_0(ray.texel, sheet);
+    made.density = value_0(made.place, vec3<f32>(0.0f));
+    made.is_hole = is_hole_0(made.place);
+    made.has_gradient = false;
+    made.has_fields = false;
+    if HAS_MATTER {
+        made.fields = fields_at(ray.texel, sheet);
+        made.has_fields = true;
+    }
+    return made;
+}
+
+fn with_gradient(sheet: ptr<function, Sheet>) {
+    if (IS_SHADED_0 || BY_GRADIENT_0 != 0u) && !(*sheet).has_gradient {
+        (*sheet).gradient = gradient_0((*sheet).place);
+        (*sheet).has_gradient = true;
+    }
+}
+
+fn with_fields(sheet: ptr<function, Sheet>, ray: Ray, number: u32) {
+    if HAS_FIELDS && !(*sheet).has_fields {
+        (*sheet).fields = fields_at(ray.texel, number);
+        (*sheet).has_fields = true;
+    }
+}
+
+// Mixes the labels' own matter into what the scan has in the same space: colour and opacity.
+fn with_matter(scan: vec4<f32>, fields: FieldValues, length: f32, eye: vec3<f32>) -> vec4<f32> {
+    let own = one_minus_exp_neg(max(fields.matter.x, 0.0f) * length);
+    let color = matter_color(fields, eye);
+    let sum = scan.w + own;
+    let share = select(0.0f, own / max(sum, 1e-30f), sum > 0.0f);
+    return vec4<f32>(scan.xyz + share * (color - scan.xyz), sum - scan.w * own);
+}
+
+// Composites a sheet as it is from one position to another.
+fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
+    var sheet = sheet_at(ray, number);
+    let sees_scan = is_visible(0u, sheet.density, sheet.density);
+    let sees_matter = HAS_MATTER && sheet.fields.matter.x > 0.0f;
+    if !(sees_scan || sees_matter) || sheet.is_hole {
+        return;
+    }
+    let part = extent(ray.interval, begin, end);
+    let length = part.y * thickness(0u, ray);
+    if length <= 0.0f {
+        return;
+    }
+    with_fields(&sheet, ray, number);
+    var color = vec4<f32>(0.0f);
+    if sees_scan {
+        color = classify(0u, sheet.density);
+        with_gradient(&sheet);
+        if BY_GRADIENT_0 == BY_FACTOR {
+            color.w *= gradient_factor(0u, sheet.gradient);
+        } else if BY_GRADIENT_0 == BY_BOTH {
+            color = classify_jointly(0u, sheet.density, sheet.gradient);
+        }
+        color.w *= select(1.0f, sheet.fields.scan, HAS_SCAN);
+    }
+    color.w = one_minus_exp_neg(color.w * length);
+    let eye = to_eye(0u, ray);
+    if sees_scan && (color.w > 0.0f || sees_matter) {
+        color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye), color.w);
+    }
+    if sees_matter {
+        color = with_matter(color, sheet.fields, length, eye);
+    }
+    add_fragment(color.xyz, color.w, part.x, part.y);
+}
+
+fn scan_color(rgb: vec3<f32>, gradient: vec3<f32>, fields: FieldValues, eye: vec3<f32>) -> vec3<f32> {
+    if !HAS_FIELDS {
+        if IS_SHADED_0 {
+            return shade(parameters.layers[0].lighting, rgb, gradient, eye, 1.0f);
+        }
+        return rgb;
+    }
+    return lit(parameters.layers[0].lighting, IS_SHADED_0, tinted(rgb, fields), gradient, eye, light_at(fields));
+}
+
+// Composites the space between two sheets with a density that is linear in between.
+fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, number: u32) {
+    let lo = min((*front).density, (*back).density);
+    let hi = max((*front).density, (*back).density);
+    let sees_scan = is_visible(0u, lo, hi);
+    let sees_matter = HAS_MATTER && max((*front).fields.matter.x, (*back).fields.matter.x) > 0.0f;
+    if !(sees_scan || sees_matter) || (*front).is_hole || (*back).is_hole {
+        return;
+    }
+    let s_front = s_of(number);
+    let s_back = s_of(number + 1u);
+    let part = extent(ray.interval, s_front, s_back);
+    if part.y <= 0.0f {
+        return;
+    }
+    with_fields(front, ray, number);
+    with_fields(back, ray, number + 1u);
+    // The densities where the drawn part begins and ends.
+    let per_s = 1.0f / (s_back - s_front);
+    let change = (*back).density - (*front).density;
+    let begin = (part.x - s_front) * per_s;
+    let share = part.y * per_s;
+    let end = begin + share;
+    let whole_length = part.y * thickness(0u, ray);
+    let eye = to_eye(0u, ray);
+    var color = vec4<f32>(0.0f);
+    var visible = part;
+    if sees_scan {
+        let passage = preintegrate(0u, (*front).density + begin * change, (*front).density + end * change);
+        var length = whole_length;
+        if BY_GRADIENT_0 == BY_FACTOR {
+            // What holds in the middle of what is visible.
+            with_gradient(front);
+            with_gradient(back);
+            let middle = begin + (passage.first + passage.last) * 0.5f * share;
+            length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, middle));
+        }
+        if HAS_SCAN {
+            let middle = begin + (passage.first + passage.last) * 0.5f * share;
+            length *= between_fields((*front).fields, (*back).fields, middle).scan;
+        }
+        // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part, the
+        // front of an opaque one.
+        var alpha = 0.0f;
+        var moment = 0.0f;
+        for (var k = 0u; k < 2u; k++) {
+            let depth = select(passage.depths.x, passage.depths.y, k == 1u) * length;
+            let own = (1.0f - alpha) * one_minus_exp_neg(depth);
+            moment += own * (f32(k) + 1.0f / (2.0f + 0.75f * depth)) * 0.5f;
+            alpha += own;
+        }
+        let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
+        let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
+        color.w = alpha;
+        if alpha > 0.0f || sees_matter {
+            var gradient = vec3<f32>(0.0f);
+            if IS_SHADED_0 {
+                with_gradient(front);
+                with_gradient(back);
+                gradient = mix3((*front).gradient, (*back).gradient, at);
+            }
+            let rgb = color_of(0u, (*front).density + at * change);
+            let fields = between_fields((*front).fields, (*back).fields, at);
+            color = vec4<f32>(scan_color(rgb, gradient, fields, eye), alpha);
+        }
+        visible = vec2<f32>(part.x + passage.first * part.y, (passage.last - passage.first) * part.y * 2.0f * mean);
+    }
+    if sees_matter {
+        let middle = begin + 0.5f * share;
+        color = with_matter(color, between_fields((*front).fields, (*back).fields, middle), whole_length, eye);
+        visible = part;
+    }
+    add_fragment(color.xyz, color.w, visible.x, visible.y);
+}
+
+fn mix3(a: vec3<f32>, b: vec3<f32>, share: f32) -> vec3<f32> {
+    return a + (b - a) * share;
+}
+
+// Rays through the slabs that have something. Twin of `TileJob::run_slabs` (crates/splat/src/render/tile.rs).
+fn march_ray(ray: Ray, block: u32) {
+    let first = parameters.frame.slabs.x;
+    let end = parameters.frame.slabs.y;
+    if !PRE_INTEGRATED {
+        // The sheet behind the last slab stands for half a slab.
+        let last = select(end, end + 1u, end == parameters.frame.slabs.z);
+        for (var word = first / 32u; word * 32u < last; word++) {
+            let own = occupied_word(0u, block, word);
+            var sheets = within(own | behind(0u, block, word, own), word, first, last);
+            while sheets != 0u {
+                let bit = firstTrailingBit(sheets);
+                sheets &= sheets - 1u;
+                let sheet = word * 32u + bit;
+                let s = s_of(sheet);
+                if ((own >> bit) & 1u) == 1u {
+                    let half = 0.5f * (s_of(sheet + 1u) - s);
+                    add_sheet(ray, sheet, s - half, s + half);
+                } else {
+                    add_sheet(ray, sheet, s - 0.5f * (s - s_of(sheet - 1u)), s);
+                }
+                if is_opaque() {
+                    return;
+                }
+            }
+        }
+        return;
+    }
+    var front: Sheet;
+    var in_front = 0xffffffffu;
+    for (var word = first / 32u; word * 32u < end; word++) {
+        var slabs = within(occupied_word(0u, block, word), word, first, end);
+        while slabs != 0u {
+            let slab = word * 32u + firstTrailingBit(slabs);
+            slabs &= slabs - 1u;
+            if in_front != slab {
+                front = sheet_at(ray, slab);
+            }
+            var back = sheet_at(ray, slab + 1u);
+            add_slab(ray, &front, &back, slab);
+            front = back;
+            in_front = slab + 1u;
+            if is_opaque() {
+                return;
+            }
+        }
+    }
+}

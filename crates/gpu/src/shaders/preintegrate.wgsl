@@ -1,0 +1,64 @@
+// Pre-integration of the space between two sheets, where the density is linear in between. Twin of
+// crates/splat/src/optics/preintegrate.rs.
+
+// Integral of the optical depth up to a density, and the nearest visible densities above and below it.
+fn integral(layer: u32, density: f32) -> vec3<f32> {
+    let places = parameters.layers[layer].tables;
+    let domain = parameters.layers[layer].domain;
+    let found = look_up(places.y, places.w, table_position(layer, density));
+    // Beyond the table the optical depth is constant.
+    let depth_lo = tables[places.y].w;
+    let depth_hi = tables[places.y + places.w - 1u].w;
+    let under = min(density - domain.x, 0.0f);
+    let over = max(density - domain.z, 0.0f);
+    let above = select(found.y, found.y + under, depth_lo > 0.0f);
+    let below = select(found.z, found.z + over, depth_hi > 0.0f);
+    return vec3<f32>(found.x + under * depth_lo + over * depth_hi, above, below);
+}
+
+// What rays meet on their way from one density to another.
+struct Passage {
+    // Shares of the way where the first visible density is met, and the last is left.
+    first: f32,
+    last: f32,
+    // Optical depth per opacity unit of the whole way's length, of the two halves of what is visible.
+    depths: vec2<f32>,
+}
+
+fn preintegrate(layer: u32, begin: f32, end: f32) -> Passage {
+    let change = end - begin;
+    let domain = parameters.layers[layer].domain;
+    if abs(change) < LEVEL / domain.y {
+        // Densities as good as equal: the optical depth in the middle.
+        let depth = classify(layer, (begin + end) * 0.5f).w * 0.5f;
+        return Passage(0.0f, 1.0f, vec2<f32>(depth));
+    }
+    let inverse = 1.0f / change;
+    let rises = change > 0.0f;
+    let at_begin = integral(layer, begin);
+    let at_end = integral(layer, end);
+    let first = clamp((select(at_begin.z, at_begin.y, rises) - begin) * inverse, 0.0f, 1.0f);
+    let last = clamp((select(at_end.y, at_end.z, rises) - begin) * inverse, 0.0f, 1.0f);
+    let middle = integral(layer, begin + first * change + (last - first) * 0.5f * change).x;
+    let depths = vec2<f32>(middle - at_begin.x, at_end.x - middle) * inverse;
+    return Passage(first, last, max(depths, vec2<f32>(0.0f)));
+}
+
+// The same in two parts of the way, cut at shares that rise.
+fn preintegrate_parts(layer: u32, begin: f32, end: f32, cuts: vec3<f32>) -> Passage {
+    let change = end - begin;
+    let domain = parameters.layers[layer].domain;
+    if abs(change) < LEVEL * 3.0f / domain.y {
+        let depth = classify(layer, (begin + end) * 0.5f).w;
+        return Passage(cuts.x, cuts.z, depth * (cuts.yz - cuts.xy));
+    }
+    let inverse = 1.0f / change;
+    let rises = change > 0.0f;
+    let at_begin = integral(layer, begin + cuts.x * change);
+    let at_end = integral(layer, begin + cuts.z * change);
+    let middle = integral(layer, begin + cuts.y * change).x;
+    let first = clamp((select(at_begin.z, at_begin.y, rises) - begin) * inverse, cuts.x, cuts.z);
+    let last = clamp((select(at_end.y, at_end.z, rises) - begin) * inverse, cuts.x, cuts.z);
+    let depths = vec2<f32>(middle - at_begin.x, at_end.x - middle) * inverse;
+    return Passage(first, last, max(depths, vec2<f32>(0.0f)));
+}

@@ -1,0 +1,28 @@
+// Slabs of a block that have something, as bits: made on the CPU by `BasePlaneArrays::tile`
+// (crates/splat/src/render/plan_arrays.rs).
+
+fn occupied_word(layer: u32, block: u32, word: u32) -> u32 {
+    return occupied[(layer * parameters.frame.blocks.y + block) * parameters.frame.blocks.w + word];
+}
+
+// The sheets behind the slabs of a word, `own`, and behind the last slab of the word before.
+fn behind(layer: u32, block: u32, word: u32, own: u32) -> u32 {
+    var carried = 0u;
+    if word > 0u {
+        carried = occupied_word(layer, block, word - 1u) >> 31u;
+    }
+    return (own << 1u) | carried;
+}
+
+// The bits of a word that stand for numbers from `first` to before `end`.
+fn within(bits: u32, word: u32, first: u32, end: u32) -> u32 {
+    var kept = bits;
+    let start = word * 32u;
+    if first > start {
+        kept &= 0xffffffffu << (first - start);
+    }
+    if end < start + 32u {
+        kept &= (1u << (end - start)) - 1u;
+    }
+    return kept;
+}

@@ -8,6 +8,7 @@ use std::fmt::Write;
 use wavesplat_core::Kernel;
 use wavesplat_splat::optics::preintegrate::LEVEL;
 use wavesplat_splat::ray::local_maximum::ROUNDING;
+use wavesplat_splat::sheet::buffer::LEAST_HOLE_WEIGHT;
 
 use crate::layout::FIRST_TEXTURE;
 
@@ -256,10 +257,16 @@ impl Permutation {
             add(name, "u32", &format!("{k}u"));
         }
         add("LEVEL", "f32", &format!("{LEVEL:?}f"));
+        add("LEAST_HOLE_WEIGHT", "f32", &format!("{LEAST_HOLE_WEIGHT:?}f"));
         add("ROUNDING", "f32", &format!("{ROUNDING:?}f"));
         for (k, layer) in self.layers.iter().enumerate() {
             add(&format!("IS_SHADED_{k}"), "bool", &layer.is_shaded);
             add(&format!("BY_GRADIENT_{k}"), "u32", &format!("{}u", layer.by_gradient as u32));
+            // What has no light of its own is not dimmed by what holds light off from others.
+            let has_light = k == 0 || layer.is_shaded;
+            add(&format!("HAS_LIGHT_{k}"), "bool", &has_light);
+            let is_lit = has_light && (self.fields.openness.is_some() || self.fields.shadow.is_some());
+            add(&format!("HAS_FIELDS_{k}"), "bool", &(is_lit || (k == 0 && self.fields.any())));
         }
         let is_pre_integrated = matches!(self.operator, GpuOperator::Over { pre_integrated: true });
         add("PRE_INTEGRATED", "bool", &is_pre_integrated);
@@ -343,6 +350,16 @@ impl Permutation {
 
     /// The parts of several layers.
     fn layers_text(&self) -> String {
-        String::new()
+        let mut text = String::new();
+        let [mut sheets, mut slabs] = [String::new(), String::new()];
+        for k in 0..self.layers.len() {
+            text.push_str(&include_str!("shaders/layer.wgsl").replace("IS_FIRST_LAYER", "IS_FIRST").replace("LAYER", &k.to_string()).replace("IS_FIRST", if k == 0 { "true" } else { "false" }));
+            let _ = writeln!(sheets, "    any = add_sheet_{k}(ray, block, sheet, ends, begin, end, &sum) || any;");
+            let _ = writeln!(slabs, "    add_slab_{k}(ray, block, slab, &mixture);");
+        }
+        let all = include_str!("shaders/over_layers.wgsl");
+        // Layers stand on what all of them share.
+        let shared = all.replace("    ADD_SHEETS\n", &sheets).replace("    ADD_SLABS\n", &slabs);
+        text + &shared
     }
 }

@@ -15,7 +15,3 @@ fn add_fragment(rgb: vec3<f32>, alpha: f32, begin: f32, length: f32) {
         s_half = begin + (0.5f - before) / max(weight, 1e-30f) * length;
     }
 }
-
-fn is_opaque() -> bool {
-    return gathered.w >= parameters.frame.number.x;
-}

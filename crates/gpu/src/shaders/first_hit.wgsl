@@ -48,6 +48,6 @@ fn march_ray(ray: Ray, block: u32) {
     }
 }
 
-fn is_opaque() -> bool {
+fn is_done() -> bool {
     return gathered.w > 0.0f;
 }

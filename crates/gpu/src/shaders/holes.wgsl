@@ -29,10 +29,10 @@ fn is_hole_SOURCE(place: Place) -> bool {
     let at = cell + origin_SOURCE(cell) + footprint.first;
     if KERNEL_SOURCE == KERNEL_LINEAR {
         let sum = holes_quad_SOURCE(at) * z.x + holes_quad_SOURCE(at + vec3<i32>(0, 0, 1)) * z.y;
-        return dot(sum, vec4<f32>(x.x * y.x, x.y * y.x, x.x * y.y, x.y * y.y)) > 0.0f;
+        return dot(sum, vec4<f32>(x.x * y.x, x.y * y.x, x.x * y.y, x.y * y.y)) > LEAST_HOLE_WEIGHT;
     }
     let sum = holes_plane_SOURCE(at, x, y) * z.x + holes_plane_SOURCE(at + vec3<i32>(0, 0, 1), x, y) * z.y
         + holes_plane_SOURCE(at + vec3<i32>(0, 0, 2), x, y) * z.z
         + holes_plane_SOURCE(at + vec3<i32>(0, 0, 3), x, y) * z.w;
-    return sum > 0.0f;
+    return sum > LEAST_HOLE_WEIGHT;
 }

@@ -20,7 +20,7 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
         }
     }
     let interval = intervals[index];
-    if interval.x < interval.y && !is_opaque() {
+    if interval.x < interval.y && !is_done() {
         let length = length(affine(parameters.frame.to_next, texel));
         march_ray(Ray(texel, interval, length), block);
     }

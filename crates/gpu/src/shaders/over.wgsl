@@ -174,6 +174,10 @@ fn mix3(a: vec3<f32>, b: vec3<f32>, share: f32) -> vec3<f32> {
     return a + (b - a) * share;
 }
 
+fn is_done() -> bool {
+    return gathered.w >= parameters.frame.number.x;
+}
+
 // Rays through the slabs that have something. Twin of `TileJob::run_slabs` (crates/splat/src/render/tile.rs).
 fn march_ray(ray: Ray, block: u32) {
     let first = parameters.frame.slabs.x;
@@ -195,7 +199,7 @@ fn march_ray(ray: Ray, block: u32) {
                 } else {
                     add_sheet(ray, sheet, s - 0.5f * (s - s_of(sheet - 1u)), s);
                 }
-                if is_opaque() {
+                if is_done() {
                     return;
                 }
             }
@@ -216,7 +220,7 @@ fn march_ray(ray: Ray, block: u32) {
             add_slab(ray, &front, &back, slab);
             front = back;
             in_front = slab + 1u;
-            if is_opaque() {
+            if is_done() {
                 return;
             }
         }

@@ -102,13 +102,13 @@ fn march_ray(ray: Ray, block: u32) {
             front = back;
             front_hole = back_hole;
             in_front = slab + 1u;
-            if is_opaque() {
+            if is_done() {
                 return;
             }
         }
     }
 }
 
-fn is_opaque() -> bool {
+fn is_done() -> bool {
     return PROJECTION == LOCAL_MAXIMUM && gathered.y > 0.0f;
 }

@@ -8,7 +8,8 @@ use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, GradientNode, Kernel, LabelLook, OpacityNode, Picture, Projection,
-    RenderOptions, Samples, Shading, TransferFunction, Volume,
+    RenderOptions, Samples, Shading, TransferFunction, TransferFunction2D,
+    Volume,
 };
 use wavesplat_gpu::{Choice, DEFAULT_BUDGET_BYTES, Gpu, GpuReport};
 use wavesplat_splat::Layer;
@@ -133,6 +134,9 @@ pub struct Drawn {
 /// Value of the test signal, 0 to 255, in a box.
 fn signal(index: DVec3, size: [usize; 3]) -> f64 {
     let half = DVec3::from_array(size.map(|n| (n - 1) as f64 / 2.0));
+    if size == [2; 3] {
+        return 85.0 * index.element_sum();
+    }
     let p = (index - half) / half;
     let ball = ((0.95 - p.length()) / 0.5).clamp(0.0, 1.0);
     255.0 * ball * (0.4 + 0.6 * ripples_signal(p * 0.6))
@@ -167,6 +171,16 @@ impl Case {
         let colors = [(0.0, [0.2, 0.3, 0.8]), (110.0, [0.9, 0.5, 0.3]), (255.0, [1.0, 1.0, 0.9])];
         let color = colors.iter().map(|&(d, rgb)| ColorNode { value: own(d), rgb }).collect();
         let tf = TransferFunction::new(opacity, color, None).unwrap();
+        if self.is_joint {
+            let values = [0.0, 60.0, 160.0, 260.0].map(own).to_vec();
+            let magnitudes = [0.0, 20.0, 90.0].map(|m| m * scale).to_vec();
+            let rgba = (0..12).map(|i| {
+                let (value, magnitude) = (f64::from(i % 4) / 3.0, f64::from(i / 4) / 2.0);
+                [0.9, 0.4 + 0.5 * value, 1.0 - magnitude, 0.5 * value * (0.2 + 0.8 * magnitude)]
+            });
+            let joint = TransferFunction2D::new(values, magnitudes, rgba.collect()).unwrap();
+            return TransferFunction::two_dimensional(joint, None).unwrap();
+        }
         if self.gradient.is_empty() {
             return tf;
         }
@@ -266,8 +280,10 @@ pub struct Difference {
     pub within_one: f64,
     /// Largest difference.
     pub most: f64,
-    /// Mean alpha of the first, so that nothing is compared with nothing.
+    /// Mean alpha, or share of pixels with a value, so that nothing is compared with nothing.
     pub coverage: f64,
+    /// Largest difference of the values of a projection, as a share of their range.
+    pub of_values: f64,
 }
 
 /// Compares pictures.
@@ -277,10 +293,24 @@ pub fn difference(got: &Picture, want: &Picture) -> Difference {
     };
     let levels: Vec<f64> = got.rgba.iter().zip(&want.rgba).map(pixel).collect();
     let n = levels.len() as f64;
+    let mut coverage = want.rgba.iter().map(|rgba| f64::from(rgba[3])).sum::<f64>() / n;
+    let mut of_values = 0.0;
+    if let (Some(got), Some(want)) = (&got.value, &want.value) {
+        let known: Vec<f64> = want.iter().filter(|v| !v.is_nan()).map(|v| f64::from(*v)).collect();
+        let range = known.iter().fold(1e-9, |m: f64, v| m.max(v.abs()));
+        coverage = known.len() as f64 / n;
+        let apart = |(a, b): (&f32, &f32)| match (a.is_nan(), b.is_nan()) {
+            (true, true) => 0.0,
+            (false, false) => f64::from((a - b).abs()) / range,
+            _ => 1.0,
+        };
+        of_values = got.iter().zip(want).map(apart).fold(0.0, f64::max);
+    }
     Difference {
         within_one: levels.iter().filter(|d| **d <= 1.0).count() as f64 / n,
         most: levels.iter().copied().fold(0.0, f64::max),
-        coverage: want.rgba.iter().map(|rgba| f64::from(rgba[3])).sum::<f64>() / n,
+        coverage,
+        of_values,
     }
 }
 

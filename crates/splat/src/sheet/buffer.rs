@@ -22,6 +22,9 @@ use crate::source::window::Window;
 /// Numbers that combined slices are padded with, so that whole vectors can be read from any sample on.
 const PADDING: usize = LANES + 12;
 
+/// Weights of holes that count as none: a texel that lies on a sample, but for rounding, has nothing of its neighbours.
+pub const LEAST_HOLE_WEIGHT: f32 = 1e-6;
+
 /// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
 #[derive(Default)]
 pub struct Sheet {
@@ -239,7 +242,7 @@ impl Sheet {
                 *sum = s.add_mul(*sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
             }
         }
-        w.lt(w.splat(0.0), w.join(first, second))
+        w.lt(w.splat(LEAST_HOLE_WEIGHT), w.join(first, second))
     }
 
     /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient. After

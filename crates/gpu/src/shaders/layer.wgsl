@@ -1,0 +1,161 @@
+// One of several layers. Twin of crates/splat/src/ray/over_layers.rs. A template: LAYER stands for the number of the layer.
+
+fn interval_LAYER(block: u32, texel: vec2<u32>) -> vec2<f32> {
+    let ray = block * 128u + (texel.y & 7u) * 16u + (texel.x & 15u);
+    return intervals[(LAYERu + 1u) * parameters.frame.blocks.y * 128u + ray];
+}
+
+// Whether the layer has something in a slab.
+fn has_LAYER(block: u32, slab: u32) -> bool {
+    return ((occupied_word(LAYERu, block, slab / 32u) >> (slab & 31u)) & 1u) == 1u;
+}
+
+// The layer's colour in the light that gets to a point.
+fn shaded_LAYER(rgb: vec3<f32>, gradient: vec3<f32>, eye: vec3<f32>, fields: FieldValues) -> vec3<f32> {
+    var color = rgb;
+    if IS_FIRST_LAYER {
+        color = tinted(rgb, fields);
+    }
+    let light = select(vec2<f32>(1.0f), light_at(fields), HAS_LIGHT_LAYER);
+    return lit(parameters.layers[LAYER].lighting, IS_SHADED_LAYER, color, gradient, eye, light);
+}
+
+fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end: f32, sum: ptr<function, vec4<f32>>) -> bool {
+    let goes_on = sheet < parameters.frame.slabs.z && has_LAYER(block, sheet);
+    let is_behind = sheet > 0u && has_LAYER(block, sheet - 1u);
+    if select(goes_on, is_behind && !goes_on, ends) == false {
+        return false;
+    }
+    let own = interval_LAYER(block, ray.texel);
+    if !(own.x < own.y) {
+        return false;
+    }
+    let place = place_LAYER(ray.texel, sheet);
+    let density = value_LAYER(place, vec3<f32>(0.0f));
+    let length = extent(own, begin, end).y * thickness(LAYERu, ray);
+    if length <= 0.0f || is_hole_LAYER(place) {
+        return false;
+    }
+    let eye = to_eye(LAYERu, ray);
+    var fields: FieldValues;
+    if HAS_FIELDS_LAYER {
+        fields = fields_at(ray.texel, sheet);
+    }
+    var any = false;
+    if is_visible(LAYERu, density, density) {
+        var color = classify(LAYERu, density);
+        var gradient = vec3<f32>(0.0f);
+        if IS_SHADED_LAYER || BY_GRADIENT_LAYER != BY_NOTHING {
+            gradient = gradient_LAYER(place);
+        }
+        if BY_GRADIENT_LAYER == BY_FACTOR {
+            color.w *= gradient_factor(LAYERu, gradient);
+        } else if BY_GRADIENT_LAYER == BY_BOTH {
+            color = classify_jointly(LAYERu, density, gradient);
+        }
+        if IS_FIRST_LAYER && HAS_SCAN {
+            color.w *= fields.scan;
+        }
+        *sum = with_medium(*sum, shaded_LAYER(color.xyz, gradient, eye, fields), color.w * length);
+        any = true;
+    }
+    if IS_FIRST_LAYER && HAS_MATTER && fields.matter.x > 0.0f {
+        *sum = with_medium(*sum, matter_color(fields, eye), max(fields.matter.x, 0.0f) * length);
+        any = true;
+    }
+    return any;
+}
+
+// By a function of two dimensions: it has no integral, so what it is on both sheets counts, linear in between.
+fn joint_passage_LAYER(front: vec4<f32>, back: vec4<f32>, cuts: vec3<f32>) -> Passage {
+    let middles = (cuts.xy + cuts.yz) * 0.5f;
+    let depths = (vec2<f32>(front.w) + middles * (back.w - front.w)) * (cuts.yz - cuts.xy);
+    return Passage(cuts.x, cuts.z, depths);
+}
+
+fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixture>) {
+    if !has_LAYER(block, slab) {
+        return;
+    }
+    let own = interval_LAYER(block, ray.texel);
+    if !(own.x < own.y) {
+        return;
+    }
+    let front_place = place_LAYER(ray.texel, slab);
+    let back_place = place_LAYER(ray.texel, slab + 1u);
+    let front = value_LAYER(front_place, vec3<f32>(0.0f));
+    let back = value_LAYER(back_place, vec3<f32>(0.0f));
+    let s_front = s_of(slab);
+    let way = s_of(slab + 1u) - s_front;
+    let part = extent(own, s_front, s_front + way);
+    if part.y <= 0.0f || is_hole_LAYER(front_place) || is_hole_LAYER(back_place) {
+        return;
+    }
+    // The shares of the way between which the layer is drawn, and the parts of these.
+    let begin = (part.x - s_front) / way;
+    let end = begin + part.y / way;
+    let cuts = vec3<f32>(begin, clamp(0.5f, begin, end), end);
+    let whole_length = way * thickness(LAYERu, ray);
+    let eye = to_eye(LAYERu, ray);
+    var front_fields: FieldValues;
+    var back_fields: FieldValues;
+    if HAS_FIELDS_LAYER {
+        front_fields = fields_at(ray.texel, slab);
+        back_fields = fields_at(ray.texel, slab + 1u);
+    }
+    if is_visible(LAYERu, min(front, back), max(front, back)) {
+        var front_gradient = vec3<f32>(0.0f);
+        var back_gradient = vec3<f32>(0.0f);
+        if IS_SHADED_LAYER || BY_GRADIENT_LAYER != BY_NOTHING {
+            front_gradient = gradient_LAYER(front_place);
+            back_gradient = gradient_LAYER(back_place);
+        }
+        var passage: Passage;
+        var joint_color = vec3<f32>(0.0f);
+        if BY_GRADIENT_LAYER == BY_BOTH {
+            let on_front = classify_jointly(LAYERu, front, front_gradient);
+            let on_back = classify_jointly(LAYERu, back, back_gradient);
+            passage = joint_passage_LAYER(on_front, on_back, cuts);
+            joint_color = mix3(on_front.xyz, on_back.xyz, on_back.w / max(on_front.w + on_back.w, LEAST_DEPTH));
+        } else {
+            passage = preintegrate_parts(LAYERu, front, back, cuts);
+        }
+        // What holds in the middle of what is visible.
+        let middle = (passage.first + passage.last) * 0.5f;
+        var length = whole_length;
+        if IS_FIRST_LAYER && HAS_SCAN {
+            length *= between_fields(front_fields, back_fields, middle).scan;
+        }
+        if BY_GRADIENT_LAYER == BY_FACTOR {
+            length *= gradient_factor(LAYERu, mix3(front_gradient, back_gradient, middle));
+        }
+        // Where the mean of the layer's own light comes from.
+        let depths = passage.depths * length;
+        let near = one_minus_exp_neg(depths.x);
+        let far = (1.0f - near) * one_minus_exp_neg(depths.y);
+        let means = 1.0f / (2.0f + 0.75f * depths);
+        let starts = max(cuts.xy, vec2<f32>(passage.first));
+        let places = starts + means * max(min(cuts.yz, vec2<f32>(passage.last)) - starts, vec2<f32>(0.0f));
+        let alpha = near + far;
+        let at = select(middle, (near * places.x + far * places.y) / max(alpha, 1e-30f), alpha > 0.0f);
+        var color = joint_color;
+        if BY_GRADIENT_LAYER != BY_BOTH {
+            color = color_of(LAYERu, front + at * (back - front));
+        }
+        let gradient = mix3(front_gradient, back_gradient, at);
+        let rgb = shaded_LAYER(color, gradient, eye, between_fields(front_fields, back_fields, at));
+        (*mixture).near = with_medium((*mixture).near, rgb, depths.x);
+        (*mixture).far = with_medium((*mixture).far, rgb, depths.y);
+        (*mixture).only = vec4<f32>(rgb, alpha);
+        (*mixture).only_extent = at * 2.0f * way;
+        (*mixture).n += 1u;
+    }
+    if IS_FIRST_LAYER && HAS_MATTER && max(front_fields.matter.x, back_fields.matter.x) > 0.0f {
+        let fields = between_fields(front_fields, back_fields, (begin + end) * 0.5f);
+        let lengths = (cuts.yz - cuts.xy) * (max(fields.matter.x, 0.0f) * whole_length);
+        let rgb = matter_color(fields, eye);
+        (*mixture).near = with_medium((*mixture).near, rgb, lengths.x);
+        (*mixture).far = with_medium((*mixture).far, rgb, lengths.y);
+        (*mixture).n += 2u;
+    }
+}

@@ -91,7 +91,8 @@ pub(crate) fn choose(choice: &Choice) -> Result<(Instance, Adapter, wgpu::Adapte
         Choice::Best => !adapter.is_software(),
         Choice::Named(part) => adapter.name.to_lowercase().contains(&part.to_lowercase()),
     };
-    let there_are = if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", names.join(", ")) };
+    let there_are =
+        if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", names.join(", ")) };
     match adapters.into_iter().find(|(adapter, _)| is_wanted(adapter)) {
         Some((told, adapter)) => Ok((instance, told, adapter)),
         None => Err(Failure::NoAdapter(match choice {

@@ -3,25 +3,26 @@
 use std::time::Instant;
 
 use wavesplat_compute::parallel;
+use wavesplat_compute::simd::LANES;
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::{FamilyPlan, Operator, Plan};
 use wavesplat_splat::render::plan_arrays::{BasePlaneArrays, TileArrays};
 use wavesplat_splat::render::progress::ProgressCallback;
 use wavesplat_splat::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U};
 use wavesplat_splat::source::slices::Slices;
-use wavesplat_compute::simd::LANES;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages,
-    CommandEncoderDescriptor, ComputePassDescriptor, FilterMode, MapMode, SamplerDescriptor,
+    BufferView, CommandEncoderDescriptor, ComputePassDescriptor, FilterMode, MapMode, SamplerDescriptor, TextureView,
 };
 
 use crate::device::Device;
 use crate::failure::{Failure, Result};
 use crate::gpu::{GpuReport, GpuVolume, Work};
-use crate::layout::{BLOCK, NO_PLACE};
+use crate::layout::{BLOCK, GpuFrame, GpuLayer, GpuSource, NO_PLACE};
 use crate::numbers::{Numbers, is_mean};
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
+use crate::samples::SampleTexture;
 
 /// Texels of a block.
 const N_BLOCK: usize = BLOCK[0] * BLOCK[1];
@@ -153,7 +154,8 @@ impl Job<'_> {
         let mut numbers = Numbers::new(self.plan, family, arrays);
         for (source, volume) in numbers.sources.iter_mut().zip(self.volumes) {
             source.apron = [volume.apron.low as i32; 4];
-            (source.texel[0], source.texel[1]) = (1.0 / volume.samples.size[0] as f32, 1.0 / volume.samples.size[1] as f32);
+            (source.texel[0], source.texel[1]) =
+                (1.0 / volume.samples.size[0] as f32, 1.0 / volume.samples.size[1] as f32);
         }
         let mut picture = BasePicture::new(family.plane.clone(), self.plan.with_depth);
         counts.n_base_texels += family.plane.size.iter().product::<usize>() as u64;
@@ -228,15 +230,9 @@ impl Job<'_> {
         let n_rays = band.blocks.len() * N_BLOCK;
         let intervals = band.intervals.concat();
         let occupied = band.occupied.concat();
-        let n_parameters =
-            size_of_val(&numbers.frame) + size_of_val(&*numbers.layers) + size_of_val(&*numbers.sources);
+        let n_parameters = size_of_val(&numbers.frame) + size_of_val(&*numbers.layers) + size_of_val(&*numbers.sources);
         let buffers = &mut work.buffers;
         let storage = BufferUsages::STORAGE;
-        let sampler = device.device.create_sampler(&SamplerDescriptor {
-            mag_filter: FilterMode::Nearest,
-            min_filter: FilterMode::Nearest,
-            ..SamplerDescriptor::default()
-        });
         let state_usage = storage | BufferUsages::COPY_SRC;
         let resources = [
             buffers.parameters.of(device, n_parameters, BufferUsages::UNIFORM | BufferUsages::COPY_DST),
@@ -246,25 +242,11 @@ impl Job<'_> {
             buffers.occupied.with(device, bytemuck::cast_slice(&occupied), storage, counts),
             buffers.state.of(device, 16 * self.permutation.n_state() * n_rays, state_usage),
         ];
-        let mut entries: Vec<BindGroupEntry> = resources
-            .iter()
-            .enumerate()
-            .map(|(k, buffer)| BindGroupEntry { binding: k as u32, resource: buffer.as_entire_binding() })
-            .collect();
-        entries.push(BindGroupEntry { binding: 6, resource: BindingResource::Sampler(&sampler) });
-        for (k, volume) in self.volumes.iter().enumerate() {
-            let view = BindingResource::TextureView(&volume.samples.view);
-            entries.push(BindGroupEntry { binding: Permutation::samples_binding(k), resource: view });
-            if let Some(holes) = &volume.holes {
-                let view = BindingResource::TextureView(&holes.view);
-                entries.push(BindGroupEntry { binding: self.permutation.holes_binding(k), resource: view });
-            }
-        }
-        device.device.create_bind_group(&BindGroupDescriptor {
-            label: Some("march"),
-            layout: &self.pipeline.layout,
-            entries: &entries,
-        })
+        let textures = self.volumes.iter().enumerate().flat_map(|(k, volume)| {
+            let holes = volume.holes.iter().map(move |holes| (self.permutation.holes_binding(k), &holes.view));
+            [(Permutation::samples_binding(k), &volume.samples.view)].into_iter().chain(holes)
+        });
+        bind_group(device, self.pipeline, resources, textures)
     }
 
     /// Puts what was drawn of a band into the base plane.
@@ -281,21 +263,8 @@ impl Job<'_> {
         let Buffers { state, read_back, .. } = &mut work.buffers;
         let Some(state) = &state.0 else { return Ok(()) };
         let read = read_back.of(self.device, n_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-        let mut encoder = self.device.device.create_command_encoder(&CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(state, 0, read, 0, Some(n_bytes as u64));
-        self.device.queue.submit([encoder.finish()]);
-        let (tell, told) = std::sync::mpsc::channel();
-        read.map_async(MapMode::Read, ..n_bytes as u64, move |mapped| {
-            let _ = tell.send(mapped);
-        });
-        self.device.wait()?;
-        match told.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
-            Err(_) => return Err(Failure::Lost("what it drew never came back".to_owned())),
-        }
         counts.n_bytes_moved += n_bytes as u64;
-        let view = read.get_mapped_range(..n_bytes as u64).map_err(|error| Failure::Refused(error.to_string()))?;
+        let view = read_buffer(self.device, state, read, n_bytes)?;
         let texels: &[[f32; 4]] = bytemuck::cast_slice(&view);
         let sign = family.sign();
         for ([strip, row], own) in band.blocks.iter().zip(texels.chunks_exact(n_state * N_BLOCK)) {
@@ -311,6 +280,100 @@ impl Job<'_> {
         drop(view);
         read.unmap();
         Ok(())
+    }
+}
+
+/// What a buffer holds, by one that can be mapped; to be unmapped when it was read.
+fn read_buffer(device: &Device, from: &Buffer, by: &Buffer, n_bytes: usize) -> Result<BufferView> {
+    let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(from, 0, by, 0, Some(n_bytes as u64));
+    device.queue.submit([encoder.finish()]);
+    let (tell, told) = std::sync::mpsc::channel();
+    by.map_async(MapMode::Read, ..n_bytes as u64, move |mapped| {
+        let _ = tell.send(mapped);
+    });
+    device.wait()?;
+    match told.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
+        Err(_) => return Err(Failure::Lost("what it drew never came back".to_owned())),
+    }
+    by.get_mapped_range(..n_bytes as u64).map_err(|error| Failure::Refused(error.to_string()))
+}
+
+fn bind_group<'a>(
+    device: &Device,
+    pipeline: &Pipeline,
+    buffers: [&Buffer; 6],
+    textures: impl Iterator<Item = (u32, &'a TextureView)>,
+) -> BindGroup {
+    let sampler = device.device.create_sampler(&SamplerDescriptor {
+        mag_filter: FilterMode::Nearest,
+        min_filter: FilterMode::Nearest,
+        ..SamplerDescriptor::default()
+    });
+    let mut entries: Vec<BindGroupEntry> = buffers
+        .iter()
+        .enumerate()
+        .map(|(k, buffer)| BindGroupEntry { binding: k as u32, resource: buffer.as_entire_binding() })
+        .collect();
+    entries.push(BindGroupEntry { binding: 6, resource: BindingResource::Sampler(&sampler) });
+    entries.extend(
+        textures.map(|(binding, view)| BindGroupEntry { binding, resource: BindingResource::TextureView(view) }),
+    );
+    device.device.create_bind_group(&BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries })
+}
+
+/// What the self-test asks a device.
+pub(crate) struct Probe<'a> {
+    /// Where quads of the texture begin.
+    pub places: &'a [[usize; 3]],
+    pub exponents: &'a [f32],
+    pub texture: &'a SampleTexture,
+}
+
+impl Probe<'_> {
+    /// Four samples of each place; then the exponentials.
+    pub fn run(&self, device: &Device, pipeline: &Pipeline) -> Result<Vec<[f32; 4]>> {
+        let n = self.places.len() + self.exponents.len();
+        let frame = GpuFrame { blocks: [0, self.places.len() as u32, 1, 1], ..GpuFrame::default() };
+        let [width, height, _] = self.texture.size;
+        let source = GpuSource { texel: [1.0 / width as f32, 1.0 / height as f32, 0.0, 0.0], ..GpuSource::default() };
+        let mut parameters = bytemuck::bytes_of(&frame).to_vec();
+        parameters.extend_from_slice(bytemuck::bytes_of(&GpuLayer::default()));
+        parameters.extend_from_slice(bytemuck::bytes_of(&source));
+        let places: Vec<u32> = self.places.as_flattened().iter().map(|i| *i as u32).collect();
+        let exponents: Vec<[f32; 2]> = self.exponents.iter().map(|x| [*x, 0.0]).collect();
+        let (mut kept, counts) = (Buffers::default(), &mut Counts::default());
+        let storage = BufferUsages::STORAGE;
+        let Buffers { parameters: uniform, words, tables, intervals, occupied, .. } = &mut kept;
+        let state = device.device.create_buffer(&BufferDescriptor {
+            label: None,
+            size: 16 * n as u64,
+            usage: storage | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let buffers = [
+            uniform.with(device, &parameters, BufferUsages::UNIFORM, counts),
+            words.with(device, bytemuck::cast_slice(&places), storage, counts),
+            tables.of(device, 0, storage),
+            intervals.with(device, bytemuck::cast_slice(&exponents), storage, counts),
+            occupied.of(device, 0, storage),
+            &state,
+        ];
+        let texture = [(Permutation::samples_binding(0), &self.texture.view)];
+        let group = bind_group(device, pipeline, buffers, texture.into_iter());
+        let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline.compute);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(n.div_ceil(64) as u32, 1, 1);
+        }
+        device.queue.submit([encoder.finish()]);
+        let read = kept.read_back.of(device, 16 * n, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+        let view = read_buffer(device, &state, read, 16 * n)?;
+        Ok(bytemuck::cast_slice(&view).to_vec())
     }
 }
 

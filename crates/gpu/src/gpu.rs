@@ -17,6 +17,7 @@ use crate::permutation::{Permutation, SourceKind};
 use crate::pipeline::Pipeline;
 use crate::samples::{Apron, SampleBox, SampleTexture, hole_texture, upload, upload_holes};
 use crate::scene_kind::{apron_of, permutation_of, sources_of};
+use crate::self_test::{test_picture, test_samples};
 
 /// Memory for samples, unless told otherwise: no driver says how much is free.
 pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
@@ -24,6 +25,7 @@ pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
 /// An open GPU. Draws one frame at a time.
 pub struct Gpu {
     device: Device,
+    gather: bool,
     budget_bytes: usize,
     work: Mutex<Work>,
 }
@@ -77,9 +79,29 @@ pub struct GpuReport {
 }
 
 impl Gpu {
-    /// Opens a GPU with at most so many bytes of samples; tests it, unless that is left out.
+    /// Opens a GPU, for at most so many bytes of samples, and tests it: one that does not draw what the CPU draws is refused.
     pub fn open(choice: &Choice, budget_bytes: usize) -> Result<Self> {
-        Ok(Self { device: Device::open(choice)?, budget_bytes, work: Mutex::default() })
+        Self::open_with(choice, budget_bytes, false)
+    }
+
+    /// The same; `fails`: its self-test is made to fail.
+    pub fn open_with(choice: &Choice, budget_bytes: usize, fails: bool) -> Result<Self> {
+        let device = Device::open(choice)?;
+        let gather = test_samples(&device, fails)?;
+        let gpu = Self { device, gather, budget_bytes, work: Mutex::default() };
+        test_picture(&gpu)?;
+        *gpu.work() = Work::default();
+        Ok(gpu)
+    }
+
+    /// Whether it fetches four samples at once.
+    pub fn gathers(&self) -> bool {
+        self.gather
+    }
+
+    /// Ends the device, as a driver may at any time: what tests of such an end do.
+    pub fn destroy(&self) {
+        self.device.device.destroy();
     }
 
     /// What its driver tells.
@@ -111,7 +133,7 @@ impl Gpu {
         if let Some(why) = self.lost() {
             return Err(Failure::Lost(why));
         }
-        let permutation = permutation_of(plan, slices, true)?;
+        let permutation = permutation_of(plan, slices, self.gather)?;
         let work = &mut *self.work();
         let volumes = self.device.guarded(|| self.upload_all(work, &permutation, &sources_of(plan, slices)))?;
         let pipeline = match work.pipelines.get(&permutation) {

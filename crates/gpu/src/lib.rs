@@ -20,6 +20,7 @@ mod permutation;
 mod pipeline;
 mod samples;
 mod scene_kind;
+mod self_test;
 
 pub use adapter::{Adapter, Choice, adapters};
 pub use failure::{Failure, Result};

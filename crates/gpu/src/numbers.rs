@@ -1,6 +1,8 @@
 //! A base plane of a plan as plain numbers: what the shaders read. No decision is taken here; every number is the plan's.
 
 use glam::DVec3;
+use wavesplat_compute::parallel;
+use wavesplat_compute::simd::LANES;
 use wavesplat_core::Composite;
 use wavesplat_core::Gradient;
 use wavesplat_splat::kernel::footprint::group_base;
@@ -10,8 +12,6 @@ use wavesplat_splat::optics::shade::Shader;
 use wavesplat_splat::render::plan::{FamilyLayer, FamilyPlan, LayerPlan, Operator, Plan};
 use wavesplat_splat::render::plan_arrays::BasePlaneArrays;
 use wavesplat_splat::source::geometry::SheetGeometry;
-use wavesplat_compute::parallel;
-use wavesplat_compute::simd::LANES;
 
 use crate::layout::{GpuFrame, GpuLayer, GpuLighting, GpuSource};
 

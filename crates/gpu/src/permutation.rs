@@ -202,7 +202,9 @@ impl Permutation {
             let parts = parts
                 .replace("MASK_BINDING_SOURCE", &self.holes_binding(k).to_string())
                 .replace("BINDING_SOURCE", &Self::samples_binding(k).to_string());
-            text.push_str(&parts.replace("sources[SOURCE]", &format!("sources[{k}]")).replace("SOURCE", &k.to_string()));
+            text.push_str(
+                &parts.replace("sources[SOURCE]", &format!("sources[{k}]")).replace("SOURCE", &k.to_string()),
+            );
         }
         for part in [
             include_str!("shaders/slabs.wgsl"),
@@ -230,6 +232,14 @@ impl Permutation {
         }
         text.push_str(include_str!("shaders/march.wgsl"));
         text
+    }
+
+    /// The shader that asks a device for its samples and its exponential (`self_test.rs`).
+    pub fn probe_text(&self) -> String {
+        let text = self.text();
+        // What comes before the rays.
+        let end = text.find("// Slabs of a block").unwrap_or(text.len());
+        text[..end].to_owned() + include_str!("shaders/classify.wgsl") + include_str!("shaders/probe.wgsl")
     }
 
     fn constants(&self) -> String {
@@ -353,7 +363,12 @@ impl Permutation {
         let mut text = String::new();
         let [mut sheets, mut slabs] = [String::new(), String::new()];
         for k in 0..self.layers.len() {
-            text.push_str(&include_str!("shaders/layer.wgsl").replace("IS_FIRST_LAYER", "IS_FIRST").replace("LAYER", &k.to_string()).replace("IS_FIRST", if k == 0 { "true" } else { "false" }));
+            text.push_str(
+                &include_str!("shaders/layer.wgsl")
+                    .replace("IS_FIRST_LAYER", "IS_FIRST")
+                    .replace("LAYER", &k.to_string())
+                    .replace("IS_FIRST", if k == 0 { "true" } else { "false" }),
+            );
             let _ = writeln!(sheets, "    any = add_sheet_{k}(ray, block, sheet, ends, begin, end, &sum) || any;");
             let _ = writeln!(slabs, "    add_slab_{k}(ray, block, slab, &mixture);");
         }

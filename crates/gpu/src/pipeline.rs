@@ -17,27 +17,36 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
+    /// Of a picture.
     pub fn new(device: &Device, permutation: &Permutation) -> Result<Self> {
+        Self::of(device, permutation, permutation.text(), "march")
+    }
+
+    /// Of the self-test.
+    pub fn probe(device: &Device, permutation: &Permutation) -> Result<Self> {
+        Self::of(device, permutation, permutation.probe_text(), "probe")
+    }
+
+    fn of(device: &Device, permutation: &Permutation, text: String, entry_point: &str) -> Result<Self> {
         device.guarded(|| {
-            let text = permutation.text();
             let module = device.device.create_shader_module(ShaderModuleDescriptor {
-                label: Some("march"),
+                label: Some(entry_point),
                 source: ShaderSource::Wgsl(text.into()),
             });
             let layout = device.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-                label: Some("march"),
+                label: Some(entry_point),
                 entries: &entries(permutation),
             });
             let pipeline_layout = device.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-                label: Some("march"),
+                label: Some(entry_point),
                 bind_group_layouts: &[Some(&layout)],
                 immediate_size: 0,
             });
             let compute = device.device.create_compute_pipeline(&ComputePipelineDescriptor {
-                label: Some("march"),
+                label: Some(entry_point),
                 layout: Some(&pipeline_layout),
                 module: &module,
-                entry_point: Some("march"),
+                entry_point: Some(entry_point),
                 compilation_options: PipelineCompilationOptions::default(),
                 cache: None,
             });

@@ -140,13 +140,25 @@ impl SampleBox {
 }
 
 /// Copies a box of the samples to a place of the texture, some slices at a time.
-pub(crate) fn upload(device: &Device, slices: &Slices, texture: &SampleTexture, part: SampleBox, to: [usize; 3]) -> Result<()> {
+pub(crate) fn upload(
+    device: &Device,
+    slices: &Slices,
+    texture: &SampleTexture,
+    part: SampleBox,
+    to: [usize; 3],
+) -> Result<()> {
     let format = Format::of(slices);
     copy_slices(device, texture, part, to, |k, bytes| push_slice(slices, format, part, k, bytes))
 }
 
 /// The same of the samples that are drawn as empty: 255 where they are.
-pub(crate) fn upload_holes(device: &Device, slices: &Slices, texture: &SampleTexture, part: SampleBox, to: [usize; 3]) -> Result<()> {
+pub(crate) fn upload_holes(
+    device: &Device,
+    slices: &Slices,
+    texture: &SampleTexture,
+    part: SampleBox,
+    to: [usize; 3],
+) -> Result<()> {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
     let Some(holes) = slices.holes() else { return Ok(()) };
     let xs = folded(kernel, part.lo[0], part.size[0], size[0]);

@@ -82,10 +82,9 @@ fn gradient_taps(slices: &Slices, gradient: Option<Gradient>) -> GradientTaps {
     match gradient {
         None => GradientTaps::Nothing,
         Some(Gradient::Difference(_)) => GradientTaps::Difference,
-        Some(Gradient::Smoothed(_)) => GradientTaps::Smoothed {
-            n: axis.n_gradient_taps(),
-            before: reach(axis.kernel) + axis.gradient_margin(),
-        },
+        Some(Gradient::Smoothed(_)) => {
+            GradientTaps::Smoothed { n: axis.n_gradient_taps(), before: reach(axis.kernel) + axis.gradient_margin() }
+        }
     }
 }
 

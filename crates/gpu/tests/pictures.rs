@@ -21,7 +21,10 @@ fn check(cases: Vec<(Case, Allowed)>) {
     for (case, allowed) in cases {
         let (got, want) = (case.draw(Some(gpu)), case.draw(None));
         let told = difference(&got.picture, &want.picture);
-        println!("{:32} {:.6} within 1, at most {:.4}, of values {:.1e}, covered {:.3}", case.name, told.within_one, told.most, told.of_values, told.coverage);
+        println!(
+            "{:32} {:.6} within 1, at most {:.4}, of values {:.1e}, covered {:.3}",
+            case.name, told.within_one, told.most, told.of_values, told.coverage
+        );
         let (least, most) = match allowed {
             Allowed::Soft => (1.0, 1.0),
             Allowed::But(most) => (0.9999, most),
@@ -33,7 +36,12 @@ fn check(cases: Vec<(Case, Allowed)>) {
             }
             (got, want) => got.is_none() && want.is_none(),
         };
-        if told.within_one < least || told.most > most || told.coverage < 0.01 || (least == 1.0 && told.of_values > 1e-4) || !depth_is_right {
+        if told.within_one < least
+            || told.most > most
+            || told.coverage < 0.01
+            || (least == 1.0 && told.of_values > 1e-4)
+            || !depth_is_right
+        {
             wrong.push(format!("{}: {told:?}, depth {depth_is_right}", case.name));
         }
     }
@@ -136,10 +144,20 @@ fn operators() {
         // A ray that touches the surface meets it or not by rounding.
         (of("first hit", Composite::FirstHit { iso_value: 90.0 }).0, Allowed::But(255.0)),
         (
-            Case { eye: Some(45.0), kernel: Kernel::Bspline3, ..of("first hit, bspline3", Composite::FirstHit { iso_value: 90.0 }).0 },
+            Case {
+                eye: Some(45.0),
+                kernel: Kernel::Bspline3,
+                ..of("first hit, bspline3", Composite::FirstHit { iso_value: 90.0 }).0
+            },
             Allowed::But(255.0),
         ),
-        (Case { options: options(|o| o.with_depth = true), ..of("first hit, depth", Composite::FirstHit { iso_value: 90.0 }).0 }, Allowed::But(255.0)),
+        (
+            Case {
+                options: options(|o| o.with_depth = true),
+                ..of("first hit, depth", Composite::FirstHit { iso_value: 90.0 }).0
+            },
+            Allowed::But(255.0),
+        ),
     ]);
 }
 
@@ -153,12 +171,35 @@ fn lights() {
         of("wide differences", shading(|s| s.gradient = Gradient::Difference(2.5))),
         of("very smooth", shading(|s| s.gradient = Gradient::Smoothed(1.25))),
         of("fractional power", shading(|s| s.specular_power = 7.5)),
-        of("coloured lights", shading(|s| s.lights = vec![Light { rgb: [1.0, 0.4, 0.2], ..Light::KEY }, Light { rgb: [0.1, 0.2, 0.9], ..Light::FILL }])),
-        soft(Case { name: "cubic, differences", kernel: Kernel::CatmullRom, shading: Some(Shading::headlight()), ..Case::default() }),
-        soft(Case { name: "quadratic, smoothed", kernel: Kernel::Bspline2, shading: shading(|s| s.gradient = Gradient::Smoothed(1.0)), ..Case::default() }),
+        of(
+            "coloured lights",
+            shading(|s| {
+                s.lights =
+                    vec![Light { rgb: [1.0, 0.4, 0.2], ..Light::KEY }, Light { rgb: [0.1, 0.2, 0.9], ..Light::FILL }]
+            }),
+        ),
+        soft(Case {
+            name: "cubic, differences",
+            kernel: Kernel::CatmullRom,
+            shading: Some(Shading::headlight()),
+            ..Case::default()
+        }),
+        soft(Case {
+            name: "quadratic, smoothed",
+            kernel: Kernel::Bspline2,
+            shading: shading(|s| s.gradient = Gradient::Smoothed(1.0)),
+            ..Case::default()
+        }),
         of("ambient occlusion", shading(|s| s.ambient_occlusion = 0.8)),
         of("shadow", shading(|s| s.shadow = 0.7)),
-        (hard(Case { name: "hard, both", shading: shading(|s| (s.shadow, s.ambient_occlusion) = (0.7, 0.6)), ..Case::default() }), Allowed::But(3.0)),
+        (
+            hard(Case {
+                name: "hard, both",
+                shading: shading(|s| (s.shadow, s.ambient_occlusion) = (0.7, 0.6)),
+                ..Case::default()
+            }),
+            Allowed::But(3.0),
+        ),
     ]);
 }
 
@@ -177,9 +218,7 @@ fn opacity_by_gradient() {
 fn cuts_and_sizes() {
     let (crop, planes) = cuts();
     let cut = |o: &mut RenderOptions| (o.crop, o.clip_planes) = (Some(crop), planes.clone());
-    let sized = |width: usize, height: usize| {
-        options(|o| (o.width_px, o.height_px) = (width, height))
-    };
+    let sized = |width: usize, height: usize| options(|o| (o.width_px, o.height_px) = (width, height));
     check(vec![
         soft(Case { name: "cut", options: options(cut), ..Case::default() }),
         soft(Case { name: "cut in perspective", eye: Some(50.0), options: options(cut), ..Case::default() }),
@@ -193,9 +232,19 @@ fn cuts_and_sizes() {
         soft(Case { name: "many sheets", options: options(|o| o.sheets_per_slice = 7.3), ..Case::default() }),
         soft(Case { name: "oversampled", options: options(|o| o.oversampling = 2.0), ..Case::default() }),
         soft(Case { name: "undersampled", options: options(|o| o.oversampling = 0.4), ..Case::default() }),
-        soft(Case { name: "depth", options: options(|o| o.with_depth = true), opacity: vec![(40.0, 0.0), (160.0, 0.8)], ..Case::default() }),
+        soft(Case {
+            name: "depth",
+            options: options(|o| o.with_depth = true),
+            opacity: vec![(40.0, 0.0), (160.0, 0.8)],
+            ..Case::default()
+        }),
         soft(Case { name: "to the end", options: options(|o| o.early_ray_termination = false), ..Case::default() }),
-        soft(Case { name: "plain sheets", options: options(|o| o.pre_integration = false), opacity: HARD.to_vec(), ..Case::default() }),
+        soft(Case {
+            name: "plain sheets",
+            options: options(|o| o.pre_integration = false),
+            opacity: HARD.to_vec(),
+            ..Case::default()
+        }),
     ]);
 }
 

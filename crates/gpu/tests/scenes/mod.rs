@@ -8,8 +8,7 @@ use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, GradientNode, Kernel, LabelLook, OpacityNode, Picture, Projection,
-    RenderOptions, Samples, Shading, TransferFunction, TransferFunction2D,
-    Volume,
+    RenderOptions, Samples, Shading, TransferFunction, TransferFunction2D, Volume,
 };
 use wavesplat_gpu::{Choice, DEFAULT_BUDGET_BYTES, Gpu, GpuReport};
 use wavesplat_splat::Layer;
@@ -212,10 +211,8 @@ impl Case {
         let (owned, offset, scale) = self.owned();
         let affine = DAffine3::from_scale(DVec3::new(1.0, 1.2, 0.9));
         let volume = Volume::new("scene", owned.samples(), self.size, affine).unwrap();
-        let other_affine = DAffine3 {
-            translation: DVec3::new(4.0, 3.0, 2.0),
-            ..DAffine3::from_scale(DVec3::new(0.7, 0.8, 0.6))
-        };
+        let other_affine =
+            DAffine3 { translation: DVec3::new(4.0, 3.0, 2.0), ..DAffine3::from_scale(DVec3::new(0.7, 0.8, 0.6)) };
         let other = Volume::new("other", owned.samples(), self.size, other_affine).unwrap();
         let volumes = [volume, other];
         let tf = self.transfer_function(offset, scale);
@@ -263,8 +260,9 @@ impl Case {
 
     fn camera(&self) -> Camera {
         let middle = DVec3::new(1.0, 1.2, 0.9) * DVec3::from_array(self.size.map(|n| (n - 1) as f64 / 2.0));
+        let parallel_scale = 0.65 * self.size[0] as f64;
         match self.eye {
-            None => camera_towards(middle, self.from, 80.0, Projection::Orthographic { parallel_scale: 17.0 }),
+            None => camera_towards(middle, self.from, 80.0, Projection::Orthographic { parallel_scale }),
             Some(distance) => {
                 let view_angle_rad = if distance < 15.0 { 1.6 } else { 0.6 };
                 camera_towards(middle, self.from, distance, Projection::Perspective { view_angle_rad })
@@ -289,7 +287,9 @@ pub struct Difference {
 /// Compares pictures.
 pub fn difference(got: &Picture, want: &Picture) -> Difference {
     let pixel = |(a, b): (&[f32; 4], &[f32; 4])| {
-        (0..4).map(|c| f64::from((a[c] - b[c]).abs()) * 255.0).fold(0.0, |m: f64, d| if d.is_nan() { 255.0 } else { m.max(d) })
+        (0..4)
+            .map(|c| f64::from((a[c] - b[c]).abs()) * 255.0)
+            .fold(0.0, |m: f64, d| if d.is_nan() { 255.0 } else { m.max(d) })
     };
     let levels: Vec<f64> = got.rgba.iter().zip(&want.rgba).map(pixel).collect();
     let n = levels.len() as f64;

@@ -1,5 +1,7 @@
 //! A frame: base plane by base plane, band by band, range of slabs by range of slabs. The GPU's schedule over pieces.
 
+use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
 use wavesplat_compute::parallel;
@@ -17,9 +19,10 @@ use wgpu::{
 
 use crate::device::Device;
 use crate::failure::{Failure, Result};
-use crate::gpu::{GpuReport, GpuVolume, Work};
+use crate::gpu::{GpuReport, GpuVolume, Schedule, Work};
 use crate::layout::{BLOCK, GpuFrame, GpuLayer, GpuSource, NO_PLACE};
 use crate::numbers::{Numbers, is_mean};
+use crate::pages::{PagedRange, n_pages, pages_by_slab, ranges};
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
 use crate::samples::SampleTexture;
@@ -44,9 +47,12 @@ const LEAST_BYTES: u64 = 256;
 pub(crate) struct Job<'a> {
     pub device: &'a Device,
     pub plan: &'a Plan,
+    /// Of each layer.
+    pub slices: &'a [&'a Slices<'a>],
     pub permutation: &'a Permutation,
     pub pipeline: &'a Pipeline,
-    pub volumes: &'a [std::sync::Arc<GpuVolume>],
+    pub volumes: &'a [Arc<GpuVolume>],
+    pub schedule: Schedule,
 }
 
 /// What a frame took.
@@ -56,6 +62,7 @@ pub(crate) struct Counts {
     n_texels: u64,
     n_dispatches: u64,
     n_bytes_moved: u64,
+    n_page_bytes: u64,
 }
 
 impl Counts {
@@ -65,6 +72,7 @@ impl Counts {
             n_texels: self.n_texels,
             n_dispatches: self.n_dispatches,
             n_bytes_moved: self.n_bytes_moved,
+            n_page_bytes: self.n_page_bytes,
             ..GpuReport::default()
         }
     }
@@ -110,9 +118,9 @@ impl Kept {
 
 /// Some rows of tiles of a base plane.
 #[derive(Default)]
-struct Band {
+pub(crate) struct Band {
     /// Strip, and row of blocks, of each block.
-    blocks: Vec<[usize; 2]>,
+    pub blocks: Vec<[usize; 2]>,
     /// What each of its rays draws, block by block; of all layers together, then, where there are several, of each.
     intervals: Vec<Vec<[f32; 2]>>,
     /// Slabs that have something, layer by layer and block by block, as bits.
@@ -125,7 +133,6 @@ impl Job<'_> {
     /// Draws all base planes.
     pub fn draw_all(
         &self,
-        slices: &[&Slices],
         work: &mut Work,
         callback: &dyn ProgressCallback,
         counts: &mut Counts,
@@ -133,7 +140,7 @@ impl Job<'_> {
         let n = self.plan.families.len() as f32;
         let mut pictures = Vec::new();
         for (k, family) in self.plan.families.iter().enumerate() {
-            let arrays = BasePlaneArrays::new(self.plan, k, slices);
+            let arrays = BasePlaneArrays::new(self.plan, k, self.slices);
             let told = |done: f32| {
                 let stopped = callback.progress((k as f32 + done) / n).is_break();
                 if stopped { Err(Failure::Cancelled) } else { Ok(()) }
@@ -154,26 +161,73 @@ impl Job<'_> {
         let mut numbers = Numbers::new(self.plan, family, arrays);
         for (source, volume) in numbers.sources.iter_mut().zip(self.volumes) {
             source.apron = [volume.apron.low as i32; 4];
-            (source.texel[0], source.texel[1]) =
-                (1.0 / volume.samples.size[0] as f32, 1.0 / volume.samples.size[1] as f32);
+            let size = volume.samples.size;
+            (source.texel[0], source.texel[1]) = (1.0 / size[0] as f32, 1.0 / size[1] as f32);
+        }
+        // Room for the tables of pages, which are written range by range.
+        for (k, slices) in self.slices.iter().enumerate().filter(|(k, _)| self.volumes[*k].pages.is_some()) {
+            let [x, y, z] = n_pages(slices.grid().size());
+            numbers.sources[k].pages = [x, y, z, 0].map(|n| n as u32);
+            numbers.sources[k].apron[3] = numbers.words.len() as i32;
+            numbers.words.resize(numbers.words.len() + x * y * z, 0);
         }
         let mut picture = BasePicture::new(family.plane.clone(), self.plan.with_depth);
         counts.n_base_texels += family.plane.size.iter().product::<usize>() as u64;
-        let bands = bands(family, arrays, self.plan.layers.len());
-        for (k, band) in bands.iter().enumerate() {
-            let of_band = |done: f32| told((k as f32 + done) / bands.len() as f32);
-            self.draw_band(family, &numbers, band, work, counts, &of_band)?;
-            self.read_back(band, family, work, counts, &mut picture)?;
+        let mut bands = bands(family, arrays, self.plan.layers.len(), self.schedule.skips);
+        bands.reverse();
+        let mut n_done = 0;
+        while let Some(band) = bands.pop() {
+            let n_all = n_done + bands.len() + 1;
+            let of_band = |done: f32| told((n_done as f32 + done) / n_all as f32);
+            let Some(ranges) = self.ranges(family, arrays, &band) else {
+                // Half as many blocks reach fewer pages.
+                let Some((first, second)) = band.halves() else {
+                    return Err(Failure::Memory("too little memory is allowed for the pages of one block".to_owned()));
+                };
+                bands.extend([second, first]);
+                continue;
+            };
+            self.draw_band(family, &numbers, &band, &ranges, work, counts, &of_band)?;
+            self.read_back(&band, family, work, counts, &mut picture)?;
+            n_done += 1;
         }
         Ok(picture)
     }
 
+    /// Ranges of slabs whose pages fit; one of all slabs where there are no pages, `None` where there is too little room.
+    fn ranges(&self, family: &FamilyPlan, arrays: &BasePlaneArrays, band: &Band) -> Option<Vec<PagedRange>> {
+        let slots: Option<Vec<usize>> =
+            self.slices.iter().zip(self.volumes).map(|(_, volume)| Some(volume.pages()?.n_slots())).collect();
+        let Some(slots) = slots else {
+            return Some(vec![PagedRange { end: band.slabs[1], pages: Vec::new() }]);
+        };
+        let reached = parallel::map(slots.len(), |k| {
+            pages_by_slab(family, arrays.layer(k), band, k, self.slices[k].grid().size())
+        });
+        ranges(&reached, band.slabs, &slots)
+    }
+
+    /// Makes the pages of a range resident.
+    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &Work, counts: &mut Counts) -> Result<()> {
+        for (k, pages) in range.pages.iter().enumerate() {
+            let volume = &self.volumes[k];
+            let (Some(mut held), Some(words)) = (volume.pages(), &work.buffers.words.0) else { continue };
+            let textures = (&volume.samples, volume.holes.as_ref());
+            counts.n_page_bytes += held.hold(self.device, (self.slices[k], volume.apron), textures, pages)?;
+            let offset = 4 * numbers.sources[k].apron[3] as u64;
+            self.device.queue.write_buffer(words, offset, bytemuck::cast_slice(&held.table()));
+        }
+        Ok(())
+    }
+
     /// Marches the rays of a band through all slabs that have something.
+    #[expect(clippy::too_many_arguments, reason = "what is drawn, how it is cut, and where it goes")]
     fn draw_band(
         &self,
         family: &FamilyPlan,
         numbers: &Numbers,
         band: &Band,
+        ranges: &[PagedRange],
         work: &mut Work,
         counts: &mut Counts,
         told: &dyn Fn(f32) -> Result<()>,
@@ -191,11 +245,19 @@ impl Job<'_> {
         let [first, end] = band.slabs;
         let n_per_slab = n_blocks * N_BLOCK;
         let mut from = first;
+        let mut ranges = ranges.iter();
+        let mut range_end = first;
         while from < end {
+            if from == range_end {
+                let Some(range) = ranges.next() else { break };
+                self.hold(range, numbers, work, counts)?;
+                range_end = range.end;
+            }
             let is_software = self.device.adapter.is_software();
             let rate = work.rate.unwrap_or(FIRST_RATES[usize::from(is_software)]);
             let n_slabs = (rate * MOST_SECONDS / n_per_slab as f64).max(1.0) as usize;
-            let to = from.saturating_add(n_slabs).min(end);
+            let n_slabs = self.schedule.most_slabs.unwrap_or(n_slabs);
+            let to = from.saturating_add(n_slabs).min(range_end);
             // The last sheet stands for half a slab where no slab follows.
             let last = if to == end { family.spacing.n_slabs } else { to };
             (frame.slabs[0], frame.slabs[1]) = (from as u32, last as u32);
@@ -400,7 +462,7 @@ fn n_mask_words(family: &FamilyPlan) -> usize {
 }
 
 /// A base plane as bands of blocks that something may be seen in.
-fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize) -> Vec<Band> {
+fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize, skips: bool) -> Vec<Band> {
     let [n_tiles_u, n_tiles_v] = arrays.n_tiles();
     let mut bands = vec![Band::default()];
     for row in 0..n_tiles_v {
@@ -416,10 +478,50 @@ fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize) -> Vec<
         }
     }
     bands.retain(|band| !band.blocks.is_empty());
+    if !skips {
+        bands.iter_mut().for_each(|band| band.occupy_all(family));
+    }
     bands
 }
 
 impl Band {
+    /// Whether a block has something of a layer in a slab.
+    pub fn is_occupied(&self, layer: usize, block: usize, slab: usize) -> bool {
+        let words = &self.occupied[layer];
+        let n_words = words.len() / self.blocks.len();
+        words[block * n_words + slab / 32] >> (slab % 32) & 1 == 1
+    }
+
+    /// Takes everything for occupied.
+    fn occupy_all(&mut self, family: &FamilyPlan) {
+        let n_words = n_mask_words(family);
+        self.slabs = [0, family.spacing.n_slabs];
+        for (k, word) in self.occupied.iter_mut().flat_map(|words| words.iter_mut().enumerate()) {
+            let first = k % n_words * 32;
+            let n = family.spacing.n_slabs.saturating_sub(first).min(32);
+            *word = if n == 32 { u32::MAX } else { (1 << n) - 1 };
+        }
+    }
+
+    /// Both halves of its blocks, where it has more than one.
+    fn halves(&self) -> Option<(Self, Self)> {
+        let n = self.blocks.len() / 2;
+        (n > 0).then(|| (self.part(0..n), self.part(n..self.blocks.len())))
+    }
+
+    fn part(&self, blocks: Range<usize>) -> Self {
+        let of = |n: usize| blocks.start * n..blocks.end * n;
+        let intervals = self.intervals.iter().map(|own| own[of(N_BLOCK)].to_vec());
+        let n_words = |words: &[u32]| words.len() / self.blocks.len();
+        let occupied = self.occupied.iter().map(|words| words[of(n_words(words))].to_vec());
+        Self {
+            intervals: intervals.collect(),
+            occupied: occupied.collect(),
+            blocks: self.blocks[blocks.clone()].to_vec(),
+            slabs: self.slabs,
+        }
+    }
+
     fn add(&mut self, family: &FamilyPlan, tile: &TileArrays, [column, row]: [usize; 2], n_layers: usize) {
         if tile.blocks == 0 {
             return;

@@ -1,6 +1,7 @@
 //! An open GPU: its device, what was made and uploaded before, and the door to drawing.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use wavesplat_core::Gradient;
@@ -13,6 +14,7 @@ use crate::adapter::{Adapter, Choice};
 use crate::device::Device;
 use crate::draw::{Buffers, Counts, Job};
 use crate::failure::{Failure, Result};
+use crate::pages::{Pages, n_pages, page_bytes, page_side, page_textures};
 use crate::permutation::{Permutation, SourceKind};
 use crate::pipeline::Pipeline;
 use crate::samples::{Apron, SampleBox, SampleTexture, hole_texture, upload, upload_holes};
@@ -26,7 +28,7 @@ pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
 pub struct Gpu {
     device: Device,
     gather: bool,
-    budget_bytes: usize,
+    budget_bytes: AtomicUsize,
     work: Mutex<Work>,
 }
 
@@ -46,6 +48,8 @@ pub(crate) struct Work {
 struct VolumeKey {
     id: u64,
     apron: Apron,
+    /// Pages that there is room for; `None`: all samples lie together.
+    slots: Option<usize>,
 }
 
 /// The samples of a source.
@@ -53,11 +57,34 @@ pub(crate) struct GpuVolume {
     pub samples: SampleTexture,
     pub holes: Option<SampleTexture>,
     pub apron: Apron,
+    pub pages: Option<Mutex<Pages>>,
 }
 
 impl GpuVolume {
     fn n_bytes(&self) -> usize {
         self.samples.n_bytes + self.holes.as_ref().map_or(0, |holes| holes.n_bytes)
+    }
+
+    /// Where its pages are, if it has some.
+    pub fn pages(&self) -> Option<MutexGuard<'_, Pages>> {
+        self.pages.as_ref().map(|pages| pages.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// How a frame is cut; the picture does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Schedule {
+    /// Slabs of a dispatch at most; `None`: as many as take a twentieth of a second.
+    pub most_slabs: Option<usize>,
+    /// Leave out what nothing is seen of.
+    pub skips: bool,
+    /// Pages even where all samples fit.
+    pub is_paged: bool,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        Self { most_slabs: None, skips: true, is_paged: false }
     }
 }
 
@@ -70,6 +97,10 @@ pub struct GpuReport {
     pub n_texels: u64,
     /// Dispatches that the frame was cut into.
     pub n_dispatches: u64,
+    /// Whether the samples are there in pages, of those alone that are seen.
+    pub is_paged: bool,
+    /// Pages that were uploaded.
+    pub n_page_bytes: u64,
     /// Bytes of samples on the GPU.
     pub n_sample_bytes: u64,
     /// Bytes that were uploaded for this frame, samples excluded, and read back.
@@ -88,7 +119,7 @@ impl Gpu {
     pub fn open_with(choice: &Choice, budget_bytes: usize, fails: bool) -> Result<Self> {
         let device = Device::open(choice)?;
         let gather = test_samples(&device, fails)?;
-        let gpu = Self { device, gather, budget_bytes, work: Mutex::default() };
+        let gpu = Self { device, gather, budget_bytes: AtomicUsize::new(budget_bytes), work: Mutex::default() };
         test_picture(&gpu)?;
         *gpu.work() = Work::default();
         Ok(gpu)
@@ -111,7 +142,12 @@ impl Gpu {
 
     /// Most bytes of samples.
     pub fn budget_bytes(&self) -> usize {
-        self.budget_bytes
+        self.budget_bytes.load(Ordering::Relaxed)
+    }
+
+    /// Sets that, for the next frames.
+    pub fn set_budget(&self, budget_bytes: usize) {
+        self.budget_bytes.store(budget_bytes, Ordering::Relaxed);
     }
 
     /// Why it cannot draw any more, if so.
@@ -130,12 +166,38 @@ impl Gpu {
         slices: &[&Slices],
         callback: &dyn ProgressCallback,
     ) -> Result<(Vec<BasePicture>, GpuReport)> {
+        self.draw_base_planes_by(Schedule::default(), plan, slices, callback)
+    }
+
+    /// The same, cut as a schedule says.
+    pub fn draw_base_planes_by(
+        &self,
+        schedule: Schedule,
+        plan: &Plan,
+        slices: &[&Slices],
+        callback: &dyn ProgressCallback,
+    ) -> Result<(Vec<BasePicture>, GpuReport)> {
         if let Some(why) = self.lost() {
             return Err(Failure::Lost(why));
         }
-        let permutation = permutation_of(plan, slices, self.gather)?;
+        let mut permutation = permutation_of(plan, slices, self.gather)?;
+        let n_textures = permutation.sources.iter().map(|source| 1 + usize::from(source.has_holes)).sum::<usize>();
+        let most = self.device.limits.max_sampled_textures_per_shader_stage as usize;
+        if n_textures > most {
+            return Err(Failure::NotOnGpu(format!(
+                "{n_textures} volumes and fields are more than the {most} of this GPU"
+            )));
+        }
         let work = &mut *self.work();
-        let volumes = self.device.guarded(|| self.upload_all(work, &permutation, &sources_of(plan, slices)))?;
+        let sources = sources_of(plan, slices);
+        let budget = self.budget_bytes();
+        let mut placed = self.place_all(work, &mut permutation, &sources, plan.layers.len(), budget, schedule.is_paged);
+        if matches!(placed, Err(Failure::Memory(_))) && !work.volumes.is_empty() {
+            // What others are using is not known; half as much may still be there.
+            work.volumes.clear();
+            placed = self.place_all(work, &mut permutation, &sources, plan.layers.len(), budget / 2, true);
+        }
+        let volumes = placed?;
         let pipeline = match work.pipelines.get(&permutation) {
             Some(pipeline) => pipeline.clone(),
             None => {
@@ -145,43 +207,79 @@ impl Gpu {
             }
         };
         let n_sample_bytes = volumes.iter().map(|volume| volume.n_bytes() as u64).sum();
+        let is_paged = volumes.iter().any(|volume| volume.pages.is_some());
         let mut counts = Counts::default();
-        let job = Job { device: &self.device, plan, permutation: &permutation, pipeline: &pipeline, volumes: &volumes };
-        let pictures = self.device.guarded(|| job.draw_all(slices, work, callback, &mut counts))?;
-        Ok((pictures, GpuReport { n_sample_bytes, ..counts.report() }))
+        let job = Job {
+            device: &self.device,
+            plan,
+            slices,
+            permutation: &permutation,
+            pipeline: &pipeline,
+            volumes: &volumes,
+            schedule,
+        };
+        let pictures = self.device.guarded(|| job.draw_all(work, callback, &mut counts))?;
+        Ok((pictures, GpuReport { n_sample_bytes, is_paged, ..counts.report() }))
     }
 
-    /// The samples of all sources; what was not used for longest makes room.
-    fn upload_all(
+    /// The samples of all sources, in pages where they do not fit; what was not used for longest makes room.
+    fn place_all(
         &self,
         work: &mut Work,
-        permutation: &Permutation,
+        permutation: &mut Permutation,
         sources: &[(&Slices, Option<Gradient>)],
+        n_layers: usize,
+        budget_bytes: usize,
+        is_paged: bool,
     ) -> Result<Vec<Arc<GpuVolume>>> {
-        let keys: Vec<VolumeKey> = sources
-            .iter()
-            .zip(&permutation.sources)
-            .map(|((slices, _), kind)| VolumeKey { id: slices.id(), apron: apron_of(kind) })
-            .collect();
-        let needed: usize = sources.iter().zip(&permutation.sources).map(|((s, _), kind)| whole_bytes(s, kind)).sum();
-        if needed > self.budget_bytes {
-            let [needed, budget] = [needed, self.budget_bytes].map(|n| n as f64 / 1e6);
+        let megabytes = |n: usize| n as f64 / 1e6;
+        let whole: Vec<usize> =
+            sources.iter().zip(&permutation.sources).map(|((slices, _), kind)| whole_bytes(slices, kind)).collect();
+        let (of_layers, of_fields): (usize, usize) = (whole[..n_layers].iter().sum(), whole[n_layers..].iter().sum());
+        let fits = |k: usize| {
+            let size = SampleBox::whole(sources[k].0.grid().size(), apron_of(&permutation.sources[k])).size;
+            let [side, deep] =
+                [self.device.limits.max_texture_dimension_2d, self.device.limits.max_texture_array_layers];
+            size[0].max(size[1]) <= side as usize && size[2] <= deep as usize
+        };
+        let is_paged = is_paged || of_layers + of_fields > budget_bytes || !(0..n_layers).all(fits);
+        let mut keys = Vec::new();
+        for (k, ((slices, _), kind)) in sources.iter().zip(&mut permutation.sources).enumerate() {
+            let apron = apron_of(kind);
+            let mut slots = None;
+            if is_paged && k < n_layers {
+                let share = whole[k] as f64 / of_layers as f64;
+                let room = (budget_bytes.saturating_sub(of_fields) as f64 * share) as usize;
+                let n = (room / page_bytes(kind, apron)).min(n_pages(slices.grid().size()).iter().product());
+                if n == 0 {
+                    return Err(Failure::Memory(format!(
+                        "{:.1} MB are allowed on the GPU, not enough for a page of the samples, of {:.1} MB",
+                        megabytes(budget_bytes),
+                        megabytes(page_bytes(kind, apron))
+                    )));
+                }
+                slots = Some(n);
+                kind.page_side = Some(page_side(apron));
+            }
+            keys.push(VolumeKey { id: slices.id(), apron, slots });
+        }
+        if of_fields > budget_bytes {
             return Err(Failure::Memory(format!(
-                "the samples take {needed:.1} MB on the GPU, and {budget:.1} MB are allowed"
+                "labels and light take {:.1} MB on the GPU, and {:.1} MB are allowed",
+                megabytes(of_fields),
+                megabytes(budget_bytes)
             )));
         }
         // What this frame does not need makes room, the oldest first.
+        let bytes_of = |k: usize| match keys[k].slots {
+            Some(n) => n * page_bytes(&permutation.sources[k], keys[k].apron),
+            None => whole[k],
+        };
         let mut kept: usize = work.volumes.iter().map(|(_, volume)| volume.n_bytes()).sum();
-        let is_needed = |key: &VolumeKey| keys.contains(key);
-        let missing: usize = sources
-            .iter()
-            .zip(&permutation.sources)
-            .zip(&keys)
-            .filter(|(_, key)| !work.volumes.iter().any(|(own, _)| own == *key))
-            .map(|((source, kind), _)| whole_bytes(source.0, kind))
-            .sum();
-        while kept + missing > self.budget_bytes {
-            let Some(oldest) = work.volumes.iter().position(|(key, _)| !is_needed(key)) else { break };
+        let is_there = |work: &Work, key: &VolumeKey| work.volumes.iter().any(|(own, _)| own == key);
+        let missing: usize = (0..keys.len()).filter(|k| !is_there(work, &keys[*k])).map(bytes_of).sum();
+        while kept + missing > budget_bytes {
+            let Some(oldest) = work.volumes.iter().position(|(key, _)| !keys.contains(key)) else { break };
             kept -= work.volumes.remove(oldest).1.n_bytes();
         }
         let mut volumes = Vec::new();
@@ -189,7 +287,7 @@ impl Gpu {
             let found = work.volumes.iter().position(|(own, _)| own == key);
             let (key, volume) = match found {
                 Some(place) => work.volumes.remove(place),
-                None => (*key, Arc::new(self.upload_whole(slices, kind)?)),
+                None => (*key, Arc::new(self.device.guarded(|| self.upload(slices, kind, *key))?)),
             };
             volumes.push(volume.clone());
             work.volumes.push((key, volume));
@@ -197,9 +295,14 @@ impl Gpu {
         Ok(volumes)
     }
 
-    fn upload_whole(&self, slices: &Slices, kind: &SourceKind) -> Result<GpuVolume> {
-        let apron = apron_of(kind);
-        let part = SampleBox::whole(slices.grid().size(), apron);
+    fn upload(&self, slices: &Slices, kind: &SourceKind, key: VolumeKey) -> Result<GpuVolume> {
+        let (size, apron) = (slices.grid().size(), key.apron);
+        if let Some(n) = key.slots {
+            let pages = Pages::new(&self.device, size, apron, n);
+            let (samples, holes) = page_textures(&self.device, kind, &pages)?;
+            return Ok(GpuVolume { samples, holes, apron, pages: Some(Mutex::new(pages)) });
+        }
+        let part = SampleBox::whole(size, apron);
         let samples = SampleTexture::new(&self.device, part.size, kind.format)?;
         upload(&self.device, slices, &samples, part, [0; 3])?;
         let mut holes = None;
@@ -208,7 +311,7 @@ impl Gpu {
             upload_holes(&self.device, slices, &texture, part, [0; 3])?;
             holes = Some(texture);
         }
-        Ok(GpuVolume { samples, holes, apron })
+        Ok(GpuVolume { samples, holes, apron, pages: None })
     }
 }
 

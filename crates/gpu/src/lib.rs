@@ -7,15 +7,17 @@
 //!
 //! The stages, each a file here and, where it runs on the GPU, one of the same name in `shaders/`: `adapter` and `device`
 //! (which GPU, opened) -> `self_test` (is it right?) -> `samples` (upload) -> `numbers` (the plan) -> `permutation` and
-//! `pipeline` (the shader) -> `draw` (ranges of slabs) -> base planes.
+//! `pipeline` (the shader) -> `pages` (what does not fit) -> `draw` (ranges of slabs) -> base planes; `gpus` keeps what is open.
 
 mod adapter;
 mod device;
 mod draw;
 mod failure;
 mod gpu;
+mod gpus;
 mod layout;
 mod numbers;
+mod pages;
 mod permutation;
 mod pipeline;
 mod samples;
@@ -24,4 +26,5 @@ mod self_test;
 
 pub use adapter::{Adapter, Choice, adapters};
 pub use failure::{Failure, Result};
-pub use gpu::{DEFAULT_BUDGET_BYTES, Gpu, GpuReport};
+pub use gpu::{DEFAULT_BUDGET_BYTES, Gpu, GpuReport, Schedule};
+pub use gpus::{DeviceChoice, DrawnOnGpu, Gpus};

@@ -10,7 +10,7 @@ use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, GradientNode, Kernel, LabelLook, OpacityNode, Picture, Projection,
     RenderOptions, Samples, Shading, TransferFunction, TransferFunction2D, Volume,
 };
-use wavesplat_gpu::{Choice, DEFAULT_BUDGET_BYTES, Gpu, GpuReport};
+use wavesplat_gpu::{Choice, DEFAULT_BUDGET_BYTES, Gpu, GpuReport, Schedule};
 use wavesplat_splat::Layer;
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
@@ -187,27 +187,31 @@ impl Case {
         tf.with_gradient_opacity(nodes.collect()).unwrap()
     }
 
+    /// Draws it on a GPU, cut as a schedule says.
+    pub fn draw_by(&self, gpu: &Gpu, schedule: Schedule) -> Drawn {
+        let mut result = None;
+        self.with_plan(&mut |plan, layers| {
+            let (pictures, report) = gpu.draw_base_planes_by(schedule, plan, &slices_of(layers), &()).unwrap();
+            result = Some(Drawn { picture: finish(plan, &pictures), report: Some(report) });
+        });
+        result.unwrap()
+    }
+
     /// Draws it, on a GPU or on the CPU.
     pub fn draw(&self, gpu: Option<&Gpu>) -> Drawn {
+        if let Some(gpu) = gpu {
+            return self.draw_by(gpu, Schedule::default());
+        }
         let mut result = None;
-        self.with_plan(&mut |plan, layers, cpu_only| {
-            let slices = slices_of(layers);
-            result = Some(match gpu.filter(|_| !cpu_only) {
-                Some(gpu) => {
-                    let (pictures, report) = gpu.draw_base_planes(plan, &slices, &()).unwrap();
-                    Drawn { picture: finish(plan, &pictures), report: Some(report) }
-                }
-                None => {
-                    let (pictures, _) = draw_base_planes(plan, &slices, &()).unwrap();
-                    Drawn { picture: finish(plan, &pictures), report: None }
-                }
-            });
+        self.with_plan(&mut |plan, layers| {
+            let (pictures, _) = draw_base_planes(plan, &slices_of(layers), &()).unwrap();
+            result = Some(Drawn { picture: finish(plan, &pictures), report: None });
         });
         result.unwrap()
     }
 
     /// Calls `work` with the plan of the scene and its layers.
-    pub fn with_plan(&self, work: &mut dyn FnMut(&Plan, &[Layer], bool)) {
+    pub fn with_plan(&self, work: &mut dyn FnMut(&Plan, &[Layer])) {
         let (owned, offset, scale) = self.owned();
         let affine = DAffine3::from_scale(DVec3::new(1.0, 1.2, 0.9));
         let volume = Volume::new("scene", owned.samples(), self.size, affine).unwrap();
@@ -233,7 +237,7 @@ impl Case {
         let options =
             RenderOptions { composite: self.composite, shading: self.shading.clone(), ..self.options.clone() };
         let plan = Plan::new(Level::best(), &layers, &self.camera(), &options).unwrap();
-        work(&plan, &layers, false);
+        work(&plan, &layers);
     }
 
     fn labels(&self, grid: &wavesplat_core::Grid) -> Labels {

@@ -1,0 +1,175 @@
+//! The GPUs of a process: opened when they are first wanted, kept, opened once more when they are lost.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::render::progress::ProgressCallback;
+use wavesplat_splat::source::slices::Slices;
+
+use crate::adapter::{Adapter, Choice};
+use crate::failure::{Failure, Result};
+use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu, GpuReport};
+
+/// What should draw.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum DeviceChoice {
+    /// The processor.
+    #[default]
+    Cpu,
+    /// The best GPU where there is one and it pays: from the second frame of a process on, once it is open. Opening takes as
+    /// long as some frames do; the CPU draws these meanwhile.
+    Auto,
+    /// This GPU, opened if it is not open; the CPU where it cannot.
+    Gpu(Choice),
+}
+
+/// A frame that a GPU drew.
+pub struct DrawnOnGpu {
+    /// As those of `draw_base_planes` of the CPU.
+    pub pictures: Vec<BasePicture>,
+    /// What it took.
+    pub report: GpuReport,
+    /// Which GPU.
+    pub adapter: Adapter,
+    /// Why it was opened once more, if so.
+    pub reopened: Option<String>,
+}
+
+/// The GPUs that were opened, or why one could not be. Those of a process are [`Gpus::of_process`].
+#[derive(Default)]
+pub struct Gpus {
+    opened: Mutex<Vec<(Choice, Slot)>>,
+}
+
+/// What came of opening a GPU.
+#[derive(Clone)]
+enum Slot {
+    /// A thread opens it.
+    Opening,
+    Open(Arc<Gpu>),
+    Refused(Failure),
+}
+
+static PROCESS: Gpus = Gpus { opened: Mutex::new(Vec::new()) };
+
+impl Gpus {
+    /// Those of this process.
+    pub fn of_process() -> &'static Self {
+        &PROCESS
+    }
+
+    /// Draws the base planes of a plan, as `draw_base_planes` of the CPU does. `slices`: of each layer. `budget_bytes`: of
+    /// samples on the GPU at most. A GPU that is lost is opened once more.
+    pub fn draw_base_planes(
+        &'static self,
+        choice: &DeviceChoice,
+        budget_bytes: Option<usize>,
+        plan: &Plan,
+        slices: &[&Slices],
+        callback: &dyn ProgressCallback,
+    ) -> Result<DrawnOnGpu> {
+        let budget_bytes = budget_bytes.unwrap_or(DEFAULT_BUDGET_BYTES);
+        let (choice, gpu) = match choice {
+            DeviceChoice::Cpu => return Err(Failure::NotOnGpu("the CPU was asked for".to_owned())),
+            DeviceChoice::Auto => (&Choice::Best, self.open_beside(&Choice::Best)?),
+            DeviceChoice::Gpu(choice) => (choice, self.open(choice)?),
+        };
+        let first = draw(&gpu, budget_bytes, plan, slices, callback);
+        let Err(Failure::Lost(why)) = first else { return first };
+        self.forget(choice);
+        let gpu = self.open(choice)?;
+        match draw(&gpu, budget_bytes, plan, slices, callback) {
+            Ok(drawn) => Ok(DrawnOnGpu { reopened: Some(why), ..drawn }),
+            Err(failure) => {
+                if matches!(failure, Failure::Lost(_)) {
+                    // A GPU that is lost again and again is left alone.
+                    self.set(choice, Slot::Refused(failure.clone()));
+                }
+                Err(failure)
+            }
+        }
+    }
+
+    /// Opens a GPU, or gives the one that is open.
+    pub fn open(&self, choice: &Choice) -> Result<Arc<Gpu>> {
+        match self.slot(choice) {
+            Some(Slot::Open(gpu)) => Ok(gpu),
+            Some(Slot::Refused(failure)) => Err(failure),
+            // Nobody waits for another thread's: this one may be given up.
+            Some(Slot::Opening) | None => self.open_now(choice),
+        }
+    }
+
+    fn open_now(&self, choice: &Choice) -> Result<Arc<Gpu>> {
+        let opened = Gpu::open(choice, DEFAULT_BUDGET_BYTES).map(Arc::new);
+        let slot = match &opened {
+            Ok(gpu) => Slot::Open(gpu.clone()),
+            Err(failure) => Slot::Refused(failure.clone()),
+        };
+        self.set(choice, slot);
+        opened
+    }
+
+    /// The GPU if it is open; else a thread is told to open it.
+    fn open_beside(&'static self, choice: &Choice) -> Result<Arc<Gpu>> {
+        match self.slot(choice) {
+            Some(Slot::Open(gpu)) => return Ok(gpu),
+            Some(Slot::Refused(failure)) => return Err(failure),
+            Some(Slot::Opening) => {}
+            None if !may_have_gpu() => {
+                let failure = Failure::NoAdapter("no GPU was found: the system has no device file of one".to_owned());
+                self.set(choice, Slot::Refused(failure.clone()));
+                return Err(failure);
+            }
+            None => {
+                self.set(choice, Slot::Opening);
+                let choice = choice.clone();
+                let opens = std::thread::Builder::new().name("wavesplat-gpu".to_owned());
+                if let Err(error) = opens.spawn(move || self.open_now(&choice).map(|_| ())) {
+                    return Err(Failure::Refused(error.to_string()));
+                }
+            }
+        }
+        Err(Failure::NotOnGpu("the GPU is being opened; the CPU draws meanwhile".to_owned()))
+    }
+
+    fn slot(&self, choice: &Choice) -> Option<Slot> {
+        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.iter().find(|(own, _)| own == choice).map(|(_, slot)| slot.clone())
+    }
+
+    fn set(&self, choice: &Choice, slot: Slot) {
+        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.retain(|(own, _)| own != choice);
+        opened.push((choice.clone(), slot));
+    }
+
+    /// Closes a GPU; it is opened anew when it is wanted.
+    pub fn forget(&self, choice: &Choice) {
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner).retain(|(own, _)| own != choice);
+    }
+}
+
+fn draw(
+    gpu: &Gpu,
+    budget_bytes: usize,
+    plan: &Plan,
+    slices: &[&Slices],
+    callback: &dyn ProgressCallback,
+) -> Result<DrawnOnGpu> {
+    gpu.set_budget(budget_bytes);
+    let (pictures, report) = gpu.draw_base_planes(plan, slices, callback)?;
+    Ok(DrawnOnGpu { pictures, report, adapter: gpu.adapter().clone(), reopened: None })
+}
+
+/// Whether the system has a file of a GPU: drivers need not be loaded to see that there is none.
+fn may_have_gpu() -> bool {
+    if !cfg!(target_os = "linux") {
+        return true;
+    }
+    let has_render_node = std::fs::read_dir("/dev/dri").is_ok_and(|mut files| {
+        files.any(|file| file.is_ok_and(|file| file.file_name().to_string_lossy().starts_with("renderD")))
+    });
+    has_render_node || ["/dev/nvidia0", "/dev/dxg"].iter().any(|file| std::path::Path::new(file).exists())
+}

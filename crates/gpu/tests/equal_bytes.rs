@@ -1,0 +1,102 @@
+//! However a frame is cut, its bytes are the same: whole and in pages, in one range of slabs and in many, with empty space
+//! skipped and not, and twice the same.
+
+mod scenes;
+
+use glam::DVec3;
+use scenes::{Case, Stored, difference, gpu, open};
+use wavesplat_core::{Composite, Kernel, Picture, Shading};
+use wavesplat_gpu::{DEFAULT_BUDGET_BYTES, Schedule};
+use wavesplat_splat::render::frame::slices_of;
+
+fn cases() -> Vec<Case> {
+    let hard = vec![(120.0, 0.0), (122.0, 0.95)];
+    let soft = Case::default();
+    vec![
+        soft.clone(),
+        Case { name: "hard", opacity: hard.clone(), ..soft.clone() },
+        Case {
+            name: "hard cubic u16",
+            opacity: hard.clone(),
+            stored: Stored::U16,
+            kernel: Kernel::Bspline3,
+            ..soft.clone()
+        },
+        Case { name: "holes", stored: Stored::F32WithHoles, ..soft.clone() },
+        Case { name: "perspective", eye: Some(45.0), from: DVec3::ONE, ..soft.clone() },
+        Case { name: "first hit", composite: Composite::FirstHit { iso_value: 90.0 }, ..soft.clone() },
+        Case { name: "mean", composite: Composite::Mean, ..soft.clone() },
+        Case { name: "local maximum", composite: Composite::LocalMaximum { threshold: 100.0 }, ..soft.clone() },
+        Case { name: "two layers", n_layers: 2, shading: Some(Shading::headlight()), ..soft.clone() },
+        Case { name: "two layers, labels, hard", n_layers: 2, has_labels: true, opacity: hard, ..soft },
+    ]
+}
+
+fn is_same(got: &Picture, want: &Picture) -> bool {
+    let bits = |picture: &Picture| -> Vec<u32> { picture.rgba.as_flattened().iter().map(|x| x.to_bits()).collect() };
+    let covered = want.rgba.iter().filter(|rgba| rgba[3] > 0.0).count();
+    covered > 100 && bits(got) == bits(want)
+}
+
+#[test]
+fn cuts_change_nothing() {
+    let Some(gpu) = gpu() else { return };
+    for case in cases() {
+        let want = case.draw(Some(gpu)).picture;
+        let schedules = [
+            ("again", Schedule::default()),
+            ("in single slabs", Schedule { most_slabs: Some(1), ..Schedule::default() }),
+            ("in ranges of 7", Schedule { most_slabs: Some(7), ..Schedule::default() }),
+            ("without skipping", Schedule { skips: false, ..Schedule::default() }),
+            ("in pages", Schedule { is_paged: true, ..Schedule::default() }),
+            ("in pages and ranges", Schedule { is_paged: true, most_slabs: Some(5), ..Schedule::default() }),
+        ];
+        for (name, schedule) in schedules {
+            let drawn = case.draw_by(gpu, schedule);
+            let told = difference(&drawn.picture, &want);
+            assert!(is_same(&drawn.picture, &want), "{} {name}: {told:?}", case.name);
+            let report = drawn.report.unwrap();
+            assert_eq!(report.is_paged, schedule.is_paged);
+            assert!(schedule.most_slabs.is_none_or(|n| report.n_dispatches > 100 / n as u64 / 5), "{report:?}");
+        }
+    }
+}
+
+/// Volumes beyond the budget: pages that come and go as the rays pass.
+#[test]
+fn volumes_beyond_the_memory_are_drawn_without_seams() {
+    let Some(gpu) = gpu() else { return };
+    let large = Case { size: [150, 140, 133], ..Case::default() };
+    let page = 70 * 70 * 70;
+    for case in [
+        Case { name: "soft", ..large.clone() },
+        Case { name: "hard", opacity: vec![(120.0, 0.0), (122.0, 0.95)], ..large.clone() },
+        Case { name: "perspective u16", stored: Stored::U16, eye: Some(160.0), from: DVec3::ONE, ..large.clone() },
+        Case { name: "maximum", composite: Composite::Maximum, ..large.clone() },
+    ] {
+        let want = case.draw(Some(gpu));
+        let n_bytes = if case.stored == Stored::U16 { 2 } else { 1 };
+        let Some(small) = open(n_bytes * (9 * page + 1000)) else { return };
+        let got = case.draw(Some(&small));
+        let (got_report, want_report) = (got.report.unwrap(), want.report.unwrap());
+        let told = difference(&got.picture, &want.picture);
+        assert!(is_same(&got.picture, &want.picture), "{}: {told:?}", case.name);
+        assert!(got_report.is_paged && !want_report.is_paged);
+        assert!(got_report.n_sample_bytes <= small.budget_bytes() as u64, "{got_report:?}");
+        assert!(got_report.n_page_bytes > 9 * page as u64, "pages came and went: {got_report:?}");
+    }
+}
+
+/// Only pages that show something are uploaded.
+#[test]
+fn pages_that_show_nothing_are_left_out() {
+    let Some(gpu) = open(DEFAULT_BUDGET_BYTES) else { return };
+    let case = Case { size: [190, 180, 170], opacity: vec![(235.0, 0.0), (240.0, 0.9)], ..Case::default() };
+    let schedule = Schedule { is_paged: true, ..Schedule::default() };
+    case.with_plan(&mut |plan, layers| {
+        let draw = || gpu.draw_base_planes_by(schedule, plan, &slices_of(layers), &()).unwrap().1.n_page_bytes;
+        let (first, all) = (draw(), 3 * 3 * 3 * 70 * 70 * 70);
+        assert!(first > 0 && first < all / 2, "{first} of {all}");
+        assert_eq!(draw(), 0, "they stay for the next frame");
+    });
+}

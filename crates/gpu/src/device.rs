@@ -8,6 +8,7 @@ use crate::adapter::{Adapter, Choice, choose};
 use crate::failure::{Failure, Result};
 
 /// A device and its queue.
+#[expect(clippy::struct_field_names, reason = "it is what wgpu calls a device")]
 pub(crate) struct Device {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,

@@ -1,6 +1,5 @@
 //! A frame: base plane by base plane, band by band, range of slabs by range of slabs. The GPU's schedule over pieces.
 
-use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -8,30 +7,23 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::LANES;
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::{FamilyPlan, Operator, Plan};
-use wavesplat_splat::render::plan_arrays::{BasePlaneArrays, TileArrays};
+use wavesplat_splat::render::plan_arrays::BasePlaneArrays;
 use wavesplat_splat::render::progress::ProgressCallback;
-use wavesplat_splat::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U};
+use wavesplat_splat::sheet::tile_layout::BLOCK_V;
 use wavesplat_splat::source::slices::Slices;
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages,
-    BufferView, CommandEncoderDescriptor, ComputePassDescriptor, FilterMode, MapMode, SamplerDescriptor, TextureView,
-};
+use wgpu::{BindGroup, BufferUsages, CommandEncoderDescriptor, ComputePassDescriptor};
 
+use crate::band::{Band, bands, n_mask_words};
+use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::Device;
 use crate::failure::{Failure, Result};
 use crate::gpu::{GpuReport, GpuVolume, Schedule, Work};
-use crate::layout::{BLOCK, GpuFrame, GpuLayer, GpuSource, NO_PLACE};
+use crate::layout::{N_BLOCK, NO_PLACE};
 use crate::numbers::{Numbers, is_mean};
 use crate::pages::{PagedRange, n_pages, pages_by_slab, ranges};
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
-use crate::samples::SampleTexture;
-
-/// Texels of a block.
-const N_BLOCK: usize = BLOCK[0] * BLOCK[1];
-
-/// Blocks that are drawn at once at most: 2 M texels, so that no binding exceeds what every device has.
-const MOST_BLOCKS: usize = 1 << 14;
+use crate::timer::Timer;
 
 /// Seconds that a dispatch is to take at most: systems reset a GPU that answers to nothing for longer than about 2 s, and
 /// frames are cancelled between dispatches.
@@ -39,9 +31,6 @@ const MOST_SECONDS: f64 = 0.05;
 
 /// Texels of sheets per second that are taken for granted before any was timed, of a GPU and of a program on the processor.
 const FIRST_RATES: [f64; 2] = [1e9, 1e6];
-
-/// Words of a table that nothing is in.
-const LEAST_BYTES: u64 = 256;
 
 /// What a frame needs.
 pub(crate) struct Job<'a> {
@@ -58,75 +47,33 @@ pub(crate) struct Job<'a> {
 /// What a frame took.
 #[derive(Default)]
 pub(crate) struct Counts {
-    n_base_texels: u64,
-    n_texels: u64,
-    n_dispatches: u64,
-    n_bytes_moved: u64,
-    n_page_bytes: u64,
+    base_texels: u64,
+    texels: u64,
+    dispatches: u64,
+    pub bytes_moved: u64,
+    page_bytes: u64,
+    timer: Option<Timer>,
 }
 
 impl Counts {
-    pub fn report(&self) -> GpuReport {
-        GpuReport {
-            n_base_texels: self.n_base_texels,
-            n_texels: self.n_texels,
-            n_dispatches: self.n_dispatches,
-            n_bytes_moved: self.n_bytes_moved,
-            n_page_bytes: self.n_page_bytes,
-            ..GpuReport::default()
-        }
+    /// Of a frame on a device.
+    pub fn new(device: &Device) -> Self {
+        Self { timer: Timer::new(device), ..Self::default() }
     }
-}
 
-/// Buffers, kept from frame to frame, as large as they had to be.
-#[derive(Default)]
-pub(crate) struct Buffers {
-    parameters: Kept,
-    words: Kept,
-    tables: Kept,
-    intervals: Kept,
-    occupied: Kept,
-    state: Kept,
-    read_back: Kept,
-}
-
-/// A buffer that grows.
-#[derive(Default)]
-struct Kept(Option<Buffer>);
-
-impl Kept {
-    /// With room for so many bytes.
-    fn of(&mut self, device: &Device, n_bytes: usize, usage: BufferUsages) -> &Buffer {
-        let size = (n_bytes as u64).next_multiple_of(16).max(LEAST_BYTES);
-        let fits = self.0.as_ref().is_some_and(|own| own.size() >= size && own.size() <= 8 * size);
-        if !fits {
-            self.0 = None;
-        }
-        self.0.get_or_insert_with(|| {
-            device.device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+    /// What there is to report.
+    pub fn report(&self, device: &Device) -> Result<GpuReport> {
+        let seconds = self.timer.as_ref().map(|timer| timer.seconds(device)).transpose()?.flatten();
+        Ok(GpuReport {
+            n_base_texels: self.base_texels,
+            n_texels: self.texels,
+            n_dispatches: self.dispatches,
+            n_bytes_moved: self.bytes_moved,
+            n_page_bytes: self.page_bytes,
+            seconds,
+            ..GpuReport::default()
         })
     }
-
-    /// With these bytes.
-    fn with(&mut self, device: &Device, bytes: &[u8], usage: BufferUsages, counts: &mut Counts) -> &Buffer {
-        let buffer = self.of(device, bytes.len(), usage | BufferUsages::COPY_DST);
-        device.queue.write_buffer(buffer, 0, bytes);
-        counts.n_bytes_moved += bytes.len() as u64;
-        buffer
-    }
-}
-
-/// Some rows of tiles of a base plane.
-#[derive(Default)]
-pub(crate) struct Band {
-    /// Strip, and row of blocks, of each block.
-    pub blocks: Vec<[usize; 2]>,
-    /// What each of its rays draws, block by block; of all layers together, then, where there are several, of each.
-    intervals: Vec<Vec<[f32; 2]>>,
-    /// Slabs that have something, layer by layer and block by block, as bits.
-    occupied: Vec<Vec<u32>>,
-    /// Slabs before the first that has something, and one past the last.
-    slabs: [usize; 2],
 }
 
 impl Job<'_> {
@@ -172,7 +119,7 @@ impl Job<'_> {
             numbers.words.resize(numbers.words.len() + x * y * z, 0);
         }
         let mut picture = BasePicture::new(family.plane.clone(), self.plan.with_depth);
-        counts.n_base_texels += family.plane.size.iter().product::<usize>() as u64;
+        counts.base_texels += family.plane.size.iter().product::<usize>() as u64;
         let mut bands = bands(family, arrays, self.plan.layers.len(), self.schedule.skips);
         bands.reverse();
         let mut n_done = 0;
@@ -213,7 +160,7 @@ impl Job<'_> {
             let volume = &self.volumes[k];
             let (Some(mut held), Some(words)) = (volume.pages(), &work.buffers.words.0) else { continue };
             let textures = (&volume.samples, volume.holes.as_ref());
-            counts.n_page_bytes += held.hold(self.device, (self.slices[k], volume.apron), textures, pages)?;
+            counts.page_bytes += held.hold(self.device, (self.slices[k], volume.apron), textures, pages)?;
             let offset = 4 * numbers.sources[k].apron[3] as u64;
             self.device.queue.write_buffer(words, offset, bytemuck::cast_slice(&held.table()));
         }
@@ -241,7 +188,7 @@ impl Job<'_> {
         words.extend(band.blocks.iter().map(|[strip, row]| (strip | row << 16) as u32));
         let group = self.bind(numbers, band, &words, work, counts);
         let n_texels: u64 = band.occupied.iter().flatten().map(|word| u64::from(word.count_ones())).sum();
-        counts.n_texels += n_texels * N_BLOCK as u64;
+        counts.texels += n_texels * N_BLOCK as u64;
         let [first, end] = band.slabs;
         let n_per_slab = n_blocks * N_BLOCK;
         let mut from = first;
@@ -269,7 +216,9 @@ impl Job<'_> {
             let started = Instant::now();
             let mut encoder = self.device.device.create_command_encoder(&CommandEncoderDescriptor::default());
             {
-                let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+                let timestamp_writes = counts.timer.as_mut().and_then(Timer::next);
+                let descriptor = ComputePassDescriptor { label: Some("march"), timestamp_writes };
+                let mut pass = encoder.begin_compute_pass(&descriptor);
                 pass.set_pipeline(&self.pipeline.compute);
                 pass.set_bind_group(0, &group, &[]);
                 pass.dispatch_workgroups(per_row as u32, n_blocks.div_ceil(per_row) as u32, 1);
@@ -277,7 +226,7 @@ impl Job<'_> {
             self.device.queue.submit([encoder.finish()]);
             self.device.wait()?;
             let seconds = started.elapsed().as_secs_f64().max(1e-6);
-            counts.n_dispatches += 1;
+            counts.dispatches += 1;
             let now = ((to - from) * n_per_slab) as f64 / seconds;
             // The first time compiles, and the latest frames count most.
             work.rate = Some(work.rate.map_or(now, |before| 0.5 * (before + now)));
@@ -325,7 +274,7 @@ impl Job<'_> {
         let Buffers { state, read_back, .. } = &mut work.buffers;
         let Some(state) = &state.0 else { return Ok(()) };
         let read = read_back.of(self.device, n_bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-        counts.n_bytes_moved += n_bytes as u64;
+        counts.bytes_moved += n_bytes as u64;
         let view = read_buffer(self.device, state, read, n_bytes)?;
         let texels: &[[f32; 4]] = bytemuck::cast_slice(&view);
         let sign = family.sign();
@@ -345,100 +294,6 @@ impl Job<'_> {
     }
 }
 
-/// What a buffer holds, by one that can be mapped; to be unmapped when it was read.
-fn read_buffer(device: &Device, from: &Buffer, by: &Buffer, n_bytes: usize) -> Result<BufferView> {
-    let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
-    encoder.copy_buffer_to_buffer(from, 0, by, 0, Some(n_bytes as u64));
-    device.queue.submit([encoder.finish()]);
-    let (tell, told) = std::sync::mpsc::channel();
-    by.map_async(MapMode::Read, ..n_bytes as u64, move |mapped| {
-        let _ = tell.send(mapped);
-    });
-    device.wait()?;
-    match told.try_recv() {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
-        Err(_) => return Err(Failure::Lost("what it drew never came back".to_owned())),
-    }
-    by.get_mapped_range(..n_bytes as u64).map_err(|error| Failure::Refused(error.to_string()))
-}
-
-fn bind_group<'a>(
-    device: &Device,
-    pipeline: &Pipeline,
-    buffers: [&Buffer; 6],
-    textures: impl Iterator<Item = (u32, &'a TextureView)>,
-) -> BindGroup {
-    let sampler = device.device.create_sampler(&SamplerDescriptor {
-        mag_filter: FilterMode::Nearest,
-        min_filter: FilterMode::Nearest,
-        ..SamplerDescriptor::default()
-    });
-    let mut entries: Vec<BindGroupEntry> = buffers
-        .iter()
-        .enumerate()
-        .map(|(k, buffer)| BindGroupEntry { binding: k as u32, resource: buffer.as_entire_binding() })
-        .collect();
-    entries.push(BindGroupEntry { binding: 6, resource: BindingResource::Sampler(&sampler) });
-    entries.extend(
-        textures.map(|(binding, view)| BindGroupEntry { binding, resource: BindingResource::TextureView(view) }),
-    );
-    device.device.create_bind_group(&BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries })
-}
-
-/// What the self-test asks a device.
-pub(crate) struct Probe<'a> {
-    /// Where quads of the texture begin.
-    pub places: &'a [[usize; 3]],
-    pub exponents: &'a [f32],
-    pub texture: &'a SampleTexture,
-}
-
-impl Probe<'_> {
-    /// Four samples of each place; then the exponentials.
-    pub fn run(&self, device: &Device, pipeline: &Pipeline) -> Result<Vec<[f32; 4]>> {
-        let n = self.places.len() + self.exponents.len();
-        let frame = GpuFrame { blocks: [0, self.places.len() as u32, 1, 1], ..GpuFrame::default() };
-        let [width, height, _] = self.texture.size;
-        let source = GpuSource { texel: [1.0 / width as f32, 1.0 / height as f32, 0.0, 0.0], ..GpuSource::default() };
-        let mut parameters = bytemuck::bytes_of(&frame).to_vec();
-        parameters.extend_from_slice(bytemuck::bytes_of(&GpuLayer::default()));
-        parameters.extend_from_slice(bytemuck::bytes_of(&source));
-        let places: Vec<u32> = self.places.as_flattened().iter().map(|i| *i as u32).collect();
-        let exponents: Vec<[f32; 2]> = self.exponents.iter().map(|x| [*x, 0.0]).collect();
-        let (mut kept, counts) = (Buffers::default(), &mut Counts::default());
-        let storage = BufferUsages::STORAGE;
-        let Buffers { parameters: uniform, words, tables, intervals, occupied, .. } = &mut kept;
-        let state = device.device.create_buffer(&BufferDescriptor {
-            label: None,
-            size: 16 * n as u64,
-            usage: storage | BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let buffers = [
-            uniform.with(device, &parameters, BufferUsages::UNIFORM, counts),
-            words.with(device, bytemuck::cast_slice(&places), storage, counts),
-            tables.of(device, 0, storage),
-            intervals.with(device, bytemuck::cast_slice(&exponents), storage, counts),
-            occupied.of(device, 0, storage),
-            &state,
-        ];
-        let texture = [(Permutation::samples_binding(0), &self.texture.view)];
-        let group = bind_group(device, pipeline, buffers, texture.into_iter());
-        let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline.compute);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(n.div_ceil(64) as u32, 1, 1);
-        }
-        device.queue.submit([encoder.finish()]);
-        let read = kept.read_back.of(device, 16 * n, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-        let view = read_buffer(device, &state, read, 16 * n)?;
-        Ok(bytemuck::cast_slice(&view).to_vec())
-    }
-}
-
 fn w_of(s: f32, sign: f32) -> f32 {
     if s < NO_PLACE { s * sign } else { f32::NAN }
 }
@@ -453,101 +308,5 @@ fn finished(operator: Operator, gathered: [f32; 4]) -> [f32; 4] {
             [if is_mean(operator) { value / length } else { value }, length, 0.0, 1.0]
         }
         _ => [0.0; 4],
-    }
-}
-
-/// Words of the slabs of a block, as bits, with one bit more for the sheet behind the last.
-fn n_mask_words(family: &FamilyPlan) -> usize {
-    (family.spacing.n_slabs + 1).div_ceil(32)
-}
-
-/// A base plane as bands of blocks that something may be seen in.
-fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize, skips: bool) -> Vec<Band> {
-    let [n_tiles_u, n_tiles_v] = arrays.n_tiles();
-    let mut bands = vec![Band::default()];
-    for row in 0..n_tiles_v {
-        let tiles = parallel::map(n_tiles_u, |column| arrays.tile([column, row]));
-        for (column, tile) in tiles.iter().enumerate() {
-            let n = tile.blocks.count_ones() as usize;
-            if bands.last().is_some_and(|band| band.blocks.len() + n > MOST_BLOCKS) {
-                bands.push(Band::default());
-            }
-            if let Some(band) = bands.last_mut() {
-                band.add(family, tile, [column, row], n_layers);
-            }
-        }
-    }
-    bands.retain(|band| !band.blocks.is_empty());
-    if !skips {
-        bands.iter_mut().for_each(|band| band.occupy_all(family));
-    }
-    bands
-}
-
-impl Band {
-    /// Whether a block has something of a layer in a slab.
-    pub fn is_occupied(&self, layer: usize, block: usize, slab: usize) -> bool {
-        let words = &self.occupied[layer];
-        let n_words = words.len() / self.blocks.len();
-        words[block * n_words + slab / 32] >> (slab % 32) & 1 == 1
-    }
-
-    /// Takes everything for occupied.
-    fn occupy_all(&mut self, family: &FamilyPlan) {
-        let n_words = n_mask_words(family);
-        self.slabs = [0, family.spacing.n_slabs];
-        for (k, word) in self.occupied.iter_mut().flat_map(|words| words.iter_mut().enumerate()) {
-            let first = k % n_words * 32;
-            let n = family.spacing.n_slabs.saturating_sub(first).min(32);
-            *word = if n == 32 { u32::MAX } else { (1 << n) - 1 };
-        }
-    }
-
-    /// Both halves of its blocks, where it has more than one.
-    fn halves(&self) -> Option<(Self, Self)> {
-        let n = self.blocks.len() / 2;
-        (n > 0).then(|| (self.part(0..n), self.part(n..self.blocks.len())))
-    }
-
-    fn part(&self, blocks: Range<usize>) -> Self {
-        let of = |n: usize| blocks.start * n..blocks.end * n;
-        let intervals = self.intervals.iter().map(|own| own[of(N_BLOCK)].to_vec());
-        let n_words = |words: &[u32]| words.len() / self.blocks.len();
-        let occupied = self.occupied.iter().map(|words| words[of(n_words(words))].to_vec());
-        Self {
-            intervals: intervals.collect(),
-            occupied: occupied.collect(),
-            blocks: self.blocks[blocks.clone()].to_vec(),
-            slabs: self.slabs,
-        }
-    }
-
-    fn add(&mut self, family: &FamilyPlan, tile: &TileArrays, [column, row]: [usize; 2], n_layers: usize) {
-        if tile.blocks == 0 {
-            return;
-        }
-        if self.blocks.is_empty() {
-            self.slabs = [usize::MAX, 0];
-        }
-        self.intervals.resize_with(tile.intervals.len(), Vec::new);
-        self.occupied.resize_with(n_layers, Vec::new);
-        let n_words = n_mask_words(family);
-        for block in (0..N_STRIPS * N_BLOCKS_V).filter(|block| tile.blocks >> block & 1 == 1) {
-            let [strip, first_row] = [block / N_BLOCKS_V, block % N_BLOCKS_V];
-            self.blocks.push([column * N_STRIPS + strip, row * N_BLOCKS_V + first_row]);
-            for (all, own) in self.intervals.iter_mut().zip(&tile.intervals) {
-                for v in first_row * BLOCK_V..(first_row + 1) * BLOCK_V {
-                    all.extend_from_slice(&own[v * TILE_U + strip * LANES..][..LANES]);
-                }
-            }
-            for (all, slabs) in self.occupied.iter_mut().zip(&tile.slabs) {
-                let first = all.len();
-                all.resize(first + n_words, 0);
-                for (place, _) in slabs.iter().filter(|(_, blocks)| blocks >> block & 1 == 1) {
-                    all[first + place / 32] |= 1 << (place % 32);
-                    self.slabs = [self.slabs[0].min(*place), self.slabs[1].max(place + 1)];
-                }
-            }
-        }
     }
 }

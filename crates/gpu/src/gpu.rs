@@ -11,8 +11,9 @@ use wavesplat_splat::render::progress::ProgressCallback;
 use wavesplat_splat::source::slices::Slices;
 
 use crate::adapter::{Adapter, Choice};
+use crate::buffers::Buffers;
 use crate::device::Device;
-use crate::draw::{Buffers, Counts, Job};
+use crate::draw::{Counts, Job};
 use crate::failure::{Failure, Result};
 use crate::pages::{Pages, n_pages, page_bytes, page_side, page_textures};
 use crate::permutation::{Permutation, SourceKind};
@@ -125,6 +126,18 @@ impl Gpu {
         Ok(gpu)
     }
 
+    /// Texels of a texture's side, its layers, and bytes of a buffer, at most.
+    pub fn limits(&self) -> [u64; 3] {
+        let limits = &self.device.limits;
+        let [side, layers] = [limits.max_texture_dimension_2d, limits.max_texture_array_layers].map(u64::from);
+        [side, layers, limits.max_storage_buffer_binding_size]
+    }
+
+    /// Whether it tells how long it took.
+    pub fn has_timestamps(&self) -> bool {
+        self.device.has_timestamps
+    }
+
     /// Whether it fetches four samples at once.
     pub fn gathers(&self) -> bool {
         self.gather
@@ -198,17 +211,16 @@ impl Gpu {
             placed = self.place_all(work, &mut permutation, &sources, plan.layers.len(), budget / 2, true);
         }
         let volumes = placed?;
-        let pipeline = match work.pipelines.get(&permutation) {
-            Some(pipeline) => pipeline.clone(),
-            None => {
-                let made = Arc::new(Pipeline::new(&self.device, &permutation)?);
-                work.pipelines.insert(permutation.clone(), made.clone());
-                made
-            }
+        let pipeline = if let Some(pipeline) = work.pipelines.get(&permutation) {
+            pipeline.clone()
+        } else {
+            let made = Arc::new(Pipeline::new(&self.device, &permutation)?);
+            work.pipelines.insert(permutation.clone(), made.clone());
+            made
         };
         let n_sample_bytes = volumes.iter().map(|volume| volume.n_bytes() as u64).sum();
         let is_paged = volumes.iter().any(|volume| volume.pages.is_some());
-        let mut counts = Counts::default();
+        let mut counts = Counts::new(&self.device);
         let job = Job {
             device: &self.device,
             plan,
@@ -219,7 +231,8 @@ impl Gpu {
             schedule,
         };
         let pictures = self.device.guarded(|| job.draw_all(work, callback, &mut counts))?;
-        Ok((pictures, GpuReport { n_sample_bytes, is_paged, ..counts.report() }))
+        let report = self.device.guarded(|| counts.report(&self.device))?;
+        Ok((pictures, GpuReport { is_paged, n_sample_bytes, ..report }))
     }
 
     /// The samples of all sources, in pages where they do not fit; what was not used for longest makes room.

@@ -1,6 +1,7 @@
 //! The GPUs of a process: opened when they are first wanted, kept, opened once more when they are lost.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::Plan;
@@ -40,6 +41,14 @@ pub struct DrawnOnGpu {
 #[derive(Default)]
 pub struct Gpus {
     opened: Mutex<Vec<(Choice, Slot)>>,
+    /// Signalled when a thread has opened one.
+    changed: Condvar,
+    /// Bytes of samples on a GPU at most; 0: as is usual.
+    budget_bytes: AtomicUsize,
+    /// Frames that were asked of any GPU.
+    n_asked: AtomicUsize,
+    /// The process that opened them: a forked one cannot use them. 0: none yet.
+    process: AtomicU32,
 }
 
 /// What came of opening a GPU.
@@ -51,7 +60,13 @@ enum Slot {
     Refused(Failure),
 }
 
-static PROCESS: Gpus = Gpus { opened: Mutex::new(Vec::new()) };
+static PROCESS: Gpus = Gpus {
+    opened: Mutex::new(Vec::new()),
+    changed: Condvar::new(),
+    budget_bytes: AtomicUsize::new(0),
+    n_asked: AtomicUsize::new(0),
+    process: AtomicU32::new(0),
+};
 
 impl Gpus {
     /// Those of this process.
@@ -59,17 +74,47 @@ impl Gpus {
         &PROCESS
     }
 
-    /// Draws the base planes of a plan, as `draw_base_planes` of the CPU does. `slices`: of each layer. `budget_bytes`: of
-    /// samples on the GPU at most. A GPU that is lost is opened once more.
+    /// Sets how many bytes of samples are kept on a GPU at most; what does not fit is drawn in pages.
+    pub fn set_budget(&self, budget_bytes: usize) {
+        self.budget_bytes.store(budget_bytes, Ordering::Relaxed);
+    }
+
+    /// The same, as it is.
+    pub fn budget_bytes(&self) -> usize {
+        match self.budget_bytes.load(Ordering::Relaxed) {
+            0 => DEFAULT_BUDGET_BYTES,
+            n => n,
+        }
+    }
+
+    /// Waits until no thread opens a GPU: drivers do not like processes that end meanwhile.
+    pub fn settle(&self) {
+        if self.is_foreign() {
+            return;
+        }
+        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_opening =
+            |opened: &mut Vec<(Choice, Slot)>| opened.iter().any(|(_, slot)| matches!(slot, Slot::Opening));
+        drop(self.changed.wait_while(opened, is_opening));
+    }
+
+    /// Whether another process, of which this one is a fork, has opened them.
+    fn is_foreign(&self) -> bool {
+        let own = std::process::id();
+        let first = self.process.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed);
+        first.is_err_and(|process| process != own)
+    }
+
+    /// Draws the base planes of a plan, as `draw_base_planes` of the CPU does. `slices`: of each layer. A GPU that is lost is
+    /// opened once more.
     pub fn draw_base_planes(
         &'static self,
         choice: &DeviceChoice,
-        budget_bytes: Option<usize>,
         plan: &Plan,
         slices: &[&Slices],
         callback: &dyn ProgressCallback,
     ) -> Result<DrawnOnGpu> {
-        let budget_bytes = budget_bytes.unwrap_or(DEFAULT_BUDGET_BYTES);
+        let budget_bytes = self.budget_bytes();
         let (choice, gpu) = match choice {
             DeviceChoice::Cpu => return Err(Failure::NotOnGpu("the CPU was asked for".to_owned())),
             DeviceChoice::Auto => (&Choice::Best, self.open_beside(&Choice::Best)?),
@@ -93,6 +138,9 @@ impl Gpus {
 
     /// Opens a GPU, or gives the one that is open.
     pub fn open(&self, choice: &Choice) -> Result<Arc<Gpu>> {
+        if self.is_foreign() {
+            return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
+        }
         match self.slot(choice) {
             Some(Slot::Open(gpu)) => Ok(gpu),
             Some(Slot::Refused(failure)) => Err(failure),
@@ -102,7 +150,10 @@ impl Gpus {
     }
 
     fn open_now(&self, choice: &Choice) -> Result<Arc<Gpu>> {
-        let opened = Gpu::open(choice, DEFAULT_BUDGET_BYTES).map(Arc::new);
+        // A driver, or what calls it, that gives up must not take the program with it.
+        let open = || Gpu::open(choice, DEFAULT_BUDGET_BYTES).map(Arc::new);
+        let opened = std::panic::catch_unwind(open)
+            .unwrap_or_else(|_| Err(Failure::Refused("opening the GPU ended in a panic".to_owned())));
         let slot = match &opened {
             Ok(gpu) => Slot::Open(gpu.clone()),
             Err(failure) => Slot::Refused(failure.clone()),
@@ -113,6 +164,10 @@ impl Gpus {
 
     /// The GPU if it is open; else a thread is told to open it.
     fn open_beside(&'static self, choice: &Choice) -> Result<Arc<Gpu>> {
+        if self.is_foreign() {
+            return self.open(choice);
+        }
+        let is_first = self.n_asked.fetch_add(1, Ordering::Relaxed) == 0;
         match self.slot(choice) {
             Some(Slot::Open(gpu)) => return Ok(gpu),
             Some(Slot::Refused(failure)) => return Err(failure),
@@ -121,6 +176,10 @@ impl Gpus {
                 let failure = Failure::NoAdapter("no GPU was found: the system has no device file of one".to_owned());
                 self.set(choice, Slot::Refused(failure.clone()));
                 return Err(failure);
+            }
+            None if is_first => {
+                let why = "the first frame of a process is drawn by the CPU; a GPU is opened beside the next";
+                return Err(Failure::NotOnGpu(why.to_owned()));
             }
             None => {
                 self.set(choice, Slot::Opening);
@@ -143,6 +202,7 @@ impl Gpus {
         let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         opened.retain(|(own, _)| own != choice);
         opened.push((choice.clone(), slot));
+        self.changed.notify_all();
     }
 
     /// Closes a GPU; it is opened anew when it is wanted.

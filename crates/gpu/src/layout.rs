@@ -84,6 +84,9 @@ pub struct GpuFrame {
 /// Texels of a block along u and v, which a workgroup draws.
 pub const BLOCK: [usize; 2] = [16, 8];
 
+/// Texels of a block.
+pub const N_BLOCK: usize = BLOCK[0] * BLOCK[1];
+
 /// Bindings of the buffers and of the sampler; textures follow.
 pub const FIRST_TEXTURE: u32 = 8;
 

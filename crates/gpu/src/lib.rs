@@ -10,6 +10,8 @@
 //! `pipeline` (the shader) -> `pages` (what does not fit) -> `draw` (ranges of slabs) -> base planes; `gpus` keeps what is open.
 
 mod adapter;
+mod band;
+mod buffers;
 mod device;
 mod draw;
 mod failure;
@@ -23,6 +25,7 @@ mod pipeline;
 mod samples;
 mod scene_kind;
 mod self_test;
+mod timer;
 
 pub use adapter::{Adapter, Choice, adapters};
 pub use failure::{Failure, Result};

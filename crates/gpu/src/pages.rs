@@ -9,8 +9,8 @@ use wavesplat_splat::render::plan::FamilyPlan;
 use wavesplat_splat::source::geometry::SheetGeometry;
 use wavesplat_splat::source::slices::Slices;
 
+use crate::band::Band;
 use crate::device::Device;
-use crate::draw::Band;
 use crate::failure::Result;
 use crate::layout::BLOCK;
 use crate::permutation::SourceKind;
@@ -42,7 +42,8 @@ pub(crate) struct Pages {
     /// Places of pages along x, y, z.
     slots: [usize; 3],
     side: usize,
-    n_pages: [usize; 3],
+    /// Pages of the volume along x, y, z.
+    grid: [usize; 3],
     /// Slot of each page that is there.
     place: HashMap<usize, usize>,
     /// Page in each slot, and when it was used.
@@ -53,15 +54,15 @@ pub(crate) struct Pages {
 impl Pages {
     /// Room for at most so many pages.
     pub fn new(device: &Device, size: [usize; 3], apron: Apron, most: usize) -> Self {
-        let (side, n_pages) = (page_side(apron), n_pages(size));
-        let most = most.min(n_pages.iter().product()).max(1);
+        let (side, grid) = (page_side(apron), n_pages(size));
+        let most = most.min(grid.iter().product()).max(1);
         let across = (device.limits.max_texture_dimension_2d as usize / side).max(1);
         let deep = (device.limits.max_texture_array_layers as usize / side).max(1);
         let x = most.min(across);
         let y = (most / x).clamp(1, across);
         let slots = [x, y, (most / (x * y)).clamp(1, deep)];
         let held = vec![(None, 0); slots.iter().product()];
-        Self { slots, side, n_pages, place: HashMap::new(), held, now: 0 }
+        Self { slots, side, grid, place: HashMap::new(), held, now: 0 }
     }
 
     /// Pages that it has room for.
@@ -118,7 +119,7 @@ impl Pages {
     }
 
     fn page(&self, page: usize) -> [usize; 3] {
-        let [nx, ny, _] = self.n_pages;
+        let [nx, ny, _] = self.grid;
         [page % nx, page / nx % ny, page / nx / ny]
     }
 
@@ -129,7 +130,7 @@ impl Pages {
 
     /// Slots of all pages, as the shaders read them; any of those that are not there.
     pub fn table(&self) -> Vec<u32> {
-        let mut table = vec![0; self.n_pages.iter().product()];
+        let mut table = vec![0; self.grid.iter().product()];
         for (page, slot) in &self.place {
             let [x, y, z] = self.corner(*slot);
             table[*page] = (x | y << 10 | z << 20) as u32;

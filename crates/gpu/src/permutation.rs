@@ -191,7 +191,7 @@ impl Permutation {
         text.push_str(include_str!("shaders/axes.wgsl"));
         text.push_str(include_str!("shaders/kernel.wgsl"));
         for (k, source) in self.sources.iter().enumerate() {
-            text.push_str(&self.source_constants(k, source));
+            text.push_str(&source_constants(k, source));
             let mut parts = include_str!("shaders/samples.wgsl").to_owned();
             if source.has_holes {
                 parts.push_str(include_str!("shaders/holes.wgsl"));
@@ -300,33 +300,6 @@ impl Permutation {
         text
     }
 
-    fn source_constants(&self, k: usize, source: &SourceKind) -> String {
-        let mut text = String::new();
-        let mut add = |name: &str, kind: &str, value: &dyn std::fmt::Display| {
-            let _ = writeln!(text, "const {name}_{k}: {kind} = {value};");
-        };
-        let kernel = KERNELS.iter().position(|(_, own)| *own == source.kernel).unwrap_or_default();
-        add("KERNEL", "u32", &format!("{kernel}u"));
-        let (format, bias) = match source.format {
-            Format::Byte { is_signed } => (0, if is_signed { "128.0f" } else { "0.0f" }),
-            Format::Pair { is_signed } => (1, if is_signed { "32768.0f" } else { "0.0f" }),
-            Format::Float => (2, "0.0f"),
-        };
-        add("FORMAT", "u32", &format!("{format}u"));
-        add("BIAS", "f32", &bias);
-        let (gradient, n, before) = match source.gradient {
-            GradientTaps::Nothing => (0, 0, 0),
-            GradientTaps::Difference => (1, 0, 0),
-            GradientTaps::Smoothed { n, before } => (2, n, before),
-        };
-        add("GRADIENT", "u32", &format!("{gradient}u"));
-        add("N_SMOOTHED", "i32", &n);
-        add("BEFORE", "i32", &before);
-        add("PAGED", "bool", &source.page_side.is_some());
-        add("PAGE_SIDE", "i32", &source.page_side.unwrap_or_default());
-        text
-    }
-
     /// `fields_at`: what the fields are at a texel of a sheet; of the labels' own matter alone where only it is asked for.
     fn fields_text(&self) -> String {
         let first = self.layers.len();
@@ -377,4 +350,32 @@ impl Permutation {
         let shared = all.replace("    ADD_SHEETS\n", &sheets).replace("    ADD_SLABS\n", &slabs);
         text + &shared
     }
+}
+
+/// Constants of the `k`th source.
+fn source_constants(k: usize, source: &SourceKind) -> String {
+    let mut text = String::new();
+    let mut add = |name: &str, kind: &str, value: &dyn std::fmt::Display| {
+        let _ = writeln!(text, "const {name}_{k}: {kind} = {value};");
+    };
+    let kernel = KERNELS.iter().position(|(_, own)| *own == source.kernel).unwrap_or_default();
+    add("KERNEL", "u32", &format!("{kernel}u"));
+    let (format, bias) = match source.format {
+        Format::Byte { is_signed } => (0, if is_signed { "128.0f" } else { "0.0f" }),
+        Format::Pair { is_signed } => (1, if is_signed { "32768.0f" } else { "0.0f" }),
+        Format::Float => (2, "0.0f"),
+    };
+    add("FORMAT", "u32", &format!("{format}u"));
+    add("BIAS", "f32", &bias);
+    let (gradient, n, before) = match source.gradient {
+        GradientTaps::Nothing => (0, 0, 0),
+        GradientTaps::Difference => (1, 0, 0),
+        GradientTaps::Smoothed { n, before } => (2, n, before),
+    };
+    add("GRADIENT", "u32", &format!("{gradient}u"));
+    add("N_SMOOTHED", "i32", &n);
+    add("BEFORE", "i32", &before);
+    add("PAGED", "bool", &source.page_side.is_some());
+    add("PAGE_SIDE", "i32", &source.page_side.unwrap_or_default());
+    text
 }

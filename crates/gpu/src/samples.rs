@@ -214,18 +214,26 @@ fn push_slice(slices: &Slices, format: Format, part: SampleBox, k: usize, bytes:
     let row = |y: usize| (z * size[1] + y) * size[0];
     match slices.own_samples() {
         Some(Samples::U8(samples)) => {
-            rows.iter().for_each(|y| bytes.extend(columns.iter().map(|x| samples[row(*y) + x])));
+            for y in &rows {
+                bytes.extend(columns.iter().map(|x| samples[row(*y) + x]));
+            }
         }
         Some(Samples::I8(samples)) => {
             let stored = |y: usize, x: usize| samples[row(y) + x] as u8 ^ 0x80;
-            rows.iter().for_each(|y| bytes.extend(columns.iter().map(|x| stored(*y, *x))));
+            for y in &rows {
+                bytes.extend(columns.iter().map(|x| stored(*y, *x)));
+            }
         }
         Some(Samples::U16(samples)) => {
-            rows.iter().for_each(|y| bytes.extend(columns.iter().flat_map(|x| samples[row(*y) + x].to_le_bytes())));
+            for y in &rows {
+                bytes.extend(columns.iter().flat_map(|x| samples[row(*y) + x].to_le_bytes()));
+            }
         }
         Some(Samples::I16(samples)) => {
             let stored = |y: usize, x: usize| (samples[row(y) + x] as u16 ^ 0x8000).to_le_bytes();
-            rows.iter().for_each(|y| bytes.extend(columns.iter().flat_map(|x| stored(*y, *x))));
+            for y in &rows {
+                bytes.extend(columns.iter().flat_map(|x| stored(*y, *x)));
+            }
         }
         _ => {
             debug_assert_eq!(format, Format::Float);

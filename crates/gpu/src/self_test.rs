@@ -13,11 +13,14 @@ use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
+use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor, ComputePassDescriptor};
 
+use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::Device;
-use crate::draw::Probe;
+use crate::draw::Counts;
 use crate::failure::{Failure, Result};
 use crate::gpu::Gpu;
+use crate::layout::{GpuFrame, GpuLayer, GpuSource};
 use crate::permutation::{
     ByGradient, FieldKinds, Format, GpuOperator, GradientTaps, LayerKind, Permutation, SourceKind,
 };
@@ -166,4 +169,57 @@ pub(crate) fn test_picture(gpu: &Gpu) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// What the self-test asks a device.
+struct Probe<'a> {
+    /// Where quads of the texture begin.
+    places: &'a [[usize; 3]],
+    exponents: &'a [f32],
+    texture: &'a SampleTexture,
+}
+
+impl Probe<'_> {
+    /// Four samples of each place; then the exponentials.
+    fn run(&self, device: &Device, pipeline: &Pipeline) -> Result<Vec<[f32; 4]>> {
+        let n = self.places.len() + self.exponents.len();
+        let frame = GpuFrame { blocks: [0, self.places.len() as u32, 1, 1], ..GpuFrame::default() };
+        let [width, height, _] = self.texture.size;
+        let source = GpuSource { texel: [1.0 / width as f32, 1.0 / height as f32, 0.0, 0.0], ..GpuSource::default() };
+        let mut parameters = bytemuck::bytes_of(&frame).to_vec();
+        parameters.extend_from_slice(bytemuck::bytes_of(&GpuLayer::default()));
+        parameters.extend_from_slice(bytemuck::bytes_of(&source));
+        let places: Vec<u32> = self.places.as_flattened().iter().map(|i| *i as u32).collect();
+        let exponents: Vec<[f32; 2]> = self.exponents.iter().map(|x| [*x, 0.0]).collect();
+        let (mut kept, counts) = (Buffers::default(), &mut Counts::default());
+        let storage = BufferUsages::STORAGE;
+        let Buffers { parameters: uniform, words, tables, intervals, occupied, .. } = &mut kept;
+        let state = device.device.create_buffer(&BufferDescriptor {
+            label: None,
+            size: 16 * n as u64,
+            usage: storage | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let buffers = [
+            uniform.with(device, &parameters, BufferUsages::UNIFORM, counts),
+            words.with(device, bytemuck::cast_slice(&places), storage, counts),
+            tables.of(device, 0, storage),
+            intervals.with(device, bytemuck::cast_slice(&exponents), storage, counts),
+            occupied.of(device, 0, storage),
+            &state,
+        ];
+        let texture = [(Permutation::samples_binding(0), &self.texture.view)];
+        let group = bind_group(device, pipeline, buffers, texture.into_iter());
+        let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline.compute);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(n.div_ceil(64) as u32, 1, 1);
+        }
+        device.queue.submit([encoder.finish()]);
+        let read = kept.read_back.of(device, 16 * n, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+        let view = read_buffer(device, &state, read, 16 * n)?;
+        Ok(bytemuck::cast_slice(&view).to_vec())
+    }
 }

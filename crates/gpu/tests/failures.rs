@@ -92,11 +92,11 @@ fn a_lost_device_is_opened_once_more() {
     let case = Case::default();
     case.with_plan(&mut |plan, layers| {
         let device = DeviceChoice::Gpu(choice.clone());
-        let drawn = GPUS.draw_base_planes(&device, None, plan, &slices_of(layers), &()).unwrap();
+        let drawn = GPUS.draw_base_planes(&device, plan, &slices_of(layers), &()).unwrap();
         assert!(drawn.reopened.is_some());
         let picture = finish(plan, &drawn.pictures);
         assert!(difference(&picture, &case.draw(None).picture).within_one >= 1.0);
-        let drawn = GPUS.draw_base_planes(&device, None, plan, &slices_of(layers), &()).unwrap();
+        let drawn = GPUS.draw_base_planes(&device, plan, &slices_of(layers), &()).unwrap();
         assert!(drawn.reopened.is_none());
     });
 }

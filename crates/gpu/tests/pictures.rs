@@ -58,6 +58,7 @@ fn hard(case: Case) -> Case {
     Case { opacity: HARD.to_vec(), ..case }
 }
 
+#[expect(clippy::unnecessary_wraps, reason = "as the scenes have it")]
 fn shading(change: impl Fn(&mut Shading)) -> Option<Shading> {
     let mut shading = Shading::default();
     change(&mut shading);
@@ -175,7 +176,7 @@ fn lights() {
             "coloured lights",
             shading(|s| {
                 s.lights =
-                    vec![Light { rgb: [1.0, 0.4, 0.2], ..Light::KEY }, Light { rgb: [0.1, 0.2, 0.9], ..Light::FILL }]
+                    vec![Light { rgb: [1.0, 0.4, 0.2], ..Light::KEY }, Light { rgb: [0.1, 0.2, 0.9], ..Light::FILL }];
             }),
         ),
         soft(Case {

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod errors;
+mod gpu;
 mod labels;
 mod lazy;
 mod progress;
@@ -31,6 +32,8 @@ mod _native {
     };
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
+    #[pymodule_export]
+    use crate::gpu::{gpu_adapters, gpu_check, gpu_memory, gpu_settle};
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]

@@ -8,8 +8,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
-    ClipPlane, Composite, Crop, Effort, Frame, FrameOptions, Kernel, Measured, Picture, PngBits, Sampling, Scene,
-    SceneLayer, StageTimes, Wanted, png_of_rgba,
+    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Kernel, Measured, Picture, PngBits, Sampling,
+    Scene, SceneLayer, StageTimes, Wanted, png_of_rgba,
 };
 use wavesplat_core::{CompositeNumbers, RenderOptions};
 use wavesplat_splat::quality::target_psnr::{Errors, Framing};
@@ -18,6 +18,7 @@ use wavesplat_splat::with_threads;
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
+use crate::gpu::{device, report_of};
 use crate::labels::PyLabels;
 use crate::progress::PyProgress;
 use crate::volume::{Drawable, with_volumes};
@@ -128,6 +129,7 @@ pub struct PyFrame<'py> {
     clip_planes: Vec<(Triple, Triple)>,
     background: Option<[f32; 4]>,
     threads: Option<usize>,
+    device: String,
     depth: bool,
     pre_integration: bool,
     early_ray_termination: bool,
@@ -156,6 +158,7 @@ impl PyFrame<'_> {
             with_depth: self.depth,
             pre_integration: self.pre_integration,
             early_ray_termination: self.early_ray_termination,
+            device: device(&self.device),
             n_threads: self.threads,
             clock: Some(seconds),
         })
@@ -192,7 +195,7 @@ pub fn render<'py>(
 
 /// What Python gets of a frame.
 pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, PyDict>> {
-    let Frame { mut picture, report, sampling, estimate, times } = frame;
+    let Frame { mut picture, report, drawn_by, sampling, estimate, times } = frame;
     let [width, height] = [picture.width_px, picture.height_px];
     let plane = |values: Option<Vec<f32>>| -> PyResult<Option<Bound<'_, PyArray2<f32>>>> {
         values.map(|v| v.into_pyarray(py).reshape([height, width])).transpose()
@@ -224,6 +227,14 @@ pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, Py
     numbers.set_item("n_nonfinite_samples", report.n_nonfinite_samples)?;
     numbers.set_item("n_threads", report.n_threads)?;
     numbers.set_item("simd", report.simd)?;
+    let DrawnBy { name, reason, gpu } = drawn_by;
+    let device = match gpu {
+        Some((adapter, report)) => report_of(py, &adapter, &report)?,
+        None => PyDict::new(py),
+    };
+    device.set_item("name", name)?;
+    device.set_item("reason", reason)?;
+    numbers.set_item("device", device)?;
     dict.set_item("report", numbers)?;
     Ok(dict)
 }

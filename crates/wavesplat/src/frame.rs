@@ -7,11 +7,12 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, RenderOptions, Result};
 use wavesplat_splat::quality::error_model::Sampling;
 use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
-use wavesplat_splat::render::frame::{draw_base_planes, finish, slices_of};
+use wavesplat_splat::render::frame::{finish, slices_of};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, Report};
 
+use crate::device::{Device, DrawnBy};
 use crate::quality::{Effort, Quality};
 use crate::scene::{Scene, SceneLayer, SceneVolume};
 
@@ -30,6 +31,8 @@ pub struct FrameOptions {
     pub pre_integration: bool,
     /// Stop rays that are opaque but for a ten thousandth; else they go on until nothing can be seen.
     pub early_ray_termination: bool,
+    /// What draws.
+    pub device: Device,
     /// Threads; `None` uses those that there are. The picture does not depend on it.
     pub n_threads: Option<usize>,
     /// Seconds from any moment on, where times are wanted in [`Frame::times`].
@@ -45,6 +48,7 @@ impl Default for FrameOptions {
             with_depth: false,
             pre_integration: true,
             early_ray_termination: true,
+            device: Device::Cpu,
             n_threads: None,
             clock: None,
         }
@@ -58,6 +62,8 @@ pub struct Frame {
     pub picture: Picture,
     /// What it took.
     pub report: Report,
+    /// What drew it.
+    pub drawn_by: DrawnBy,
     /// With how many sheets and texels it was drawn.
     pub sampling: Sampling,
     /// What is expected of its error, with [`Effort::Psnr`].
@@ -141,9 +147,11 @@ impl Scene<'_> {
             if let Effort::Psnr(wanted) = options.effort {
                 let (picture, report, estimate) = render_to_psnr(layers, camera, render_options, &wanted, callback)?;
                 times.draw = now() - prepared;
+                let reason = "the samplings of a wanted PSNR are compared on the CPU";
                 return Ok(Frame {
                     picture,
                     report,
+                    drawn_by: DrawnBy::cpu((options.device != Device::Cpu).then(|| reason.to_owned())),
                     sampling: estimate.sampling,
                     estimate: Some(estimate),
                     times: None,
@@ -151,12 +159,13 @@ impl Scene<'_> {
             }
             let plan = Plan::new(Level::best(), layers, camera, render_options)?;
             let planned = now();
-            let (base_pictures, report) = draw_base_planes(&plan, &slices_of(layers), callback)?;
+            let (base_pictures, report, drawn_by) =
+                options.device.draw_base_planes(&plan, &slices_of(layers), callback)?;
             let drawn = now();
             let picture = finish(&plan, &base_pictures);
             (times.plan, times.draw, times.warp) = (planned - prepared, drawn - planned, now() - drawn);
             let sampling = fixed.unwrap_or_else(|| sampling_of(render_options));
-            Ok(Frame { picture, report, sampling, estimate: None, times: None })
+            Ok(Frame { picture, report, drawn_by, sampling, estimate: None, times: None })
         })?;
         match callback.progress(1.0) {
             ControlFlow::Continue(()) => Ok(Frame { times: options.clock.map(|_| times), ..frame }),

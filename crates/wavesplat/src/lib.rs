@@ -1,4 +1,4 @@
-//! Volume rendering of CT, MRI, microscopy and simulations on the CPU.
+//! Volume rendering of CT, MRI, microscopy and simulations, on the CPU and, with the feature `gpu`, on GPUs.
 //!
 //! A [`Scene`] is a volume and its look, or several; [`Scene::render`] draws it. The method is high-resolution splatting: the picture
 //! is that of a converged ray caster, at a fraction of its time, and needs no GPU.
@@ -48,14 +48,15 @@
 //!
 //! # What it does not do
 //!
-//! It opens no file, reads no environment variable, and starts no thread but those that the feature `threads` or
-//! [`FrameOptions::n_threads`] asks for. Without the feature everything runs on the caller's thread, as in wasm.
+//! It opens no file, reads no environment variable, and starts no thread but those that the feature `threads`,
+//! [`FrameOptions::n_threads`], or a [`Device`] other than the CPU asks for: drivers have threads of their own. Without the feature everything runs on the caller's thread, as in wasm.
 //!
 //! Stability: this crate's items are public; those of the crates that it stands on are not, apart from what is passed on
 //! here.
 
 mod block_state;
 mod bytes;
+mod device;
 mod error;
 mod frame;
 mod lazy_volume;
@@ -69,6 +70,7 @@ mod volume_cache;
 
 pub use block_state::BlockState;
 pub use bytes::{rgb_bytes, straight_bytes};
+pub use device::{Device, DrawnBy};
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
 pub use lazy_volume::LazyVolume;
@@ -96,6 +98,8 @@ pub use wavesplat_core::{
     Light, LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction,
     Volume,
 };
+#[cfg(feature = "gpu")]
+pub use wavesplat_gpu as gpu;
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};

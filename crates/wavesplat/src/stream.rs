@@ -22,6 +22,7 @@ use wavesplat_splat::source::slices::{Slices, VolumeBox};
 use wavesplat_splat::{ProgressCallback, Report};
 
 use crate::block_state::BlockState;
+use crate::device::{Device, DrawnBy};
 use crate::frame::{Frame, FrameOptions};
 use crate::quality::Effort;
 use crate::scene::{Scene, SceneVolume};
@@ -54,6 +55,7 @@ pub struct Stream {
     n_threads: Option<usize>,
     pictures: Vec<BasePicture>,
     report: Report,
+    drawn_by: DrawnBy,
 }
 
 impl Scene<'static> {
@@ -76,17 +78,11 @@ impl Scene<'static> {
         let cut = || StreamPlan::new(&plan, &of_slices, &storage, budget_bytes, n_blocks, segment_slices);
         let steps = parallel::with_threads(options.n_threads, cut)?;
         let pictures = plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
-        let report = Report {
-            n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
-            n_base_planes: plan.families.len(),
-            n_threads: parallel::with_threads(options.n_threads, parallel::n_threads),
-            simd: plan.simd.name(),
-            n_sheets: plan.families.iter().map(|own| own.spacing.n_slabs + 1).collect(),
-            n_base_texels: plan.families.iter().map(|own| own.plane.size.iter().product::<usize>() as u64).sum(),
-            ..Report::default()
-        };
+        let reason = "what is read as it is drawn is drawn by the CPU";
+        let drawn_by = DrawnBy::cpu((options.device != Device::Cpu).then(|| reason.to_owned()));
+        let report = parallel::with_threads(options.n_threads, || Report::of(&plan));
         let n_threads = options.n_threads;
-        Ok(Stream { plan, steps, slices, sampling, segment_slices, n_threads, pictures, report })
+        Ok(Stream { plan, steps, slices, sampling, segment_slices, n_threads, pictures, report, drawn_by })
     }
 
     /// The least [`StreamOptions::budget_bytes`] that [`Scene::stream`] can do with.
@@ -315,7 +311,8 @@ impl Stream {
     /// The picture of all that was put.
     pub fn picture(&self) -> Frame {
         let picture: Picture = parallel::with_threads(self.n_threads, || finish(&self.plan, &self.pictures));
-        Frame { picture, report: self.report.clone(), sampling: self.sampling, estimate: None, times: None }
+        let (report, sampling, drawn_by) = (self.report.clone(), self.sampling, self.drawn_by.clone());
+        Frame { picture, report, drawn_by, sampling, estimate: None, times: None }
     }
 
     /// The kernel.

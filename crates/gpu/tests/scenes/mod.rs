@@ -158,7 +158,8 @@ impl Case {
             Stored::I32 => (Owned::I32((0..n).map(|i| (at(i) * 1000.0 - 5.0) as i32).collect()), -5.0, 1000.0),
             Stored::F32 => (Owned::F32((0..n).map(|i| (at(i) * 0.01) as f32).collect()), 0.0, 0.01),
             Stored::F32WithHoles => {
-                let value = |i: usize| if i % 97 == 0 || i % 331 < 4 { f32::NAN } else { (at(i) * 0.01) as f32 };
+                let value =
+                    |i: usize| if i.is_multiple_of(97) || i % 331 < 4 { f32::NAN } else { (at(i) * 0.01) as f32 };
                 (Owned::F32((0..n).map(value).collect()), 0.0, 0.01)
             }
         }

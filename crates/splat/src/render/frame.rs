@@ -87,13 +87,7 @@ pub fn draw_base_planes(
     slices: &[&Slices],
     callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
-    let mut report = Report {
-        n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
-        n_base_planes: plan.families.len(),
-        n_threads: parallel::n_threads(),
-        simd: plan.simd.name(),
-        ..Report::default()
-    };
+    let mut report = Report::of(plan);
     let n_all = plan.families.iter().map(|family| n_tiles(&family.plane).iter().product::<usize>()).sum();
     let progress = Progress::new(callback, n_all);
     let mut pictures = Vec::new();
@@ -101,8 +95,6 @@ pub fn draw_base_planes(
         let (picture, work) = draw_base_plane(plan, family, slices, &progress)?;
         report.n_texels += work.n_texels;
         report.n_skipped_sheets += work.n_skipped;
-        report.n_sheets.push(family.spacing.n_slabs + 1);
-        report.n_base_texels += family.plane.size.iter().product::<usize>() as u64;
         pictures.push(picture);
     }
     Ok((pictures, report))

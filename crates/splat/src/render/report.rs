@@ -1,5 +1,9 @@
 //! What a frame took: counts of texels, sheets, base planes, and how it was drawn.
 
+use wavesplat_compute::parallel;
+
+use crate::render::plan::{FamilyPlan, Plan};
+
 /// What a picture took.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
@@ -19,4 +23,20 @@ pub struct Report {
     pub n_threads: usize,
     /// Vectors that were used.
     pub simd: &'static str,
+}
+
+impl Report {
+    /// What a plan tells before anything is drawn.
+    pub fn of(plan: &Plan) -> Self {
+        let n_base_texels = |family: &FamilyPlan| family.plane.size.iter().product::<usize>() as u64;
+        Self {
+            n_nonfinite_samples: plan.layers.iter().map(|layer| layer.grid.statistics().n_nonfinite).sum(),
+            n_base_planes: plan.families.len(),
+            n_base_texels: plan.families.iter().map(n_base_texels).sum(),
+            n_sheets: plan.families.iter().map(|family| family.spacing.n_slabs + 1).collect(),
+            n_threads: parallel::n_threads(),
+            simd: plan.simd.name(),
+            ..Self::default()
+        }
+    }
 }

@@ -1,0 +1,94 @@
+//! Buffers, kept from frame to frame, what is bound to a shader, and reading back.
+
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages,
+    BufferView, CommandEncoderDescriptor, FilterMode, MapMode, SamplerDescriptor, TextureView,
+};
+
+use crate::device::Device;
+use crate::draw::Counts;
+use crate::failure::{Failure, Result};
+use crate::pipeline::Pipeline;
+
+/// Bytes of a buffer that nothing is in.
+const LEAST_BYTES: u64 = 256;
+
+/// Buffers, kept from frame to frame, as large as they had to be.
+#[derive(Default)]
+pub(crate) struct Buffers {
+    pub parameters: Kept,
+    pub words: Kept,
+    pub tables: Kept,
+    pub intervals: Kept,
+    pub occupied: Kept,
+    pub state: Kept,
+    pub read_back: Kept,
+}
+
+/// A buffer that grows.
+#[derive(Default)]
+pub(crate) struct Kept(pub Option<Buffer>);
+
+impl Kept {
+    /// With room for so many bytes.
+    pub fn of(&mut self, device: &Device, n_bytes: usize, usage: BufferUsages) -> &Buffer {
+        let size = (n_bytes as u64).next_multiple_of(16).max(LEAST_BYTES);
+        let fits = self.0.as_ref().is_some_and(|own| own.size() >= size && own.size() <= 8 * size);
+        if !fits {
+            self.0 = None;
+        }
+        self.0.get_or_insert_with(|| {
+            device.device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+        })
+    }
+
+    /// With these bytes.
+    pub fn with(&mut self, device: &Device, bytes: &[u8], usage: BufferUsages, counts: &mut Counts) -> &Buffer {
+        let buffer = self.of(device, bytes.len(), usage | BufferUsages::COPY_DST);
+        device.queue.write_buffer(buffer, 0, bytes);
+        counts.bytes_moved += bytes.len() as u64;
+        buffer
+    }
+}
+
+/// What a buffer holds, by one that can be mapped; to be unmapped when it was read.
+pub(crate) fn read_buffer(device: &Device, from: &Buffer, by: &Buffer, n_bytes: usize) -> Result<BufferView> {
+    let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(from, 0, by, 0, Some(n_bytes as u64));
+    device.queue.submit([encoder.finish()]);
+    let (tell, told) = std::sync::mpsc::channel();
+    by.map_async(MapMode::Read, ..n_bytes as u64, move |mapped| {
+        let _ = tell.send(mapped);
+    });
+    device.wait()?;
+    match told.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
+        Err(_) => return Err(Failure::Lost("what it drew never came back".to_owned())),
+    }
+    by.get_mapped_range(..n_bytes as u64).map_err(|error| Failure::Refused(error.to_string()))
+}
+
+/// What is bound to a shader: its buffers in their order, and textures.
+pub(crate) fn bind_group<'a>(
+    device: &Device,
+    pipeline: &Pipeline,
+    buffers: [&Buffer; 6],
+    textures: impl Iterator<Item = (u32, &'a TextureView)>,
+) -> BindGroup {
+    let sampler = device.device.create_sampler(&SamplerDescriptor {
+        mag_filter: FilterMode::Nearest,
+        min_filter: FilterMode::Nearest,
+        ..SamplerDescriptor::default()
+    });
+    let mut entries: Vec<BindGroupEntry> = buffers
+        .iter()
+        .enumerate()
+        .map(|(k, buffer)| BindGroupEntry { binding: k as u32, resource: buffer.as_entire_binding() })
+        .collect();
+    entries.push(BindGroupEntry { binding: 6, resource: BindingResource::Sampler(&sampler) });
+    entries.extend(
+        textures.map(|(binding, view)| BindGroupEntry { binding, resource: BindingResource::TextureView(view) }),
+    );
+    device.device.create_bind_group(&BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries })
+}

@@ -1,0 +1,61 @@
+//! How long passes take, by the GPU's own clock.
+
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassTimestampWrites,
+    QuerySet, QuerySetDescriptor, QueryType,
+};
+
+use crate::buffers::read_buffer;
+use crate::device::Device;
+use crate::failure::Result;
+
+/// Passes that are timed at most.
+const MOST_PASSES: u32 = 128;
+
+/// Bytes of a time.
+const TIME: u64 = 8;
+
+/// Times of passes, where the GPU tells them.
+pub(crate) struct Timer {
+    queries: QuerySet,
+    n: u32,
+}
+
+impl Timer {
+    /// None yet; `None` where the GPU tells no times.
+    pub fn new(device: &Device) -> Option<Self> {
+        let descriptor = QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 2 * MOST_PASSES };
+        device.has_timestamps.then(|| Self { queries: device.device.create_query_set(&descriptor), n: 0 })
+    }
+
+    /// For the next pass; `None` where there were too many.
+    pub fn next(&mut self) -> Option<ComputePassTimestampWrites<'_>> {
+        self.n += 1;
+        let first = 2 * (self.n - 1);
+        (self.n <= MOST_PASSES).then_some(ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
+        })
+    }
+
+    /// Seconds of all passes; `None` where there were too many.
+    pub fn seconds(&self, device: &Device) -> Result<Option<f64>> {
+        if self.n == 0 || self.n > MOST_PASSES {
+            return Ok(None);
+        }
+        let size = u64::from(2 * self.n) * TIME;
+        let buffer = |usage: BufferUsages| -> Buffer {
+            device.device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+        };
+        let resolved = buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC);
+        let read = buffer(BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+        let mut encoder: CommandEncoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        encoder.resolve_query_set(&self.queries, 0..2 * self.n, &resolved, 0);
+        device.queue.submit([encoder.finish()]);
+        let view = read_buffer(device, &resolved, &read, size as usize)?;
+        let times: &[u64] = bytemuck::cast_slice(&view);
+        let ticks: u64 = times.as_chunks::<2>().0.iter().map(|[begin, end]| end.saturating_sub(*begin)).sum();
+        Ok(Some(ticks as f64 * f64::from(device.queue.get_timestamp_period()) * 1e-9))
+    }
+}

@@ -1,0 +1,83 @@
+//! GPUs: which there are, whether they draw what the CPU draws, and how much memory they may take.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use wavesplat::Device;
+use wavesplat::gpu::{Adapter, Choice, Gpu, GpuReport, Gpus, adapters};
+
+/// What "cpu", "auto", "gpu" or a part of a name stands for.
+pub fn device(name: &str) -> Device {
+    match name {
+        "cpu" => Device::Cpu,
+        "auto" => Device::Auto,
+        "gpu" => Device::Gpu,
+        part => Device::Named(part.to_owned()),
+    }
+}
+
+/// Fields of an adapter.
+fn fields_of<'py>(py: Python<'py>, adapter: &Adapter) -> PyResult<Bound<'py, PyDict>> {
+    let fields = PyDict::new(py);
+    fields.set_item("name", &adapter.name)?;
+    fields.set_item("backend", adapter.backend)?;
+    fields.set_item("kind", adapter.kind)?;
+    fields.set_item("driver", &adapter.driver)?;
+    fields.set_item("vendor_id", adapter.ids[0])?;
+    fields.set_item("device_id", adapter.ids[1])?;
+    Ok(fields)
+}
+
+/// Fields of what a frame took.
+pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) -> PyResult<Bound<'py, PyDict>> {
+    let fields = fields_of(py, adapter)?;
+    fields.set_item("dispatches", report.n_dispatches)?;
+    fields.set_item("sample_bytes", report.n_sample_bytes)?;
+    fields.set_item("paged", report.is_paged)?;
+    fields.set_item("page_bytes", report.n_page_bytes)?;
+    fields.set_item("moved_bytes", report.n_bytes_moved)?;
+    fields.set_item("seconds", report.seconds)?;
+    Ok(fields)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn gpu_adapters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let found = py.detach(adapters);
+    PyList::new(py, found.iter().map(|adapter| fields_of(py, adapter)).collect::<PyResult<Vec<_>>>()?)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn gpu_check<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyDict>> {
+    let opened = py.detach(|| Gpu::open(&Choice::Named(name.to_owned()), Gpus::of_process().budget_bytes()));
+    let fields = PyDict::new(py);
+    match opened {
+        Ok(gpu) => {
+            let limits = gpu.limits();
+            fields.set_item("reason", py.None())?;
+            fields.set_item("gathers", gpu.gathers())?;
+            fields.set_item("timestamps", gpu.has_timestamps())?;
+            fields.set_item("texture_side", limits[0])?;
+            fields.set_item("texture_layers", limits[1])?;
+            fields.set_item("buffer_bytes", limits[2])?;
+        }
+        Err(failure) => fields.set_item("reason", failure.to_string())?,
+    }
+    Ok(fields)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn gpu_memory(n_bytes: Option<usize>) -> usize {
+    let gpus = Gpus::of_process();
+    if let Some(n_bytes) = n_bytes {
+        gpus.set_budget(n_bytes);
+    }
+    gpus.budget_bytes()
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn gpu_settle(py: Python<'_>) {
+    py.detach(|| Gpus::of_process().settle());
+}

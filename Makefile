@@ -24,7 +24,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -64,6 +64,9 @@ study-lod: $(STAMPS)/package ## leave out levels of details and measure the brig
 
 bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
+
+bench-gpu: $(STAMPS)/bench ## time frames on a GPU beside our CPU path and VTK's GPU mapper; of a program on the processor, count; BENCH_GPU="--record"
+	BENCH_DATA=$(BENCH_DATA) python benches/gpu.py $(BENCH_GPU)
 
 bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
 	python benches/layers.py

@@ -1,4 +1,4 @@
-"""VTK's `vtkFixedPointVolumeRayCastMapper` on the scenes of `cases.toml`.
+"""VTK's `vtkFixedPointVolumeRayCastMapper`, or its mapper for GPUs, on the scenes of `cases.toml`.
 
 Two of its habits need a word: it multiplies the ambient term with the light's ambient colour, which is black unless
 set, and it changes its sample distance by itself unless told not to.
@@ -18,7 +18,7 @@ from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 class Scene:
     """A window off screen that draws a case."""
 
-    def __init__(self, case: scenes.Case, sample_distance: float) -> None:
+    def __init__(self, case: scenes.Case, sample_distance: float, *, on_gpu: bool = False) -> None:
         volume = scenes.load(case.volume)
         unit = min(volume.spacing)
         image = vtk.vtkImageData()
@@ -42,14 +42,15 @@ class Scene:
         look.SetDiffuse(0.7)
         look.SetSpecular(0.2)
         look.SetSpecularPower(10.0)
-        mapper = vtk.vtkFixedPointVolumeRayCastMapper()
-        mapper.SetNumberOfThreads(case.threads)
+        mapper = vtk.vtkOpenGLGPUVolumeRayCastMapper() if on_gpu else vtk.vtkFixedPointVolumeRayCastMapper()
         mapper.AutoAdjustSampleDistancesOff()
         mapper.SetImageSampleDistance(1.0)
         mapper.SetSampleDistance(sample_distance * unit)
-        mapper.SetInteractiveSampleDistance(sample_distance * unit)
         mapper.LockSampleDistanceToInputSpacingOff()
-        mapper.IntermixIntersectingGeometryOff()
+        if not on_gpu:
+            mapper.SetNumberOfThreads(case.threads)
+            mapper.SetInteractiveSampleDistance(sample_distance * unit)
+            mapper.IntermixIntersectingGeometryOff()
         mapper.SetInputData(image)
         actor = vtk.vtkVolume()
         actor.SetMapper(mapper)
@@ -82,6 +83,16 @@ class Scene:
             camera.SetViewAngle(scenes.VIEW_ANGLE_DEG)
         self._renderer.ResetCameraClippingRange()
         self._window.Render()
+
+    def wait(self) -> None:
+        """Until the frame is there."""
+        self._window.WaitForCompletion()
+
+    def renderer(self) -> str:
+        """The OpenGL renderer that drew."""
+        told = self._window.ReportCapabilities() or ""
+        lines = [line.split(":", 1)[1].strip() for line in told.splitlines() if line.startswith("OpenGL renderer")]
+        return lines[0] if lines else "unknown"
 
     def picture(self) -> NDArray[np.float64]:
         """The view itself, over black."""

@@ -12,7 +12,7 @@ public names are defined in included: import `wavesplat.Volume`, from nowhere el
 public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`examples`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
+`examples`, `gpu`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wavesplat import errors, examples, reference
+    from wavesplat import errors, examples, gpu, reference
     from wavesplat._looks.labels import Label, Labels
     from wavesplat._looks.largest_body import largest_body
     from wavesplat._looks.look import Look
@@ -93,6 +93,7 @@ __all__ = [
     "__version__",
     "errors",
     "examples",
+    "gpu",
     "largest_body",
     "mesh",
     "movie",
@@ -157,7 +158,7 @@ _HOMES = {
     "slice": "_scene.slicing",
     "view": "_viewer.viewer",
 }
-_MODULES = {"errors", "examples", "reference", "study"}
+_MODULES = {"errors", "examples", "gpu", "reference", "study"}
 
 
 def __getattr__(name: str) -> Any:

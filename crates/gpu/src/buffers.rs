@@ -6,7 +6,6 @@ use wgpu::{
 };
 
 use crate::device::Device;
-use crate::draw::Counts;
 use crate::failure::{Failure, Result};
 use crate::pipeline::Pipeline;
 
@@ -42,11 +41,11 @@ impl Kept {
         })
     }
 
-    /// With these bytes.
-    pub fn with(&mut self, device: &Device, bytes: &[u8], usage: BufferUsages, counts: &mut Counts) -> &Buffer {
+    /// With these bytes, which are added to those that were `moved`.
+    pub fn with(&mut self, device: &Device, bytes: &[u8], usage: BufferUsages, moved: &mut u64) -> &Buffer {
         let buffer = self.of(device, bytes.len(), usage | BufferUsages::COPY_DST);
         device.queue.write_buffer(buffer, 0, bytes);
-        counts.bytes_moved += bytes.len() as u64;
+        *moved += bytes.len() as u64;
         buffer
     }
 }

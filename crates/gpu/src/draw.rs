@@ -1,5 +1,6 @@
 //! A frame: base plane by base plane, band by band, range of slabs by range of slabs. The GPU's schedule over pieces.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -17,13 +18,14 @@ use crate::band::{Band, bands, n_mask_words};
 use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::Device;
 use crate::failure::{Failure, Result};
-use crate::gpu::{GpuReport, GpuVolume, Schedule, Work};
 use crate::layout::{N_BLOCK, NO_PLACE};
 use crate::numbers::{Numbers, is_mean};
 use crate::pages::{PagedRange, n_pages, pages_by_slab, ranges};
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
+use crate::report::Counts;
 use crate::timer::Timer;
+use crate::volumes::{GpuVolume, Volumes};
 
 /// Seconds that a dispatch is to take at most: systems reset a GPU that answers to nothing for longer than about 2 s, and
 /// frames are cancelled between dispatches.
@@ -31,6 +33,36 @@ const MOST_SECONDS: f64 = 0.05;
 
 /// Texels of sheets per second that are taken for granted before any was timed, of a GPU and of a program on the processor.
 const FIRST_RATES: [f64; 2] = [1e9, 1e6];
+
+/// How a frame is cut; the picture does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Schedule {
+    /// Slabs of a dispatch at most; `None`: as many as take a twentieth of a second.
+    pub most_slabs: Option<usize>,
+    /// Leave out what nothing is seen of.
+    pub skips: bool,
+    /// Pages even where all samples fit.
+    pub is_paged: bool,
+    /// Count fetches and texels, for [`GpuReport::counted`].
+    pub counts: bool,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        Self { most_slabs: None, skips: true, is_paged: false, counts: false }
+    }
+}
+
+/// What is kept between frames.
+#[derive(Default)]
+pub(crate) struct Work {
+    pub pipelines: HashMap<Permutation, Arc<Pipeline>>,
+    /// What was uploaded.
+    pub volumes: Volumes,
+    pub buffers: Buffers,
+    /// Texels of sheets per second, as the last frames had them.
+    pub rate: Option<f64>,
+}
 
 /// What a frame needs.
 pub(crate) struct Job<'a> {
@@ -42,38 +74,6 @@ pub(crate) struct Job<'a> {
     pub pipeline: &'a Pipeline,
     pub volumes: &'a [Arc<GpuVolume>],
     pub schedule: Schedule,
-}
-
-/// What a frame took.
-#[derive(Default)]
-pub(crate) struct Counts {
-    base_texels: u64,
-    texels: u64,
-    dispatches: u64,
-    pub bytes_moved: u64,
-    page_bytes: u64,
-    timer: Option<Timer>,
-}
-
-impl Counts {
-    /// Of a frame on a device.
-    pub fn new(device: &Device) -> Self {
-        Self { timer: Timer::new(device), ..Self::default() }
-    }
-
-    /// What there is to report.
-    pub fn report(&self, device: &Device) -> Result<GpuReport> {
-        let seconds = self.timer.as_ref().map(|timer| timer.seconds(device)).transpose()?.flatten();
-        Ok(GpuReport {
-            n_base_texels: self.base_texels,
-            n_texels: self.texels,
-            n_dispatches: self.dispatches,
-            n_bytes_moved: self.bytes_moved,
-            n_page_bytes: self.page_bytes,
-            seconds,
-            ..GpuReport::default()
-        })
-    }
 }
 
 impl Job<'_> {
@@ -212,7 +212,7 @@ impl Job<'_> {
             let mut bytes = bytemuck::bytes_of(&frame).to_vec();
             bytes.extend_from_slice(bytemuck::cast_slice(&numbers.layers));
             bytes.extend_from_slice(bytemuck::cast_slice(&numbers.sources));
-            work.buffers.parameters.with(self.device, &bytes, BufferUsages::UNIFORM, counts);
+            work.buffers.parameters.with(self.device, &bytes, BufferUsages::UNIFORM, &mut counts.bytes_moved);
             let started = Instant::now();
             let mut encoder = self.device.device.create_command_encoder(&CommandEncoderDescriptor::default());
             {
@@ -242,15 +242,15 @@ impl Job<'_> {
         let intervals = band.intervals.concat();
         let occupied = band.occupied.concat();
         let n_parameters = size_of_val(&numbers.frame) + size_of_val(&*numbers.layers) + size_of_val(&*numbers.sources);
-        let buffers = &mut work.buffers;
+        let (buffers, moved) = (&mut work.buffers, &mut counts.bytes_moved);
         let storage = BufferUsages::STORAGE;
         let state_usage = storage | BufferUsages::COPY_SRC;
         let resources = [
             buffers.parameters.of(device, n_parameters, BufferUsages::UNIFORM | BufferUsages::COPY_DST),
-            buffers.words.with(device, bytemuck::cast_slice(words), storage, counts),
-            buffers.tables.with(device, bytemuck::cast_slice(&numbers.tables), storage, counts),
-            buffers.intervals.with(device, bytemuck::cast_slice(&intervals), storage, counts),
-            buffers.occupied.with(device, bytemuck::cast_slice(&occupied), storage, counts),
+            buffers.words.with(device, bytemuck::cast_slice(words), storage, moved),
+            buffers.tables.with(device, bytemuck::cast_slice(&numbers.tables), storage, moved),
+            buffers.intervals.with(device, bytemuck::cast_slice(&intervals), storage, moved),
+            buffers.occupied.with(device, bytemuck::cast_slice(&occupied), storage, moved),
             buffers.state.of(device, 16 * self.permutation.n_state() * n_rays, state_usage),
         ];
         let textures = self.volumes.iter().enumerate().flat_map(|(k, volume)| {
@@ -282,9 +282,15 @@ impl Job<'_> {
             for (v, chunk) in own.chunks_exact(n_state * LANES).enumerate() {
                 let rgba = std::array::from_fn(|i| finished(self.plan.operator, chunk[n_state * i]));
                 let w_half = std::array::from_fn(|i| w_of(chunk[n_state * i + n_state - 1][0], sign));
+                if self.permutation.counted {
+                    for extra in chunk.chunks_exact(n_state).map(|state| state[1]) {
+                        counts.counted[0] += extra[1] as u64;
+                        counts.counted[1] += extra[2] as u64;
+                    }
+                }
                 let j = row * BLOCK_V + v;
                 if j < family.plane.size[1] {
-                    picture.put(strip * LANES, j, &rgba, (n_state > 1).then_some(&w_half));
+                    picture.put(strip * LANES, j, &rgba, self.plan.with_depth.then_some(&w_half));
                 }
             }
         }

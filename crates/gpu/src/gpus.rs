@@ -1,6 +1,6 @@
 //! The GPUs of a process: opened when they are first wanted, kept, opened once more when they are lost.
 
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use wavesplat_splat::picture::base_picture::BasePicture;
@@ -9,8 +9,10 @@ use wavesplat_splat::render::progress::ProgressCallback;
 use wavesplat_splat::source::slices::Slices;
 
 use crate::adapter::{Adapter, Choice};
+use crate::draw::Schedule;
 use crate::failure::{Failure, Result};
-use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu, GpuReport};
+use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu};
+use crate::report::GpuReport;
 
 /// What should draw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,6 +49,8 @@ pub struct Gpus {
     budget_bytes: AtomicUsize,
     /// Frames that were asked of any GPU.
     n_asked: AtomicUsize,
+    /// Whether fetches and texels are counted.
+    counts: AtomicBool,
     /// The process that opened them: a forked one cannot use them. 0: none yet.
     process: AtomicU32,
 }
@@ -65,6 +69,7 @@ static PROCESS: Gpus = Gpus {
     changed: Condvar::new(),
     budget_bytes: AtomicUsize::new(0),
     n_asked: AtomicUsize::new(0),
+    counts: AtomicBool::new(false),
     process: AtomicU32::new(0),
 };
 
@@ -85,6 +90,11 @@ impl Gpus {
             0 => DEFAULT_BUDGET_BYTES,
             n => n,
         }
+    }
+
+    /// Counts fetches and texels of the next frames, or no more: what benchmarks without a GPU hold on to.
+    pub fn set_counts(&self, counts: bool) {
+        self.counts.store(counts, Ordering::Relaxed);
     }
 
     /// Waits until no thread opens a GPU: drivers do not like processes that end meanwhile.
@@ -120,11 +130,12 @@ impl Gpus {
             DeviceChoice::Auto => (&Choice::Best, self.open_beside(&Choice::Best)?),
             DeviceChoice::Gpu(choice) => (choice, self.open(choice)?),
         };
-        let first = draw(&gpu, budget_bytes, plan, slices, callback);
+        let schedule = Schedule { counts: self.counts.load(Ordering::Relaxed), ..Schedule::default() };
+        let first = draw(&gpu, (budget_bytes, schedule), plan, slices, callback);
         let Err(Failure::Lost(why)) = first else { return first };
         self.forget(choice);
         let gpu = self.open(choice)?;
-        match draw(&gpu, budget_bytes, plan, slices, callback) {
+        match draw(&gpu, (budget_bytes, schedule), plan, slices, callback) {
             Ok(drawn) => Ok(DrawnOnGpu { reopened: Some(why), ..drawn }),
             Err(failure) => {
                 if matches!(failure, Failure::Lost(_)) {
@@ -173,9 +184,7 @@ impl Gpus {
             Some(Slot::Refused(failure)) => return Err(failure),
             Some(Slot::Opening) => {}
             None if !may_have_gpu() => {
-                let failure = Failure::NoAdapter("no GPU was found: the system has no device file of one".to_owned());
-                self.set(choice, Slot::Refused(failure.clone()));
-                return Err(failure);
+                return Err(Failure::NoAdapter("no GPU was found: the system has no device file of one".to_owned()));
             }
             None if is_first => {
                 let why = "the first frame of a process is drawn by the CPU; a GPU is opened beside the next";
@@ -213,13 +222,13 @@ impl Gpus {
 
 fn draw(
     gpu: &Gpu,
-    budget_bytes: usize,
+    (budget_bytes, schedule): (usize, Schedule),
     plan: &Plan,
     slices: &[&Slices],
     callback: &dyn ProgressCallback,
 ) -> Result<DrawnOnGpu> {
     gpu.set_budget(budget_bytes);
-    let (pictures, report) = gpu.draw_base_planes(plan, slices, callback)?;
+    let (pictures, report) = gpu.draw_base_planes_by(schedule, plan, slices, callback)?;
     Ok(DrawnOnGpu { pictures, report, adapter: gpu.adapter().clone(), reopened: None })
 }
 

@@ -17,17 +17,23 @@ mod draw;
 mod failure;
 mod gpu;
 mod gpus;
-mod layout;
+#[doc(hidden)]
+pub mod layout;
 mod numbers;
 mod pages;
-mod permutation;
+#[doc(hidden)]
+pub mod permutation;
 mod pipeline;
+mod report;
 mod samples;
 mod scene_kind;
 mod self_test;
 mod timer;
+mod volumes;
 
 pub use adapter::{Adapter, Choice, adapters};
+pub use draw::Schedule;
 pub use failure::{Failure, Result};
-pub use gpu::{DEFAULT_BUDGET_BYTES, Gpu, GpuReport, Schedule};
+pub use gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 pub use gpus::{DeviceChoice, DrawnOnGpu, Gpus};
+pub use report::GpuReport;

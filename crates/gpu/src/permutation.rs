@@ -149,6 +149,8 @@ pub struct Permutation {
     pub gather: bool,
     /// Whether the place of opacity 1/2 is wanted.
     pub with_depth: bool,
+    /// Whether fetches and texels are counted.
+    pub counted: bool,
 }
 
 const KERNELS: [(&str, Kernel); 5] = [
@@ -171,7 +173,7 @@ const PROJECTIONS: [(&str, Projection); 6] = [
 impl Permutation {
     /// vec4s of the state of a ray.
     pub fn n_state(&self) -> usize {
-        1 + usize::from(self.with_depth)
+        1 + usize::from(self.with_depth || self.counted)
     }
 
     /// Binding of the samples of a source.
@@ -203,7 +205,10 @@ impl Permutation {
                 .replace("MASK_BINDING_SOURCE", &self.holes_binding(k).to_string())
                 .replace("BINDING_SOURCE", &Self::samples_binding(k).to_string());
             text.push_str(
-                &parts.replace("sources[SOURCE]", &format!("sources[{k}]")).replace("SOURCE", &k.to_string()),
+                &parts
+                    .replace("sources[SOURCE]", &format!("sources[{k}]"))
+                    .replace("SOURCE < N", &format!("{k}u < N"))
+                    .replace("SOURCE", &k.to_string()),
             );
         }
         for part in [
@@ -251,6 +256,7 @@ impl Permutation {
         add("N_SOURCES", "u32", &format!("{}u", self.sources.len()));
         add("N_STATE", "u32", &format!("{}u", self.n_state()));
         add("GATHER", "bool", &self.gather);
+        add("COUNTED", "bool", &self.counted);
         for (k, (name, _)) in KERNELS.iter().enumerate() {
             add(&format!("KERNEL_{name}"), "u32", &format!("{k}u"));
         }

@@ -74,6 +74,7 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> R
         fields,
         gather,
         with_depth: plan.with_depth,
+        counted: false,
     })
 }
 

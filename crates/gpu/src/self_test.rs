@@ -10,6 +10,7 @@ use wavesplat_core::{
 use wavesplat_splat::Layer;
 use wavesplat_splat::optics::classify::one_minus_exp_neg;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
@@ -17,9 +18,7 @@ use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor, ComputePass
 
 use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::Device;
-use crate::draw::Counts;
 use crate::failure::{Failure, Result};
-use crate::gpu::Gpu;
 use crate::layout::{GpuFrame, GpuLayer, GpuSource};
 use crate::permutation::{
     ByGradient, FieldKinds, Format, GpuOperator, GradientTaps, LayerKind, Permutation, SourceKind,
@@ -130,16 +129,17 @@ fn probe_permutation(format: Format, gather: bool) -> Permutation {
         fields: FieldKinds::default(),
         gather,
         with_depth: false,
+        counted: false,
     }
 }
 
-/// Draws a small picture as the CPU does.
-pub(crate) fn test_picture(gpu: &Gpu) -> Result<()> {
+/// Draws a small picture as the CPU does. `name`: of the GPU; `draw`: its base planes of a plan.
+pub(crate) fn test_picture(name: &str, draw: impl Fn(&Plan, &[&Slices]) -> Result<Vec<BasePicture>>) -> Result<()> {
     const N: usize = 8;
     let at = |i: usize| DVec3::new((i % N) as f64, (i / N % N) as f64, (i / N / N) as f64) - 3.5;
     let sample = |i: usize| (255.0 * (1.0 - at(i).length() / 5.0).clamp(0.0, 1.0)) as u8;
     let samples: Vec<u8> = (0..N * N * N).map(sample).collect();
-    let wrong = |what: &str| Failure::Untrusted(format!("{} {what}", gpu.adapter().name));
+    let wrong = |what: &str| Failure::Untrusted(format!("{name} {what}"));
     let volume = Volume::new("self-test", Samples::U8(&samples), [N; 3], DAffine3::IDENTITY);
     let opacity = [(40.0, 0.0), (200.0, 0.6)].map(|(value, opacity)| OpacityNode { value, opacity });
     let color = [(0.0, [0.2, 0.4, 1.0]), (255.0, [1.0, 0.8, 0.3])].map(|(value, rgb)| ColorNode { value, rgb });
@@ -160,7 +160,7 @@ pub(crate) fn test_picture(gpu: &Gpu) -> Result<()> {
     let plan = Plan::new(Level::best(), &[layer], &camera, &options);
     let Ok(plan) = plan else { return Err(wrong("has no self-test")) };
     let Ok((want, _)) = draw_base_planes(&plan, &[&slices], &()) else { return Err(wrong("has no self-test")) };
-    let (got, _) = gpu.draw_base_planes(&plan, &[&slices], &())?;
+    let got = draw(&plan, &[&slices])?;
     for (got, want) in got.iter().zip(&want) {
         let (got, want) = (got.texels(), want.texels());
         let is_near = |(a, b): (&f32, &f32)| (a - b).abs() <= PICTURE_IS_NEAR;
@@ -191,7 +191,8 @@ impl Probe<'_> {
         parameters.extend_from_slice(bytemuck::bytes_of(&source));
         let places: Vec<u32> = self.places.as_flattened().iter().map(|i| *i as u32).collect();
         let exponents: Vec<[f32; 2]> = self.exponents.iter().map(|x| [*x, 0.0]).collect();
-        let (mut kept, counts) = (Buffers::default(), &mut Counts::default());
+        let mut kept = Buffers::default();
+        let moved = &mut 0;
         let storage = BufferUsages::STORAGE;
         let Buffers { parameters: uniform, words, tables, intervals, occupied, .. } = &mut kept;
         let state = device.device.create_buffer(&BufferDescriptor {
@@ -201,10 +202,10 @@ impl Probe<'_> {
             mapped_at_creation: false,
         });
         let buffers = [
-            uniform.with(device, &parameters, BufferUsages::UNIFORM, counts),
-            words.with(device, bytemuck::cast_slice(&places), storage, counts),
+            uniform.with(device, &parameters, BufferUsages::UNIFORM, moved),
+            words.with(device, bytemuck::cast_slice(&places), storage, moved),
             tables.of(device, 0, storage),
-            intervals.with(device, bytemuck::cast_slice(&exponents), storage, counts),
+            intervals.with(device, bytemuck::cast_slice(&exponents), storage, moved),
             occupied.of(device, 0, storage),
             &state,
         ];

@@ -48,6 +48,7 @@ fn cuts_change_nothing() {
             ("in single slabs", Schedule { most_slabs: Some(1), ..Schedule::default() }),
             ("in ranges of 7", Schedule { most_slabs: Some(7), ..Schedule::default() }),
             ("without skipping", Schedule { skips: false, ..Schedule::default() }),
+            ("counted", Schedule { counts: true, most_slabs: Some(50), ..Schedule::default() }),
             ("in pages", Schedule { is_paged: true, ..Schedule::default() }),
             ("in pages and ranges", Schedule { is_paged: true, most_slabs: Some(5), ..Schedule::default() }),
         ];
@@ -57,6 +58,10 @@ fn cuts_change_nothing() {
             assert!(is_same(&drawn.picture, &want), "{} {name}: {told:?}", case.name);
             let report = drawn.report.unwrap();
             assert_eq!(report.is_paged, schedule.is_paged);
+            if let Some([n_fetches, n_texels]) = report.counted {
+                assert!(n_texels > 1000 && n_fetches >= 2 * n_texels && n_texels <= 2 * report.n_texels, "{report:?}");
+            }
+            assert_eq!(report.counted.is_some(), schedule.counts);
             assert!(schedule.most_slabs.is_none_or(|n| report.n_dispatches > 100 / n as u64 / 5), "{report:?}");
         }
     }

@@ -36,6 +36,10 @@ pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) ->
     fields.set_item("page_bytes", report.n_page_bytes)?;
     fields.set_item("moved_bytes", report.n_bytes_moved)?;
     fields.set_item("seconds", report.seconds)?;
+    if let Some([n_fetches, n_texels]) = report.counted {
+        fields.set_item("fetches", n_fetches)?;
+        fields.set_item("texels", n_texels)?;
+    }
     Ok(fields)
 }
 
@@ -74,6 +78,12 @@ pub fn gpu_memory(n_bytes: Option<usize>) -> usize {
         gpus.set_budget(n_bytes);
     }
     gpus.budget_bytes()
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn gpu_count(counts: bool) {
+    Gpus::of_process().set_counts(counts);
 }
 
 /// See `_native.pyi`.

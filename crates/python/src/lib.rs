@@ -33,7 +33,7 @@ mod _native {
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
-    use crate::gpu::{gpu_adapters, gpu_check, gpu_memory, gpu_settle};
+    use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]

@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from wavesplat._cli import demo, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
+from wavesplat._cli import demo, gpu_check, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -53,6 +53,7 @@ for command in (
     wavelet.wavelet,
     mesh.mesh,
     plan.plan,
+    gpu_check.gpu_check,
     demo.demo,
 ):
     app.command(epilog=EPILOG)(command)

@@ -17,7 +17,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["draw_from"]
 
 #: What may be given beside it: where the picture goes, and what does not change what is drawn.
-BESIDE = {"context", "again", "output", "bits", "threads", "report", "json", "quiet"}
+BESIDE = {"context", "again", "output", "bits", "threads", "device", "report", "json", "quiet"}
 
 
 def draw_from(
@@ -28,6 +28,7 @@ def draw_from(
     figure: FigureOptions,
     bits: int,
     threads: int | None,
+    device: str,
     report: Path | None,
     json: bool,
     quiet: bool,
@@ -44,7 +45,7 @@ def draw_from(
     document = scene_json.parse(sys.stdin.read(), Path.cwd()) if str(path) == "-" else scene_files.load(path)
 
     def draw(told: Any) -> Any:
-        return document.scene.render(document.camera, threads=threads, progress=told, **document.options)
+        return document.scene.render(document.camera, threads=threads, device=device, progress=told, **document.options)
 
     picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
     if not quiet:

@@ -1,4 +1,4 @@
-"""The options that say how finely a picture is drawn, and with how many threads."""
+"""The options that say how finely a picture is drawn, and by what."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.option_groups import with_options_of
-from wavesplat._cli.shared_options import Kernel, Threads
+from wavesplat._cli.shared_options import Device, Kernel, Threads
 from wavesplat._model.options import Quality
 
 __all__ = ["SamplingOptions", "drawing_arguments", "takes_sampling_options"]
@@ -18,7 +18,7 @@ __all__ = ["SamplingOptions", "drawing_arguments", "takes_sampling_options"]
 
 @dataclass(frozen=True)
 class SamplingOptions:
-    """Kernel, quality and threads. No quality is the one that suits what is drawn: "normal" for pictures."""
+    """Kernel, quality, threads and device. No quality is the one that suits what is drawn: "normal" for pictures."""
 
     kernel: Kernel = "linear"
     quality: Annotated[
@@ -37,6 +37,7 @@ class SamplingOptions:
         float | None, typer.Option(metavar="DB", help="Choose both for this PSNR against the converged picture.")
     ] = None
     threads: Threads = None
+    device: Device = "auto"
 
 
 def takes_sampling_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -53,4 +54,5 @@ def drawing_arguments(sampling: SamplingOptions) -> dict[str, Any]:
         "quality": Sampling(sampling.sheets_per_slice, sampling.oversampling, sampling.quality or "normal"),
         "psnr": sampling.psnr,
         "threads": sampling.threads,
+        "device": sampling.device,
     }

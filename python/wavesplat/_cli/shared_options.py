@@ -13,6 +13,7 @@ from wavesplat._model import options
 __all__ = [
     "Background",
     "Bits",
+    "Device",
     "Family",
     "Json",
     "Kernel",
@@ -41,6 +42,10 @@ Background = Annotated[
     Any, typer.Option(metavar="COLOR", parser=parsers.color, help="black, white, grey, #rrggbb, r,g,b or transparent.")
 ]
 Bits = Annotated[int, typer.Option(metavar="8|16", help="Bits per channel of a PNG file.")]
+Device = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="What draws: auto, cpu, gpu, or part of a GPU's name (gpu-check lists them)."),
+]
 Threads = Annotated[int | None, typer.Option(metavar="N", help="Worker threads; all cores if not given.")]
 Family = Annotated[
     str, typer.Option(metavar="NAME", help="Wavelets: cdf97, cdf53, haar, spline4, bspline2 to bspline4.")

@@ -63,6 +63,7 @@ def movie(
     crf: int | None = None,
     resume: bool = False,
     threads: int | None = None,
+    device: str = "auto",
     progress: Callable[[float], object] | None = None,
     client: Any = None,
 ) -> Path:
@@ -87,7 +88,7 @@ def movie(
     quality : str or Sampling, optional
         As for `render`. None is one sheet a slice and 0.6 texels a pixel: on frames of the bundled CT 31 to 35 dB,
         where "normal" has 35 to 37 and takes four times as long.
-    psnr, kernel, composite, threads
+    psnr, kernel, composite, threads, device
         As for `render`. With `psnr` the first frame is measured, and later ones where the view differs much.
     background : colour, optional
         None is the scene's own, or black. Only PNG and WebP files can be transparent.
@@ -139,7 +140,10 @@ def movie(
     if client is not None and psnr is not None:
         raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
     told = Progress(progress, len(shots))
-    draw = _Drawing(shots, told, threads, client, size=(width, height), **options)
+    if client is not None and device == "auto":
+        # Workers may have GPUs or not; all frames are of one kind.
+        device = "cpu"
+    draw = _Drawing(shots, told, threads, client, size=(width, height), device=device, **options)
     if pattern is None:
         frames = draw.all(range(len(shots)), lambda _, picture: picture.rgba)
         settings: Any = {"fps": fps, "size": (width, height), "crf": crf}

@@ -35,6 +35,7 @@ __all__ = [
     "checked_count",
     "checked_size",
     "chosen_camera",
+    "chosen_device",
     "chosen_labels",
     "chosen_look",
     "chosen_threads",
@@ -194,6 +195,16 @@ def checked_count(number: int | None, name: str) -> int | None:
 def chosen_threads(number: int | None) -> int | None:
     """How many threads draw, as the compiled module takes it."""
     return checked_count(number, "threads")
+
+
+def chosen_device(device: str) -> str:
+    """What should draw, as the compiled module takes it."""
+    name: object = device
+    if not (isinstance(name, str) and name.strip()):
+        raise ArgumentError(
+            f'device is {device!r}; give "auto", "cpu", "gpu" or part of a name of wavesplat.gpu.adapters()'
+        )
+    return device.strip()
 
 
 def region(clipping: Clipping) -> dict[str, Any]:

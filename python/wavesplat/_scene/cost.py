@@ -291,6 +291,7 @@ def _stream(core: _native.LazyVolume, camera: Camera, size: tuple[int, int], str
         "clip_planes": [],
         "background": None,
         "threads": None,
+        "device": "cpu",
         "depth": False,
         "pre_integration": True,
         "early_ray_termination": True,
@@ -323,7 +324,7 @@ def _draw_ns() -> float:
 
     scene = Scene(volume, look, shading=Shading())
     camera = Camera.orbit(volume, 30, 20)
-    options = Options(size=(2 * n, 2 * n), threads=1)
+    options = Options(size=(2 * n, 2 * n), threads=1, device="cpu")
     draw(scene, camera, options)
     begun = time.perf_counter()
     picture = draw(scene, camera, options)

@@ -6,6 +6,7 @@ camera, and their colours are added as light.
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -31,6 +32,7 @@ from wavesplat._render.arguments import (
     check_picture_memory,
     checked_size,
     chosen_camera,
+    chosen_device,
     chosen_labels,
     chosen_threads,
     region,
@@ -46,6 +48,9 @@ if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
 __all__ = ["Options", "camera_of", "draw"]
+
+# Drivers do not like processes that end while a GPU is being opened.
+atexit.register(_native.gpu_settle)
 
 #: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
@@ -66,6 +71,7 @@ class Options:
     composite: Operator | None = None
     depth: bool = False
     threads: int | None = None
+    device: str = "auto"
     progress: Callable[[float], object] | None = None
     pre_integration: bool = True
     early_ray_termination: bool = True
@@ -236,7 +242,7 @@ def _added(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curv
     rgba = np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
     rgba = _over_background(rgba, frame.background)
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _told(layers[0])}
-    report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd")}
+    report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd", "device")}
     report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
     if notes := notes_on_layers(rgba):
         report["notes"] = notes
@@ -266,7 +272,7 @@ def _function(frame: _Frame, layer: ShownLayer, n_layers: int) -> Curves:
     if layer.is_automatic and composite in BY_VIEW and n_layers == 1:
 
         def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
-            options = Options(kernel="linear", threads=frame.options.threads)
+            options = Options(kernel="linear", threads=frame.options.threads, device=frame.options.device)
             small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options)
             result, _ = _rendered(small, [layer], [curves])
             return Picture(result["rgba"], value=result["value"])
@@ -322,6 +328,7 @@ def _rendered(
             **region(frame.clipping),
             "background": frame.background,
             "threads": chosen_threads(options.threads),
+            "device": chosen_device(options.device),
             "depth": bool(options.depth),
             "pre_integration": bool(options.pre_integration),
             "early_ray_termination": bool(options.early_ray_termination),

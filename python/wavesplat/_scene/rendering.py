@@ -42,6 +42,7 @@ def render(
     background: str | Sequence[float] | None = None,
     depth: bool = False,
     threads: int | None = None,
+    device: str = "auto",
     progress: Callable[[float], object] | None = None,
     client: Any = None,
     segments: int | None = None,
@@ -96,6 +97,11 @@ def render(
         Also give `Picture.depth`.
     threads : int, optional
         Worker threads; None uses all cores. The picture does not depend on it.
+    device : str
+        What draws: "cpu", "gpu", or part of the name of a GPU (`wavesplat.gpu.adapters`). "auto" is a GPU, where one has
+        passed its self-test, from the second picture of a process on. Pictures are the same within one grey level of
+        255; for the same bytes everywhere give "cpu". What a GPU cannot do, the CPU does; `report["device"]` says who
+        drew, and why.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
     client : dask.distributed.Client or "threads", optional
@@ -141,6 +147,7 @@ def render(
         composite=composite,
         depth=depth,
         threads=threads,
+        device=device,
         progress=progress,
         segments=checked_count(segments, "segments"),
         elsewhere=None if client is None else on_machines(client, progress),

@@ -79,5 +79,9 @@ struct Parameters {
 @group(0) @binding(5) var<storage, read_write> state: array<vec4<f32>>;
 @group(0) @binding(6) var unfiltered: sampler;
 
+// Fetches of samples, each of a quad, and texels of sheets that were looked at; where they are counted.
+var<private> n_fetches: u32;
+var<private> n_texels: u32;
+
 // A number that stands for none.
 const NONE: f32 = 3.0e38;

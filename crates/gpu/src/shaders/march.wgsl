@@ -16,7 +16,10 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     } else {
         gathered = state[index * N_STATE];
         if N_STATE == 2u {
-            s_half = state[index * N_STATE + 1u].x;
+            let before = state[index * N_STATE + 1u];
+            s_half = before.x;
+            n_fetches = u32(before.y);
+            n_texels = u32(before.z);
         }
     }
     let interval = intervals[index];
@@ -26,6 +29,6 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     }
     state[index * N_STATE] = gathered;
     if N_STATE == 2u {
-        state[index * N_STATE + 1u] = vec4<f32>(s_half, 0.0f, 0.0f, 0.0f);
+        state[index * N_STATE + 1u] = vec4<f32>(s_half, f32(n_fetches), f32(n_texels), 0.0f);
     }
 }

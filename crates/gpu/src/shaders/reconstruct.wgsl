@@ -2,6 +2,9 @@
 // kernel/footprint.rs. A template: SOURCE stands for the number of the source.
 
 fn place_SOURCE(texel: vec2<u32>, sheet: u32) -> Place {
+    if COUNTED && SOURCE < N_LAYERS {
+        n_texels += 1u;
+    }
     let source = parameters.sources[SOURCE];
     let u = source.place.x + 2u * (sheet * source.place.w + texel.x / 16u);
     let v = source.place.y + 2u * (sheet * u32(source.last.w) + texel.y / 16u);

@@ -29,6 +29,9 @@ fn quad_SOURCE(at: vec3<i32>) -> vec4<f32> {
 }
 
 fn channel_SOURCE(at: vec3<i32>, channel: u32) -> vec4<f32> {
+    if COUNTED {
+        n_fetches += 1u;
+    }
     if GATHER {
         // Aimed at the corner that the four texels share, half a texel from where another quad begins.
         let corner = (vec2<f32>(at.xy) + 1.0f) * parameters.sources[SOURCE].texel.xy;

@@ -1,0 +1,62 @@
+//! What a frame took on a GPU.
+
+use crate::device::Device;
+use crate::failure::Result;
+use crate::timer::Timer;
+
+/// What a frame took on a GPU.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GpuReport {
+    /// Texels of base planes, and of these, with all sheets of occupied slabs, what was looked at at most.
+    pub n_base_texels: u64,
+    /// Texels of sheets.
+    pub n_texels: u64,
+    /// Dispatches that the frame was cut into.
+    pub n_dispatches: u64,
+    /// Whether the samples are there in pages, of those alone that are seen.
+    pub is_paged: bool,
+    /// Pages that were uploaded.
+    pub n_page_bytes: u64,
+    /// Bytes of samples on the GPU.
+    pub n_sample_bytes: u64,
+    /// Bytes that were uploaded for this frame, samples excluded, and read back.
+    pub n_bytes_moved: u64,
+    /// Quads of samples that were fetched, and texels of sheets that were reconstructed, where they were counted.
+    pub counted: Option<[u64; 2]>,
+    /// Seconds of the GPU, where it tells them.
+    pub seconds: Option<f64>,
+}
+
+/// What a frame took.
+#[derive(Default)]
+pub(crate) struct Counts {
+    pub base_texels: u64,
+    pub texels: u64,
+    pub dispatches: u64,
+    pub bytes_moved: u64,
+    pub counted: [u64; 2],
+    pub page_bytes: u64,
+    pub timer: Option<Timer>,
+}
+
+impl Counts {
+    /// Of a frame on a device.
+    pub fn new(device: &Device) -> Self {
+        Self { timer: Timer::new(device), ..Self::default() }
+    }
+
+    /// What there is to report.
+    pub fn report(&self, device: &Device) -> Result<GpuReport> {
+        let seconds = self.timer.as_ref().map(|timer| timer.seconds(device)).transpose()?.flatten();
+        Ok(GpuReport {
+            n_base_texels: self.base_texels,
+            n_texels: self.texels,
+            n_dispatches: self.dispatches,
+            n_bytes_moved: self.bytes_moved,
+            n_page_bytes: self.page_bytes,
+            counted: (self.counted[1] > 0).then_some(self.counted),
+            seconds,
+            ..GpuReport::default()
+        })
+    }
+}

@@ -1,0 +1,156 @@
+//! Volumes on a GPU: whole, or in pages where they do not fit; the latest are kept, as far as the budget goes.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use wavesplat_core::Gradient;
+use wavesplat_splat::source::slices::Slices;
+
+use crate::device::Device;
+use crate::failure::{Failure, Result};
+use crate::pages::{Pages, n_pages, page_bytes, page_side, page_textures};
+use crate::permutation::{Permutation, SourceKind};
+use crate::samples::{Apron, SampleBox, SampleTexture, hole_texture, upload, upload_holes};
+use crate::scene_kind::apron_of;
+
+/// What tells uploaded volumes apart.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct VolumeKey {
+    id: u64,
+    apron: Apron,
+    /// Pages that there is room for; `None`: all samples lie together.
+    slots: Option<usize>,
+}
+
+/// The samples of a source.
+pub(crate) struct GpuVolume {
+    pub samples: SampleTexture,
+    pub holes: Option<SampleTexture>,
+    pub apron: Apron,
+    pub pages: Option<Mutex<Pages>>,
+}
+
+impl GpuVolume {
+    /// Bytes of its textures.
+    pub fn n_bytes(&self) -> usize {
+        self.samples.n_bytes + self.holes.as_ref().map_or(0, |holes| holes.n_bytes)
+    }
+
+    /// Where its pages are, if it has some.
+    pub fn pages(&self) -> Option<MutexGuard<'_, Pages>> {
+        self.pages.as_ref().map(|pages| pages.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// The volumes that were uploaded, the latest last.
+#[derive(Default)]
+pub(crate) struct Volumes(Vec<(VolumeKey, Arc<GpuVolume>)>);
+
+impl Volumes {
+    /// Whether none is there.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Leaves none there.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// The samples of all sources, in pages where they do not fit; what was not used for longest makes room.
+    pub fn place_all(
+        &mut self,
+        device: &Device,
+        permutation: &mut Permutation,
+        sources: &[(&Slices, Option<Gradient>)],
+        n_layers: usize,
+        budget_bytes: usize,
+        is_paged: bool,
+    ) -> Result<Vec<Arc<GpuVolume>>> {
+        let megabytes = |n: usize| n as f64 / 1e6;
+        let whole: Vec<usize> =
+            sources.iter().zip(&permutation.sources).map(|((slices, _), kind)| whole_bytes(slices, kind)).collect();
+        let (of_layers, of_fields): (usize, usize) = (whole[..n_layers].iter().sum(), whole[n_layers..].iter().sum());
+        let fits = |k: usize| {
+            let size = SampleBox::whole(sources[k].0.grid().size(), apron_of(&permutation.sources[k])).size;
+            let [side, deep] = [device.limits.max_texture_dimension_2d, device.limits.max_texture_array_layers];
+            size[0].max(size[1]) <= side as usize && size[2] <= deep as usize
+        };
+        let is_paged = is_paged || of_layers + of_fields > budget_bytes || !(0..n_layers).all(fits);
+        let mut keys = Vec::new();
+        for (k, ((slices, _), kind)) in sources.iter().zip(&mut permutation.sources).enumerate() {
+            let apron = apron_of(kind);
+            let mut slots = None;
+            if is_paged && k < n_layers {
+                let share = whole[k] as f64 / of_layers as f64;
+                let room = (budget_bytes.saturating_sub(of_fields) as f64 * share) as usize;
+                let n = (room / page_bytes(kind, apron)).min(n_pages(slices.grid().size()).iter().product());
+                if n == 0 {
+                    return Err(Failure::Memory(format!(
+                        "{:.1} MB are allowed on the GPU, not enough for a page of the samples, of {:.1} MB",
+                        megabytes(budget_bytes),
+                        megabytes(page_bytes(kind, apron))
+                    )));
+                }
+                slots = Some(n);
+                kind.page_side = Some(page_side(apron));
+            }
+            keys.push(VolumeKey { id: slices.id(), apron, slots });
+        }
+        if of_fields > budget_bytes {
+            return Err(Failure::Memory(format!(
+                "labels and light take {:.1} MB on the GPU, and {:.1} MB are allowed",
+                megabytes(of_fields),
+                megabytes(budget_bytes)
+            )));
+        }
+        // What this frame does not need makes room, the oldest first.
+        let bytes_of = |k: usize| match keys[k].slots {
+            Some(n) => n * page_bytes(&permutation.sources[k], keys[k].apron),
+            None => whole[k],
+        };
+        let mut kept: usize = self.0.iter().map(|(_, volume)| volume.n_bytes()).sum();
+        let is_there = |key: &VolumeKey| self.0.iter().any(|(own, _)| own == key);
+        let missing: usize = (0..keys.len()).filter(|k| !is_there(&keys[*k])).map(bytes_of).sum();
+        while kept + missing > budget_bytes {
+            let Some(oldest) = self.0.iter().position(|(key, _)| !keys.contains(key)) else { break };
+            kept -= self.0.remove(oldest).1.n_bytes();
+        }
+        let mut volumes = Vec::new();
+        for (((slices, _), kind), key) in sources.iter().zip(&permutation.sources).zip(&keys) {
+            let found = self.0.iter().position(|(own, _)| own == key);
+            let (key, volume) = match found {
+                Some(place) => self.0.remove(place),
+                None => (*key, Arc::new(device.guarded(|| uploaded(device, slices, kind, *key))?)),
+            };
+            volumes.push(volume.clone());
+            self.0.push((key, volume));
+        }
+        Ok(volumes)
+    }
+}
+
+/// The samples of a source, or room for their pages.
+fn uploaded(device: &Device, slices: &Slices, kind: &SourceKind, key: VolumeKey) -> Result<GpuVolume> {
+    let (size, apron) = (slices.grid().size(), key.apron);
+    if let Some(n) = key.slots {
+        let pages = Pages::new(device, size, apron, n);
+        let (samples, holes) = page_textures(device, kind, &pages)?;
+        return Ok(GpuVolume { samples, holes, apron, pages: Some(Mutex::new(pages)) });
+    }
+    let part = SampleBox::whole(size, apron);
+    let samples = SampleTexture::new(device, part.size, kind.format)?;
+    upload(device, slices, &samples, part, [0; 3])?;
+    let mut holes = None;
+    if kind.has_holes {
+        let texture = hole_texture(device, part.size)?;
+        upload_holes(device, slices, &texture, part, [0; 3])?;
+        holes = Some(texture);
+    }
+    Ok(GpuVolume { samples, holes, apron, pages: None })
+}
+
+/// Bytes of all samples of a source with what is around them.
+fn whole_bytes(slices: &Slices, kind: &SourceKind) -> usize {
+    let part = SampleBox::whole(slices.grid().size(), apron_of(kind));
+    part.size.iter().product::<usize>() * (kind.format.n_bytes() + usize::from(kind.has_holes))
+}

@@ -1,0 +1,168 @@
+"""Pictures of a GPU from Python: the CPU's, with a report that says who drew and why."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from functools import cache
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+
+#: The device of the tests; a program on the processor, unless another is asked for.
+NAME = os.environ.get("WAVESPLAT_TEST_GPU", "llvmpipe")
+LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5), (255, 1.0, 1.0, 1.0)])
+
+
+@cache
+def names() -> list[str]:
+    return [adapter.name for adapter in ws.gpu.adapters()]
+
+
+@pytest.fixture
+def device():
+    if not any(NAME.lower() in name.lower() for name in names()):
+        if "WAVESPLAT_TEST_GPU" in os.environ:
+            pytest.fail(f"{NAME} is asked for, and there is {names()}")
+        pytest.skip("no software GPU: install mesa-vulkan-drivers")
+    return NAME
+
+
+def alike(a: ws.Picture, b: ws.Picture) -> bool:
+    return bool(np.abs(a.rgba - b.rgba).max() <= 1 / 255) and b.rgba[..., 3].max() > 0.05
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"kernel": "catmull-rom", "camera": "isometric"},
+        {"composite": "maximum"},
+        {"composite": ws.FirstHit(120.0)},
+        {"depth": True},
+        {"clip": ws.Crop((2, 3, 4), (20, 22, 18))},
+    ],
+    ids=["soft", "cubic", "maximum", "surface", "depth", "crop"],
+)
+def test_pictures_are_those_of_the_cpu(device, options):
+    volume = ws.examples.ripples(24)
+    own = ws.render(volume, LOOK, size=(90, 70), device=device, **options)
+    of_cpu = ws.render(volume, LOOK, size=(90, 70), device="cpu", **options)
+    assert NAME.lower() in own.report["device"]["name"].lower()
+    assert own.report["device"]["reason"] is None
+    assert of_cpu.report["device"] == {"name": "cpu", "reason": None}
+    assert alike(own, of_cpu)
+    if "depth" in options:
+        assert np.array_equal(np.isnan(own.depth), np.isnan(of_cpu.depth))
+        assert np.nanmax(np.abs(own.depth - of_cpu.depth)) < 0.01
+    json.dumps(own.report)
+
+
+def test_scenes_with_labels_layers_and_light(device):
+    volume = ws.examples.ripples(24)
+    codes = np.zeros((24, 24, 24), np.uint8)
+    codes[:, :12] = 1
+    labels = ws.Labels(codes, {1: ws.Label("half", color="red", opacity=0.3)})
+    shading = ws.Shading(ambient_occlusion=0.6, shadow=0.5)
+    one = ws.Scene(volume, LOOK, labels=labels, shading=shading)
+    moved = ws.Volume(volume.samples, affine=np.diag([0.8, 0.8, 0.8, 1.0]))
+    for scene in (one, ws.Scene([volume, moved], [LOOK, LOOK])):
+        own, of_cpu = (scene.render(size=(60, 60), device=name) for name in (device, "cpu"))
+        assert own.report["device"]["reason"] is None
+        assert alike(own, of_cpu)
+
+
+def test_small_memory_means_pages(device):
+    z, y, x = np.ogrid[-1:1:150j, -1:1:140j, -1:1:130j]
+    volume = ws.Volume((255 * np.clip(1.1 - np.sqrt(x * x + y * y + z * z), 0, 1)).astype(np.uint8))
+    whole = ws.render(volume, LOOK, size=(64, 64), device=device)
+    before = ws.gpu.memory()
+    try:
+        ws.gpu.memory("4 MB")
+        paged = ws.render(volume, LOOK, size=(64, 64), device=device)
+        ws.gpu.memory("1 kB")
+        by_cpu = ws.render(volume, LOOK, size=(64, 64), device=device)
+    finally:
+        ws.gpu.memory(before)
+    assert [picture.report["device"]["paged"] for picture in (whole, paged)] == [False, True]
+    assert np.array_equal(paged.rgba, whole.rgba)
+    assert by_cpu.report["device"]["name"] == "cpu"
+    assert "allowed" in by_cpu.report["device"]["reason"]
+    assert alike(by_cpu, whole)
+
+
+def test_what_the_cpu_draws_is_said_with_the_reason(device):
+    volume = ws.examples.ripples(16)
+    wanted = ws.render(volume, LOOK, size=(48, 48), psnr=30, device=device)
+    assert "PSNR" in wanted.report["device"]["reason"]
+    lazy = ws.Volume.lazy(np.asarray(volume.samples), cache=False)
+    assert "CPU" in ws.render(lazy, LOOK, size=(32, 32), device=device).report["device"]["reason"]
+    nowhere = ws.render(volume, LOOK, size=(32, 32), device="no such GPU").report["device"]
+    assert nowhere["name"] == "cpu"
+    assert "no such GPU" in nowhere["reason"]
+
+
+def test_no_name_is_refused():
+    for wrong in ("", None, 3):
+        with pytest.raises(ws.errors.ArgumentError, match="device"):
+            ws.render(ws.examples.ripples(8), LOOK, size=(8, 8), device=wrong)
+
+
+def test_a_software_gpu_is_never_chosen_by_itself():
+    volume = ws.examples.ripples(8)
+    for device in ("auto", "gpu"):
+        told = ws.render(volume, LOOK, size=(8, 8), device=device).report["device"]
+        assert "llvmpipe" not in told["name"]
+        assert told["name"] != "cpu" or told["reason"]
+
+
+def test_no_driver_is_loaded_where_nobody_asks_for_one():
+    code = """
+import sys, numpy as np, wavesplat as ws
+volume = ws.examples.ripples(8)
+for _ in range(3):
+    ws.render(volume, size=(8, 8), device=sys.argv[1])
+print(any("vulkan" in line or "llvm" in line.lower() for line in open("/proc/self/maps")))
+"""
+    if not os.path.exists("/proc/self/maps") or os.path.exists("/dev/dri"):  # noqa: PTH110
+        pytest.skip("this tells of Linux without a GPU")
+    for device in ("cpu", "auto"):
+        told = subprocess.run([sys.executable, "-c", code, device], capture_output=True, text=True, check=True)
+        assert told.stdout.split() == ["False"]
+
+
+def test_forked_processes_draw_on_the_cpu(device):
+    if not hasattr(os, "fork"):
+        pytest.skip("no fork here")
+    code = """
+import os, sys, wavesplat as ws
+volume = ws.examples.ripples(12)
+parent = ws.render(volume, size=(24, 24), device=sys.argv[1])
+child = os.fork()
+told = ws.render(volume, size=(24, 24), device=sys.argv[1]).report["device"]
+if child == 0:
+    os._exit(0 if told["name"] == "cpu" and "fork" in told["reason"] else 3)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), told["reason"])
+"""
+    told = subprocess.run([sys.executable, "-c", code, device], capture_output=True, text=True, check=True, timeout=120)
+    assert told.stdout.split() == ["0", "None"]
+
+
+def test_memory_is_an_amount():
+    with pytest.raises(ws.errors.ArgumentError, match="limit"):
+        ws.gpu.memory("much")
+
+
+def test_the_command_compares_pictures(device):
+    command = [sys.executable, "-m", "wavesplat", "gpu-check", device]
+    told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300).stdout
+    assert "self-test passed" in told
+    assert told.count("\n| ") >= 7
+    rows = [line.split("|") for line in told.splitlines() if line.startswith("| ") and "---" not in line][1:]
+    assert all(float(row[3]) <= 1 for row in rows), told
+    none = subprocess.run([*command[:-1], "no such GPU"], capture_output=True, text=True, check=True).stdout
+    assert "no GPU" in none

@@ -61,6 +61,7 @@ ROOMS = {
         "scene_kind",
         "volumes",
         "numbers",
+        "stage",
         "draw",
         "self_test",
         "gpu",

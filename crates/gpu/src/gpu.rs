@@ -12,10 +12,14 @@ use crate::adapter::{Adapter, Choice};
 use crate::device::Device;
 use crate::draw::{Job, Schedule, Work};
 use crate::failure::{Failure, Result};
+use crate::numbers::Numbers;
+use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
 use crate::report::{Counts, GpuReport};
 use crate::scene_kind::{permutation_of, sources_of};
 use crate::self_test::{test_picture, test_samples};
+use crate::stage::Stage;
+use crate::volumes::uploaded;
 
 /// Memory for samples, unless told otherwise: no driver says how much is free.
 pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
@@ -161,5 +165,24 @@ impl Gpu {
         let pictures = self.device.guarded(|| job.draw_all(work, callback, &mut counts))?;
         let report = self.device.guarded(|| counts.report(&self.device))?;
         Ok((pictures, GpuReport { is_paged, n_sample_bytes, ..report }))
+    }
+
+    /// Runs a stage of a frame alone: tests hold it to its fixtures. `entry`: WGSL of an entry point `stage`, workgroups of 64,
+    /// that writes `n` vec4s to `state`; `slices`: the samples of the only source, of which `numbers` need not know the apron.
+    pub fn run_stage(
+        &self,
+        permutation: &Permutation,
+        entry: &str,
+        numbers: &Numbers,
+        slices: &Slices,
+        n: usize,
+    ) -> Result<Vec<[f32; 4]>> {
+        let kind = &permutation.sources[0];
+        let volume = self.device.guarded(|| uploaded(&self.device, slices, kind, None))?;
+        let mut numbers = numbers.clone();
+        for source in &mut numbers.sources {
+            source.apron = [volume.apron.low as i32; 4];
+        }
+        Stage { permutation, entry, numbers: &numbers, texture: &volume.samples, n }.run(&self.device)
     }
 }

@@ -19,7 +19,8 @@ mod gpu;
 mod gpus;
 #[doc(hidden)]
 pub mod layout;
-mod numbers;
+#[doc(hidden)]
+pub mod numbers;
 mod pages;
 #[doc(hidden)]
 pub mod permutation;
@@ -28,6 +29,7 @@ mod report;
 mod samples;
 mod scene_kind;
 mod self_test;
+mod stage;
 mod timer;
 mod volumes;
 

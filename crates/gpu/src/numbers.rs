@@ -7,6 +7,7 @@ use wavesplat_core::Composite;
 use wavesplat_core::Gradient;
 use wavesplat_splat::kernel::footprint::group_base;
 use wavesplat_splat::kernel::smoothed::width_of;
+use wavesplat_splat::optics::classify::TransferTables;
 use wavesplat_splat::optics::gradient_opacity::GradientTables;
 use wavesplat_splat::optics::shade::Shader;
 use wavesplat_splat::render::plan::{FamilyLayer, FamilyPlan, LayerPlan, Operator, Plan};
@@ -19,9 +20,13 @@ use crate::layout::{GpuFrame, GpuLayer, GpuLighting, GpuSource};
 const HUGE: f32 = 3e38;
 
 /// What the shaders read of a base plane.
-pub(crate) struct Numbers {
+#[derive(Clone, Debug, Default)]
+pub struct Numbers {
+    /// What is the same for all layers.
     pub frame: GpuFrame,
+    /// Of each layer.
     pub layers: Vec<GpuLayer>,
+    /// Of each source.
     pub sources: Vec<GpuSource>,
     /// Tables of colours, segments, gradients and lights.
     pub tables: Vec<[f32; 4]>,
@@ -30,7 +35,8 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    pub fn new(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> Self {
+    /// Of a base plane of a plan.
+    pub(crate) fn new(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> Self {
         let mut numbers = Self {
             frame: frame_of(plan, family, arrays),
             layers: Vec::new(),
@@ -51,23 +57,15 @@ impl Numbers {
         numbers.words.extend(sheets.s.iter().map(|s| s.to_bits()));
         let of_layers = (0..plan.layers.len()).map(|k| arrays.layer(k));
         for geometry in of_layers.chain((0..plan.fields.fields.len()).map(|k| arrays.field(k))) {
-            let source = numbers.source(family, &sheets.w, geometry);
+            let source = numbers.source(&sheets.w, geometry);
             numbers.sources.push(source);
         }
         numbers
     }
 
     fn layer(&mut self, layer: &LayerPlan, of_family: &FamilyLayer, to_eye: [[f32; 4]; 3]) -> GpuLayer {
-        let tables = layer.tables.arrays();
-        let mut gpu = GpuLayer {
-            domain: [tables.first, tables.per_density, tables.last, (1.0 / layer.opacity_unit) as f32],
-            to_eye,
-            only: tables.only_color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]),
-            ..GpuLayer::default()
-        };
-        let [lo, hi] = tables.visible_range.map(|density| density.clamp(-HUGE, HUGE));
-        gpu.visible = [lo, hi, 0.0, 0.0];
-        gpu.tables = [self.table(tables.colors), self.table(tables.segments), 0, tables.colors.len() as u32];
+        let mut gpu = self.transfer_function(&layer.tables.arrays(), layer.opacity_unit);
+        gpu.to_eye = to_eye;
         if let Some(by_gradient) = &of_family.modifiers.by_gradient {
             let (metric, tables) = by_gradient.arrays();
             gpu.joint_metric = eight(metric);
@@ -92,14 +90,27 @@ impl Numbers {
         gpu
     }
 
+    /// Adds the tables of a transfer function; a layer of it.
+    pub fn transfer_function(&mut self, tables: &TransferTables, opacity_unit: f64) -> GpuLayer {
+        let [lo, hi] = tables.visible_range.map(|density| density.clamp(-HUGE, HUGE));
+        GpuLayer {
+            tables: [self.table(tables.colors), self.table(tables.segments), 0, tables.colors.len() as u32],
+            domain: [tables.first, tables.per_density, tables.last, (1.0 / opacity_unit) as f32],
+            visible: [lo, hi, 0.0, 0.0],
+            only: tables.only_color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]),
+            ..GpuLayer::default()
+        }
+    }
+
     /// Adds a table; its place.
-    fn table(&mut self, entries: &[[f32; 4]]) -> u32 {
+    pub fn table(&mut self, entries: &[[f32; 4]]) -> u32 {
         let place = self.tables.len() as u32;
         self.tables.extend_from_slice(entries);
         place
     }
 
-    fn lighting(&mut self, shader: &Shader) -> GpuLighting {
+    /// Adds the lights of a shader; its numbers.
+    pub fn lighting(&mut self, shader: &Shader) -> GpuLighting {
         let numbers = shader.numbers();
         let [ambient, diffuse, specular] = numbers.ambient_diffuse_specular;
         let place = self.tables.len() as u32;
@@ -117,9 +128,10 @@ impl Numbers {
         }
     }
 
-    /// Positions among the samples of a source: on every sheet of each group of texels, and of the sheet.
-    fn source(&mut self, family: &FamilyPlan, sheets: &[f64], geometry: &SheetGeometry) -> GpuSource {
-        let n_groups = family.plane.size.map(|n| n.div_ceil(LANES));
+    /// Adds positions among the samples of a source: on every sheet of each group of texels, and of the sheet. `sheets`: where
+    /// they lie along w, in the order in which rays meet them.
+    pub fn source(&mut self, sheets: &[f64], geometry: &SheetGeometry) -> GpuSource {
+        let n_groups = geometry.plane.size.map(|n| n.div_ceil(LANES));
         let [last_u, last_v, last_w] = [0, 1, 2].map(|a| geometry.axes[a].last());
         let per_sheet = 2 * (n_groups[0] + n_groups[1]) + 4;
         let mut told = vec![0_u32; per_sheet * sheets.len()];
@@ -155,7 +167,7 @@ impl Numbers {
         }
         let n = sheets.len();
         let mut last = [0, 0, 0, n_groups[1] as i32];
-        for (a, axis) in family.plane.family.axes.into_iter().enumerate() {
+        for (a, axis) in geometry.plane.family.axes.into_iter().enumerate() {
             last[axis] = geometry.axes[a].n_samples as i32 - 1;
         }
         let axis = &geometry.axes[0];

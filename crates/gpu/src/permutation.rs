@@ -188,6 +188,10 @@ impl Permutation {
 
     /// The shader.
     pub fn text(&self) -> String {
+        self.functions() + include_str!("shaders/march.wgsl")
+    }
+
+    fn functions(&self) -> String {
         let mut text = self.constants();
         text.push_str(include_str!("shaders/frame.wgsl"));
         text.push_str(include_str!("shaders/axes.wgsl"));
@@ -235,16 +239,12 @@ impl Permutation {
             GpuOperator::FirstHit => text.push_str(include_str!("shaders/first_hit.wgsl")),
             GpuOperator::Project(_) => text.push_str(include_str!("shaders/project.wgsl")),
         }
-        text.push_str(include_str!("shaders/march.wgsl"));
         text
     }
 
-    /// The shader that asks a device for its samples and its exponential (`self_test.rs`).
-    pub fn probe_text(&self) -> String {
-        let text = self.text();
-        // What comes before the rays.
-        let end = text.find("// Slabs of a block").unwrap_or(text.len());
-        text[..end].to_owned() + include_str!("shaders/classify.wgsl") + include_str!("shaders/probe.wgsl")
+    /// All functions of the shader with an entry point of one's own, `stage`.
+    pub fn stage_text(&self, entry: &str) -> String {
+        self.functions() + entry
     }
 
     fn constants(&self) -> String {

@@ -22,9 +22,9 @@ impl Pipeline {
         Self::of(device, permutation, permutation.text(), "march")
     }
 
-    /// Of the self-test.
-    pub fn probe(device: &Device, permutation: &Permutation) -> Result<Self> {
-        Self::of(device, permutation, permutation.probe_text(), "probe")
+    /// Of a stage alone: an entry point `stage`.
+    pub fn stage(device: &Device, permutation: &Permutation, entry: &str) -> Result<Self> {
+        Self::of(device, permutation, permutation.stage_text(entry), "stage")
     }
 
     fn of(device: &Device, permutation: &Permutation, text: String, entry_point: &str) -> Result<Self> {

@@ -14,17 +14,16 @@ use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
-use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor, ComputePassDescriptor};
 
-use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::Device;
 use crate::failure::{Failure, Result};
 use crate::layout::{GpuFrame, GpuLayer, GpuSource};
+use crate::numbers::Numbers;
 use crate::permutation::{
     ByGradient, FieldKinds, Format, GpuOperator, GradientTaps, LayerKind, Permutation, SourceKind,
 };
-use crate::pipeline::Pipeline;
 use crate::samples::SampleTexture;
+use crate::stage::Stage;
 
 /// Samples of the volume of the test along x, y, z; quads begin at all but the last of x and y.
 const SIZE: [usize; 3] = [7, 5, 3];
@@ -85,7 +84,6 @@ pub(crate) fn test_samples(device: &Device, fails: bool) -> Result<bool> {
 fn wrong_samples(device: &Device, gather: bool) -> Result<Option<String>> {
     for (name, format, stored) in FORMATS {
         let permutation = probe_permutation(format, gather);
-        let pipeline = Pipeline::probe(device, &permutation)?;
         let texture = SampleTexture::new(device, SIZE, format)?;
         let n_samples: usize = SIZE.iter().product();
         let bytes: Vec<u8> = (0..n_samples).flat_map(|i| stored(i).0).collect();
@@ -95,8 +93,17 @@ fn wrong_samples(device: &Device, gather: bool) -> Result<Option<String>> {
             .filter(|[x, y, _]| *x + 1 < SIZE[0] && *y + 1 < SIZE[1])
             .collect();
         let exponents: Vec<f32> = (0..N_EXPONENTS).map(|k| 1e-6 * 1.4_f32.powi(k as i32)).collect();
-        let probe = Probe { places: &places, exponents: &exponents, texture: &texture };
-        let got = device.guarded(|| probe.run(device, &pipeline))?;
+        let numbers = Numbers {
+            frame: GpuFrame { blocks: [0, places.len() as u32, 1, 1], ..GpuFrame::default() },
+            layers: vec![GpuLayer::default()],
+            sources: vec![GpuSource::default()],
+            tables: exponents.iter().map(|x| [*x; 4]).collect(),
+            words: places.as_flattened().iter().map(|i| *i as u32).collect(),
+        };
+        let n = places.len() + exponents.len();
+        let entry = include_str!("shaders/probe.wgsl");
+        let stage = Stage { permutation: &permutation, entry, numbers: &numbers, texture: &texture, n };
+        let got = stage.run(device)?;
         for ([x, y, z], got) in places.iter().zip(&got) {
             let density = |x: usize, y: usize| stored(x + SIZE[0] * (y + SIZE[1] * z)).1;
             if *got != [density(*x, *y), density(x + 1, *y), density(*x, y + 1), density(x + 1, y + 1)] {
@@ -169,58 +176,4 @@ pub(crate) fn test_picture(name: &str, draw: impl Fn(&Plan, &[&Slices]) -> Resul
         }
     }
     Ok(())
-}
-
-/// What the self-test asks a device.
-struct Probe<'a> {
-    /// Where quads of the texture begin.
-    places: &'a [[usize; 3]],
-    exponents: &'a [f32],
-    texture: &'a SampleTexture,
-}
-
-impl Probe<'_> {
-    /// Four samples of each place; then the exponentials.
-    fn run(&self, device: &Device, pipeline: &Pipeline) -> Result<Vec<[f32; 4]>> {
-        let n = self.places.len() + self.exponents.len();
-        let frame = GpuFrame { blocks: [0, self.places.len() as u32, 1, 1], ..GpuFrame::default() };
-        let [width, height, _] = self.texture.size;
-        let source = GpuSource { texel: [1.0 / width as f32, 1.0 / height as f32, 0.0, 0.0], ..GpuSource::default() };
-        let mut parameters = bytemuck::bytes_of(&frame).to_vec();
-        parameters.extend_from_slice(bytemuck::bytes_of(&GpuLayer::default()));
-        parameters.extend_from_slice(bytemuck::bytes_of(&source));
-        let places: Vec<u32> = self.places.as_flattened().iter().map(|i| *i as u32).collect();
-        let exponents: Vec<[f32; 2]> = self.exponents.iter().map(|x| [*x, 0.0]).collect();
-        let mut kept = Buffers::default();
-        let moved = &mut 0;
-        let storage = BufferUsages::STORAGE;
-        let Buffers { parameters: uniform, words, tables, intervals, occupied, .. } = &mut kept;
-        let state = device.device.create_buffer(&BufferDescriptor {
-            label: None,
-            size: 16 * n as u64,
-            usage: storage | BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let buffers = [
-            uniform.with(device, &parameters, BufferUsages::UNIFORM, moved),
-            words.with(device, bytemuck::cast_slice(&places), storage, moved),
-            tables.of(device, 0, storage),
-            intervals.with(device, bytemuck::cast_slice(&exponents), storage, moved),
-            occupied.of(device, 0, storage),
-            &state,
-        ];
-        let texture = [(Permutation::samples_binding(0), &self.texture.view)];
-        let group = bind_group(device, pipeline, buffers, texture.into_iter());
-        let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline.compute);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(n.div_ceil(64) as u32, 1, 1);
-        }
-        device.queue.submit([encoder.finish()]);
-        let read = kept.read_back.of(device, 16 * n, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-        let view = read_buffer(device, &state, read, 16 * n)?;
-        Ok(bytemuck::cast_slice(&view).to_vec())
-    }
 }

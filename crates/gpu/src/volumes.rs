@@ -120,7 +120,7 @@ impl Volumes {
             let found = self.0.iter().position(|(own, _)| own == key);
             let (key, volume) = match found {
                 Some(place) => self.0.remove(place),
-                None => (*key, Arc::new(device.guarded(|| uploaded(device, slices, kind, *key))?)),
+                None => (*key, Arc::new(device.guarded(|| uploaded(device, slices, kind, key.slots))?)),
             };
             volumes.push(volume.clone());
             self.0.push((key, volume));
@@ -129,10 +129,10 @@ impl Volumes {
     }
 }
 
-/// The samples of a source, or room for their pages.
-fn uploaded(device: &Device, slices: &Slices, kind: &SourceKind, key: VolumeKey) -> Result<GpuVolume> {
-    let (size, apron) = (slices.grid().size(), key.apron);
-    if let Some(n) = key.slots {
+/// The samples of a source, or room for so many of their pages.
+pub(crate) fn uploaded(device: &Device, slices: &Slices, kind: &SourceKind, slots: Option<usize>) -> Result<GpuVolume> {
+    let (size, apron) = (slices.grid().size(), apron_of(kind));
+    if let Some(n) = slots {
         let pages = Pages::new(device, size, apron, n);
         let (samples, holes) = page_textures(device, kind, &pages)?;
         return Ok(GpuVolume { samples, holes, apron, pages: Some(Mutex::new(pages)) });

@@ -146,7 +146,7 @@ fn the_self_test_is_valid_for_every_format() {
         for gather in [false, true] {
             let source = SourceKind { format, ..PLAIN };
             let permutation = Permutation { gather, ..permutation(GpuOperator::FirstHit, vec![source]) };
-            parsed(&permutation.probe_text());
+            parsed(&permutation.stage_text(include_str!("../src/shaders/probe.wgsl")));
         }
     }
 }

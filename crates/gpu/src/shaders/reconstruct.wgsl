@@ -27,7 +27,8 @@ fn plane_SOURCE(at: vec3<i32>, x: vec4<f32>, y: vec4<f32>) -> f32 {
 
 // The density at a place, shifted; positions beyond the first and the last sample stop there.
 fn value_SOURCE(place: Place, shift: vec3<f32>) -> f32 {
-    let x = clamp(place.at + shift, -vec3<f32>(place.base), place.last);
+    let first = -vec3<f32>(place.base);
+    let x = clamp(clamp(place.at, first, place.last) + shift, first, place.last);
     let footprint = footprint_of(KERNEL_SOURCE, x);
     let cell = place.base + footprint.cell;
     let at = cell + origin_SOURCE(cell) + footprint.first;

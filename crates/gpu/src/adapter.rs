@@ -2,7 +2,7 @@
 
 use wgpu::{Backends, DeviceType, Instance, InstanceDescriptor, InstanceFlags};
 
-use crate::failure::{Failure, Result};
+use crate::failure::{Failure, GpuResult};
 
 /// A GPU as its driver tells of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,7 +48,9 @@ impl Adapter {
 
     /// Lower is taken first.
     fn rank(&self) -> usize {
-        ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind).unwrap_or(4)
+        let of_kind = ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind);
+        // The same card may be there twice; compilers of DX12 are slow.
+        2 * of_kind.unwrap_or(4) + usize::from(self.backend == "DX12")
     }
 }
 
@@ -57,7 +59,8 @@ impl Adapter {
 pub enum Choice {
     /// The best one that is no program on the processor.
     Best,
-    /// The first whose name has this in it, upper and lower case alike; a program on the processor too.
+    /// The first whose name, with that of its backend behind it, has this in it, upper and lower case alike; a program on the
+    /// processor too.
     Named(String),
 }
 
@@ -84,12 +87,14 @@ fn all() -> (Instance, Vec<(Adapter, wgpu::Adapter)>) {
 }
 
 /// The adapter that is wanted.
-pub(crate) fn choose(choice: &Choice) -> Result<(Instance, Adapter, wgpu::Adapter)> {
+pub(crate) fn choose(choice: &Choice) -> GpuResult<(Instance, Adapter, wgpu::Adapter)> {
     let (instance, adapters) = all();
     let names: Vec<String> = adapters.iter().map(|(adapter, _)| format!("{:?}", adapter.name)).collect();
     let is_wanted = |adapter: &Adapter| match choice {
         Choice::Best => !adapter.is_software(),
-        Choice::Named(part) => adapter.name.to_lowercase().contains(&part.to_lowercase()),
+        Choice::Named(part) => {
+            format!("{} {}", adapter.name, adapter.backend).to_lowercase().contains(&part.to_lowercase())
+        }
     };
     let there_are =
         if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", names.join(", ")) };

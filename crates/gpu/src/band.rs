@@ -34,12 +34,14 @@ pub(crate) fn n_mask_words(family: &FamilyPlan) -> usize {
 /// A base plane as bands of blocks that something may be seen in.
 pub(crate) fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize, skips: bool) -> Vec<Band> {
     let [n_tiles_u, n_tiles_v] = arrays.n_tiles();
+    // Several layers have an interval each, and one for all.
+    let most = MOST_BLOCKS / if n_layers > 1 { n_layers + 1 } else { 1 };
     let mut bands = vec![Band::default()];
     for row in 0..n_tiles_v {
         let tiles = parallel::map(n_tiles_u, |column| arrays.tile([column, row]));
         for (column, tile) in tiles.iter().enumerate() {
             let n = tile.blocks.count_ones() as usize;
-            if bands.last().is_some_and(|band| band.blocks.len() + n > MOST_BLOCKS) {
+            if bands.last().is_some_and(|band| band.blocks.len() + n > most) {
                 bands.push(Band::default());
             }
             if let Some(band) = bands.last_mut() {

@@ -5,8 +5,8 @@ use wgpu::{
     BufferView, CommandEncoderDescriptor, FilterMode, MapMode, SamplerDescriptor, TextureView,
 };
 
-use crate::device::Device;
-use crate::failure::{Failure, Result};
+use crate::device::OpenDevice;
+use crate::failure::{Failure, GpuResult};
 use crate::pipeline::Pipeline;
 
 /// Bytes of a buffer that nothing is in.
@@ -15,22 +15,22 @@ const LEAST_BYTES: u64 = 256;
 /// Buffers, kept from frame to frame, as large as they had to be.
 #[derive(Default)]
 pub(crate) struct Buffers {
-    pub parameters: Kept,
-    pub words: Kept,
-    pub tables: Kept,
-    pub intervals: Kept,
-    pub occupied: Kept,
-    pub state: Kept,
-    pub read_back: Kept,
+    pub parameters: GrowingBuffer,
+    pub words: GrowingBuffer,
+    pub tables: GrowingBuffer,
+    pub intervals: GrowingBuffer,
+    pub occupied: GrowingBuffer,
+    pub state: GrowingBuffer,
+    pub read_back: GrowingBuffer,
 }
 
 /// A buffer that grows.
 #[derive(Default)]
-pub(crate) struct Kept(pub Option<Buffer>);
+pub(crate) struct GrowingBuffer(pub Option<Buffer>);
 
-impl Kept {
+impl GrowingBuffer {
     /// With room for so many bytes.
-    pub fn of(&mut self, device: &Device, n_bytes: usize, usage: BufferUsages) -> &Buffer {
+    pub fn of(&mut self, device: &OpenDevice, n_bytes: usize, usage: BufferUsages) -> &Buffer {
         let size = (n_bytes as u64).next_multiple_of(16).max(LEAST_BYTES);
         let fits = self.0.as_ref().is_some_and(|own| own.size() >= size && own.size() <= 8 * size);
         if !fits {
@@ -42,7 +42,7 @@ impl Kept {
     }
 
     /// With these bytes, which are added to those that were `moved`.
-    pub fn with(&mut self, device: &Device, bytes: &[u8], usage: BufferUsages, moved: &mut u64) -> &Buffer {
+    pub fn with(&mut self, device: &OpenDevice, bytes: &[u8], usage: BufferUsages, moved: &mut u64) -> &Buffer {
         let buffer = self.of(device, bytes.len(), usage | BufferUsages::COPY_DST);
         device.queue.write_buffer(buffer, 0, bytes);
         *moved += bytes.len() as u64;
@@ -51,7 +51,7 @@ impl Kept {
 }
 
 /// What a buffer holds, by one that can be mapped; to be unmapped when it was read.
-pub(crate) fn read_buffer(device: &Device, from: &Buffer, by: &Buffer, n_bytes: usize) -> Result<BufferView> {
+pub(crate) fn read_buffer(device: &OpenDevice, from: &Buffer, by: &Buffer, n_bytes: usize) -> GpuResult<BufferView> {
     let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(from, 0, by, 0, Some(n_bytes as u64));
     device.queue.submit([encoder.finish()]);
@@ -70,7 +70,7 @@ pub(crate) fn read_buffer(device: &Device, from: &Buffer, by: &Buffer, n_bytes: 
 
 /// What is bound to a shader: its buffers in their order, and textures.
 pub(crate) fn bind_group<'a>(
-    device: &Device,
+    device: &OpenDevice,
     pipeline: &Pipeline,
     buffers: [&Buffer; 6],
     textures: impl Iterator<Item = (u32, &'a TextureView)>,

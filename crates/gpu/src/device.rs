@@ -5,11 +5,10 @@ use std::sync::{Arc, Mutex};
 use wgpu::{DeviceDescriptor, ErrorFilter, Features, Limits, PollType};
 
 use crate::adapter::{Adapter, Choice, choose};
-use crate::failure::{Failure, Result};
+use crate::failure::{Failure, GpuResult};
 
 /// A device and its queue.
-#[expect(clippy::struct_field_names, reason = "it is what wgpu calls a device")]
-pub(crate) struct Device {
+pub(crate) struct OpenDevice {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub adapter: Adapter,
@@ -22,8 +21,8 @@ pub(crate) struct Device {
     _instance: wgpu::Instance,
 }
 
-impl Device {
-    pub fn open(choice: &Choice) -> Result<Self> {
+impl OpenDevice {
+    pub fn open(choice: &Choice) -> GpuResult<Self> {
         let (instance, told, adapter) = choose(choice)?;
         let limits = adapter.limits();
         let optional = Features::TIMESTAMP_QUERY;
@@ -54,7 +53,7 @@ impl Device {
     }
 
     /// Runs work; what the device objects to while it runs is its failure.
-    pub fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    pub fn guarded<T>(&self, work: impl FnOnce() -> GpuResult<T>) -> GpuResult<T> {
         let filters = [ErrorFilter::Internal, ErrorFilter::Validation, ErrorFilter::OutOfMemory];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
         let done = work();
@@ -75,7 +74,7 @@ impl Device {
     }
 
     /// Waits until all that was submitted is done.
-    pub fn wait(&self) -> Result<()> {
+    pub fn wait(&self) -> GpuResult<()> {
         let waited = self.device.poll(PollType::wait_indefinitely());
         match (self.lost(), waited) {
             (Some(why), _) => Err(Failure::Lost(why)),

@@ -16,8 +16,8 @@ use wgpu::{BindGroup, BufferUsages, CommandEncoderDescriptor, ComputePassDescrip
 
 use crate::band::{Band, bands, n_mask_words};
 use crate::buffers::{Buffers, bind_group, read_buffer};
-use crate::device::Device;
-use crate::failure::{Failure, Result};
+use crate::device::OpenDevice;
+use crate::failure::{Failure, GpuResult};
 use crate::layout::{N_BLOCK, NO_PLACE};
 use crate::numbers::{Numbers, is_mean};
 use crate::pages::{PagedRange, n_pages, pages_by_slab, ranges};
@@ -55,7 +55,7 @@ impl Default for Schedule {
 
 /// What is kept between frames.
 #[derive(Default)]
-pub(crate) struct Work {
+pub(crate) struct KeptWork {
     pub pipelines: HashMap<Permutation, Arc<Pipeline>>,
     /// What was uploaded.
     pub volumes: Volumes,
@@ -66,7 +66,7 @@ pub(crate) struct Work {
 
 /// What a frame needs.
 pub(crate) struct Job<'a> {
-    pub device: &'a Device,
+    pub device: &'a OpenDevice,
     pub plan: &'a Plan,
     /// Of each layer.
     pub slices: &'a [&'a Slices<'a>],
@@ -80,10 +80,10 @@ impl Job<'_> {
     /// Draws all base planes.
     pub fn draw_all(
         &self,
-        work: &mut Work,
+        work: &mut KeptWork,
         callback: &dyn ProgressCallback,
         counts: &mut Counts,
-    ) -> Result<Vec<BasePicture>> {
+    ) -> GpuResult<Vec<BasePicture>> {
         let n = self.plan.families.len() as f32;
         let mut pictures = Vec::new();
         for (k, family) in self.plan.families.iter().enumerate() {
@@ -101,10 +101,10 @@ impl Job<'_> {
         &self,
         family: &FamilyPlan,
         arrays: &BasePlaneArrays,
-        work: &mut Work,
+        work: &mut KeptWork,
         counts: &mut Counts,
-        told: &dyn Fn(f32) -> Result<()>,
-    ) -> Result<BasePicture> {
+        told: &dyn Fn(f32) -> GpuResult<()>,
+    ) -> GpuResult<BasePicture> {
         let mut numbers = Numbers::new(self.plan, family, arrays);
         for (source, volume) in numbers.sources.iter_mut().zip(self.volumes) {
             source.apron = [volume.apron.low as i32; 4];
@@ -155,7 +155,7 @@ impl Job<'_> {
     }
 
     /// Makes the pages of a range resident.
-    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &Work, counts: &mut Counts) -> Result<()> {
+    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &KeptWork, counts: &mut Counts) -> GpuResult<()> {
         for (k, pages) in range.pages.iter().enumerate() {
             let volume = &self.volumes[k];
             let (Some(mut held), Some(words)) = (volume.pages(), &work.buffers.words.0) else { continue };
@@ -175,10 +175,10 @@ impl Job<'_> {
         numbers: &Numbers,
         band: &Band,
         ranges: &[PagedRange],
-        work: &mut Work,
+        work: &mut KeptWork,
         counts: &mut Counts,
-        told: &dyn Fn(f32) -> Result<()>,
-    ) -> Result<()> {
+        told: &dyn Fn(f32) -> GpuResult<()>,
+    ) -> GpuResult<()> {
         let n_blocks = band.blocks.len();
         let most_groups = self.device.limits.max_compute_workgroups_per_dimension as usize;
         let per_row = n_blocks.min(most_groups);
@@ -236,7 +236,14 @@ impl Job<'_> {
         Ok(())
     }
 
-    fn bind(&self, numbers: &Numbers, band: &Band, words: &[u32], work: &mut Work, counts: &mut Counts) -> BindGroup {
+    fn bind(
+        &self,
+        numbers: &Numbers,
+        band: &Band,
+        words: &[u32],
+        work: &mut KeptWork,
+        counts: &mut Counts,
+    ) -> BindGroup {
         let device = self.device;
         let n_rays = band.blocks.len() * N_BLOCK;
         let intervals = band.intervals.concat();
@@ -265,10 +272,10 @@ impl Job<'_> {
         &self,
         band: &Band,
         family: &FamilyPlan,
-        work: &mut Work,
+        work: &mut KeptWork,
         counts: &mut Counts,
         picture: &mut BasePicture,
-    ) -> Result<()> {
+    ) -> GpuResult<()> {
         let n_state = self.permutation.n_state();
         let n_bytes = 16 * n_state * band.blocks.len() * N_BLOCK;
         let Buffers { state, read_back, .. } = &mut work.buffers;

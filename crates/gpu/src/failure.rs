@@ -35,4 +35,4 @@ impl fmt::Display for Failure {
 impl std::error::Error for Failure {}
 
 /// A result of work on a GPU.
-pub type Result<T> = std::result::Result<T, Failure>;
+pub type GpuResult<T> = Result<T, Failure>;

@@ -9,9 +9,9 @@ use wavesplat_splat::render::progress::ProgressCallback;
 use wavesplat_splat::source::slices::Slices;
 
 use crate::adapter::{Adapter, Choice};
-use crate::device::Device;
-use crate::draw::{Job, Schedule, Work};
-use crate::failure::{Failure, Result};
+use crate::device::OpenDevice;
+use crate::draw::{Job, KeptWork, Schedule};
+use crate::failure::{Failure, GpuResult};
 use crate::numbers::Numbers;
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
@@ -26,26 +26,26 @@ pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
 
 /// An open GPU. Draws one frame at a time.
 pub struct Gpu {
-    device: Device,
+    device: OpenDevice,
     gather: bool,
     budget_bytes: AtomicUsize,
-    work: Mutex<Work>,
+    work: Mutex<KeptWork>,
 }
 
 impl Gpu {
     /// Opens a GPU, for at most so many bytes of samples, and tests it: one that does not draw what the CPU draws is refused.
-    pub fn open(choice: &Choice, budget_bytes: usize) -> Result<Self> {
+    pub fn open(choice: &Choice, budget_bytes: usize) -> GpuResult<Self> {
         Self::open_with(choice, budget_bytes, false)
     }
 
     /// The same; `fails`: its self-test is made to fail.
-    pub fn open_with(choice: &Choice, budget_bytes: usize, fails: bool) -> Result<Self> {
-        let device = Device::open(choice)?;
+    pub fn open_with(choice: &Choice, budget_bytes: usize, fails: bool) -> GpuResult<Self> {
+        let device = OpenDevice::open(choice)?;
         let gather = test_samples(&device, fails)?;
         let gpu = Self { device, gather, budget_bytes: AtomicUsize::new(budget_bytes), work: Mutex::default() };
         let draw = |plan: &Plan, slices: &[&Slices]| gpu.draw_base_planes(plan, slices, &()).map(|drawn| drawn.0);
         test_picture(&gpu.adapter().name, draw)?;
-        *gpu.work() = Work::default();
+        *gpu.work() = KeptWork::default();
         Ok(gpu)
     }
 
@@ -91,7 +91,7 @@ impl Gpu {
         self.device.lost()
     }
 
-    fn work(&self) -> MutexGuard<'_, Work> {
+    fn work(&self) -> MutexGuard<'_, KeptWork> {
         self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -101,7 +101,7 @@ impl Gpu {
         plan: &Plan,
         slices: &[&Slices],
         callback: &dyn ProgressCallback,
-    ) -> Result<(Vec<BasePicture>, GpuReport)> {
+    ) -> GpuResult<(Vec<BasePicture>, GpuReport)> {
         self.draw_base_planes_by(Schedule::default(), plan, slices, callback)
     }
 
@@ -112,7 +112,7 @@ impl Gpu {
         plan: &Plan,
         slices: &[&Slices],
         callback: &dyn ProgressCallback,
-    ) -> Result<(Vec<BasePicture>, GpuReport)> {
+    ) -> GpuResult<(Vec<BasePicture>, GpuReport)> {
         if let Some(why) = self.lost() {
             return Err(Failure::Lost(why));
         }
@@ -136,11 +136,12 @@ impl Gpu {
             budget,
             schedule.is_paged,
         );
-        if matches!(placed, Err(Failure::Memory(_))) && !work.volumes.is_empty() {
+        if matches!(placed, Err(Failure::Memory(_))) {
             // What others are using is not known; half as much may still be there.
             work.volumes.clear();
-            placed =
-                work.volumes.place_all(&self.device, &mut permutation, &sources, plan.layers.len(), budget / 2, true);
+            let half = budget / 2;
+            let again = work.volumes.place_all(&self.device, &mut permutation, &sources, plan.layers.len(), half, true);
+            placed = again.or(placed);
         }
         let volumes = placed?;
         let pipeline = if let Some(pipeline) = work.pipelines.get(&permutation) {
@@ -176,7 +177,7 @@ impl Gpu {
         numbers: &Numbers,
         slices: &Slices,
         n: usize,
-    ) -> Result<Vec<[f32; 4]>> {
+    ) -> GpuResult<Vec<[f32; 4]>> {
         let kind = &permutation.sources[0];
         let volume = self.device.guarded(|| uploaded(&self.device, slices, kind, None))?;
         let mut numbers = numbers.clone();

@@ -10,7 +10,7 @@ use wavesplat_splat::source::slices::Slices;
 
 use crate::adapter::{Adapter, Choice};
 use crate::draw::Schedule;
-use crate::failure::{Failure, Result};
+use crate::failure::{Failure, GpuResult};
 use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 use crate::report::GpuReport;
 
@@ -42,7 +42,7 @@ pub struct DrawnOnGpu {
 /// The GPUs that were opened, or why one could not be. Those of a process are [`Gpus::of_process`].
 #[derive(Default)]
 pub struct Gpus {
-    opened: Mutex<Vec<(Choice, Slot)>>,
+    opened: Mutex<Vec<(Choice, Opened)>>,
     /// Signalled when a thread has opened one.
     changed: Condvar,
     /// Bytes of samples on a GPU at most; 0: as is usual.
@@ -57,7 +57,7 @@ pub struct Gpus {
 
 /// What came of opening a GPU.
 #[derive(Clone)]
-enum Slot {
+enum Opened {
     /// A thread opens it.
     Opening,
     Open(Arc<Gpu>),
@@ -104,7 +104,7 @@ impl Gpus {
         }
         let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         let is_opening =
-            |opened: &mut Vec<(Choice, Slot)>| opened.iter().any(|(_, slot)| matches!(slot, Slot::Opening));
+            |opened: &mut Vec<(Choice, Opened)>| opened.iter().any(|(_, slot)| matches!(slot, Opened::Opening));
         drop(self.changed.wait_while(opened, is_opening));
     }
 
@@ -123,7 +123,7 @@ impl Gpus {
         plan: &Plan,
         slices: &[&Slices],
         callback: &dyn ProgressCallback,
-    ) -> Result<DrawnOnGpu> {
+    ) -> GpuResult<DrawnOnGpu> {
         let budget_bytes = self.budget_bytes();
         let (choice, gpu) = match choice {
             DeviceChoice::Cpu => return Err(Failure::NotOnGpu("the CPU was asked for".to_owned())),
@@ -140,7 +140,7 @@ impl Gpus {
             Err(failure) => {
                 if matches!(failure, Failure::Lost(_)) {
                     // A GPU that is lost again and again is left alone.
-                    self.set(choice, Slot::Refused(failure.clone()));
+                    self.set(choice, Opened::Refused(failure.clone()));
                 }
                 Err(failure)
             }
@@ -148,41 +148,41 @@ impl Gpus {
     }
 
     /// Opens a GPU, or gives the one that is open.
-    pub fn open(&self, choice: &Choice) -> Result<Arc<Gpu>> {
+    pub fn open(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         if self.is_foreign() {
             return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
         }
         match self.slot(choice) {
-            Some(Slot::Open(gpu)) => Ok(gpu),
-            Some(Slot::Refused(failure)) => Err(failure),
+            Some(Opened::Open(gpu)) => Ok(gpu),
+            Some(Opened::Refused(failure)) => Err(failure),
             // Nobody waits for another thread's: this one may be given up.
-            Some(Slot::Opening) | None => self.open_now(choice),
+            Some(Opened::Opening) | None => self.open_now(choice),
         }
     }
 
-    fn open_now(&self, choice: &Choice) -> Result<Arc<Gpu>> {
+    fn open_now(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         // A driver, or what calls it, that gives up must not take the program with it.
         let open = || Gpu::open(choice, DEFAULT_BUDGET_BYTES).map(Arc::new);
         let opened = std::panic::catch_unwind(open)
             .unwrap_or_else(|_| Err(Failure::Refused("opening the GPU ended in a panic".to_owned())));
         let slot = match &opened {
-            Ok(gpu) => Slot::Open(gpu.clone()),
-            Err(failure) => Slot::Refused(failure.clone()),
+            Ok(gpu) => Opened::Open(gpu.clone()),
+            Err(failure) => Opened::Refused(failure.clone()),
         };
         self.set(choice, slot);
         opened
     }
 
     /// The GPU if it is open; else a thread is told to open it.
-    fn open_beside(&'static self, choice: &Choice) -> Result<Arc<Gpu>> {
+    fn open_beside(&'static self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         if self.is_foreign() {
             return self.open(choice);
         }
         let is_first = self.n_asked.fetch_add(1, Ordering::Relaxed) == 0;
         match self.slot(choice) {
-            Some(Slot::Open(gpu)) => return Ok(gpu),
-            Some(Slot::Refused(failure)) => return Err(failure),
-            Some(Slot::Opening) => {}
+            Some(Opened::Open(gpu)) => return Ok(gpu),
+            Some(Opened::Refused(failure)) => return Err(failure),
+            Some(Opened::Opening) => {}
             None if !may_have_gpu() => {
                 return Err(Failure::NoAdapter("no GPU was found: the system has no device file of one".to_owned()));
             }
@@ -191,7 +191,7 @@ impl Gpus {
                 return Err(Failure::NotOnGpu(why.to_owned()));
             }
             None => {
-                self.set(choice, Slot::Opening);
+                self.set(choice, Opened::Opening);
                 let choice = choice.clone();
                 let opens = std::thread::Builder::new().name("wavesplat-gpu".to_owned());
                 if let Err(error) = opens.spawn(move || self.open_now(&choice).map(|_| ())) {
@@ -202,12 +202,12 @@ impl Gpus {
         Err(Failure::NotOnGpu("the GPU is being opened; the CPU draws meanwhile".to_owned()))
     }
 
-    fn slot(&self, choice: &Choice) -> Option<Slot> {
+    fn slot(&self, choice: &Choice) -> Option<Opened> {
         let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         opened.iter().find(|(own, _)| own == choice).map(|(_, slot)| slot.clone())
     }
 
-    fn set(&self, choice: &Choice, slot: Slot) {
+    fn set(&self, choice: &Choice, slot: Opened) {
         let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         opened.retain(|(own, _)| own != choice);
         opened.push((choice.clone(), slot));
@@ -226,7 +226,7 @@ fn draw(
     plan: &Plan,
     slices: &[&Slices],
     callback: &dyn ProgressCallback,
-) -> Result<DrawnOnGpu> {
+) -> GpuResult<DrawnOnGpu> {
     gpu.set_budget(budget_bytes);
     let (pictures, report) = gpu.draw_base_planes_by(schedule, plan, slices, callback)?;
     Ok(DrawnOnGpu { pictures, report, adapter: gpu.adapter().clone(), reopened: None })
@@ -237,8 +237,13 @@ fn may_have_gpu() -> bool {
     if !cfg!(target_os = "linux") {
         return true;
     }
-    let has_render_node = std::fs::read_dir("/dev/dri").is_ok_and(|mut files| {
-        files.any(|file| file.is_ok_and(|file| file.file_name().to_string_lossy().starts_with("renderD")))
-    });
-    has_render_node || ["/dev/nvidia0", "/dev/dxg"].iter().any(|file| std::path::Path::new(file).exists())
+    let has_render_node = has_file("/dev/dri", |name| name.starts_with("renderD"));
+    let is_card = |name: &str| name == "dxg" || name.strip_prefix("nvidia").is_some_and(|n| n.parse::<u32>().is_ok());
+    has_render_node || has_file("/dev", is_card)
+}
+
+/// Whether a folder has a file of such a name.
+fn has_file(folder: &str, is_wanted: impl Fn(&str) -> bool) -> bool {
+    let mut files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    files.any(|file| is_wanted(&file.file_name().to_string_lossy()))
 }

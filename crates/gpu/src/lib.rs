@@ -35,7 +35,7 @@ mod volumes;
 
 pub use adapter::{Adapter, Choice, adapters};
 pub use draw::Schedule;
-pub use failure::{Failure, Result};
+pub use failure::{Failure, GpuResult};
 pub use gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 pub use gpus::{DeviceChoice, DrawnOnGpu, Gpus};
 pub use report::GpuReport;

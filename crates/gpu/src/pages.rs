@@ -5,16 +5,17 @@
 
 use std::collections::HashMap;
 
+use wavesplat_core::{Gradient, Kernel};
 use wavesplat_splat::render::plan::FamilyPlan;
 use wavesplat_splat::source::geometry::SheetGeometry;
 use wavesplat_splat::source::slices::Slices;
 
 use crate::band::Band;
-use crate::device::Device;
-use crate::failure::Result;
+use crate::device::OpenDevice;
+use crate::failure::GpuResult;
 use crate::layout::BLOCK;
 use crate::permutation::SourceKind;
-use crate::samples::{Apron, SampleBox, SampleTexture, hole_texture, upload, upload_holes};
+use crate::samples::{Apron, SampleTexture, TexelBox, hole_texture, upload, upload_holes};
 
 /// Samples of a page along each axis, without those around it; 6 bits in `shaders/samples.wgsl`.
 pub(crate) const PAGE: usize = 64;
@@ -44,7 +45,7 @@ pub(crate) struct Pages {
     side: usize,
     /// Pages of the volume along x, y, z.
     grid: [usize; 3],
-    /// Slot of each page that is there.
+    /// Opened of each page that is there.
     place: HashMap<usize, usize>,
     /// Page in each slot, and when it was used.
     held: Vec<(Option<usize>, u64)>,
@@ -53,7 +54,7 @@ pub(crate) struct Pages {
 
 impl Pages {
     /// Room for at most so many pages.
-    pub fn new(device: &Device, size: [usize; 3], apron: Apron, most: usize) -> Self {
+    pub fn new(device: &OpenDevice, size: [usize; 3], apron: Apron, most: usize) -> Self {
         let (side, grid) = (page_side(apron), n_pages(size));
         let most = most.min(grid.iter().product()).max(1);
         let across = (device.limits.max_texture_dimension_2d as usize / side).max(1);
@@ -78,11 +79,11 @@ impl Pages {
     /// Makes pages resident. They are at most as many as there are slots. Returns the bytes that were uploaded.
     pub fn hold(
         &mut self,
-        device: &Device,
+        device: &OpenDevice,
         (slices, apron): (&Slices, Apron),
         (samples, holes): (&SampleTexture, Option<&SampleTexture>),
         wanted: &[usize],
-    ) -> Result<u64> {
+    ) -> GpuResult<u64> {
         self.now += 1;
         for page in wanted {
             if let Some(slot) = self.place.get(page) {
@@ -101,14 +102,15 @@ impl Pages {
             self.held[slot].1 = self.now;
             self.place.insert(page, slot);
             let at = self.page(page);
-            let part = SampleBox { lo: at.map(|i| (i * PAGE) as i64 - apron.low as i64), size: [self.side; 3] };
+            let part = TexelBox { lo: at.map(|i| (i * PAGE) as i64 - apron.low as i64), size: [self.side; 3] };
             let to = self.corner(slot).map(|i| i * self.side);
             upload(device, slices, samples, part, to)?;
             if let Some(holes) = holes {
                 upload_holes(device, slices, holes, part, to)?;
             }
-            staged += self.side.pow(3) * 4;
-            n_bytes += self.side.pow(3) as u64;
+            let own = self.side.pow(3) * (samples.n_bytes_sample + usize::from(holes.is_some()));
+            staged += own;
+            n_bytes += own as u64;
             if staged > STAGED_BYTES {
                 staged = 0;
                 device.queue.submit([]);
@@ -141,10 +143,10 @@ impl Pages {
 
 /// The textures of pages.
 pub(crate) fn page_textures(
-    device: &Device,
+    device: &OpenDevice,
     kind: &SourceKind,
     pages: &Pages,
-) -> Result<(SampleTexture, Option<SampleTexture>)> {
+) -> GpuResult<(SampleTexture, Option<SampleTexture>)> {
     let samples = SampleTexture::new(device, pages.texture_size(), kind.format)?;
     let holes = kind.has_holes.then(|| hole_texture(device, pages.texture_size())).transpose()?;
     Ok((samples, holes))
@@ -160,11 +162,14 @@ pub(crate) fn pages_by_slab(
 ) -> Vec<Vec<usize>> {
     let n_slabs = family.spacing.n_slabs;
     let n = n_pages(size);
-    // Differences read values this far off, rounding a little further.
-    let margin = match geometry.axes[0].gradient {
-        Some(wavesplat_core::Gradient::Difference(offset)) => offset + 0.01,
-        _ => 0.01,
+    // Differences read values this far off; the quadratic B-spline stands around the nearest sample, not the one below; and
+    // positions are rounded to f32.
+    let offset = match geometry.axes[0].gradient {
+        Some(Gradient::Difference(offset)) => offset,
+        _ => 0.0,
     };
+    let nearest = if geometry.axes[0].kernel == Kernel::Bspline2 { 0.5 } else { 0.0 };
+    let margin = offset + nearest + 0.01;
     let ascending = family.plane.family.ascending;
     let axes = family.plane.family.axes;
     let sheet = |k: usize| geometry.sheet(family.spacing.w(if ascending { k } else { n_slabs - k }));

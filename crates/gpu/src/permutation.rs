@@ -23,12 +23,12 @@ pub enum GpuOperator {
     /// The first crossing of a density.
     FirstHit,
     /// A projection.
-    Project(Projection),
+    Project(GpuProjection),
 }
 
 /// The projections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Projection {
+pub enum GpuProjection {
     /// Greatest density.
     Maximum,
     /// Least density.
@@ -161,13 +161,13 @@ const KERNELS: [(&str, Kernel); 5] = [
     ("GAUSSIAN", Kernel::Gaussian),
 ];
 
-const PROJECTIONS: [(&str, Projection); 6] = [
-    ("MAXIMUM", Projection::Maximum),
-    ("MINIMUM", Projection::Minimum),
-    ("DEPTH_SHADED", Projection::DepthShaded),
-    ("X_RAY", Projection::XRay),
-    ("LOCAL_MAXIMUM", Projection::LocalMaximum),
-    ("INTEGRAL", Projection::Integral),
+const PROJECTIONS: [(&str, GpuProjection); 6] = [
+    ("MAXIMUM", GpuProjection::Maximum),
+    ("MINIMUM", GpuProjection::Minimum),
+    ("DEPTH_SHADED", GpuProjection::DepthShaded),
+    ("X_RAY", GpuProjection::XRay),
+    ("LOCAL_MAXIMUM", GpuProjection::LocalMaximum),
+    ("INTEGRAL", GpuProjection::Integral),
 ];
 
 impl Permutation {
@@ -291,9 +291,9 @@ impl Permutation {
             let number = PROJECTIONS.iter().position(|(_, own)| *own == projection).unwrap_or_default();
             add("PROJECTION", "u32", &format!("{number}u"));
             first_value = match projection {
-                Projection::Maximum | Projection::DepthShaded | Projection::LocalMaximum => "-3.0e38f",
-                Projection::Minimum => "3.0e38f",
-                Projection::XRay | Projection::Integral => "0.0f",
+                GpuProjection::Maximum | GpuProjection::DepthShaded | GpuProjection::LocalMaximum => "-3.0e38f",
+                GpuProjection::Minimum => "3.0e38f",
+                GpuProjection::XRay | GpuProjection::Integral => "0.0f",
             };
         }
         add("FIRST_VALUE", "f32", &first_value);

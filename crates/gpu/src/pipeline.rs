@@ -6,8 +6,8 @@ use wgpu::{
     ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
-use crate::device::Device;
-use crate::failure::Result;
+use crate::device::OpenDevice;
+use crate::failure::GpuResult;
 use crate::permutation::Permutation;
 
 /// A shader, ready to run.
@@ -18,16 +18,16 @@ pub(crate) struct Pipeline {
 
 impl Pipeline {
     /// Of a picture.
-    pub fn new(device: &Device, permutation: &Permutation) -> Result<Self> {
+    pub fn new(device: &OpenDevice, permutation: &Permutation) -> GpuResult<Self> {
         Self::of(device, permutation, permutation.text(), "march")
     }
 
     /// Of a stage alone: an entry point `stage`.
-    pub fn stage(device: &Device, permutation: &Permutation, entry: &str) -> Result<Self> {
+    pub fn stage(device: &OpenDevice, permutation: &Permutation, entry: &str) -> GpuResult<Self> {
         Self::of(device, permutation, permutation.stage_text(entry), "stage")
     }
 
-    fn of(device: &Device, permutation: &Permutation, text: String, entry_point: &str) -> Result<Self> {
+    fn of(device: &OpenDevice, permutation: &Permutation, text: String, entry_point: &str) -> GpuResult<Self> {
         device.guarded(|| {
             let module = device.device.create_shader_module(ShaderModuleDescriptor {
                 label: Some(entry_point),

@@ -1,7 +1,7 @@
 //! What a frame took on a GPU.
 
-use crate::device::Device;
-use crate::failure::Result;
+use crate::device::OpenDevice;
+use crate::failure::GpuResult;
 use crate::timer::Timer;
 
 /// What a frame took on a GPU.
@@ -41,12 +41,12 @@ pub(crate) struct Counts {
 
 impl Counts {
     /// Of a frame on a device.
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &OpenDevice) -> Self {
         Self { timer: Timer::new(device), ..Self::default() }
     }
 
     /// What there is to report.
-    pub fn report(&self, device: &Device) -> Result<GpuReport> {
+    pub fn report(&self, device: &OpenDevice) -> GpuResult<GpuReport> {
         let seconds = self.timer.as_ref().map(|timer| timer.seconds(device)).transpose()?.flatten();
         Ok(GpuReport {
             n_base_texels: self.base_texels,

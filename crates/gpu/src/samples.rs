@@ -10,8 +10,8 @@ use wgpu::{
     TextureDimension, TextureFormat, TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
 };
 
-use crate::device::Device;
-use crate::failure::{Failure, Result};
+use crate::device::OpenDevice;
+use crate::failure::{Failure, GpuResult};
 use crate::permutation::Format;
 
 /// Samples that are baked in before the first and after the last along each axis.
@@ -62,16 +62,22 @@ pub(crate) struct SampleTexture {
     pub size: [usize; 3],
     pub n_bytes: usize,
     texture: wgpu::Texture,
-    n_bytes_sample: usize,
+    /// Bytes of a sample.
+    pub n_bytes_sample: usize,
 }
 
 impl SampleTexture {
     /// Room for samples.
-    pub fn new(device: &Device, size: [usize; 3], format: Format) -> Result<Self> {
+    pub fn new(device: &OpenDevice, size: [usize; 3], format: Format) -> GpuResult<Self> {
         Self::of_format(device, size, format.texture_format(), format.n_bytes())
     }
 
-    fn of_format(device: &Device, size: [usize; 3], format: TextureFormat, n_bytes_sample: usize) -> Result<Self> {
+    fn of_format(
+        device: &OpenDevice,
+        size: [usize; 3],
+        format: TextureFormat,
+        n_bytes_sample: usize,
+    ) -> GpuResult<Self> {
         let side = device.limits.max_texture_dimension_2d as usize;
         let n_layers = device.limits.max_texture_array_layers as usize;
         if size[0] > side || size[1] > side || size[2] > n_layers {
@@ -99,7 +105,7 @@ impl SampleTexture {
     }
 
     /// Copies a box of samples to a place.
-    pub fn write(&self, device: &Device, origin: [usize; 3], size: [usize; 3], bytes: &[u8]) {
+    pub fn write(&self, device: &OpenDevice, origin: [usize; 3], size: [usize; 3], bytes: &[u8]) {
         let [x, y, z] = origin.map(|o| o as u32);
         device.queue.write_texture(
             TexelCopyTextureInfo {
@@ -125,14 +131,14 @@ fn extent([width, height, depth]: [usize; 3]) -> Extent3d {
 
 /// A box of samples of a volume, which may go beyond its faces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SampleBox {
+pub(crate) struct TexelBox {
     /// Index of its first sample, before folding.
     pub lo: [i64; 3],
     /// Samples along x, y, z.
     pub size: [usize; 3],
 }
 
-impl SampleBox {
+impl TexelBox {
     /// All of a volume, with an apron.
     pub fn whole(size: [usize; 3], apron: Apron) -> Self {
         Self { lo: [-(apron.low as i64); 3], size: size.map(|n| n + apron.low + apron.high) }
@@ -141,24 +147,24 @@ impl SampleBox {
 
 /// Copies a box of the samples to a place of the texture, some slices at a time.
 pub(crate) fn upload(
-    device: &Device,
+    device: &OpenDevice,
     slices: &Slices,
     texture: &SampleTexture,
-    part: SampleBox,
+    part: TexelBox,
     to: [usize; 3],
-) -> Result<()> {
+) -> GpuResult<()> {
     let format = Format::of(slices);
     copy_slices(device, texture, part, to, |k, bytes| push_slice(slices, format, part, k, bytes))
 }
 
 /// The same of the samples that are drawn as empty: 255 where they are.
 pub(crate) fn upload_holes(
-    device: &Device,
+    device: &OpenDevice,
     slices: &Slices,
     texture: &SampleTexture,
-    part: SampleBox,
+    part: TexelBox,
     to: [usize; 3],
-) -> Result<()> {
+) -> GpuResult<()> {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
     let Some(holes) = slices.holes() else { return Ok(()) };
     let xs = folded(kernel, part.lo[0], part.size[0], size[0]);
@@ -172,17 +178,17 @@ pub(crate) fn upload_holes(
 }
 
 /// Room for the marks of holes.
-pub(crate) fn hole_texture(device: &Device, size: [usize; 3]) -> Result<SampleTexture> {
+pub(crate) fn hole_texture(device: &OpenDevice, size: [usize; 3]) -> GpuResult<SampleTexture> {
     SampleTexture::of_format(device, size, TextureFormat::R8Unorm, 1)
 }
 
 fn copy_slices(
-    device: &Device,
+    device: &OpenDevice,
     texture: &SampleTexture,
-    part: SampleBox,
+    part: TexelBox,
     to: [usize; 3],
     push: impl Fn(usize, &mut Vec<u8>),
-) -> Result<()> {
+) -> GpuResult<()> {
     let [nx, ny, nz] = part.size;
     let per_slice = nx * ny * texture.n_bytes_sample;
     let at_once = (BYTES_AT_ONCE / per_slice).clamp(1, nz);
@@ -206,7 +212,7 @@ fn folded(kernel: Kernel, first: i64, n: usize, size: usize) -> Vec<usize> {
 }
 
 /// Adds a slice of a box, counted from its first, as it is stored.
-fn push_slice(slices: &Slices, format: Format, part: SampleBox, k: usize, bytes: &mut Vec<u8>) {
+fn push_slice(slices: &Slices, format: Format, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
     let z = fold(kernel, part.lo[2] + k as i64, size[2]);
     let rows = folded(kernel, part.lo[1], part.size[1], size[1]);

@@ -6,9 +6,9 @@ use wavesplat_splat::kernel::weights::{n_taps, reach};
 use wavesplat_splat::render::plan::{Operator, Plan};
 use wavesplat_splat::source::slices::Slices;
 
-use crate::failure::{Failure, Result};
+use crate::failure::{Failure, GpuResult};
 use crate::permutation::{
-    ByGradient, FieldKinds, Format, GpuOperator, GradientTaps, LayerKind, Permutation, Projection, SourceKind,
+    ByGradient, FieldKinds, Format, GpuOperator, GpuProjection, GradientTaps, LayerKind, Permutation, SourceKind,
 };
 use crate::samples::Apron;
 
@@ -23,7 +23,7 @@ pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<(
 }
 
 /// The shader of a plan. `gather`: whether the device fetches four samples at once.
-pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> Result<Permutation> {
+pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> GpuResult<Permutation> {
     if slices.iter().any(|slices| slices.is_surveyed()) {
         return Err(Failure::NotOnGpu("lazy volumes are drawn by the CPU".to_owned()));
     }
@@ -34,13 +34,13 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> R
     let operator = match plan.operator {
         Operator::Over { pre_integrated, .. } => GpuOperator::Over { pre_integrated },
         Operator::FirstHit { .. } => GpuOperator::FirstHit,
-        Operator::LocalMaximum { .. } => GpuOperator::Project(Projection::LocalMaximum),
+        Operator::LocalMaximum { .. } => GpuOperator::Project(GpuProjection::LocalMaximum),
         Operator::Project { composite, .. } => GpuOperator::Project(match composite {
-            Composite::Maximum => Projection::Maximum,
-            Composite::Minimum => Projection::Minimum,
-            Composite::DepthShadedMaximum { .. } => Projection::DepthShaded,
-            Composite::XRay { .. } => Projection::XRay,
-            _ => Projection::Integral,
+            Composite::Maximum => GpuProjection::Maximum,
+            Composite::Minimum => GpuProjection::Minimum,
+            Composite::DepthShadedMaximum { .. } => GpuProjection::DepthShaded,
+            Composite::XRay { .. } => GpuProjection::XRay,
+            _ => GpuProjection::Integral,
         }),
     };
     let layers = family.layers.iter().map(|layer| LayerKind {

@@ -15,8 +15,8 @@ use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
 
-use crate::device::Device;
-use crate::failure::{Failure, Result};
+use crate::device::OpenDevice;
+use crate::failure::{Failure, GpuResult};
 use crate::layout::{GpuFrame, GpuLayer, GpuSource};
 use crate::numbers::Numbers;
 use crate::permutation::{
@@ -66,7 +66,7 @@ fn spread(i: usize) -> u16 {
 
 /// Whether four samples are fetched at once, as this device does it right; a device that does nothing right is not trusted.
 /// `fails`: pretend that it does not.
-pub(crate) fn test_samples(device: &Device, fails: bool) -> Result<bool> {
+pub(crate) fn test_samples(device: &OpenDevice, fails: bool) -> GpuResult<bool> {
     if fails {
         return Err(Failure::Untrusted("its self-test was made to fail".to_owned()));
     }
@@ -81,7 +81,7 @@ pub(crate) fn test_samples(device: &Device, fails: bool) -> Result<bool> {
 }
 
 /// What is read wrong, if anything is.
-fn wrong_samples(device: &Device, gather: bool) -> Result<Option<String>> {
+fn wrong_samples(device: &OpenDevice, gather: bool) -> GpuResult<Option<String>> {
     for (name, format, stored) in FORMATS {
         let permutation = probe_permutation(format, gather);
         let texture = SampleTexture::new(device, SIZE, format)?;
@@ -141,7 +141,10 @@ fn probe_permutation(format: Format, gather: bool) -> Permutation {
 }
 
 /// Draws a small picture as the CPU does. `name`: of the GPU; `draw`: its base planes of a plan.
-pub(crate) fn test_picture(name: &str, draw: impl Fn(&Plan, &[&Slices]) -> Result<Vec<BasePicture>>) -> Result<()> {
+pub(crate) fn test_picture(
+    name: &str,
+    draw: impl Fn(&Plan, &[&Slices]) -> GpuResult<Vec<BasePicture>>,
+) -> GpuResult<()> {
     const N: usize = 8;
     let at = |i: usize| DVec3::new((i % N) as f64, (i / N % N) as f64, (i / N / N) as f64) - 3.5;
     let sample = |i: usize| (255.0 * (1.0 - at(i).length() / 5.0).clamp(0.0, 1.0)) as u8;

@@ -4,8 +4,8 @@
 use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor, ComputePassDescriptor};
 
 use crate::buffers::{Buffers, bind_group, read_buffer};
-use crate::device::Device;
-use crate::failure::Result;
+use crate::device::OpenDevice;
+use crate::failure::GpuResult;
 use crate::layout::GpuSource;
 use crate::numbers::Numbers;
 use crate::permutation::Permutation;
@@ -28,12 +28,12 @@ pub(crate) struct Stage<'a> {
 
 impl Stage<'_> {
     /// What it writes.
-    pub fn run(&self, device: &Device) -> Result<Vec<[f32; 4]>> {
+    pub fn run(&self, device: &OpenDevice) -> GpuResult<Vec<[f32; 4]>> {
         let pipeline = Pipeline::stage(device, self.permutation, self.entry)?;
         device.guarded(|| self.run_by(device, &pipeline))
     }
 
-    fn run_by(&self, device: &Device, pipeline: &Pipeline) -> Result<Vec<[f32; 4]>> {
+    fn run_by(&self, device: &OpenDevice, pipeline: &Pipeline) -> GpuResult<Vec<[f32; 4]>> {
         let [width, height, _] = self.texture.size;
         let of_texture = |source: &GpuSource| {
             let mut source = *source;

@@ -6,8 +6,8 @@ use wgpu::{
 };
 
 use crate::buffers::read_buffer;
-use crate::device::Device;
-use crate::failure::Result;
+use crate::device::OpenDevice;
+use crate::failure::GpuResult;
 
 /// Passes that are timed at most.
 const MOST_PASSES: u32 = 128;
@@ -23,7 +23,7 @@ pub(crate) struct Timer {
 
 impl Timer {
     /// None yet; `None` where the GPU tells no times.
-    pub fn new(device: &Device) -> Option<Self> {
+    pub fn new(device: &OpenDevice) -> Option<Self> {
         let descriptor = QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 2 * MOST_PASSES };
         device.has_timestamps.then(|| Self { queries: device.device.create_query_set(&descriptor), n: 0 })
     }
@@ -40,7 +40,7 @@ impl Timer {
     }
 
     /// Seconds of all passes; `None` where there were too many.
-    pub fn seconds(&self, device: &Device) -> Result<Option<f64>> {
+    pub fn seconds(&self, device: &OpenDevice) -> GpuResult<Option<f64>> {
         if self.n == 0 || self.n > MOST_PASSES {
             return Ok(None);
         }

@@ -5,11 +5,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use wavesplat_core::Gradient;
 use wavesplat_splat::source::slices::Slices;
 
-use crate::device::Device;
-use crate::failure::{Failure, Result};
+use crate::device::OpenDevice;
+use crate::failure::{Failure, GpuResult};
 use crate::pages::{Pages, n_pages, page_bytes, page_side, page_textures};
 use crate::permutation::{Permutation, SourceKind};
-use crate::samples::{Apron, SampleBox, SampleTexture, hole_texture, upload, upload_holes};
+use crate::samples::{Apron, SampleTexture, TexelBox, hole_texture, upload, upload_holes};
 use crate::scene_kind::apron_of;
 
 /// What tells uploaded volumes apart.
@@ -46,11 +46,6 @@ impl GpuVolume {
 pub(crate) struct Volumes(Vec<(VolumeKey, Arc<GpuVolume>)>);
 
 impl Volumes {
-    /// Whether none is there.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// Leaves none there.
     pub fn clear(&mut self) {
         self.0.clear();
@@ -59,19 +54,19 @@ impl Volumes {
     /// The samples of all sources, in pages where they do not fit; what was not used for longest makes room.
     pub fn place_all(
         &mut self,
-        device: &Device,
+        device: &OpenDevice,
         permutation: &mut Permutation,
         sources: &[(&Slices, Option<Gradient>)],
         n_layers: usize,
         budget_bytes: usize,
         is_paged: bool,
-    ) -> Result<Vec<Arc<GpuVolume>>> {
+    ) -> GpuResult<Vec<Arc<GpuVolume>>> {
         let megabytes = |n: usize| n as f64 / 1e6;
         let whole: Vec<usize> =
             sources.iter().zip(&permutation.sources).map(|((slices, _), kind)| whole_bytes(slices, kind)).collect();
         let (of_layers, of_fields): (usize, usize) = (whole[..n_layers].iter().sum(), whole[n_layers..].iter().sum());
         let fits = |k: usize| {
-            let size = SampleBox::whole(sources[k].0.grid().size(), apron_of(&permutation.sources[k])).size;
+            let size = TexelBox::whole(sources[k].0.grid().size(), apron_of(&permutation.sources[k])).size;
             let [side, deep] = [device.limits.max_texture_dimension_2d, device.limits.max_texture_array_layers];
             size[0].max(size[1]) <= side as usize && size[2] <= deep as usize
         };
@@ -130,14 +125,19 @@ impl Volumes {
 }
 
 /// The samples of a source, or room for so many of their pages.
-pub(crate) fn uploaded(device: &Device, slices: &Slices, kind: &SourceKind, slots: Option<usize>) -> Result<GpuVolume> {
+pub(crate) fn uploaded(
+    device: &OpenDevice,
+    slices: &Slices,
+    kind: &SourceKind,
+    slots: Option<usize>,
+) -> GpuResult<GpuVolume> {
     let (size, apron) = (slices.grid().size(), apron_of(kind));
     if let Some(n) = slots {
         let pages = Pages::new(device, size, apron, n);
         let (samples, holes) = page_textures(device, kind, &pages)?;
         return Ok(GpuVolume { samples, holes, apron, pages: Some(Mutex::new(pages)) });
     }
-    let part = SampleBox::whole(size, apron);
+    let part = TexelBox::whole(size, apron);
     let samples = SampleTexture::new(device, part.size, kind.format)?;
     upload(device, slices, &samples, part, [0; 3])?;
     let mut holes = None;
@@ -151,6 +151,6 @@ pub(crate) fn uploaded(device: &Device, slices: &Slices, kind: &SourceKind, slot
 
 /// Bytes of all samples of a source with what is around them.
 fn whole_bytes(slices: &Slices, kind: &SourceKind) -> usize {
-    let part = SampleBox::whole(slices.grid().size(), apron_of(kind));
+    let part = TexelBox::whole(slices.grid().size(), apron_of(kind));
     part.size.iter().product::<usize>() * (kind.format.n_bytes() + usize::from(kind.has_holes))
 }

@@ -10,7 +10,7 @@ use naga::{Module, TypeInner};
 use wavesplat_core::Kernel;
 use wavesplat_gpu::layout::{GpuFrame, GpuLayer, GpuLighting, GpuSource};
 use wavesplat_gpu::permutation::{
-    ByGradient, FieldKinds, Format, GpuOperator, GradientTaps, LayerKind, Permutation, Projection, SourceKind,
+    ByGradient, FieldKinds, Format, GpuOperator, GpuProjection, GradientTaps, LayerKind, Permutation, SourceKind,
 };
 
 const PLAIN: SourceKind = SourceKind {
@@ -43,12 +43,12 @@ fn permutations() -> Vec<Permutation> {
     let mut operators = vec![over(false), over(true), GpuOperator::FirstHit];
     operators.extend(
         [
-            Projection::Maximum,
-            Projection::Minimum,
-            Projection::DepthShaded,
-            Projection::XRay,
-            Projection::LocalMaximum,
-            Projection::Integral,
+            GpuProjection::Maximum,
+            GpuProjection::Minimum,
+            GpuProjection::DepthShaded,
+            GpuProjection::XRay,
+            GpuProjection::LocalMaximum,
+            GpuProjection::Integral,
         ]
         .map(GpuOperator::Project),
     );

@@ -14,7 +14,7 @@ use wavesplat_core::{
     Shading, TransferFunction,
 };
 use wavesplat_gpu::Gpu;
-use wavesplat_gpu::layout::{GpuFrame, GpuLayer};
+use wavesplat_gpu::layout::{GpuFrame, GpuLayer, GpuSource};
 use wavesplat_gpu::numbers::Numbers;
 use wavesplat_gpu::permutation::{
     ByGradient, FieldKinds, Format, GpuOperator, GradientTaps, LayerKind, Permutation, SourceKind,
@@ -113,7 +113,7 @@ fn run_function(gpu: &Gpu, numbers: &mut Numbers, inputs: &[[f32; 4]], n: usize,
     if numbers.layers.is_empty() {
         numbers.layers.push(GpuLayer::default());
     }
-    numbers.sources = vec![Default::default()];
+    numbers.sources = vec![GpuSource::default()];
     let entry = format!(
         "@compute @workgroup_size(64)\nfn stage(@builtin(global_invocation_id) id: vec3<u32>) {{\n    let k = id.x;\n    \
          if k >= {n}u {{ return; }}\n    let first = {first}u;\n    {body}\n}}\n"

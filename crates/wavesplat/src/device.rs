@@ -71,7 +71,7 @@ impl Device {
         plan: &Plan,
         slices: &[&Slices],
         callback: &dyn ProgressCallback,
-    ) -> wavesplat_gpu::Result<(Vec<BasePicture>, Report, DrawnBy)> {
+    ) -> wavesplat_gpu::GpuResult<(Vec<BasePicture>, Report, DrawnBy)> {
         use wavesplat_gpu::{Choice, DeviceChoice, Gpus};
         let choice = match self {
             Self::Cpu => DeviceChoice::Cpu,

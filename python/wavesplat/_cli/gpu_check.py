@@ -48,27 +48,22 @@ def _checked(adapter: Any) -> dict[str, Any]:
 
 def _scenes() -> list[tuple[str, Any, dict[str, Any]]]:
     """Pictures of the bundled data: every kind of work that shaders do."""
-    from wavesplat import FirstHit, Scene, examples
+    from wavesplat import examples
+    from wavesplat._looks.shading import Shading
+    from wavesplat._model.composites import FirstHit
+    from wavesplat._scene.scene import Scene
 
     pelvis, ripples = examples.ct_pelvis(), examples.ripples(48)
     bone, soft = Scene(pelvis, "ct-bone"), Scene(ripples)
+    in_shadow = Scene(pelvis, "ct-bone", shading=Shading(ambient_occlusion=0.7, shadow=0.6))
     return [
         ("soft", soft, {}),
         ("soft, cubic, from an eye", soft, {"kernel": "bspline3", "camera": "isometric"}),
         ("bone", bone, {"camera": "front"}),
-        ("bone, ambient occlusion and shadow", _in_shadow(pelvis), {"camera": "front"}),
+        ("bone, ambient occlusion and shadow", in_shadow, {"camera": "front"}),
         ("isosurface", bone, {"composite": FirstHit(250.0), "camera": "left"}),
         ("maximum", Scene(pelvis), {"composite": "maximum", "camera": "front"}),
     ]
-
-
-def _in_shadow(volume: Any) -> Any:
-    from dataclasses import replace
-
-    from wavesplat import Scene
-    from wavesplat._looks.shading import Shading
-
-    return Scene(volume, "ct-bone", shading=replace(Shading(), ambient_occlusion=0.7, shadow=0.6))
 
 
 def _compared(name: str, title: str, scene: Any, options: dict[str, Any]) -> dict[str, Any]:

@@ -44,9 +44,10 @@ def alike(a: ws.Picture, b: ws.Picture) -> bool:
         {"composite": "maximum"},
         {"composite": ws.FirstHit(120.0)},
         {"depth": True},
+        {"psnr": 30},
         {"clip": ws.Crop((2, 3, 4), (20, 22, 18))},
     ],
-    ids=["soft", "cubic", "maximum", "surface", "depth", "crop"],
+    ids=["soft", "cubic", "maximum", "surface", "depth", "psnr", "crop"],
 )
 def test_pictures_are_those_of_the_cpu(device, options):
     volume = ws.examples.ripples(24)
@@ -66,7 +67,7 @@ def test_scenes_with_labels_layers_and_light(device):
     volume = ws.examples.ripples(24)
     codes = np.zeros((24, 24, 24), np.uint8)
     codes[:, :12] = 1
-    labels = ws.Labels(codes, {1: ws.Label("red", 0.3, "half")})
+    labels = ws.Labels(codes, {1: ws.Label("red", 0.3)})
     shading = ws.Shading(ambient_occlusion=0.6, shadow=0.5)
     one = ws.Scene(volume, LOOK, labels=labels, shading=shading)
     moved = ws.Volume(volume.samples, affine=np.diag([0.8, 0.8, 0.8, 1.0]))
@@ -97,13 +98,18 @@ def test_small_memory_means_pages(device):
 
 def test_what_the_cpu_draws_is_said_with_the_reason(device):
     volume = ws.examples.ripples(16)
-    wanted = ws.render(volume, LOOK, size=(48, 48), psnr=30, device=device)
-    assert "PSNR" in wanted.report["device"]["reason"]
     lazy = ws.Volume.lazy(np.asarray(volume.samples), cache=False)
     assert "CPU" in ws.render(lazy, LOOK, size=(32, 32), device=device).report["device"]["reason"]
     nowhere = ws.render(volume, LOOK, size=(32, 32), device="no such GPU").report["device"]
     assert nowhere["name"] == "cpu"
     assert "no such GPU" in nowhere["reason"]
+
+
+def test_a_variable_says_what_auto_is(device, monkeypatch):
+    monkeypatch.setenv("WAVESPLAT_DEVICE", device)
+    volume = ws.examples.ripples(16)
+    assert NAME.lower() in ws.render(volume, LOOK, size=(32, 32)).report["device"]["name"].lower()
+    assert ws.render(volume, LOOK, size=(32, 32), device="cpu").report["device"]["name"] == "cpu"
 
 
 def test_no_name_is_refused():
@@ -112,7 +118,8 @@ def test_no_name_is_refused():
             ws.render(ws.examples.ripples(8), LOOK, size=(8, 8), device=wrong)
 
 
-def test_a_software_gpu_is_never_chosen_by_itself():
+def test_a_software_gpu_is_never_chosen_by_itself(monkeypatch):
+    monkeypatch.delenv("WAVESPLAT_DEVICE", raising=False)
     volume = ws.examples.ripples(8)
     for device in ("auto", "gpu"):
         told = ws.render(volume, LOOK, size=(8, 8), device=device).report["device"]
@@ -120,7 +127,8 @@ def test_a_software_gpu_is_never_chosen_by_itself():
         assert told["name"] != "cpu" or told["reason"]
 
 
-def test_no_driver_is_loaded_where_nobody_asks_for_one():
+def test_no_driver_is_loaded_where_nobody_asks_for_one(monkeypatch):
+    monkeypatch.delenv("WAVESPLAT_DEVICE", raising=False)
     code = """
 import sys, numpy as np, wavesplat as ws
 volume = ws.examples.ripples(8)

@@ -27,9 +27,12 @@ use crate::report::Counts;
 use crate::timer::Timer;
 use crate::volumes::{GpuVolume, Volumes};
 
-/// Seconds that a dispatch is to take at most: systems reset a GPU that answers to nothing for longer than about 2 s, and
-/// frames are cancelled between dispatches.
-const MOST_SECONDS: f64 = 0.05;
+/// Seconds that a dispatch is to take: systems reset a GPU that answers to nothing for longer than about 2 s, and frames are
+/// cancelled between dispatches. Rays meet more further in than where they begin, so that the next one may take longer.
+const AIM_SECONDS: f64 = 0.02;
+
+/// How many times as many slabs as the one before a dispatch has at most.
+const MOST_GROWTH: usize = 4;
 
 /// Texels of sheets per second that are taken for granted before any was timed, of a GPU and of a program on the processor.
 const FIRST_RATES: [f64; 2] = [1e9, 1e6];
@@ -60,7 +63,7 @@ pub(crate) struct KeptWork {
     /// What was uploaded.
     pub volumes: Volumes,
     pub buffers: Buffers,
-    /// Texels of sheets per second, as the last frames had them.
+    /// Texels of sheets per second, as the last dispatch had them.
     pub rate: Option<f64>,
 }
 
@@ -194,6 +197,8 @@ impl Job<'_> {
         let mut from = first;
         let mut ranges = ranges.iter();
         let mut range_end = first;
+        // Of the first dispatch nothing is known but how the last frame went.
+        let mut most = if work.rate.is_some() { usize::MAX } else { 1 };
         while from < end {
             if from == range_end {
                 let Some(range) = ranges.next() else { break };
@@ -202,8 +207,8 @@ impl Job<'_> {
             }
             let is_software = self.device.adapter.is_software();
             let rate = work.rate.unwrap_or(FIRST_RATES[usize::from(is_software)]);
-            let n_slabs = (rate * MOST_SECONDS / n_per_slab as f64).max(1.0) as usize;
-            let n_slabs = self.schedule.most_slabs.unwrap_or(n_slabs);
+            let n_slabs = (rate * AIM_SECONDS / n_per_slab as f64).max(1.0) as usize;
+            let n_slabs = self.schedule.most_slabs.unwrap_or(n_slabs.min(most));
             let to = from.saturating_add(n_slabs).min(range_end);
             // The last sheet stands for half a slab where no slab follows.
             let last = if to == end { family.spacing.n_slabs } else { to };
@@ -227,9 +232,9 @@ impl Job<'_> {
             self.device.wait()?;
             let seconds = started.elapsed().as_secs_f64().max(1e-6);
             counts.dispatches += 1;
-            let now = ((to - from) * n_per_slab) as f64 / seconds;
-            // The first time compiles, and the latest frames count most.
-            work.rate = Some(work.rate.map_or(now, |before| 0.5 * (before + now)));
+            counts.longest_seconds = counts.longest_seconds.max(seconds);
+            most = (to - from).saturating_mul(MOST_GROWTH);
+            work.rate = Some(((to - from) * n_per_slab) as f64 / seconds);
             told((to - first) as f32 / (end - first) as f32)?;
             from = to;
         }

@@ -20,8 +20,8 @@ pub enum DeviceChoice {
     /// The processor.
     #[default]
     Cpu,
-    /// The best GPU where there is one and it pays: from the second frame of a process on, once it is open. Opening takes as
-    /// long as some frames do; the CPU draws these meanwhile.
+    /// The best GPU where there is one, from the second frame of a process on, once it is open: opening takes as long as some
+    /// frames do, which the CPU draws meanwhile.
     Auto,
     /// This GPU, opened if it is not open; the CPU where it cannot.
     Gpu(Choice),
@@ -51,6 +51,8 @@ pub struct Gpus {
     n_asked: AtomicUsize,
     /// Whether fetches and texels are counted.
     counts: AtomicBool,
+    /// Whether self-tests are made to fail.
+    fails: AtomicBool,
     /// The process that opened them: a forked one cannot use them. 0: none yet.
     process: AtomicU32,
 }
@@ -70,6 +72,7 @@ static PROCESS: Gpus = Gpus {
     budget_bytes: AtomicUsize::new(0),
     n_asked: AtomicUsize::new(0),
     counts: AtomicBool::new(false),
+    fails: AtomicBool::new(false),
     process: AtomicU32::new(0),
 };
 
@@ -95,6 +98,11 @@ impl Gpus {
     /// Counts fetches and texels of the next frames, or no more: what benchmarks without a GPU hold on to.
     pub fn set_counts(&self, counts: bool) {
         self.counts.store(counts, Ordering::Relaxed);
+    }
+
+    /// Makes the self-tests of GPUs that are opened from now on fail, or no more: what tests of such devices do.
+    pub fn set_fails(&self, fails: bool) {
+        self.fails.store(fails, Ordering::Relaxed);
     }
 
     /// Waits until no thread opens a GPU: drivers do not like processes that end meanwhile.
@@ -162,7 +170,8 @@ impl Gpus {
 
     fn open_now(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         // A driver, or what calls it, that gives up must not take the program with it.
-        let open = || Gpu::open(choice, DEFAULT_BUDGET_BYTES).map(Arc::new);
+        let fails = self.fails.load(Ordering::Relaxed);
+        let open = || Gpu::open_with(choice, DEFAULT_BUDGET_BYTES, fails).map(Arc::new);
         let opened = std::panic::catch_unwind(open)
             .unwrap_or_else(|_| Err(Failure::Refused("opening the GPU ended in a panic".to_owned())));
         let slot = match &opened {

@@ -21,6 +21,8 @@ pub struct GpuReport {
     pub n_sample_bytes: u64,
     /// Bytes that were uploaded for this frame, samples excluded, and read back.
     pub n_bytes_moved: u64,
+    /// Seconds of the longest dispatch, with waiting for it.
+    pub longest_seconds: f64,
     /// Quads of samples that were fetched, and texels of sheets that were reconstructed, where they were counted.
     pub counted: Option<[u64; 2]>,
     /// Seconds of the GPU, where it tells them.
@@ -33,6 +35,7 @@ pub(crate) struct Counts {
     pub base_texels: u64,
     pub texels: u64,
     pub dispatches: u64,
+    pub longest_seconds: f64,
     pub bytes_moved: u64,
     pub counted: [u64; 2],
     pub page_bytes: u64,
@@ -52,6 +55,7 @@ impl Counts {
             n_base_texels: self.base_texels,
             n_texels: self.texels,
             n_dispatches: self.dispatches,
+            longest_seconds: self.longest_seconds,
             n_bytes_moved: self.bytes_moved,
             n_page_bytes: self.page_bytes,
             counted: (self.counted[1] > 0).then_some(self.counted),

@@ -31,6 +31,7 @@ fn fields_of<'py>(py: Python<'py>, adapter: &Adapter) -> PyResult<Bound<'py, PyD
 pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) -> PyResult<Bound<'py, PyDict>> {
     let fields = fields_of(py, adapter)?;
     fields.set_item("dispatches", report.n_dispatches)?;
+    fields.set_item("longest_dispatch_seconds", report.longest_seconds)?;
     fields.set_item("sample_bytes", report.n_sample_bytes)?;
     fields.set_item("paged", report.is_paged)?;
     fields.set_item("page_bytes", report.n_page_bytes)?;

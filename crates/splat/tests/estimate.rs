@@ -7,6 +7,7 @@ use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::quality::target_psnr::{Errors, Estimate, Measured, Sampling, Wanted, render_to_psnr};
+use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
@@ -74,6 +75,7 @@ fn the_picture_has_the_error_that_is_told() {
                 &camera,
                 &options,
                 &wanted(wanted_db),
+                &draw_base_planes,
                 &(),
             )
             .unwrap();
@@ -120,6 +122,7 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
             &camera,
             &options,
             &wanted(80.0),
+            &draw_base_planes,
             &(),
         )
         .unwrap()
@@ -134,6 +137,7 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
             &camera,
             &options,
             &wanted(psnr_db),
+            &draw_base_planes,
             &(),
         );
         assert!(matches!(refused, Err(Error::OutOfRange { .. })));
@@ -154,6 +158,7 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
                 camera,
                 &options,
                 &wanted,
+                &draw_base_planes,
                 &(),
             )
             .unwrap();
@@ -220,6 +225,7 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
             &camera,
             &options,
             &wanted(40.0),
+            &draw_base_planes,
             &(),
         )
         .unwrap();
@@ -246,6 +252,7 @@ fn what_a_picture_hardly_shows_is_drawn_too() {
                     &camera,
                     &options,
                     &wanted(40.0),
+                    &draw_base_planes,
                     &(),
                 );
                 let (picture, _, chosen) = drawn.unwrap();
@@ -283,6 +290,7 @@ fn progress_grows_to_one_and_stops_where_it_is_told_to() {
             &camera,
             &options,
             &wanted(60.0),
+            &draw_base_planes,
             &listener,
         );
         let told = listener.told.into_inner().unwrap();

@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 use wavesplat_core::{Camera, Kernel, Picture, Projection, RenderOptions, TransferFunction};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::quality::target_psnr::{Estimate, Wanted, render_to_psnr};
+use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, render};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
@@ -92,7 +93,8 @@ impl Case<'_> {
             labels: None,
             cache: &cache,
         };
-        let (picture, _, told) = render_to_psnr(&[layer], &self.camera, &self.options, &wanted, &()).unwrap();
+        let (picture, _, told) =
+            render_to_psnr(&[layer], &self.camera, &self.options, &wanted, &draw_base_planes, &()).unwrap();
         (picture, told)
     }
 }

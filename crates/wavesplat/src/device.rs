@@ -7,13 +7,13 @@ use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{ProgressCallback, Report};
 
-/// What should draw. Whatever a GPU cannot do, or is too small for, the processor does, and [`DrawnBy::reason`] says why.
+/// What should draw. What a GPU cannot do the processor does, and [`DrawnBy::reason`] says why.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Device {
     /// The processor.
     #[default]
     Cpu,
-    /// The best GPU where there is one and it pays: from the second frame of a process on, as soon as it is open.
+    /// The best GPU where there is one, from the second frame of a process on, as soon as it is open.
     Auto,
     /// The best GPU. A program on the processor that calls itself one is none.
     Gpu,

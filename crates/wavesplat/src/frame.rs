@@ -1,6 +1,7 @@
 //! A frame of a scene: prepared, planned, drawn, warped.
 
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
@@ -145,13 +146,19 @@ impl Scene<'_> {
         let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
         let frame = self.with_layers(options, &slices, |layers| {
             if let Effort::Psnr(wanted) = options.effort {
-                let (picture, report, estimate) = render_to_psnr(layers, camera, render_options, &wanted, callback)?;
+                let drawn_by = Mutex::new(DrawnBy::default());
+                let draw = |plan: &Plan, slices: &[&Slices], callback: &dyn ProgressCallback| {
+                    let (pictures, report, by) = options.device.draw_base_planes(plan, slices, callback)?;
+                    *drawn_by.lock().unwrap_or_else(PoisonError::into_inner) = by;
+                    Ok((pictures, report))
+                };
+                let (picture, report, estimate) =
+                    render_to_psnr(layers, camera, render_options, &wanted, &draw, callback)?;
                 times.draw = now() - prepared;
-                let reason = "the samplings of a wanted PSNR are compared on the CPU";
                 return Ok(Frame {
                     picture,
                     report,
-                    drawn_by: DrawnBy::cpu((options.device != Device::Cpu).then(|| reason.to_owned())),
+                    drawn_by: drawn_by.into_inner().unwrap_or_else(PoisonError::into_inner),
                     sampling: estimate.sampling,
                     estimate: Some(estimate),
                     times: None,

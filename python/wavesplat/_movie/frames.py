@@ -104,7 +104,8 @@ def drawn_elsewhere(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any],
             yield scene.render(camera, **options)
         return
     machines = machines_of(client)
-    own = {**options, "threads": machines.threads}
+    # Workers may have GPUs or not; all frames are of one kind.
+    own = {"device": "cpu", **options, "threads": machines.threads}
     if isinstance(client, str):
         yield from _by_threads(shots, own, machines)
         return

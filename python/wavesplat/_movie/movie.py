@@ -141,7 +141,7 @@ def movie(
         raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
     told = Progress(progress, len(shots))
     if client is not None and device == "auto":
-        # Workers may have GPUs or not; all frames are of one kind.
+        # As of `render_frames`.
         device = "cpu"
     draw = _Drawing(shots, told, threads, client, size=(width, height), device=device, **options)
     if pattern is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -197,6 +198,10 @@ def chosen_threads(number: int | None) -> int | None:
     return checked_count(number, "threads")
 
 
+#: What "auto" is to be: for jobs and tests.
+DEVICE_VARIABLE = "WAVESPLAT_DEVICE"
+
+
 def chosen_device(device: str) -> str:
     """What should draw, as the compiled module takes it."""
     name: object = device
@@ -204,7 +209,7 @@ def chosen_device(device: str) -> str:
         raise ArgumentError(
             f'device is {device!r}; give "auto", "cpu", "gpu" or part of a name of wavesplat.gpu.adapters()'
         )
-    return device.strip()
+    return os.environ.get(DEVICE_VARIABLE, "auto") if device.strip() == "auto" else device.strip()
 
 
 def region(clipping: Clipping) -> dict[str, Any]:

@@ -199,7 +199,8 @@ def _empty(frame: _Frame) -> Picture:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     check_picture_memory(frame.size, PIXEL_BYTES)
     rgba = _over_background(np.zeros((height, width, 4), np.float32), frame.background)
-    report = {"n_texels": 0, "layers": [], "notes": ["no layer of the scene is visible"]}
+    device = {"name": "cpu", "reason": "nothing is drawn"}
+    report = {"n_texels": 0, "device": device, "layers": [], "notes": ["no layer of the scene is visible"]}
     return Picture(rgba, report=report)
 
 
@@ -272,7 +273,7 @@ def _function(frame: _Frame, layer: ShownLayer, n_layers: int) -> Curves:
     if layer.is_automatic and composite in BY_VIEW and n_layers == 1:
 
         def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
-            options = Options(kernel="linear", threads=frame.options.threads, device=frame.options.device)
+            options = Options(kernel="linear", threads=frame.options.threads, device="cpu")
             small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options)
             result, _ = _rendered(small, [layer], [curves])
             return Picture(result["rgba"], value=result["value"])

@@ -18,11 +18,12 @@ use crate::picture::base_picture::BasePicture;
 use crate::quality::error_model::{ErrorModel, mean_square_of};
 use crate::quality::probe::{self, Overview};
 use crate::quality::sampled::SampledFrame;
-use crate::render::frame::{draw_base_planes, finish, slices_of};
+use crate::render::frame::{finish, slices_of};
 use crate::render::layer::Layer;
 use crate::render::plan::Plan;
 use crate::render::progress::ProgressCallback;
 use crate::render::report::Report;
+use crate::source::slices::Slices;
 
 pub use crate::quality::error_model::{Errors, Measured, Sampling};
 pub use crate::quality::framing::Framing;
@@ -55,12 +56,20 @@ const MOST_PILOTS: usize = 3;
 /// The share of the progress that the overview and the pilot tiles are.
 const PILOT_PROGRESS: f32 = 0.3;
 
-/// Draws layers with the cheapest sampling known to reach a PSNR. The options' own sampling is not used.
+/// What draws the base planes of a plan, as [`draw_base_planes`] does.
+///
+/// [`draw_base_planes`]: crate::render::frame::draw_base_planes
+pub type DrawBasePlanes<'a> =
+    dyn Fn(&Plan, &[&Slices], &dyn ProgressCallback) -> Result<(Vec<BasePicture>, Report)> + Sync + 'a;
+
+/// Draws layers with the cheapest sampling known to reach a PSNR. The options' own sampling is not used. `draw`: what draws
+/// the picture once that is known.
 pub fn render_to_psnr(
     layers: &[Layer],
     camera: &Camera,
     options: &RenderOptions,
     wanted: &Wanted,
+    draw: &DrawBasePlanes,
     callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report, Estimate)> {
     let Wanted { psnr_db, like } = *wanted;
@@ -84,7 +93,7 @@ pub fn render_to_psnr(
         let with_sampling = options_with(options, sampling);
         let drawing = Share { of: callback, from, to: 1.0 };
         let plan = Plan::new(Level::best(), layers, camera, &with_sampling)?;
-        let (base_pictures, report) = draw_base_planes(&plan, &slices_of(layers), &drawing)?;
+        let (base_pictures, report) = draw(&plan, &slices_of(layers), &drawing)?;
         let picture = finish(&plan, &base_pictures);
         let is_empty = model.is_none() && base_pictures.iter().all(BasePicture::is_empty);
         let error = if is_empty { 0.0 } else { known.error(&sampling) };

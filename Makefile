@@ -108,10 +108,12 @@ web-check: ## the same, and whether what is committed is what is built; left out
 		$(MAKE) --no-print-directory web/node_modules && cd web && npm run --silent types && npm test --silent && \
 		node build.mjs --size && node build.mjs --check
 
-browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and in JupyterLab; left out without Node or Chromium
+browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and in JupyterLab, and the shaders of GPUs by WebGPU; left out without Node or Chromium
 	@{ command -v npm && command -v chromium; } >/dev/null || \
 		{ echo "browser-test is left out: there is no Node, or no Chromium"; exit 0; }; \
-		$(MAKE) --no-print-directory web/node_modules $(STAMPS)/lab && cd web && npm run --silent browser
+		$(MAKE) --no-print-directory web/node_modules $(STAMPS)/lab && \
+		WAVESPLAT_CAPTURES=$(CURDIR)/.cache/gpu-captures cargo test --locked --quiet -p wavesplat-gpu --test capture && \
+		cd web && npm run --silent browser
 
 bench-viewer: $(STAMPS)/tools web/node_modules ## drag in Chromium before a server: frames, latency, errors; BENCH_VIEWER="--record" keeps it
 	python benches/viewer.py $(BENCH_VIEWER)

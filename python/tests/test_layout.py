@@ -61,6 +61,7 @@ ROOMS = {
         "scene_kind",
         "volumes",
         "numbers",
+        "capture",
         "stage",
         "draw",
         "self_test",

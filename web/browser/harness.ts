@@ -16,7 +16,7 @@ const VENV = join(ROOT, ".venv/bin/python");
 export const PYTHON = process.env["WAVESPLAT_PYTHON"] ?? (existsSync(VENV) ? VENV : "python3");
 const CHROMIUM = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => existsSync(path));
 /** What keeps a browser quiet and, in containers, alive. */
-const FLAGS = [
+export const FLAGS = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
   "--disable-sync",
 ];

@@ -14,7 +14,7 @@ use wavesplat_splat::sheet::tile_layout::BLOCK_V;
 use wavesplat_splat::source::slices::Slices;
 use wgpu::{BindGroup, BufferUsages, CommandEncoderDescriptor, ComputePassDescriptor};
 
-use crate::band::{Band, bands, n_mask_words};
+use crate::band::{Band, bands};
 use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::OpenDevice;
 use crate::failure::{Failure, GpuResult};
@@ -110,9 +110,7 @@ impl Job<'_> {
     ) -> GpuResult<BasePicture> {
         let mut numbers = Numbers::new(self.plan, family, arrays);
         for (source, volume) in numbers.sources.iter_mut().zip(self.volumes) {
-            source.apron = [volume.apron.low as i32; 4];
-            let size = volume.samples.size;
-            (source.texel[0], source.texel[1]) = (1.0 / size[0] as f32, 1.0 / size[1] as f32);
+            source.lies_in(volume.samples.size, volume.apron.low);
         }
         // Room for the tables of pages, which are written range by range.
         for (k, slices) in self.slices.iter().enumerate().filter(|(k, _)| self.volumes[*k].pages.is_some()) {
@@ -185,10 +183,7 @@ impl Job<'_> {
         let n_blocks = band.blocks.len();
         let most_groups = self.device.limits.max_compute_workgroups_per_dimension as usize;
         let per_row = n_blocks.min(most_groups);
-        let mut frame = numbers.frame;
-        frame.blocks = [numbers.words.len(), n_blocks, per_row, n_mask_words(family)].map(|n| n as u32);
-        let mut words = numbers.words.clone();
-        words.extend(band.blocks.iter().map(|[strip, row]| (strip | row << 16) as u32));
+        let (mut frame, words) = numbers.of_band(family, band, per_row);
         let group = self.bind(numbers, band, &words, work, counts);
         let n_texels: u64 = band.occupied.iter().flatten().map(|word| u64::from(word.count_ones())).sum();
         counts.texels += n_texels * N_BLOCK as u64;
@@ -214,9 +209,7 @@ impl Job<'_> {
             let last = if to == end { family.spacing.n_slabs } else { to };
             (frame.slabs[0], frame.slabs[1]) = (from as u32, last as u32);
             frame.axes[1] = u32::from(from == first);
-            let mut bytes = bytemuck::bytes_of(&frame).to_vec();
-            bytes.extend_from_slice(bytemuck::cast_slice(&numbers.layers));
-            bytes.extend_from_slice(bytemuck::cast_slice(&numbers.sources));
+            let bytes = numbers.parameters(&frame);
             work.buffers.parameters.with(self.device, &bytes, BufferUsages::UNIFORM, &mut counts.bytes_moved);
             let started = Instant::now();
             let mut encoder = self.device.device.create_command_encoder(&CommandEncoderDescriptor::default());

@@ -182,7 +182,7 @@ impl Gpu {
         let volume = self.device.guarded(|| uploaded(&self.device, slices, kind, None))?;
         let mut numbers = numbers.clone();
         for source in &mut numbers.sources {
-            source.apron = [volume.apron.low as i32; 4];
+            source.lies_in(volume.samples.size, volume.apron.low);
         }
         Stage { permutation, entry, numbers: &numbers, texture: &volume.samples, n }.run(&self.device)
     }

@@ -57,6 +57,14 @@ pub struct GpuSource {
     pub pages: [u32; 4],
 }
 
+impl GpuSource {
+    /// Says how large the texture is that its samples lie in, and how many samples lie there before the first.
+    pub fn lies_in(&mut self, size: [usize; 3], before: usize) {
+        self.apron = [before as i32; 4];
+        (self.texel[0], self.texel[1]) = (1.0 / size[0] as f32, 1.0 / size[1] as f32);
+    }
+}
+
 /// `Frame` of `frame.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

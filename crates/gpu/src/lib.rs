@@ -12,6 +12,8 @@
 mod adapter;
 mod band;
 mod buffers;
+#[doc(hidden)]
+pub mod capture;
 mod device;
 mod draw;
 mod failure;

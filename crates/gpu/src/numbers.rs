@@ -14,6 +14,7 @@ use wavesplat_splat::render::plan::{FamilyLayer, FamilyPlan, LayerPlan, Operator
 use wavesplat_splat::render::plan_arrays::BasePlaneArrays;
 use wavesplat_splat::source::geometry::SheetGeometry;
 
+use crate::band::{Band, n_mask_words};
 use crate::layout::{GpuFrame, GpuLayer, GpuLighting, GpuSource};
 
 /// What stands for infinity: shaders may take infinities for anything.
@@ -61,6 +62,23 @@ impl Numbers {
             numbers.sources.push(source);
         }
         numbers
+    }
+
+    /// The frame and the words of a band; `per_row`: workgroups in a row of the dispatch.
+    pub(crate) fn of_band(&self, family: &FamilyPlan, band: &Band, per_row: usize) -> (GpuFrame, Vec<u32>) {
+        let mut frame = self.frame;
+        frame.blocks = [self.words.len(), band.blocks.len(), per_row, n_mask_words(family)].map(|n| n as u32);
+        let mut words = self.words.clone();
+        words.extend(band.blocks.iter().map(|[strip, row]| (strip | row << 16) as u32));
+        (frame, words)
+    }
+
+    /// The parameters of a dispatch as bytes.
+    pub(crate) fn parameters(&self, frame: &GpuFrame) -> Vec<u8> {
+        let mut bytes = bytemuck::bytes_of(frame).to_vec();
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.layers));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.sources));
+        bytes
     }
 
     fn layer(&mut self, layer: &LayerPlan, of_family: &FamilyLayer, to_eye: [[f32; 4]; 3]) -> GpuLayer {

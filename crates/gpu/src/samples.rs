@@ -165,16 +165,29 @@ pub(crate) fn upload_holes(
     part: TexelBox,
     to: [usize; 3],
 ) -> GpuResult<()> {
+    copy_slices(device, texture, part, to, |k, bytes| push_holes(slices, part, k, bytes))
+}
+
+/// All bytes of the samples of a source with what is around them, and those of its holes, where it has some.
+pub(crate) fn bytes_of(slices: &Slices, part: TexelBox) -> (Vec<u8>, Option<Vec<u8>>) {
+    let [mut samples, mut holes] = [Vec::new(), Vec::new()];
+    for k in 0..part.size[2] {
+        push_slice(slices, Format::of(slices), part, k, &mut samples);
+        push_holes(slices, part, k, &mut holes);
+    }
+    (samples, slices.has_mask().then_some(holes))
+}
+
+/// Adds the marks of the holes of a slice of a box, counted from its first: 255 where they are.
+fn push_holes(slices: &Slices, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
-    let Some(holes) = slices.holes() else { return Ok(()) };
+    let Some(holes) = slices.holes() else { return };
+    let z = fold(kernel, part.lo[2] + k as i64, size[2]);
     let xs = folded(kernel, part.lo[0], part.size[0], size[0]);
-    copy_slices(device, texture, part, to, |k, bytes| {
-        let z = fold(kernel, part.lo[2] + k as i64, size[2]);
-        for y in folded(kernel, part.lo[1], part.size[1], size[1]) {
-            let row = &holes[(z * size[1] + y) * size[0]..][..size[0]];
-            bytes.extend(xs.iter().map(|x| if row[*x] { u8::MAX } else { 0 }));
-        }
-    })
+    for y in folded(kernel, part.lo[1], part.size[1], size[1]) {
+        let row = &holes[(z * size[1] + y) * size[0]..][..size[0]];
+        bytes.extend(xs.iter().map(|x| if row[*x] { u8::MAX } else { 0 }));
+    }
 }
 
 /// Room for the marks of holes.

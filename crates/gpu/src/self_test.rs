@@ -93,10 +93,12 @@ fn wrong_samples(device: &OpenDevice, gather: bool) -> GpuResult<Option<String>>
             .filter(|[x, y, _]| *x + 1 < SIZE[0] && *y + 1 < SIZE[1])
             .collect();
         let exponents: Vec<f32> = (0..N_EXPONENTS).map(|k| 1e-6 * 1.4_f32.powi(k as i32)).collect();
+        let mut source = GpuSource::default();
+        source.lies_in(SIZE, 0);
         let numbers = Numbers {
             frame: GpuFrame { blocks: [0, places.len() as u32, 1, 1], ..GpuFrame::default() },
             layers: vec![GpuLayer::default()],
-            sources: vec![GpuSource::default()],
+            sources: vec![source],
             tables: exponents.iter().map(|x| [*x; 4]).collect(),
             words: places.as_flattened().iter().map(|i| *i as u32).collect(),
         };

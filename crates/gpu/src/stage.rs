@@ -6,7 +6,6 @@ use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor, ComputePass
 use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::OpenDevice;
 use crate::failure::GpuResult;
-use crate::layout::GpuSource;
 use crate::numbers::Numbers;
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
@@ -34,16 +33,7 @@ impl Stage<'_> {
     }
 
     fn run_by(&self, device: &OpenDevice, pipeline: &Pipeline) -> GpuResult<Vec<[f32; 4]>> {
-        let [width, height, _] = self.texture.size;
-        let of_texture = |source: &GpuSource| {
-            let mut source = *source;
-            (source.texel[0], source.texel[1]) = (1.0 / width as f32, 1.0 / height as f32);
-            source
-        };
-        let sources: Vec<GpuSource> = self.numbers.sources.iter().map(of_texture).collect();
-        let mut parameters = bytemuck::bytes_of(&self.numbers.frame).to_vec();
-        parameters.extend_from_slice(bytemuck::cast_slice(&self.numbers.layers));
-        parameters.extend_from_slice(bytemuck::cast_slice(&sources));
+        let parameters = self.numbers.parameters(&self.numbers.frame);
         let (mut kept, moved, storage) = (Buffers::default(), &mut 0, BufferUsages::STORAGE);
         let Buffers { parameters: uniform, words, tables, intervals, occupied, .. } = &mut kept;
         let state = device.device.create_buffer(&BufferDescriptor {

@@ -1,0 +1,95 @@
+//! Captured dispatches: what a browser's WebGPU is given to draw, with the CPU's texels beside it. Where
+//! `WAVESPLAT_CAPTURES` names a folder they are written there, for `web/browser/gpu.test.ts`.
+
+mod scenes;
+
+use std::fmt::Write;
+
+use scenes::{Case, Stored};
+use serde_json::{Value, json};
+use wavesplat_core::{Composite, Kernel, Shading};
+use wavesplat_gpu::capture::{Capture, capture};
+use wavesplat_splat::render::frame::{draw_base_planes, slices_of};
+
+fn cases() -> Vec<Case> {
+    let hard = vec![(120.0, 0.0), (122.0, 0.95)];
+    vec![
+        Case::default(),
+        Case {
+            name: "hard, cubic, 16 bits",
+            opacity: hard.clone(),
+            stored: Stored::U16,
+            kernel: Kernel::Bspline3,
+            ..Case::default()
+        },
+        Case { name: "holes", stored: Stored::F32WithHoles, ..Case::default() },
+        Case { name: "occlusion and shadow", shading: in_shadow(), ..Case::default() },
+        Case { name: "two layers, hard", n_layers: 2, opacity: hard, ..Case::default() },
+        Case { name: "isosurface", composite: Composite::FirstHit { iso_value: 90.0 }, ..Case::default() },
+        Case { name: "maximum", composite: Composite::Maximum, ..Case::default() },
+    ]
+}
+
+fn in_shadow() -> Option<Shading> {
+    Some(Shading { ambient_occlusion: 0.7, shadow: 0.6, ..Shading::default() })
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+fn document(name: &str, captured: &Capture, texels: &[[f32; 4]]) -> Value {
+    let textures: Vec<Value> = captured
+        .textures
+        .iter()
+        .map(|t| json!({"binding": t.binding, "format": t.format, "size": t.size, "bytes": hex(&t.bytes)}))
+        .collect();
+    json!({
+        "name": name,
+        "shader": captured.shader,
+        "buffers": captured.buffers.iter().map(|bytes| hex(bytes)).collect::<Vec<_>>(),
+        "state_bytes": captured.n_state_bytes,
+        "groups": captured.groups,
+        "textures": textures,
+        // Texels of the CPU, in the order of the state.
+        "texels": texels.as_flattened(),
+    })
+}
+
+#[test]
+fn a_dispatch_has_what_a_browser_needs() {
+    for (k, case) in cases().iter().enumerate() {
+        case.with_plan(&mut |plan, layers| {
+            let slices = slices_of(layers);
+            let captured = capture(plan, &slices).unwrap();
+            let (pictures, _) = draw_base_planes(plan, &slices, &()).unwrap();
+            let [n_u, n_v] = pictures[0].plane.size;
+            let rows: Vec<&[[f32; 4]]> = (0..n_v).map(|j| pictures[0].row(j)).collect();
+            let texel = |i: usize, j: usize| if i < n_u && j < n_v { rows[j][i] } else { [0.0; 4] };
+            let texels: Vec<[f32; 4]> = captured
+                .blocks
+                .iter()
+                .flat_map(|[i, j]| (0..128).map(move |k| (i + k % 16, j + k / 16)))
+                .map(|(i, j)| texel(i, j))
+                .collect();
+            assert_eq!(captured.n_state_bytes, 16 * texels.len(), "{}", case.name);
+            assert!(texels.iter().filter(|texel| texel[3] > 0.05).count() > 300, "{}", case.name);
+            for texture in &captured.textures {
+                let n_bytes = match texture.format {
+                    "r8unorm" => 1,
+                    "rg8unorm" => 2,
+                    _ => 4,
+                };
+                assert_eq!(texture.bytes.len(), n_bytes * texture.size.iter().product::<usize>());
+            }
+            if let Some(folder) = std::env::var_os("WAVESPLAT_CAPTURES") {
+                std::fs::create_dir_all(&folder).unwrap();
+                let path = std::path::Path::new(&folder).join(format!("{k}.json"));
+                std::fs::write(path, document(case.name, &captured, &texels).to_string()).unwrap();
+            }
+        });
+    }
+}

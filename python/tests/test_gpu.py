@@ -53,8 +53,9 @@ def test_pictures_are_those_of_the_cpu(device, options):
     volume = ws.examples.ripples(24)
     own = ws.render(volume, LOOK, size=(90, 70), device=device, **options)
     of_cpu = ws.render(volume, LOOK, size=(90, 70), device="cpu", **options)
-    assert NAME.lower() in own.report["device"]["name"].lower()
-    assert own.report["device"]["reason"] is None
+    told = own.report["device"]
+    assert NAME.lower() in told["name"].lower(), told
+    assert told["reason"] is None
     assert of_cpu.report["device"] == {"name": "cpu", "reason": None}
     assert alike(own, of_cpu)
     if "depth" in options:
@@ -70,7 +71,7 @@ def test_scenes_with_labels_layers_and_light(device):
     labels = ws.Labels(codes, {1: ws.Label("red", 0.3)})
     shading = ws.Shading(ambient_occlusion=0.6, shadow=0.5)
     one = ws.Scene(volume, LOOK, labels=labels, shading=shading)
-    moved = ws.Volume(volume.samples, affine=np.diag([0.8, 0.8, 0.8, 1.0]))
+    moved = ws.Volume(volume.samples, spacing=(0.8, 0.8, 0.8))
     for scene in (one, ws.Scene([volume, moved], [LOOK, LOOK])):
         own, of_cpu = (scene.render(size=(60, 60), device=name) for name in (device, "cpu"))
         assert own.report["device"]["reason"] is None

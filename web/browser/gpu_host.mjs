@@ -7,7 +7,7 @@ const bytesOf = (hex) => {
   return bytes;
 };
 
-const BYTES = { r8unorm: 1, rg8unorm: 2, r32float: 4 };
+const BYTES = { r8unorm: 1, rg8unorm: 2, r32float: 4, rgba32float: 16 };
 const LEAST_BYTES = 256;
 
 export async function run(capture) {

@@ -1,5 +1,7 @@
 //! Buffers, kept from frame to frame, what is bound to a shader, and reading back.
 
+use std::time::Duration;
+
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages,
     BufferView, CommandEncoderDescriptor, FilterMode, MapMode, SamplerDescriptor, TextureView,
@@ -60,7 +62,8 @@ pub(crate) fn read_buffer(device: &OpenDevice, from: &Buffer, by: &Buffer, n_byt
         let _ = tell.send(mapped);
     });
     device.wait()?;
-    match told.try_recv() {
+    // Another thread that waits may be the one that calls.
+    match told.recv_timeout(Duration::from_secs(10)) {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
         Err(_) => return Err(Failure::Lost("what it drew never came back".to_owned())),

@@ -48,17 +48,20 @@ pub fn capture(plan: &Plan, slices: &[&Slices]) -> GpuResult<Capture> {
         return Err(Failure::NotOnGpu("a capture has one base plane".to_owned()));
     };
     let arrays = BasePlaneArrays::new(plan, 0, slices);
-    let mut numbers = Numbers::new(plan, family, &arrays);
+    let sources = sources_of(plan, slices);
+    let fields: Vec<usize> = sources.iter().filter_map(|source| source.field).collect();
+    let mut numbers = Numbers::new(plan, family, &arrays, &fields);
     let mut textures = Vec::new();
-    for (k, ((slices, _), kind)) in sources_of(plan, slices).iter().zip(&permutation.sources).enumerate() {
+    for (k, (source, kind)) in sources.iter().zip(&permutation.sources).enumerate() {
         let apron = apron_of(kind);
-        let part = TexelBox::whole(slices.grid().size(), apron);
+        let part = TexelBox::whole(source.first().grid().size(), apron);
         numbers.sources[k].lies_in(part.size, apron.low);
-        let (samples, holes) = bytes_of(slices, part);
+        let (samples, holes) = bytes_of(&source.slices, part);
         let format = match kind.format {
             Format::Byte { .. } => "r8unorm",
             Format::Pair { .. } => "rg8unorm",
             Format::Float => "r32float",
+            Format::Four => "rgba32float",
         };
         let texture = |binding: u32, format: &'static str, bytes: Vec<u8>| CapturedTexture {
             binding,

@@ -76,6 +76,8 @@ pub(crate) struct Job<'a> {
     pub permutation: &'a Permutation,
     pub pipeline: &'a Pipeline,
     pub volumes: &'a [Arc<GpuVolume>],
+    /// Fields that are sources, by the first of them where they are four.
+    pub fields: &'a [usize],
     pub schedule: Schedule,
 }
 
@@ -108,7 +110,7 @@ impl Job<'_> {
         counts: &mut Counts,
         told: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<BasePicture> {
-        let mut numbers = Numbers::new(self.plan, family, arrays);
+        let mut numbers = Numbers::new(self.plan, family, arrays, self.fields);
         for (source, volume) in numbers.sources.iter_mut().zip(self.volumes) {
             source.lies_in(volume.samples.size, volume.apron.low);
         }

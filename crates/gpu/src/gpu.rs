@@ -127,6 +127,7 @@ impl Gpu {
         }
         let work = &mut *self.work();
         let sources = sources_of(plan, slices);
+        let fields: Vec<usize> = sources.iter().filter_map(|source| source.field).collect();
         let budget = self.budget_bytes();
         let mut placed = work.volumes.place_all(
             &self.device,
@@ -161,6 +162,7 @@ impl Gpu {
             permutation: &permutation,
             pipeline: &pipeline,
             volumes: &volumes,
+            fields: &fields,
             schedule,
         };
         let pictures = self.device.guarded(|| job.draw_all(work, callback, &mut counts))?;
@@ -179,7 +181,7 @@ impl Gpu {
         n: usize,
     ) -> GpuResult<Vec<[f32; 4]>> {
         let kind = &permutation.sources[0];
-        let volume = self.device.guarded(|| uploaded(&self.device, slices, kind, None))?;
+        let volume = self.device.guarded(|| uploaded(&self.device, &[slices], kind, None))?;
         let mut numbers = numbers.clone();
         for source in &mut numbers.sources {
             source.lies_in(volume.samples.size, volume.apron.low);

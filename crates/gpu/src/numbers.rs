@@ -36,8 +36,8 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Of a base plane of a plan.
-    pub(crate) fn new(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> Self {
+    /// Of a base plane of a plan. `fields`: those that are sources, by the first of them where they are four.
+    pub(crate) fn new(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays, fields: &[usize]) -> Self {
         let mut numbers = Self {
             frame: frame_of(plan, family, arrays),
             layers: Vec::new(),
@@ -57,7 +57,7 @@ impl Numbers {
         let sheets = SheetPositions::new(family);
         numbers.words.extend(sheets.s.iter().map(|s| s.to_bits()));
         let of_layers = (0..plan.layers.len()).map(|k| arrays.layer(k));
-        for geometry in of_layers.chain((0..plan.fields.fields.len()).map(|k| arrays.field(k))) {
+        for geometry in of_layers.chain(fields.iter().map(|k| arrays.field(*k))) {
             let source = numbers.source(&sheets.w, geometry);
             numbers.sources.push(source);
         }

@@ -104,7 +104,7 @@ impl Pages {
             let at = self.page(page);
             let part = TexelBox { lo: at.map(|i| (i * PAGE) as i64 - apron.low as i64), size: [self.side; 3] };
             let to = self.corner(slot).map(|i| i * self.side);
-            upload(device, slices, samples, part, to)?;
+            upload(device, &[slices], samples, part, to)?;
             if let Some(holes) = holes {
                 upload_holes(device, slices, holes, part, to)?;
             }

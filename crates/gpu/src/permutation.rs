@@ -69,6 +69,8 @@ pub enum Format {
     },
     /// f32 densities, or spline coefficients.
     Float,
+    /// Four f32 fields that lie alike.
+    Four,
 }
 
 /// How gradients are estimated.
@@ -111,7 +113,7 @@ pub struct LayerKind {
     pub by_gradient: ByGradient,
 }
 
-/// Which fields there are, by their place among the fields.
+/// Which fields there are, by their place among the sources of fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FieldKinds {
     /// Ambient occlusion.
@@ -120,9 +122,9 @@ pub struct FieldKinds {
     pub shadow: Option<usize>,
     /// What labels leave of the scan.
     pub scan: Option<usize>,
-    /// The first of four, of the tint.
+    /// The tint.
     pub tint: Option<usize>,
-    /// The first of four, of the labels' own matter.
+    /// The labels' own matter.
     pub matter: Option<usize>,
     /// Whether that is shaded.
     pub matter_is_shaded: bool,
@@ -205,6 +207,9 @@ impl Permutation {
                 parts.push_str("fn is_hole_SOURCE(place: Place) -> bool { return false; }\n");
             }
             parts.push_str(include_str!("shaders/reconstruct.wgsl"));
+            if source.format == Format::Four {
+                parts.push_str(include_str!("shaders/four.wgsl"));
+            }
             let parts = parts
                 .replace("MASK_BINDING_SOURCE", &self.holes_binding(k).to_string())
                 .replace("BINDING_SOURCE", &Self::samples_binding(k).to_string());
@@ -324,10 +329,7 @@ impl Permutation {
             if let Some(field) = field {
                 let k = first + field;
                 let _ = writeln!(text, "    let place_of_{name} = place_{k}(texel, sheet);");
-                for c in 0..4 {
-                    let k = k + c;
-                    let _ = writeln!(text, "    fields.{name}[{c}] = value_{k}(place_of_{name}, vec3<f32>(0.0f));");
-                }
+                let _ = writeln!(text, "    fields.{name} = four_{k}(place_of_{name});");
                 if name == "matter" && fields.matter_is_shaded {
                     let _ = writeln!(text, "    fields.matter_gradient = gradient_{k}(place_of_matter);");
                 }
@@ -369,7 +371,7 @@ fn source_constants(k: usize, source: &SourceKind) -> String {
     let (format, bias) = match source.format {
         Format::Byte { is_signed } => (0, if is_signed { "128.0f" } else { "0.0f" }),
         Format::Pair { is_signed } => (1, if is_signed { "32768.0f" } else { "0.0f" }),
-        Format::Float => (2, "0.0f"),
+        Format::Float | Format::Four => (2, "0.0f"),
     };
     add("FORMAT", "u32", &format!("{format}u"));
     add("BIAS", "f32", &bias);

@@ -44,6 +44,7 @@ impl Format {
             Self::Byte { .. } => 1,
             Self::Pair { .. } => 2,
             Self::Float => 4,
+            Self::Four => 16,
         }
     }
 
@@ -52,6 +53,7 @@ impl Format {
             Self::Byte { .. } => TextureFormat::R8Unorm,
             Self::Pair { .. } => TextureFormat::Rg8Unorm,
             Self::Float => TextureFormat::R32Float,
+            Self::Four => TextureFormat::Rgba32Float,
         }
     }
 }
@@ -148,13 +150,12 @@ impl TexelBox {
 /// Copies a box of the samples to a place of the texture, some slices at a time.
 pub(crate) fn upload(
     device: &OpenDevice,
-    slices: &Slices,
+    slices: &[&Slices],
     texture: &SampleTexture,
     part: TexelBox,
     to: [usize; 3],
 ) -> GpuResult<()> {
-    let format = Format::of(slices);
-    copy_slices(device, texture, part, to, |k, bytes| push_slice(slices, format, part, k, bytes))
+    copy_slices(device, texture, part, to, |k, bytes| push_all(slices, part, k, bytes))
 }
 
 /// The same of the samples that are drawn as empty: 255 where they are.
@@ -169,13 +170,36 @@ pub(crate) fn upload_holes(
 }
 
 /// All bytes of the samples of a source with what is around them, and those of its holes, where it has some.
-pub(crate) fn bytes_of(slices: &Slices, part: TexelBox) -> (Vec<u8>, Option<Vec<u8>>) {
+pub(crate) fn bytes_of(slices: &[&Slices], part: TexelBox) -> (Vec<u8>, Option<Vec<u8>>) {
     let [mut samples, mut holes] = [Vec::new(), Vec::new()];
     for k in 0..part.size[2] {
-        push_slice(slices, Format::of(slices), part, k, &mut samples);
-        push_holes(slices, part, k, &mut holes);
+        push_all(slices, part, k, &mut samples);
+        push_holes(slices[0], part, k, &mut holes);
     }
-    (samples, slices.has_mask().then_some(holes))
+    (samples, slices[0].has_mask().then_some(holes))
+}
+
+/// Adds a slice of a box, counted from its first, as it is stored: that of one volume, or of four fields side by side.
+fn push_all(slices: &[&Slices], part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
+    let [only] = slices else {
+        let fields: Vec<Vec<f32>> = slices.iter().map(|slices| densities_of(slices, part, k)).collect();
+        for i in 0..fields[0].len() {
+            for field in &fields {
+                bytes.extend_from_slice(&field[i].to_ne_bytes());
+            }
+        }
+        return;
+    };
+    push_slice(only, Format::of(only), part, k, bytes);
+}
+
+/// Densities of a slice of a box, counted from its first.
+fn densities_of(slices: &Slices, part: TexelBox, k: usize) -> Vec<f32> {
+    let z = fold(slices.kernel(), part.lo[2] + k as i64, slices.grid().size()[2]);
+    let window = |a: usize| [part.lo[a], part.lo[a] + part.size[a] as i64 - 1];
+    let mut densities = Vec::new();
+    slices.density_slice(z, Window { u: window(0), v: window(1) }, &mut densities);
+    densities
 }
 
 /// Adds the marks of the holes of a slice of a box, counted from its first: 255 where they are.
@@ -256,9 +280,7 @@ fn push_slice(slices: &Slices, format: Format, part: TexelBox, k: usize, bytes: 
         }
         _ => {
             debug_assert_eq!(format, Format::Float);
-            let window = |a: usize| [part.lo[a], part.lo[a] + part.size[a] as i64 - 1];
-            let mut densities = Vec::new();
-            slices.density_slice(z, Window { u: window(0), v: window(1) }, &mut densities);
+            let densities = densities_of(slices, part, k);
             bytes.extend_from_slice(bytemuck::cast_slice(&densities));
         }
     }

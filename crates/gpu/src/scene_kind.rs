@@ -12,14 +12,44 @@ use crate::permutation::{
 };
 use crate::samples::Apron;
 
-/// The samples of a plan: of its layers, then of its fields, each with the gradient that is wanted of it.
-pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<(&'a Slices<'a>, Option<Gradient>)> {
-    let of_layers = slices.iter().enumerate().map(|(k, slices)| {
-        let gradient = plan.families.first().and_then(|family| family.layers[k].gradient);
-        (*slices, gradient)
-    });
-    let of_fields = plan.fields.fields.iter().map(|field| (&field.slices, field.gradient));
-    of_layers.chain(of_fields).collect()
+/// What a source is made of.
+pub(crate) struct SourceSamples<'a> {
+    /// One, or four that lie alike and are stored side by side.
+    pub slices: Vec<&'a Slices<'a>>,
+    /// Wanted of the first.
+    pub gradient: Option<Gradient>,
+    /// Place of the first among the fields, of a field.
+    pub field: Option<usize>,
+}
+
+impl<'a> SourceSamples<'a> {
+    /// The first of its slices.
+    pub fn first(&self) -> &'a Slices<'a> {
+        self.slices[0]
+    }
+}
+
+/// The samples of a plan: of its layers, then of its fields; tints, and the labels' own matter, four at a time.
+pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<SourceSamples<'a>> {
+    let of_layer = |(k, slices): (usize, &&'a Slices<'a>)| SourceSamples {
+        slices: vec![*slices],
+        gradient: plan.families.first().and_then(|family| family.layers[k].gradient),
+        field: None,
+    };
+    let mut sources: Vec<SourceSamples> = slices.iter().enumerate().map(of_layer).collect();
+    let labels = plan.fields.labels.unwrap_or_default();
+    let fields = &plan.fields.fields;
+    let mut field = 0;
+    while field < fields.len() {
+        let n = if [labels.tint, labels.matter].contains(&Some(field)) { 4 } else { 1 };
+        sources.push(SourceSamples {
+            slices: fields[field..field + n].iter().map(|field| &field.slices).collect(),
+            gradient: fields[field].gradient,
+            field: Some(field),
+        });
+        field += n;
+    }
+    sources
 }
 
 /// The shader of a plan. `gather`: whether the device fetches four samples at once.
@@ -51,22 +81,28 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
             Some(_) => ByGradient::Factor,
         },
     });
-    let sources = sources_of(plan, slices).into_iter().map(|(slices, gradient)| SourceKind {
-        kernel: slices.kernel(),
-        format: Format::of(slices),
-        gradient: gradient_taps(slices, gradient),
-        has_holes: slices.has_mask(),
-        page_side: None,
-    });
+    let sources = sources_of(plan, slices);
+    // Place among the sources of fields.
+    let place = |field: Option<usize>| {
+        let of_fields = || sources.iter().filter_map(|source| source.field);
+        field.and_then(|field| of_fields().position(|own| own == field))
+    };
     let mut fields = FieldKinds::default();
     if let Some(light) = plan.fields.light {
-        fields.openness = light.openness.map(|(field, _)| field);
-        fields.shadow = light.shadow.map(|(field, _)| field);
+        fields.openness = place(light.openness.map(|(field, _)| field));
+        fields.shadow = place(light.shadow.map(|(field, _)| field));
     }
     if let Some(labels) = plan.fields.labels {
-        (fields.scan, fields.tint, fields.matter) = (labels.scan, labels.tint, labels.matter);
+        (fields.scan, fields.tint, fields.matter) = (place(labels.scan), place(labels.tint), place(labels.matter));
         fields.matter_is_shaded = family.layers[0].modifiers.label_shader.is_some();
     }
+    let sources = sources.iter().map(|source| SourceKind {
+        kernel: source.first().kernel(),
+        format: if source.slices.len() > 1 { Format::Four } else { Format::of(source.first()) },
+        gradient: gradient_taps(source.first(), source.gradient),
+        has_holes: source.first().has_mask(),
+        page_side: None,
+    });
     Ok(Permutation {
         operator,
         layers: layers.collect(),

@@ -2,7 +2,6 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use wavesplat_core::Gradient;
 use wavesplat_splat::source::slices::Slices;
 
 use crate::device::OpenDevice;
@@ -10,7 +9,7 @@ use crate::failure::{Failure, GpuResult};
 use crate::pages::{Pages, n_pages, page_bytes, page_side, page_textures};
 use crate::permutation::{Permutation, SourceKind};
 use crate::samples::{Apron, SampleTexture, TexelBox, hole_texture, upload, upload_holes};
-use crate::scene_kind::apron_of;
+use crate::scene_kind::{SourceSamples, apron_of};
 
 /// What tells uploaded volumes apart.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -56,24 +55,24 @@ impl Volumes {
         &mut self,
         device: &OpenDevice,
         permutation: &mut Permutation,
-        sources: &[(&Slices, Option<Gradient>)],
+        sources: &[SourceSamples],
         n_layers: usize,
         budget_bytes: usize,
         is_paged: bool,
     ) -> GpuResult<Vec<Arc<GpuVolume>>> {
         let megabytes = |n: usize| n as f64 / 1e6;
         let whole: Vec<usize> =
-            sources.iter().zip(&permutation.sources).map(|((slices, _), kind)| whole_bytes(slices, kind)).collect();
+            sources.iter().zip(&permutation.sources).map(|(source, kind)| whole_bytes(source.first(), kind)).collect();
         let (of_layers, of_fields): (usize, usize) = (whole[..n_layers].iter().sum(), whole[n_layers..].iter().sum());
         let fits = |k: usize| {
-            let size = TexelBox::whole(sources[k].0.grid().size(), apron_of(&permutation.sources[k])).size;
+            let size = TexelBox::whole(sources[k].first().grid().size(), apron_of(&permutation.sources[k])).size;
             let [side, deep] = [device.limits.max_texture_dimension_2d, device.limits.max_texture_array_layers];
             size[0].max(size[1]) <= side as usize && size[2] <= deep as usize
         };
         let is_paged = is_paged || of_layers + of_fields > budget_bytes || !(0..n_layers).all(fits);
         let mut keys = Vec::new();
-        for (k, ((slices, _), kind)) in sources.iter().zip(&mut permutation.sources).enumerate() {
-            let apron = apron_of(kind);
+        for (k, (source, kind)) in sources.iter().zip(&mut permutation.sources).enumerate() {
+            let (slices, apron) = (source.first(), apron_of(kind));
             let mut slots = None;
             if is_paged && k < n_layers {
                 let share = whole[k] as f64 / of_layers as f64;
@@ -111,11 +110,11 @@ impl Volumes {
             kept -= self.0.remove(oldest).1.n_bytes();
         }
         let mut volumes = Vec::new();
-        for (((slices, _), kind), key) in sources.iter().zip(&permutation.sources).zip(&keys) {
+        for ((source, kind), key) in sources.iter().zip(&permutation.sources).zip(&keys) {
             let found = self.0.iter().position(|(own, _)| own == key);
             let (key, volume) = match found {
                 Some(place) => self.0.remove(place),
-                None => (*key, Arc::new(device.guarded(|| uploaded(device, slices, kind, key.slots))?)),
+                None => (*key, Arc::new(device.guarded(|| uploaded(device, &source.slices, kind, key.slots))?)),
             };
             volumes.push(volume.clone());
             self.0.push((key, volume));
@@ -127,11 +126,11 @@ impl Volumes {
 /// The samples of a source, or room for so many of their pages.
 pub(crate) fn uploaded(
     device: &OpenDevice,
-    slices: &Slices,
+    slices: &[&Slices],
     kind: &SourceKind,
     slots: Option<usize>,
 ) -> GpuResult<GpuVolume> {
-    let (size, apron) = (slices.grid().size(), apron_of(kind));
+    let (size, apron) = (slices[0].grid().size(), apron_of(kind));
     if let Some(n) = slots {
         let pages = Pages::new(device, size, apron, n);
         let (samples, holes) = page_textures(device, kind, &pages)?;
@@ -143,7 +142,7 @@ pub(crate) fn uploaded(
     let mut holes = None;
     if kind.has_holes {
         let texture = hole_texture(device, part.size)?;
-        upload_holes(device, slices, &texture, part, [0; 3])?;
+        upload_holes(device, slices[0], &texture, part, [0; 3])?;
         holes = Some(texture);
     }
     Ok(GpuVolume { samples, holes, apron, pages: None })

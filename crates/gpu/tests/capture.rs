@@ -13,6 +13,7 @@ use wavesplat_splat::render::frame::{draw_base_planes, slices_of};
 
 fn cases() -> Vec<Case> {
     let hard = vec![(120.0, 0.0), (122.0, 0.95)];
+    let in_shadow = Shading { ambient_occlusion: 0.7, shadow: 0.6, ..Shading::default() };
     vec![
         Case::default(),
         Case {
@@ -23,15 +24,12 @@ fn cases() -> Vec<Case> {
             ..Case::default()
         },
         Case { name: "holes", stored: Stored::F32WithHoles, ..Case::default() },
-        Case { name: "occlusion and shadow", shading: in_shadow(), ..Case::default() },
+        Case { name: "labels", has_labels: true, ..Case::default() },
+        Case { name: "occlusion and shadow", shading: Some(in_shadow), ..Case::default() },
         Case { name: "two layers, hard", n_layers: 2, opacity: hard, ..Case::default() },
         Case { name: "isosurface", composite: Composite::FirstHit { iso_value: 90.0 }, ..Case::default() },
         Case { name: "maximum", composite: Composite::Maximum, ..Case::default() },
     ]
-}
-
-fn in_shadow() -> Option<Shading> {
-    Some(Shading { ambient_occlusion: 0.7, shadow: 0.6, ..Shading::default() })
 }
 
 fn hex(bytes: &[u8]) -> String {
@@ -81,6 +79,7 @@ fn a_dispatch_has_what_a_browser_needs() {
                 let n_bytes = match texture.format {
                     "r8unorm" => 1,
                     "rg8unorm" => 2,
+                    "rgba32float" => 16,
                     _ => 4,
                 };
                 assert_eq!(texture.bytes.len(), n_bytes * texture.size.iter().product::<usize>());

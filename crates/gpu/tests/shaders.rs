@@ -79,20 +79,20 @@ fn permutations() -> Vec<Permutation> {
             all.push(permutation(over(steep), vec![SourceKind { format, page_side: Some(73), ..lit }]));
         }
         let field = SourceKind { format: Format::Float, ..PLAIN };
-        let of_matter = SourceKind { gradient: GradientTaps::Difference, ..field };
+        let four = SourceKind { format: Format::Four, ..PLAIN };
+        let of_matter = SourceKind { gradient: GradientTaps::Difference, kernel: Kernel::Gaussian, ..four };
         let fields = FieldKinds {
             openness: Some(0),
             shadow: Some(1),
             scan: Some(2),
             tint: Some(3),
-            matter: Some(7),
+            matter: Some(4),
             matter_is_shaded: true,
         };
         for n_layers in [1, 2, 3] {
             let mut sources = vec![lit; n_layers];
-            sources.extend([field; 7]);
-            sources.push(of_matter);
             sources.extend([field; 3]);
+            sources.extend([four, of_matter]);
             let layers = (0..n_layers).map(|k| LayerKind {
                 is_shaded: k != 1,
                 by_gradient: [ByGradient::Factor, ByGradient::Both, ByGradient::Nothing][k],

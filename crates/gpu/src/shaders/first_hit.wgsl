@@ -5,29 +5,29 @@ fn march_ray(ray: Ray, block: u32) {
     let first = parameters.frame.slabs.x;
     let end = parameters.frame.slabs.y;
     let iso = parameters.frame.number.x;
+    // Each sheet is made once: behind a slab, then in front of the next.
     var in_front = 0xffffffffu;
     var front = 0.0f;
     var front_hole = false;
     var front_place: Place;
-    for (var word = first / 32u; word * 32u < end; word++) {
-        var slabs = within(occupied_word(0u, block, word), word, first, end);
-        while slabs != 0u {
-            let slab = word * 32u + firstTrailingBit(slabs);
-            slabs &= slabs - 1u;
-            if in_front != slab {
-                front_place = place_0(ray.texel, slab);
-                front = value_0(front_place, vec3<f32>(0.0f));
-                front_hole = is_hole_0(front_place);
-            }
-            let back_place = place_0(ray.texel, slab + 1u);
+    for (var word = first / 32u; word * 32u < end + 1u; word++) {
+        let own = occupied_word(0u, block, word);
+        let slabs_behind = behind(0u, block, word, own);
+        var sheets = within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u);
+        while sheets != 0u {
+            let bit = firstTrailingBit(sheets);
+            sheets &= sheets - 1u;
+            let number = word * 32u + bit;
+            let back_place = place_0(ray.texel, number);
             let back = value_0(back_place, vec3<f32>(0.0f));
             let back_hole = is_hole_0(back_place);
             let a = front - iso;
             let b = back - iso;
-            if (a < 0.0f) != (b < 0.0f) && !front_hole && !back_hole {
-                let s_front = s_of(slab);
+            let is_slab = ((slabs_behind >> bit) & 1u) == 1u && in_front + 1u == number;
+            if is_slab && (a < 0.0f) != (b < 0.0f) && !front_hole && !back_hole {
+                let s_front = s_of(number - 1u);
                 let at = a / (a - b);
-                let place = s_front + (s_of(slab + 1u) - s_front) * at;
+                let place = s_front + (s_of(number) - s_front) * at;
                 if place >= ray.interval.x && place <= ray.interval.y {
                     var rgb = parameters.frame.color.xyz;
                     if IS_SHADED_0 {
@@ -43,7 +43,7 @@ fn march_ray(ray: Ray, block: u32) {
             front = back;
             front_hole = back_hole;
             front_place = back_place;
-            in_front = slab + 1u;
+            in_front = number;
         }
     }
 }

@@ -60,6 +60,11 @@ fn footprint_of(kernel: u32, x: vec3<f32>) -> Footprint {
     return Footprint(vec3<i32>(below), first, weights(kernel, t.x), weights(kernel, t.y), weights(kernel, t.z));
 }
 
+// The `k`th of four weights.
+fn weight_at(weights: vec4<f32>, k: i32) -> f32 {
+    return select(select(weights.x, weights.y, k == 1), select(weights.z, weights.w, k == 3), k > 1);
+}
+
 // Sum over 4 × 4 samples of quads side by side.
 fn plane_sum(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, x: vec4<f32>, y: vec4<f32>) -> f32 {
     let rows = vec4<f32>(

@@ -125,10 +125,10 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     if sees_scan {
         let passage = preintegrate(0u, (*front).density + begin * change, (*front).density + end * change);
         var length = whole_length;
+        with_gradient(front);
+        with_gradient(back);
         if BY_GRADIENT_0 == BY_FACTOR {
             // What holds in the middle of what is visible.
-            with_gradient(front);
-            with_gradient(back);
             let middle = begin + (passage.first + passage.last) * 0.5f * share;
             length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, middle));
         }
@@ -152,8 +152,6 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         if alpha > 0.0f || sees_matter {
             var gradient = vec3<f32>(0.0f);
             if IS_SHADED_0 {
-                with_gradient(front);
-                with_gradient(back);
                 gradient = mix3((*front).gradient, (*back).gradient, at);
             }
             let rgb = color_of(0u, (*front).density + at * change);
@@ -206,23 +204,26 @@ fn march_ray(ray: Ray, block: u32) {
         }
         return;
     }
+    // Each sheet is made once: behind a slab, then in front of the next.
     var front: Sheet;
     var in_front = 0xffffffffu;
-    for (var word = first / 32u; word * 32u < end; word++) {
-        var slabs = within(occupied_word(0u, block, word), word, first, end);
-        while slabs != 0u {
-            let slab = word * 32u + firstTrailingBit(slabs);
-            slabs &= slabs - 1u;
-            if in_front != slab {
-                front = sheet_at(ray, slab);
+    for (var word = first / 32u; word * 32u < end + 1u; word++) {
+        let own = occupied_word(0u, block, word);
+        let slabs_behind = behind(0u, block, word, own);
+        var sheets = within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u);
+        while sheets != 0u {
+            let bit = firstTrailingBit(sheets);
+            sheets &= sheets - 1u;
+            let number = word * 32u + bit;
+            var back = sheet_at(ray, number);
+            if ((slabs_behind >> bit) & 1u) == 1u && in_front + 1u == number {
+                add_slab(ray, &front, &back, number - 1u);
+                if is_done() {
+                    return;
+                }
             }
-            var back = sheet_at(ray, slab + 1u);
-            add_slab(ray, &front, &back, slab);
             front = back;
-            in_front = slab + 1u;
-            if is_done() {
-                return;
-            }
+            in_front = number;
         }
     }
 }

@@ -79,32 +79,33 @@ fn add_segment(ray: Ray, part: vec3<f32>, s_front: f32, s_back: f32) {
 fn march_ray(ray: Ray, block: u32) {
     let first = parameters.frame.slabs.x;
     let end = parameters.frame.slabs.y;
+    // Each sheet is made once: behind a slab, then in front of the next.
     var in_front = 0xffffffffu;
     var front = 0.0f;
     var front_hole = false;
-    for (var word = first / 32u; word * 32u < end; word++) {
-        var slabs = within(occupied_word(0u, block, word), word, first, end);
-        while slabs != 0u {
-            let slab = word * 32u + firstTrailingBit(slabs);
-            slabs &= slabs - 1u;
-            if in_front != slab {
-                let place = place_0(ray.texel, slab);
-                front = value_0(place, vec3<f32>(0.0f));
-                front_hole = is_hole_0(place);
-            }
-            let place = place_0(ray.texel, slab + 1u);
+    for (var word = first / 32u; word * 32u < end + 1u; word++) {
+        let own = occupied_word(0u, block, word);
+        let slabs_behind = behind(0u, block, word, own);
+        var sheets = within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u);
+        while sheets != 0u {
+            let bit = firstTrailingBit(sheets);
+            sheets &= sheets - 1u;
+            let number = word * 32u + bit;
+            let place = place_0(ray.texel, number);
             let back = value_0(place, vec3<f32>(0.0f));
             let back_hole = is_hole_0(place);
-            let s_front = s_of(slab);
-            let s_back = s_of(slab + 1u);
-            let part = segment(ray, front, back, s_front, s_back, !front_hole && !back_hole);
-            add_segment(ray, part, s_front, s_back);
+            if ((slabs_behind >> bit) & 1u) == 1u && in_front + 1u == number {
+                let s_front = s_of(number - 1u);
+                let s_back = s_of(number);
+                let part = segment(ray, front, back, s_front, s_back, !front_hole && !back_hole);
+                add_segment(ray, part, s_front, s_back);
+                if is_done() {
+                    return;
+                }
+            }
             front = back;
             front_hole = back_hole;
-            in_front = slab + 1u;
-            if is_done() {
-                return;
-            }
+            in_front = number;
         }
     }
 }

@@ -18,6 +18,9 @@ fn behind(layer: u32, block: u32, word: u32, own: u32) -> u32 {
 fn within(bits: u32, word: u32, first: u32, end: u32) -> u32 {
     var kept = bits;
     let start = word * 32u;
+    if end <= start || first >= start + 32u {
+        return 0u;
+    }
     if first > start {
         kept &= 0xffffffffu << (first - start);
     }

@@ -1,5 +1,6 @@
 //! An open GPU: its device, what was made and uploaded before, and the door to drawing.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -23,6 +24,32 @@ use crate::volumes::uploaded;
 
 /// Memory for samples, unless told otherwise: no driver says how much is free.
 pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
+
+/// Shaders that are kept at most.
+const MOST_PIPELINES: usize = 64;
+
+/// A thread that draws on a GPU: a frame that its callback asks for in turn would wait for itself.
+struct Drawing;
+
+thread_local! {
+    static IS_DRAWING: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Drawing {
+    fn begin() -> GpuResult<Self> {
+        if IS_DRAWING.replace(true) {
+            let why = "a picture that is drawn while the same thread draws another one is drawn by the CPU";
+            return Err(Failure::NotOnGpu(why.to_owned()));
+        }
+        Ok(Self)
+    }
+}
+
+impl Drop for Drawing {
+    fn drop(&mut self) {
+        IS_DRAWING.set(false);
+    }
+}
 
 /// An open GPU. Draws one frame at a time.
 pub struct Gpu {
@@ -125,6 +152,7 @@ impl Gpu {
                 "{n_textures} volumes and fields are more than the {most} of this GPU"
             )));
         }
+        let _drawing = Drawing::begin()?;
         let work = &mut *self.work();
         let sources = sources_of(plan, slices);
         let fields: Vec<usize> = sources.iter().filter_map(|source| source.field).collect();
@@ -149,6 +177,9 @@ impl Gpu {
             pipeline.clone()
         } else {
             let made = Arc::new(Pipeline::new(&self.device, &permutation)?);
+            if work.pipelines.len() >= MOST_PIPELINES {
+                work.pipelines.clear();
+            }
             work.pipelines.insert(permutation.clone(), made.clone());
             made
         };

@@ -101,6 +101,27 @@ fn a_lost_device_is_opened_once_more() {
     });
 }
 
+/// Draws another frame at every call.
+struct DrawsAnother<'a>(&'a Gpu);
+
+impl ProgressCallback for DrawsAnother<'_> {
+    fn progress(&self, _: f32) -> ControlFlow<()> {
+        let why = failure(self.0, &Case { size: [4, 4, 4], ..Case::default() }, &());
+        assert!(matches!(why, Failure::NotOnGpu(_)), "{why}");
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn a_frame_within_a_frame_waits_for_nobody() {
+    let Some(gpu) = gpu() else { return };
+    let case = Case::default();
+    case.with_plan(&mut |plan, layers| {
+        let (pictures, _) = gpu.draw_base_planes(plan, &slices_of(layers), &DrawsAnother(gpu)).unwrap();
+        assert!(difference(&finish(plan, &pictures), &case.draw(None).picture).within_one >= 1.0);
+    });
+}
+
 /// Stops after some calls.
 struct Stops(AtomicBool);
 

@@ -77,7 +77,8 @@ class LazyVolume(Volume):
     """A volume whose samples stay in their file, or array, and are read while it is drawn.
 
     `Volume.lazy` and `open(path, memory=...)` make it. It is drawn as any volume, by `render`, scenes, movies and the
-    viewer, and to the byte as one in memory; what needs all samples at once says so: take a part with `read`.
+    viewer, and to the byte as the CPU draws one in memory; what needs all samples at once says so: take a part with
+    `read`.
 
     Attributes
     ----------

@@ -157,7 +157,7 @@ class Volume(Grid):
         Returns
         -------
         LazyVolume
-            It is drawn as any volume, to the byte as one in memory.
+            It is drawn as any volume, to the byte as the CPU draws one in memory.
 
         Raises
         ------

@@ -311,7 +311,7 @@ impl Permutation {
         text
     }
 
-    /// `fields_at`: what the fields are at a texel of a sheet; of the labels' own matter alone where only it is asked for.
+    /// `fields_at`: what the fields are at a texel of a sheet; `matter_gradient`: that of the labels' own matter.
     fn fields_text(&self) -> String {
         let first = self.layers.len();
         let mut text = String::from(
@@ -330,12 +330,15 @@ impl Permutation {
                 let k = first + field;
                 let _ = writeln!(text, "    let place_of_{name} = place_{k}(texel, sheet);");
                 let _ = writeln!(text, "    fields.{name} = four_{k}(place_of_{name});");
-                if name == "matter" && fields.matter_is_shaded {
-                    let _ = writeln!(text, "    fields.matter_gradient = gradient_{k}(place_of_matter);");
-                }
             }
         }
         text.push_str("    return fields;\n}\n");
+        let gradient = match fields.matter.filter(|_| fields.matter_is_shaded) {
+            Some(field) => format!("gradient_{k}(place_{k}(texel, sheet))", k = first + field),
+            None => "vec3<f32>(0.0f)".to_owned(),
+        };
+        let _ =
+            writeln!(text, "fn matter_gradient(texel: vec2<u32>, sheet: u32) -> vec3<f32> {{ return {gradient}; }}");
         text
     }
 

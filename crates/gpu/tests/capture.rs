@@ -24,7 +24,6 @@ fn cases() -> Vec<Case> {
             ..Case::default()
         },
         Case { name: "holes", stored: Stored::F32WithHoles, ..Case::default() },
-        Case { name: "labels", has_labels: true, ..Case::default() },
         Case { name: "occlusion and shadow", shading: Some(in_shadow), ..Case::default() },
         Case { name: "two layers, hard", n_layers: 2, opacity: hard, ..Case::default() },
         Case { name: "isosurface", composite: Composite::FirstHit { iso_value: 90.0 }, ..Case::default() },

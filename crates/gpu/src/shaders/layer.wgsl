@@ -60,7 +60,7 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
         any = true;
     }
     if IS_FIRST_LAYER && HAS_MATTER && fields.matter.x > 0.0f {
-        *sum = with_medium(*sum, matter_color(fields, eye), max(fields.matter.x, 0.0f) * length);
+        *sum = with_medium(*sum, matter_color(fields, matter_gradient(ray.texel, sheet), eye), max(fields.matter.x, 0.0f) * length);
         any = true;
     }
     return any;
@@ -151,9 +151,12 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         (*mixture).n += 1u;
     }
     if IS_FIRST_LAYER && HAS_MATTER && max(front_fields.matter.x, back_fields.matter.x) > 0.0f {
-        let fields = between_fields(front_fields, back_fields, (begin + end) * 0.5f);
+        let middle = (begin + end) * 0.5f;
+        let fields = between_fields(front_fields, back_fields, middle);
+        let on_front = matter_gradient(ray.texel, slab);
+        let gradient = mix3(on_front, matter_gradient(ray.texel, slab + 1u), middle);
         let lengths = (cuts.yz - cuts.xy) * (max(fields.matter.x, 0.0f) * whole_length);
-        let rgb = matter_color(fields, eye);
+        let rgb = matter_color(fields, gradient, eye);
         (*mixture).near = with_medium((*mixture).near, rgb, lengths.x);
         (*mixture).far = with_medium((*mixture).far, rgb, lengths.y);
         (*mixture).n += 2u;

@@ -13,7 +13,6 @@ struct FieldValues {
     tint: vec4<f32>,
     // Optical depth of the labels' own matter, and its colour times that.
     matter: vec4<f32>,
-    matter_gradient: vec3<f32>,
 }
 
 fn between_fields(front: FieldValues, back: FieldValues, share: f32) -> FieldValues {
@@ -23,7 +22,6 @@ fn between_fields(front: FieldValues, back: FieldValues, share: f32) -> FieldVal
         mix_exact(front.scan, back.scan, share),
         front.tint + (back.tint - front.tint) * share,
         front.matter + (back.matter - front.matter) * share,
-        front.matter_gradient + (back.matter_gradient - front.matter_gradient) * share,
     );
 }
 
@@ -54,8 +52,8 @@ fn lit(lighting: Lighting, is_shaded: bool, rgb: vec3<f32>, gradient: vec3<f32>,
     return rgb * (light.x * light.y);
 }
 
-// Colour of the labels' own matter.
-fn matter_color(fields: FieldValues, eye: vec3<f32>) -> vec3<f32> {
+// Colour of the labels' own matter, with its gradient.
+fn matter_color(fields: FieldValues, gradient: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
     let rgb = fields.matter.yzw / max(fields.matter.x, LEAST);
-    return lit(parameters.frame.label_lighting, MATTER_SHADED, rgb, fields.matter_gradient, eye, light_at(fields));
+    return lit(parameters.frame.label_lighting, MATTER_SHADED, rgb, gradient, eye, light_at(fields));
 }

@@ -34,16 +34,23 @@ fn with_gradient(sheet: ptr<function, Sheet>) {
 }
 
 fn with_fields(sheet: ptr<function, Sheet>, ray: Ray, number: u32) {
-    if HAS_FIELDS && !(*sheet).has_fields {
+    // Labels' own matter is looked for on every sheet.
+    if HAS_FIELDS && !HAS_MATTER && !(*sheet).has_fields {
         (*sheet).fields = fields_at(ray.texel, number);
         (*sheet).has_fields = true;
     }
 }
 
 // Mixes the labels' own matter into what the scan has in the same space: colour and opacity.
-fn with_matter(scan: vec4<f32>, fields: FieldValues, length: f32, eye: vec3<f32>) -> vec4<f32> {
+fn with_matter(
+    scan: vec4<f32>,
+    fields: FieldValues,
+    gradient: vec3<f32>,
+    length: f32,
+    eye: vec3<f32>,
+) -> vec4<f32> {
     let own = one_minus_exp_neg(max(fields.matter.x, 0.0f) * length);
-    let color = matter_color(fields, eye);
+    let color = matter_color(fields, gradient, eye);
     let sum = scan.w + own;
     let share = select(0.0f, own / max(sum, 1e-30f), sum > 0.0f);
     return vec4<f32>(scan.xyz + share * (color - scan.xyz), sum - scan.w * own);
@@ -80,7 +87,7 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
         color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye), color.w);
     }
     if sees_matter {
-        color = with_matter(color, sheet.fields, length, eye);
+        color = with_matter(color, sheet.fields, matter_gradient(ray.texel, number), length, eye);
     }
     add_fragment(color.xyz, color.w, part.x, part.y);
 }
@@ -162,7 +169,10 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     }
     if sees_matter {
         let middle = begin + 0.5f * share;
-        color = with_matter(color, between_fields((*front).fields, (*back).fields, middle), whole_length, eye);
+        let fields = between_fields((*front).fields, (*back).fields, middle);
+        let on_front = matter_gradient(ray.texel, number);
+        let gradient = mix3(on_front, matter_gradient(ray.texel, number + 1u), middle);
+        color = with_matter(color, fields, gradient, whole_length, eye);
         visible = part;
     }
     add_fragment(color.xyz, color.w, visible.x, visible.y);

@@ -50,13 +50,14 @@ fn value_SOURCE(place: Place, shift: vec3<f32>) -> f32 {
 // Derivatives along u, v and w, per index step.
 fn gradient_SOURCE(place: Place) -> vec3<f32> {
     if GRADIENT_SOURCE == GRADIENT_DIFFERENCE {
-        let d = parameters.sources[SOURCE].texel.z;
-        let share = 1.0f / (2.0f * d);
-        return to_uvw(vec3<f32>(
-            (value_SOURCE(place, vec3<f32>(d, 0.0f, 0.0f)) - value_SOURCE(place, vec3<f32>(-d, 0.0f, 0.0f))) * share,
-            (value_SOURCE(place, vec3<f32>(0.0f, d, 0.0f)) - value_SOURCE(place, vec3<f32>(0.0f, -d, 0.0f))) * share,
-            (value_SOURCE(place, vec3<f32>(0.0f, 0.0f, d)) - value_SOURCE(place, vec3<f32>(0.0f, 0.0f, -d))) * share,
-        ));
+        // One call of a large function, in a loop: compilers take long for six.
+        var sum = vec3<f32>(0.0f);
+        for (var k = 0; k < 6; k++) {
+            let along = select(vec3<f32>(0.0f), vec3<f32>(1.0f), vec3<i32>(k >> 1u) == vec3<i32>(0, 1, 2));
+            let towards = select(along, -along, (k & 1) == 1);
+            sum += value_SOURCE(place, towards * parameters.sources[SOURCE].texel.z) * towards;
+        }
+        return to_uvw(sum * (1.0f / (2.0f * parameters.sources[SOURCE].texel.z)));
     }
     let x = clamp(place.at, -vec3<f32>(place.base), place.last);
     let nearest = floor(x + select(0.0f, 0.5f, KERNEL_SOURCE == KERNEL_BSPLINE2));

@@ -10,8 +10,9 @@ use wavesplat_splat::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U}
 
 use crate::layout::N_BLOCK;
 
-/// Blocks that are drawn at once at most: 2 M texels, so that no binding exceeds what every device has.
-const MOST_BLOCKS: usize = 1 << 14;
+/// Blocks that are drawn at once at most: 1 M texels, so that no binding exceeds what every device has, and a slab of them takes a
+/// weak one a few hundredths of a second.
+const MOST_BLOCKS: usize = 1 << 13;
 
 /// Some rows of tiles of a base plane.
 #[derive(Default)]

@@ -105,3 +105,17 @@ fn pages_that_show_nothing_are_left_out() {
         assert_eq!(draw(), 0, "they stay for the next frame");
     });
 }
+
+/// Base planes of more texels than are drawn at once.
+#[test]
+fn large_pictures_are_drawn_band_by_band() {
+    let Some(gpu) = gpu() else { return };
+    let mut case = Case { size: [5, 5, 4], from: DVec3::Z, shading: None, ..Case::default() };
+    (case.options.width_px, case.options.height_px) = (800, 700);
+    (case.options.sheets_per_slice, case.options.oversampling) = (1.0, 2.7);
+    let (got, want) = (case.draw(Some(gpu)), case.draw(None));
+    let told = difference(&got.picture, &want.picture);
+    let report = got.report.unwrap();
+    assert!(told.within_one >= 1.0 && told.coverage > 0.01, "{told:?}");
+    assert!(report.n_bytes_moved > 16 << 20, "more than a band of 1 M texels was read back: {report:?}");
+}

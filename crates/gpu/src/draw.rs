@@ -46,7 +46,7 @@ pub struct Schedule {
     pub skips: bool,
     /// Pages even where all samples fit.
     pub is_paged: bool,
-    /// Count fetches and texels, for [`GpuReport::counted`].
+    /// Count fetches and texels, for [`crate::report::GpuReport::counted`].
     pub counts: bool,
 }
 

@@ -36,7 +36,12 @@ pub struct DrawnBy {
 impl DrawnBy {
     /// The processor. `reason`: why no GPU.
     pub fn cpu(reason: Option<String>) -> Self {
-        Self { name: "cpu".to_owned(), reason, ..Self::default() }
+        Self {
+            name: "cpu".to_owned(),
+            reason,
+            #[cfg(feature = "gpu")]
+            gpu: None,
+        }
     }
 }
 

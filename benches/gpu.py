@@ -41,9 +41,9 @@ def main() -> None:
     if not chosen:
         raise SystemExit("no GPU, and no program that stands for one: install a driver, or mesa-vulkan-drivers")
     adapter = chosen[0]
-    is_software = adapter.kind == "software"
+    is_software, name = adapter.kind == "software", f"{adapter.name} {adapter.backend}"
     lines = [f"Device: {adapter.name} ({adapter.kind}), {adapter.backend}, {adapter.driver}.", ""]
-    lines += _counts(adapter.name) if is_software else _times(adapter.name, with_vtk=not asked.no_vtk)
+    lines += _counts(name) if is_software else _times(name, with_vtk=not asked.no_vtk)
     text = "\n".join(lines)
     print(text)
     if asked.record:

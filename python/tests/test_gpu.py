@@ -97,6 +97,32 @@ def test_small_memory_means_pages(device):
     assert alike(by_cpu, whole)
 
 
+def test_one_volume_in_two_layers_has_pages_for_each(device):
+    z, y, x = np.ogrid[-1:1:140j, -1:1:150j, -1:1:150j]
+    volume = ws.Volume((255 * np.clip(1.1 - np.sqrt(x * x + y * y + z * z), 0, 1)).astype(np.uint8))
+    other = ws.TransferFunction([(20, 0.0), (90, 0.05)], [(0, 0.2, 0.5, 1.0)])
+    scene = ws.Scene([volume, volume], [LOOK, other])
+    before = ws.gpu.memory()
+    try:
+        ws.gpu.memory("6 MB")
+        paged = [scene.render("left", size=(64, 64), device=device) for _ in range(2)]
+    finally:
+        ws.gpu.memory(before)
+    assert paged[0].report["device"]["paged"]
+    assert np.array_equal(paged[0].rgba, paged[1].rgba)
+    assert alike(paged[0], scene.render("left", size=(64, 64), device="cpu"))
+
+
+def test_light_that_turns_with_the_camera_does_not_fill_the_gpu(device):
+    volume = ws.examples.ripples(24)
+    scene = ws.Scene(volume, LOOK, shading=ws.Shading(shadow=0.6))
+    told = [
+        scene.render(ws.Camera.orbit(volume, angle, 20), size=(40, 40), device=device).report["device"]
+        for angle in (0, 30, 60)
+    ]
+    assert len({one["sample_bytes"] for one in told}) == 1
+
+
 def test_what_the_cpu_draws_is_said_with_the_reason(device):
     volume = ws.examples.ripples(16)
     lazy = ws.Volume.lazy(np.asarray(volume.samples), cache=False)

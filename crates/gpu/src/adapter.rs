@@ -98,11 +98,23 @@ pub(crate) fn choose(choice: &Choice) -> GpuResult<(Instance, Adapter, wgpu::Ada
     };
     let there_are =
         if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", names.join(", ")) };
-    match adapters.into_iter().find(|(adapter, _)| is_wanted(adapter)) {
+    // A whole name before a part of one.
+    let is_whole = |adapter: &Adapter| match choice {
+        Choice::Best => false,
+        Choice::Named(name) => *name == adapter.name || *name == format!("{} {}", adapter.name, adapter.backend),
+    };
+    let place = adapters.iter().position(|(adapter, _)| is_whole(adapter));
+    let place = place.or_else(|| adapters.iter().position(|(adapter, _)| is_wanted(adapter)));
+    match place.and_then(|place| adapters.into_iter().nth(place)) {
         Some((told, adapter)) => Ok((instance, told, adapter)),
         None => Err(Failure::NoAdapter(match choice {
             Choice::Best => format!("no GPU was found: {there_are}"),
             Choice::Named(part) => format!("no GPU has {part:?} in its name: {there_are}"),
         })),
     }
+}
+
+/// The adapter that is wanted, without opening it.
+pub(crate) fn resolved(choice: &Choice) -> GpuResult<Adapter> {
+    choose(choice).map(|(_, adapter, _)| adapter)
 }

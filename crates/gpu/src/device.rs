@@ -61,7 +61,9 @@ impl OpenDevice {
         for scope in scopes.into_iter().rev() {
             if let Some(error) = pollster::block_on(scope.pop()) {
                 failure = failure.or(Some(match error {
-                    wgpu::Error::OutOfMemory { .. } => Failure::Memory("the GPU has too little memory left".to_owned()),
+                    wgpu::Error::OutOfMemory { .. } => {
+                        Failure::Allocation("the GPU has too little memory left".to_owned())
+                    }
                     other => Failure::Refused(other.to_string()),
                 }));
             }

@@ -34,13 +34,14 @@ const AIM_SECONDS: f64 = 0.02;
 /// How many times as many slabs as the one before a dispatch has at most.
 const MOST_GROWTH: usize = 4;
 
-/// Texels of sheets per second that are taken for granted before any was timed, of a GPU and of a program on the processor.
-const FIRST_RATES: [f64; 2] = [1e9, 1e6];
+/// Texels of sheets per second that are taken for granted of the first dispatch of a frame, by a GPU and by a program on the
+/// processor: what the frame before was like says little, since its rays may all have ended early.
+const FIRST_RATES: [f64; 2] = [5e8, 1e6];
 
 /// How a frame is cut; the picture does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
-    /// Slabs of a dispatch at most; `None`: as many as take a twentieth of a second.
+    /// Slabs of a dispatch at most; `None`: as many as take a fiftieth of a second.
     pub most_slabs: Option<usize>,
     /// Leave out what nothing is seen of.
     pub skips: bool,
@@ -63,8 +64,6 @@ pub(crate) struct KeptWork {
     /// What was uploaded.
     pub volumes: Volumes,
     pub buffers: Buffers,
-    /// Texels of sheets per second, as the last dispatch had them.
-    pub rate: Option<f64>,
 }
 
 /// What a frame needs.
@@ -194,16 +193,14 @@ impl Job<'_> {
         let mut from = first;
         let mut ranges = ranges.iter();
         let mut range_end = first;
-        // Of the first dispatch nothing is known but how the last frame went.
-        let mut most = if work.rate.is_some() { usize::MAX } else { 1 };
+        let mut rate = FIRST_RATES[usize::from(self.device.adapter.is_software())];
+        let mut most = usize::MAX;
         while from < end {
             if from == range_end {
                 let Some(range) = ranges.next() else { break };
                 self.hold(range, numbers, work, counts)?;
                 range_end = range.end;
             }
-            let is_software = self.device.adapter.is_software();
-            let rate = work.rate.unwrap_or(FIRST_RATES[usize::from(is_software)]);
             let n_slabs = (rate * AIM_SECONDS / n_per_slab as f64).max(1.0) as usize;
             let n_slabs = self.schedule.most_slabs.unwrap_or(n_slabs.min(most));
             let to = from.saturating_add(n_slabs).min(range_end);
@@ -229,7 +226,7 @@ impl Job<'_> {
             counts.dispatches += 1;
             counts.longest_seconds = counts.longest_seconds.max(seconds);
             most = (to - from).saturating_mul(MOST_GROWTH);
-            work.rate = Some(((to - from) * n_per_slab) as f64 / seconds);
+            rate = ((to - from) * n_per_slab) as f64 / seconds;
             told((to - first) as f32 / (end - first) as f32)?;
             from = to;
         }

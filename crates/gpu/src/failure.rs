@@ -13,6 +13,8 @@ pub enum Failure {
     NotOnGpu(String),
     /// It needs more memory than it may take, or than there is.
     Memory(String),
+    /// The driver refused memory.
+    Allocation(String),
     /// The device is gone.
     Lost(String),
     /// The device or its driver refused something.
@@ -24,7 +26,11 @@ pub enum Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoAdapter(why) | Self::Untrusted(why) | Self::NotOnGpu(why) | Self::Memory(why) => f.write_str(why),
+            Self::NoAdapter(why)
+            | Self::Untrusted(why)
+            | Self::NotOnGpu(why)
+            | Self::Memory(why)
+            | Self::Allocation(why) => f.write_str(why),
             Self::Lost(why) => write!(f, "the device was lost: {why}"),
             Self::Refused(why) => write!(f, "the device refused: {why}"),
             Self::Cancelled => f.write_str("cancelled"),

@@ -56,6 +56,8 @@ pub struct Gpu {
     device: OpenDevice,
     gather: bool,
     budget_bytes: AtomicUsize,
+    /// What is left of that after the driver has refused memory.
+    most_bytes: AtomicUsize,
     work: Mutex<KeptWork>,
 }
 
@@ -69,7 +71,13 @@ impl Gpu {
     pub fn open_with(choice: &Choice, budget_bytes: usize, fails: bool) -> GpuResult<Self> {
         let device = OpenDevice::open(choice)?;
         let gather = test_samples(&device, fails)?;
-        let gpu = Self { device, gather, budget_bytes: AtomicUsize::new(budget_bytes), work: Mutex::default() };
+        let gpu = Self {
+            device,
+            gather,
+            budget_bytes: AtomicUsize::new(budget_bytes),
+            most_bytes: AtomicUsize::new(usize::MAX),
+            work: Mutex::default(),
+        };
         let draw = |plan: &Plan, slices: &[&Slices]| gpu.draw_base_planes(plan, slices, &()).map(|drawn| drawn.0);
         test_picture(&gpu.adapter().name, draw)?;
         *gpu.work() = KeptWork::default();
@@ -156,7 +164,7 @@ impl Gpu {
         let work = &mut *self.work();
         let sources = sources_of(plan, slices);
         let fields: Vec<usize> = sources.iter().filter_map(|source| source.field).collect();
-        let budget = self.budget_bytes();
+        let budget = self.budget_bytes().min(self.most_bytes.load(Ordering::Relaxed));
         let mut placed = work.volumes.place_all(
             &self.device,
             &mut permutation,
@@ -165,12 +173,14 @@ impl Gpu {
             budget,
             schedule.is_paged,
         );
-        if matches!(placed, Err(Failure::Memory(_))) {
-            // What others are using is not known; half as much may still be there.
-            work.volumes.clear();
+        if matches!(placed, Err(Failure::Refused(_) | Failure::Allocation(_))) {
+            // What others are using is not known; half as much may still be there, and from now on no more is asked for.
+            *work = KeptWork::default();
+            self.device.queue.submit([]);
+            self.device.wait()?;
+            self.most_bytes.store(budget / 2, Ordering::Relaxed);
             let half = budget / 2;
-            let again = work.volumes.place_all(&self.device, &mut permutation, &sources, plan.layers.len(), half, true);
-            placed = again.or(placed);
+            placed = work.volumes.place_all(&self.device, &mut permutation, &sources, plan.layers.len(), half, true);
         }
         let volumes = placed?;
         let pipeline = if let Some(pipeline) = work.pipelines.get(&permutation) {
@@ -185,7 +195,7 @@ impl Gpu {
         };
         let n_sample_bytes = volumes.iter().map(|volume| volume.n_bytes() as u64).sum();
         let is_paged = volumes.iter().any(|volume| volume.pages.is_some());
-        let mut counts = Counts::new(&self.device);
+        let mut counts = self.device.guarded(|| Ok(Counts::new(&self.device)))?;
         let job = Job {
             device: &self.device,
             plan,
@@ -196,7 +206,12 @@ impl Gpu {
             fields: &fields,
             schedule,
         };
-        let pictures = self.device.guarded(|| job.draw_all(work, callback, &mut counts))?;
+        let drawn = self.device.guarded(|| job.draw_all(work, callback, &mut counts));
+        if drawn.as_ref().is_err_and(|failure| *failure != Failure::Cancelled) {
+            // What was refused may look as if it were there.
+            *work = KeptWork::default();
+        }
+        let pictures = drawn?;
         let report = self.device.guarded(|| counts.report(&self.device))?;
         Ok((pictures, GpuReport { is_paged, n_sample_bytes, ..report }))
     }

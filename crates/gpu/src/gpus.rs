@@ -2,17 +2,21 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
 
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::progress::ProgressCallback;
 use wavesplat_splat::source::slices::Slices;
 
-use crate::adapter::{Adapter, Choice};
+use crate::adapter::{Adapter, Choice, resolved};
 use crate::draw::Schedule;
 use crate::failure::{Failure, GpuResult};
 use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 use crate::report::GpuReport;
+
+/// How long a process waits at its end for a GPU that is being opened.
+const MOST_WAITING: Duration = Duration::from_secs(10);
 
 /// What should draw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -113,11 +117,12 @@ impl Gpus {
         let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         let is_opening =
             |opened: &mut Vec<(Choice, Opened)>| opened.iter().any(|(_, slot)| matches!(slot, Opened::Opening));
-        drop(self.changed.wait_while(opened, is_opening));
+        // A driver that hangs does not keep the program.
+        drop(self.changed.wait_timeout_while(opened, MOST_WAITING, is_opening));
     }
 
-    /// Whether another process, of which this one is a fork, has opened them.
-    fn is_foreign(&self) -> bool {
+    /// Whether another process, of which this one is a fork, has asked for GPUs: drivers do not survive that.
+    pub fn is_foreign(&self) -> bool {
         let own = std::process::id();
         let first = self.process.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed);
         first.is_err_and(|process| process != own)
@@ -168,7 +173,28 @@ impl Gpus {
         }
     }
 
+    /// Opens a GPU anew, and tests it, beside one that may be open.
+    pub fn tested(&self, choice: &Choice) -> GpuResult<Gpu> {
+        if self.is_foreign() {
+            return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
+        }
+        std::panic::catch_unwind(|| Gpu::open(choice, self.budget_bytes()))
+            .unwrap_or_else(|_| Err(Failure::Refused("opening the GPU ended in a panic".to_owned())))
+    }
+
     fn open_now(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
+        // One device for all names of a GPU.
+        if let Ok(adapter) = std::panic::catch_unwind(|| resolved(choice)).unwrap_or_else(|_| resolved_in_panic()) {
+            let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            let same = opened.into_iter().find_map(|(_, slot)| match slot {
+                Opened::Open(gpu) if *gpu.adapter() == adapter && gpu.lost().is_none() => Some(gpu),
+                _ => None,
+            });
+            if let Some(gpu) = same {
+                self.set(choice, Opened::Open(gpu.clone()));
+                return Ok(gpu);
+            }
+        }
         // A driver, or what calls it, that gives up must not take the program with it.
         let fails = self.fails.load(Ordering::Relaxed);
         let open = || Gpu::open_with(choice, DEFAULT_BUDGET_BYTES, fails).map(Arc::new);
@@ -239,6 +265,10 @@ fn draw(
     gpu.set_budget(budget_bytes);
     let (pictures, report) = gpu.draw_base_planes_by(schedule, plan, slices, callback)?;
     Ok(DrawnOnGpu { pictures, report, adapter: gpu.adapter().clone(), reopened: None })
+}
+
+fn resolved_in_panic() -> GpuResult<Adapter> {
+    Err(Failure::Refused("asking for GPUs ended in a panic".to_owned()))
 }
 
 /// Whether the system has a file of a GPU: drivers need not be loaded to see that there is none.

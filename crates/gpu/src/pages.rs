@@ -45,7 +45,7 @@ pub(crate) struct Pages {
     side: usize,
     /// Pages of the volume along x, y, z.
     grid: [usize; 3],
-    /// Opened of each page that is there.
+    /// Slot of each page that is there.
     place: HashMap<usize, usize>,
     /// Page in each slot, and when it was used.
     held: Vec<(Option<usize>, u64)>,

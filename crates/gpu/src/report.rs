@@ -7,9 +7,9 @@ use crate::timer::Timer;
 /// What a frame took on a GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GpuReport {
-    /// Texels of base planes, and of these, with all sheets of occupied slabs, what was looked at at most.
+    /// Texels of base planes.
     pub n_base_texels: u64,
-    /// Texels of sheets.
+    /// Texels of sheets in blocks that show something: at most what was looked at.
     pub n_texels: u64,
     /// Dispatches that the frame was cut into.
     pub n_dispatches: u64,

@@ -16,8 +16,10 @@ use crate::scene_kind::{SourceSamples, apron_of};
 struct VolumeKey {
     id: u64,
     apron: Apron,
-    /// Pages that there is room for; `None`: all samples lie together.
-    slots: Option<usize>,
+    /// Pages that there is room for, and of which layer: each has its own; `None`: all samples lie together.
+    slots: Option<(usize, usize)>,
+    /// Whether it is light or labels, which are made anew as the light turns.
+    is_field: bool,
 }
 
 /// The samples of a source.
@@ -45,11 +47,6 @@ impl GpuVolume {
 pub(crate) struct Volumes(Vec<(VolumeKey, Arc<GpuVolume>)>);
 
 impl Volumes {
-    /// Leaves none there.
-    pub fn clear(&mut self) {
-        self.0.clear();
-    }
-
     /// The samples of all sources, in pages where they do not fit; what was not used for longest makes room.
     pub fn place_all(
         &mut self,
@@ -85,10 +82,10 @@ impl Volumes {
                         megabytes(page_bytes(kind, apron))
                     )));
                 }
-                slots = Some(n);
+                slots = Some((n, k));
                 kind.page_side = Some(page_side(apron));
             }
-            keys.push(VolumeKey { id: slices.id(), apron, slots });
+            keys.push(VolumeKey { id: slices.id(), apron, slots, is_field: k >= n_layers });
         }
         if of_fields > budget_bytes {
             return Err(Failure::Memory(format!(
@@ -97,9 +94,10 @@ impl Volumes {
                 megabytes(budget_bytes)
             )));
         }
+        self.0.retain(|(key, _)| !key.is_field || keys.contains(key));
         // What this frame does not need makes room, the oldest first.
         let bytes_of = |k: usize| match keys[k].slots {
-            Some(n) => n * page_bytes(&permutation.sources[k], keys[k].apron),
+            Some((n, _)) => n * page_bytes(&permutation.sources[k], keys[k].apron),
             None => whole[k],
         };
         let mut kept: usize = self.0.iter().map(|(_, volume)| volume.n_bytes()).sum();
@@ -114,7 +112,10 @@ impl Volumes {
             let found = self.0.iter().position(|(own, _)| own == key);
             let (key, volume) = match found {
                 Some(place) => self.0.remove(place),
-                None => (*key, Arc::new(device.guarded(|| uploaded(device, &source.slices, kind, key.slots))?)),
+                None => (
+                    *key,
+                    Arc::new(device.guarded(|| uploaded(device, &source.slices, kind, key.slots.map(|(n, _)| n)))?),
+                ),
             };
             volumes.push(volume.clone());
             self.0.push((key, volume));

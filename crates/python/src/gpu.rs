@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use wavesplat::Device;
-use wavesplat::gpu::{Adapter, Choice, Gpu, GpuReport, Gpus, adapters};
+use wavesplat::gpu::{Adapter, Choice, GpuReport, Gpus, adapters};
 
 /// What "cpu", "auto", "gpu" or a part of a name stands for.
 pub fn device(name: &str) -> Device {
@@ -47,14 +47,15 @@ pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) ->
 /// See `_native.pyi`.
 #[pyfunction]
 pub fn gpu_adapters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
-    let found = py.detach(adapters);
+    // A fork of a process that asked for GPUs has none.
+    let found = if Gpus::of_process().is_foreign() { Vec::new() } else { py.detach(adapters) };
     PyList::new(py, found.iter().map(|adapter| fields_of(py, adapter)).collect::<PyResult<Vec<_>>>()?)
 }
 
 /// See `_native.pyi`.
 #[pyfunction]
 pub fn gpu_check<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyDict>> {
-    let opened = py.detach(|| Gpu::open(&Choice::Named(name.to_owned()), Gpus::of_process().budget_bytes()));
+    let opened = py.detach(|| Gpus::of_process().tested(&Choice::Named(name.to_owned())));
     let fields = PyDict::new(py);
     match opened {
         Ok(gpu) => {

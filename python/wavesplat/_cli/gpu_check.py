@@ -41,8 +41,9 @@ def _checked(adapter: Any) -> dict[str, Any]:
 
     from wavesplat import gpu
 
-    tested = gpu.self_test(adapter.name)
-    pictures = [] if tested.reason else [_compared(adapter.name, *scene) for scene in _scenes()]
+    name = f"{adapter.name} {adapter.backend}"
+    tested = gpu.self_test(name)
+    pictures = [] if tested.reason else [_compared(name, *scene) for scene in _scenes()]
     return {**asdict(adapter), "self_test": asdict(tested), "pictures": pictures}
 
 

@@ -209,7 +209,7 @@ def chosen_device(device: str) -> str:
         raise ArgumentError(
             f'device is {device!r}; give "auto", "cpu", "gpu" or part of a name of wavesplat.gpu.adapters()'
         )
-    return os.environ.get(DEVICE_VARIABLE, "auto") if device.strip() == "auto" else device.strip()
+    return (os.environ.get(DEVICE_VARIABLE, "").strip() or "auto") if device.strip() == "auto" else device.strip()
 
 
 def region(clipping: Clipping) -> dict[str, Any]:

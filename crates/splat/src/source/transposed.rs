@@ -59,6 +59,11 @@ impl TransposedSlices {
         if !across && !geometry.slices.must_load() {
             return;
         }
+        // Beyond the first and the last slice, where other layers go on, the nearest one counts at places of the sheet's own.
+        if !w.iter().all(|w| (0.0..=axis_w.last()).contains(&geometry.own_w(*w))) {
+            *self = Self::default();
+            return;
+        }
         let own = |w: f64| geometry.own_w(w).clamp(0.0, axis_w.last());
         let [w, ends] = [w, ends].map(|w| w.map(own));
         if w.iter().all(|w| self.run[0] <= *w && *w <= self.run[1]) {

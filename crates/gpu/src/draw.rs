@@ -20,7 +20,7 @@ use crate::device::OpenDevice;
 use crate::failure::{Failure, GpuResult};
 use crate::layout::{N_BLOCK, NO_PLACE};
 use crate::numbers::{Numbers, is_mean};
-use crate::pages::{PagedRange, n_pages, pages_by_slab, ranges};
+use crate::pages::{PagedRange, n_pages, page_side, pages_by_slab, ranges};
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
 use crate::report::Counts;
@@ -116,7 +116,7 @@ impl Job<'_> {
         // Room for the tables of pages, which are written range by range.
         for (k, slices) in self.slices.iter().enumerate().filter(|(k, _)| self.volumes[*k].pages.is_some()) {
             let [x, y, z] = n_pages(slices.grid().size());
-            numbers.sources[k].pages = [x, y, z, 0].map(|n| n as u32);
+            numbers.sources[k].pages = [x, y, z, page_side(self.volumes[k].apron)].map(|n| n as u32);
             numbers.sources[k].apron[3] = numbers.words.len() as i32;
             numbers.words.resize(numbers.words.len() + x * y * z, 0);
         }

@@ -165,14 +165,8 @@ impl Gpu {
         let sources = sources_of(plan, slices);
         let fields: Vec<usize> = sources.iter().filter_map(|source| source.field).collect();
         let budget = self.budget_bytes().min(self.most_bytes.load(Ordering::Relaxed));
-        let mut placed = work.volumes.place_all(
-            &self.device,
-            &mut permutation,
-            &sources,
-            plan.layers.len(),
-            budget,
-            schedule.is_paged,
-        );
+        let mut placed =
+            work.volumes.place_all(&self.device, &permutation, &sources, plan.layers.len(), budget, schedule.is_paged);
         if matches!(placed, Err(Failure::Refused(_) | Failure::Allocation(_))) {
             // What others are using is not known; half as much may still be there, and from now on no more is asked for.
             *work = KeptWork::default();
@@ -180,7 +174,7 @@ impl Gpu {
             self.device.wait()?;
             self.most_bytes.store(budget / 2, Ordering::Relaxed);
             let half = budget / 2;
-            placed = work.volumes.place_all(&self.device, &mut permutation, &sources, plan.layers.len(), half, true);
+            placed = work.volumes.place_all(&self.device, &permutation, &sources, plan.layers.len(), half, true);
         }
         let volumes = placed?;
         let pipeline = if let Some(pipeline) = work.pipelines.get(&permutation) {

@@ -53,7 +53,7 @@ pub struct GpuSource {
     pub apron: [i32; 4],
     /// 1 / width, 1 / height; half distance of differences; taps per width of smoothed gradients.
     pub texel: [f32; 4],
-    /// Pages along x, y, z.
+    /// Pages along x, y, z; texels of a page along each axis, 0 where all samples lie together.
     pub pages: [u32; 4],
 }
 

@@ -100,8 +100,6 @@ pub struct SourceKind {
     pub gradient: GradientTaps,
     /// Whether there are samples that are drawn as empty.
     pub has_holes: bool,
-    /// Texels of a page along each axis; `None`: all samples lie together.
-    pub page_side: Option<usize>,
 }
 
 /// A layer.
@@ -386,7 +384,5 @@ fn source_constants(k: usize, source: &SourceKind) -> String {
     add("GRADIENT", "u32", &format!("{gradient}u"));
     add("N_SMOOTHED", "i32", &n);
     add("BEFORE", "i32", &before);
-    add("PAGED", "bool", &source.page_side.is_some());
-    add("PAGE_SIDE", "i32", &source.page_side.unwrap_or_default());
     text
 }

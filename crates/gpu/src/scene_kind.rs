@@ -101,7 +101,6 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
         format: if source.slices.len() > 1 { Format::Four } else { Format::of(source.first()) },
         gradient: gradient_taps(source.first(), source.gradient),
         has_holes: source.first().has_mask(),
-        page_side: None,
     });
     Ok(Permutation {
         operator,

@@ -124,13 +124,7 @@ fn wrong_samples(device: &OpenDevice, gather: bool) -> GpuResult<Option<String>>
 
 /// The probe is the same for all but the format.
 fn probe_permutation(format: Format, gather: bool) -> Permutation {
-    let source = SourceKind {
-        kernel: Kernel::Linear,
-        format,
-        gradient: GradientTaps::Nothing,
-        has_holes: false,
-        page_side: None,
-    };
+    let source = SourceKind { kernel: Kernel::Linear, format, gradient: GradientTaps::Nothing, has_holes: false };
     Permutation {
         operator: GpuOperator::FirstHit,
         layers: vec![LayerKind { is_shaded: false, by_gradient: ByGradient::Nothing }],

@@ -6,7 +6,7 @@ use wavesplat_splat::source::slices::Slices;
 
 use crate::device::OpenDevice;
 use crate::failure::{Failure, GpuResult};
-use crate::pages::{Pages, n_pages, page_bytes, page_side, page_textures};
+use crate::pages::{Pages, n_pages, page_bytes, page_textures};
 use crate::permutation::{Permutation, SourceKind};
 use crate::samples::{Apron, SampleTexture, TexelBox, hole_texture, upload, upload_holes};
 use crate::scene_kind::{SourceSamples, apron_of};
@@ -51,7 +51,7 @@ impl Volumes {
     pub fn place_all(
         &mut self,
         device: &OpenDevice,
-        permutation: &mut Permutation,
+        permutation: &Permutation,
         sources: &[SourceSamples],
         n_layers: usize,
         budget_bytes: usize,
@@ -68,7 +68,7 @@ impl Volumes {
         };
         let is_paged = is_paged || of_layers + of_fields > budget_bytes || !(0..n_layers).all(fits);
         let mut keys = Vec::new();
-        for (k, (source, kind)) in sources.iter().zip(&mut permutation.sources).enumerate() {
+        for (k, (source, kind)) in sources.iter().zip(&permutation.sources).enumerate() {
             let (slices, apron) = (source.first(), apron_of(kind));
             let mut slots = None;
             if is_paged && k < n_layers {
@@ -83,7 +83,6 @@ impl Volumes {
                     )));
                 }
                 slots = Some((n, k));
-                kind.page_side = Some(page_side(apron));
             }
             keys.push(VolumeKey { id: slices.id(), apron, slots, is_field: k >= n_layers });
         }

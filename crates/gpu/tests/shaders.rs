@@ -18,7 +18,6 @@ const PLAIN: SourceKind = SourceKind {
     format: Format::Byte { is_signed: false },
     gradient: GradientTaps::Nothing,
     has_holes: false,
-    page_side: None,
 };
 
 const SMOOTHED: GradientTaps = GradientTaps::Smoothed { n: 6, before: 2 };
@@ -59,7 +58,7 @@ fn permutations() -> Vec<Permutation> {
                 all.push(Permutation { gather, with_depth, counted, ..permutation(operator, vec![PLAIN]) });
             }
         }
-        let holes = SourceKind { has_holes: true, page_side: Some(70), format: Format::Float, ..PLAIN };
+        let holes = SourceKind { has_holes: true, format: Format::Float, ..PLAIN };
         all.push(permutation(operator, vec![holes]));
     }
     let kernels = Kernel::NAMES.map(|(_, kernel)| kernel);
@@ -76,7 +75,7 @@ fn permutations() -> Vec<Permutation> {
             }
         }
         for format in formats {
-            all.push(permutation(over(steep), vec![SourceKind { format, page_side: Some(73), ..lit }]));
+            all.push(permutation(over(steep), vec![SourceKind { format, ..lit }]));
         }
         let field = SourceKind { format: Format::Float, ..PLAIN };
         let four = SourceKind { format: Format::Four, ..PLAIN };

@@ -120,13 +120,8 @@ fn run_function(gpu: &Gpu, numbers: &mut Numbers, inputs: &[[f32; 4]], n: usize,
     );
     let phantom = Phantom::fog([4; 3], DAffine3::IDENTITY, 1.0);
     let slices = Slices::new(&phantom.volume(), Kernel::Linear);
-    let source = SourceKind {
-        kernel: Kernel::Linear,
-        format: Format::Float,
-        gradient: GradientTaps::Nothing,
-        has_holes: false,
-        page_side: None,
-    };
+    let source =
+        SourceKind { kernel: Kernel::Linear, format: Format::Float, gradient: GradientTaps::Nothing, has_holes: false };
     gpu.run_stage(&permutation(source), &entry, numbers, &slices, n).unwrap()
 }
 
@@ -284,13 +279,7 @@ fn sheet() {
         numbers.frame = GpuFrame { axes: [axes[2] as u32, 0, 0, 0], ..GpuFrame::default() };
         let source = numbers.source(&[w], &geometry);
         numbers.sources.push(source);
-        let kind = SourceKind {
-            kernel,
-            format: Format::Float,
-            gradient: GradientTaps::Difference,
-            has_holes: false,
-            page_side: None,
-        };
+        let kind = SourceKind { kernel, format: Format::Float, gradient: GradientTaps::Difference, has_holes: false };
         let entry = "@compute @workgroup_size(64)\nfn stage(@builtin(global_invocation_id) id: vec3<u32>) {\n    \
                      let place = place_0(vec2<u32>(id.x % 16u, id.x / 16u), 0u);\n    \
                      state[id.x] = vec4<f32>(value_0(place, vec3<f32>(0.0f)), gradient_0(place));\n}\n";

@@ -61,7 +61,7 @@ struct Source {
     apron: vec4<i32>,
     // 1 / width and 1 / height of the texture; half distance of differences; taps per width of smoothed gradients.
     texel: vec4<f32>,
-    // Pages along x, y, z.
+    // Pages along x, y, z; texels of a page along each axis, 0 where all samples lie together.
     pages: vec4<u32>,
 }
 

@@ -6,13 +6,15 @@
 // What is to be added to the index of a sample near `cell` to find it in the texture.
 fn origin_SOURCE(cell: vec3<i32>) -> vec3<i32> {
     let apron = parameters.sources[SOURCE].apron;
-    if !PAGED_SOURCE {
+    // No constant: whole and in pages, the shader is the same, and so are the bytes.
+    let side = i32(parameters.sources[SOURCE].pages.w);
+    if side == 0 {
         return apron.xyz;
     }
     let n = vec3<i32>(parameters.sources[SOURCE].pages.xyz);
     let page = clamp(cell >> vec3<u32>(6u), vec3<i32>(0), n - 1);
     let slot = words[u32(apron.w) + u32(page.x + n.x * (page.y + n.y * page.z))];
-    let corner = vec3<i32>(vec3<u32>(slot & 0x3ffu, (slot >> 10u) & 0x3ffu, slot >> 20u)) * PAGE_SIDE_SOURCE;
+    let corner = vec3<i32>(vec3<u32>(slot & 0x3ffu, (slot >> 10u) & 0x3ffu, slot >> 20u)) * side;
     return corner + apron.xyz - (page << vec3<u32>(6u));
 }
 

@@ -227,9 +227,10 @@ impl Gpus {
             }
             None => {
                 self.set(choice, Opened::Opening);
-                let choice = choice.clone();
+                let wanted = choice.clone();
                 let opens = std::thread::Builder::new().name("wavesplat-gpu".to_owned());
-                if let Err(error) = opens.spawn(move || self.open_now(&choice).map(|_| ())) {
+                if let Err(error) = opens.spawn(move || self.open_now(&wanted).map(|_| ())) {
+                    self.forget(choice);
                     return Err(Failure::Refused(error.to_string()));
                 }
             }

@@ -184,16 +184,21 @@ impl Gpus {
 
     fn open_now(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         // One device for all names of a GPU.
-        if let Ok(adapter) = std::panic::catch_unwind(|| resolved(choice)).unwrap_or_else(|_| resolved_in_panic()) {
-            let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            let same = opened.into_iter().find_map(|(_, slot)| match slot {
-                Opened::Open(gpu) if *gpu.adapter() == adapter && gpu.lost().is_none() => Some(gpu),
+        let open: Vec<Arc<Gpu>> = {
+            let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+            let open = opened.iter().filter_map(|(_, slot)| match slot {
+                Opened::Open(gpu) if gpu.lost().is_none() => Some(gpu.clone()),
                 _ => None,
             });
-            if let Some(gpu) = same {
-                self.set(choice, Opened::Open(gpu.clone()));
-                return Ok(gpu);
-            }
+            open.collect()
+        };
+        // Asking drivers takes a while, and tells nothing where none is open.
+        let adapter = if open.is_empty() { None } else { std::panic::catch_unwind(|| resolved(choice)).ok() };
+        let same =
+            adapter.and_then(Result::ok).and_then(|wanted| open.into_iter().find(|gpu| *gpu.adapter() == wanted));
+        if let Some(gpu) = same {
+            self.set(choice, Opened::Open(gpu.clone()));
+            return Ok(gpu);
         }
         // A driver, or what calls it, that gives up must not take the program with it.
         let fails = self.fails.load(Ordering::Relaxed);
@@ -266,10 +271,6 @@ fn draw(
     gpu.set_budget(budget_bytes);
     let (pictures, report) = gpu.draw_base_planes_by(schedule, plan, slices, callback)?;
     Ok(DrawnOnGpu { pictures, report, adapter: gpu.adapter().clone(), reopened: None })
-}
-
-fn resolved_in_panic() -> GpuResult<Adapter> {
-    Err(Failure::Refused("asking for GPUs ended in a panic".to_owned()))
 }
 
 /// Whether the system has a file of a GPU: drivers need not be loaded to see that there is none.

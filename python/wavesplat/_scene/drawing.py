@@ -131,6 +131,9 @@ def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture
     picture.report.update(_facts(frame, layers, functions, picture.report))
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
+    told = picture.report["device"]
+    if chosen_device(options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
+        picture.report.setdefault("notes", []).append(f"drawn by the CPU: {told['reason']}")
     return picture
 
 

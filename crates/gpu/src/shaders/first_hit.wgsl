@@ -11,9 +11,8 @@ fn march_ray(ray: Ray, block: u32) {
     var front_hole = false;
     var front_place: Place;
     for (var word = first / 32u; word * 32u < end + 1u; word++) {
-        let own = occupied_word(0u, block, word);
-        let slabs_behind = behind(0u, block, word, own);
-        var sheets = within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u);
+        let around = sheets_around(0u, block, word, first, end);
+        var sheets = around.x;
         while sheets != 0u {
             let bit = firstTrailingBit(sheets);
             sheets &= sheets - 1u;
@@ -23,7 +22,7 @@ fn march_ray(ray: Ray, block: u32) {
             let back_hole = is_hole_0(back_place);
             let a = front - iso;
             let b = back - iso;
-            let is_slab = ((slabs_behind >> bit) & 1u) == 1u && in_front + 1u == number;
+            let is_slab = ((around.y >> bit) & 1u) == 1u && in_front + 1u == number;
             if is_slab && (a < 0.0f) != (b < 0.0f) && !front_hole && !back_hole {
                 let s_front = s_of(number - 1u);
                 let at = a / (a - b);

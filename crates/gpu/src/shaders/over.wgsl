@@ -218,15 +218,14 @@ fn march_ray(ray: Ray, block: u32) {
     var front: Sheet;
     var in_front = 0xffffffffu;
     for (var word = first / 32u; word * 32u < end + 1u; word++) {
-        let own = occupied_word(0u, block, word);
-        let slabs_behind = behind(0u, block, word, own);
-        var sheets = within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u);
+        let around = sheets_around(0u, block, word, first, end);
+        var sheets = around.x;
         while sheets != 0u {
             let bit = firstTrailingBit(sheets);
             sheets &= sheets - 1u;
             let number = word * 32u + bit;
             var back = sheet_at(ray, number);
-            if ((slabs_behind >> bit) & 1u) == 1u && in_front + 1u == number {
+            if ((around.y >> bit) & 1u) == 1u && in_front + 1u == number {
                 add_slab(ray, &front, &back, number - 1u);
                 if is_done() {
                     return;

@@ -84,9 +84,8 @@ fn march_ray(ray: Ray, block: u32) {
     var front = 0.0f;
     var front_hole = false;
     for (var word = first / 32u; word * 32u < end + 1u; word++) {
-        let own = occupied_word(0u, block, word);
-        let slabs_behind = behind(0u, block, word, own);
-        var sheets = within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u);
+        let around = sheets_around(0u, block, word, first, end);
+        var sheets = around.x;
         while sheets != 0u {
             let bit = firstTrailingBit(sheets);
             sheets &= sheets - 1u;
@@ -94,7 +93,7 @@ fn march_ray(ray: Ray, block: u32) {
             let place = place_0(ray.texel, number);
             let back = value_0(place, vec3<f32>(0.0f));
             let back_hole = is_hole_0(place);
-            if ((slabs_behind >> bit) & 1u) == 1u && in_front + 1u == number {
+            if ((around.y >> bit) & 1u) == 1u && in_front + 1u == number {
                 let s_front = s_of(number - 1u);
                 let s_back = s_of(number);
                 let part = segment(ray, front, back, s_front, s_back, !front_hole && !back_hole);

@@ -14,6 +14,14 @@ fn behind(layer: u32, block: u32, word: u32, own: u32) -> u32 {
     return (own << 1u) | carried;
 }
 
+// The sheets of a word in front of and behind the slabs of a layer from `first` to before `end`; and which of them are behind
+// one.
+fn sheets_around(layer: u32, block: u32, word: u32, first: u32, end: u32) -> vec2<u32> {
+    let own = occupied_word(layer, block, word);
+    let slabs_behind = behind(layer, block, word, own);
+    return vec2<u32>(within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u), slabs_behind);
+}
+
 // The bits of a word that stand for numbers from `first` to before `end`.
 fn within(bits: u32, word: u32, first: u32, end: u32) -> u32 {
     var kept = bits;

@@ -307,7 +307,8 @@ pub fn encode_png<'py>(py: Python<'py>, rgba: PyReadonlyArray3<'py, f32>, bits: 
         _ => return Err(PyValueError::new_err(format!("bits is {bits}; pass 8 or 16"))),
     };
     let pixels = rgba.as_slice()?;
-    Ok(PyBytes::new(py, &py.detach(|| png_of_rgba(pixels, width, height, bits))))
+    let png = py.detach(|| png_of_rgba(pixels, width, height, bits)).map_err(to_py)?;
+    Ok(PyBytes::new(py, &png))
 }
 
 /// Associated float RGBA as bytes of unassociated RGBA.

@@ -29,7 +29,7 @@
 //! let scene = Scene::new(volume, look);
 //! let frame = scene.render(&camera, [160, 120], &FrameOptions::default())?;
 //! assert_eq!(frame.picture.rgba.len(), 160 * 120);
-//! let png: Vec<u8> = wavesplat::encode_png(&frame.picture, wavesplat::PngBits::Eight);
+//! let png: Vec<u8> = wavesplat::encode_png(&frame.picture, wavesplat::PngBits::Eight)?;
 //! # assert!(png.len() > 500);
 //! # Ok(())
 //! # }

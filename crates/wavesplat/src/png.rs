@@ -1,36 +1,63 @@
 //! PNG: premultiplied float RGBA to the bytes of a file with straight alpha; colours are used as given (sRGB).
 
-use wavesplat_core::Picture;
+use wavesplat_core::{Error, Picture};
 
 use crate::bytes::straight_bytes;
 
 /// Bits of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PngBits {
-    /// Bytes.
+    /// 8 bits per channel.
     Eight,
-    /// Twice as many.
+    /// 16 bits per channel.
     Sixteen,
 }
 
-/// A picture as the bytes of a PNG file.
-pub fn encode_png(picture: &Picture, bits: PngBits) -> Vec<u8> {
+/// Encodes a picture as the bytes of a PNG file.
+///
+/// # Errors
+///
+/// [`Error::OutOfRange`] where [`png_of_rgba`] has one.
+pub fn encode_png(picture: &Picture, bits: PngBits) -> Result<Vec<u8>, Error> {
     png_of_rgba(picture.rgba.as_flattened(), picture.width_px, picture.height_px, bits)
 }
 
-/// The same of premultiplied RGBA, row by row from the top.
+/// Encodes premultiplied RGBA, row by row from the top, as the bytes of a PNG file.
 ///
-/// # Panics
+/// # Errors
 ///
-/// If there are not four numbers for each pixel.
-pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBits) -> Vec<u8> {
-    assert_eq!(rgba.len(), 4 * width_px * height_px, "four numbers for each of {width_px} x {height_px} pixels");
+/// [`Error::OutOfRange`] if a side has no pixel or more than a PNG file can hold (2³¹ − 1), or if `rgba` does not have four
+/// numbers for each pixel.
+pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBits) -> Result<Vec<u8>, Error> {
+    for (side, n_pixels) in [("width", width_px), ("height", height_px)] {
+        if n_pixels == 0 || n_pixels > MAX_SIDE_PX {
+            return Err(Error::out_of_range(
+                format!("the {side} of a PNG picture"),
+                n_pixels,
+                "1 to 2147483647 pixels",
+                "PNG files hold no picture of another size",
+            ));
+        }
+    }
+    // Compared by division: the product of two sides can exceed an integer.
+    if rgba.len() % 4 != 0 || rgba.len() / 4 % width_px != 0 || rgba.len() / 4 / width_px != height_px {
+        return Err(Error::out_of_range(
+            format!("the length of RGBA of {width_px} x {height_px} pixels"),
+            rgba.len(),
+            "4 numbers for each pixel",
+            "pass red, green, blue and opacity of every pixel",
+        ));
+    }
     let is_eight = bits == PngBits::Eight;
     let data = if is_eight { straight_bytes(rgba) } else { straight_words(rgba) };
     let mut bytes = Vec::new();
-    write(&mut bytes, &data, [width_px, height_px], is_eight).expect("writing to memory does not fail");
-    bytes
+    write(&mut bytes, &data, [width_px, height_px], is_eight)
+        .expect("the size was checked, and writing to memory does not fail");
+    Ok(bytes)
 }
+
+/// The longest side of a PNG picture (PNG specification, section 11.2.1).
+const MAX_SIDE_PX: usize = (1 << 31) - 1;
 
 /// The levels of 16 bits, the high byte first.
 fn straight_words(rgba: &[f32]) -> Vec<u8> {
@@ -72,10 +99,26 @@ mod tests {
     fn alpha_becomes_straight_and_colours_stay_as_given() {
         let rgba = [[0.25, 0.0, 0.5, 0.5], [0.0; 4], [1.0; 4], [2.0, 0.5, 0.0, 1.0]];
         let picture = Picture { width_px: 2, height_px: 2, rgba: rgba.to_vec(), depth: None, value: None };
-        let (info, data) = decoded(&encode_png(&picture, PngBits::Eight));
+        let (info, data) = decoded(&encode_png(&picture, PngBits::Eight).unwrap());
         assert_eq!((info.width, info.height), (2, 2));
         assert_eq!(data, [128, 0, 255, 128, 0, 0, 0, 0, 255, 255, 255, 255, 255, 128, 0, 255]);
-        let (_, data) = decoded(&encode_png(&picture, PngBits::Sixteen));
+        let (_, data) = decoded(&encode_png(&picture, PngBits::Sixteen).unwrap());
         assert_eq!(data[..8], [128, 0, 0, 0, 255, 255, 128, 0]);
+    }
+
+    #[test]
+    fn sizes_that_png_cannot_hold_are_errors() {
+        for (rgba, size_px) in [
+            (vec![], [5, 0]),
+            (vec![], [0, 5]),
+            (vec![], [0, 0]),
+            (vec![0.0; 4], [1, 2]),
+            (vec![0.0; 7], [1, 1]),
+            (vec![], [1 << 32, 1]),
+            (vec![], [usize::MAX / 2, 2]),
+        ] {
+            let result = png_of_rgba(&rgba, size_px[0], size_px[1], PngBits::Eight);
+            assert!(matches!(result, Err(Error::OutOfRange { .. })), "{size_px:?}: {result:?}");
+        }
     }
 }

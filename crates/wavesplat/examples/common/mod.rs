@@ -67,10 +67,10 @@ pub fn look(opacity: &[(f64, f64)], color: &[(f64, [f64; 3])]) -> wavesplat::Res
 }
 
 /// Writes a frame as PNG to the folder that is the first argument, or to the system's folder for temporary files.
-pub fn save(frame: &Frame, name: &str) -> std::io::Result<()> {
+pub fn save(frame: &Frame, name: &str) -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args_os().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
     let path = folder.join(name);
-    std::fs::write(&path, encode_png(&frame.picture, PngBits::Eight))?;
+    std::fs::write(&path, encode_png(&frame.picture, PngBits::Eight)?)?;
     println!(
         "{}: {} sheets in all, {} million texels",
         path.display(),

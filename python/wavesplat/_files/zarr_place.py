@@ -230,4 +230,4 @@ def _is_metadata(key: str) -> bool:
 
 def _check_key(key: str) -> None:
     if ".." in key.split("/") or key.startswith("/") or "\0" in key:
-        raise FileError(f"the metadata name {key!r}, which leads out of the Zarr folder; copy the data again")
+        raise FileError(f"{key!r} leads out of the Zarr folder; name an array in it, or mend the metadata that name it")

@@ -146,6 +146,23 @@ def test_403_is_not_there(store, name):
             np.testing.assert_array_equal(lazy.read().samples, want)
 
 
+def test_the_command_line_notes_403(store, wavesplat):
+    (store / "v3.zarr" / NAMES["v3.zarr"]).unlink()
+    picture = store / "a.png"
+    with OddServer(store, missing=403) as server:
+        address = f"{server.address}/v3.zarr"
+        for options in (
+            (address, "-o", picture),
+            ("--from", picture, "--external-files", "-o", store / "b.png"),
+            (address, "--memory", "50 MB", "-o", store / "c.png"),
+        ):
+            more = () if options[0] == "--from" else ("--size", "9x9")
+            done = wavesplat("render", *options, *more)
+            assert done.returncode == 0, done.stderr
+            assert all(line.startswith("wavesplat: note: ") for line in done.stderr.splitlines()), done.stderr
+            assert "refuses (403)" in done.stderr
+
+
 def test_403_of_all_is_no_empty_volume(store):
     with OddServer(store, lambda path: (403, {}, iter([b""])) if is_chunk(path) else None) as server:
         with pytest.raises(FileError, match=r"refuses \(403 Forbidden\) all 8 chunks.*check that you may read"):

@@ -11,7 +11,7 @@ import typer
 
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
 from wavesplat._cli.outputs import check_outputs, write_report
-from wavesplat._cli.printing import is_terminal, print_notes, print_result
+from wavesplat._cli.printing import is_terminal, print_notes, print_result, warnings_as_notes
 from wavesplat.errors import ArgumentError
 
 __all__ = ["draw_from"]
@@ -44,15 +44,17 @@ def draw_from(
     check_outputs(str(path), output, "pictures", report)
     check_bits(bits)
     check_figure(figure)
-    if str(path) == "-":
-        document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
-    else:
-        document = scene_files.load(path, external_files=external_files)
+    with warnings_as_notes(quiet=quiet):
+        if str(path) == "-":
+            document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
+        else:
+            document = scene_files.load(path, external_files=external_files)
 
     def draw(told: Any) -> Any:
         return document.scene.render(document.camera, threads=threads, device=device, progress=told, **document.options)
 
-    picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
+    with warnings_as_notes(quiet=quiet):
+        picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
     if not quiet:
         print_notes(picture)
     if document.figure and figure == FigureOptions():

@@ -333,6 +333,6 @@ def test_scenes_of_lazy_files_are_documents(tmp_path):
     path, _ = _npy(tmp_path, _volume())
     look = ws.TransferFunction([(0, 0.0), (3000, 0.4)], [(0, 1, 1, 1)])
     scene = ws.Scene(ws.open(path, memory="50 MB"), look)
-    again = ws.Scene.from_json(scene.to_json())
+    again = ws.Scene.from_json(scene.to_json(), tmp_path)
     assert isinstance(again.layers[0].volume, ws.LazyVolume)
     assert again.layers[0].volume.memory == 50 * 10**6

@@ -14,7 +14,7 @@ import pytest
 import wavesplat as ws
 from wavesplat._picture.png_text import text_in, with_text
 from wavesplat._scene import scene_files, scene_json
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
 FIXTURES = Path(__file__).parent / "fixtures" / "scenes"
 SCHEMA = files("wavesplat") / "_scene" / "scene.schema.json"
@@ -48,7 +48,7 @@ def test_good_documents_are_drawn_and_written_as_they_were_read(path, folder):
     picture = drawn(document)
     assert picture.rgba.max() > 0
     text = document.scene.to_json()
-    again = ws.Scene.from_json(text)
+    again = ws.Scene.from_json(text, folder)
     assert again.to_json() == text
     np.testing.assert_array_equal(
         again.render(document.camera, **document.options | {"size": picture.size}).rgba, picture.rgba
@@ -119,7 +119,7 @@ NAMES = [
 def test_pictures_tell_how_to_draw_them_again(name, folder):
     scene, options = scenes(folder)[name]
     picture = scene.render(size=SIZE, **options)
-    again = drawn(scene_json.parse(json.dumps(picture.report), None))
+    again = drawn(scene_json.parse(json.dumps(picture.report), folder))
     np.testing.assert_array_equal(again.rgba, picture.rgba)
     assert again.report["scene"] == picture.report["scene"]
     picture.save(folder / "a.png")
@@ -136,11 +136,11 @@ def test_a_series_is_opened_again_at_its_time(folder):
     series = ws.open_series(folder / "times.npy")
     for shown, time in ((series, 2), (series[::2], 1)):
         scene = ws.Scene(ws.Layer(shown, "grey", time=time))
-        again = ws.Scene.from_json(scene.to_json())
+        again = ws.Scene.from_json(scene.to_json(), folder)
         assert (again.layers[0].time, len(again.layers[0].volume)) == (time, len(shown))
         np.testing.assert_array_equal(again.layers[0].drawn.samples, series[2].samples)
     processed = ws.Series([volume.smoothed(1) for volume in series])
-    again = ws.Scene.from_json(ws.Scene(ws.Layer(processed, "grey", time=3)).to_json())
+    again = ws.Scene.from_json(ws.Scene(ws.Layer(processed, "grey", time=3)).to_json(), folder)
     np.testing.assert_array_equal(again.layers[0].drawn.samples, processed[3].samples)
 
 
@@ -151,19 +151,22 @@ def test_paths_move_with_the_folder(folder):
     scene = ws.Scene(ws.open(folder / "noise.npy"), "grey")
     want = scene.render(size=SIZE).rgba
     (folder / "there").mkdir()
-    for name in ("scene.json", "there/scene.json"):
-        scene.save(folder / name)
+    scene.save(folder / "scene.json")
+    with pytest.warns(WavesplatWarning, match="does not lie in the folder of the scene"):
+        scene.save(folder / "there" / "scene.json")
     assert json.loads((folder / "scene.json").read_text())["layers"][0]["volume"]["path"] == "noise.npy"
     assert json.loads((folder / "there" / "scene.json").read_text())["layers"][0]["volume"]["path"] == "../noise.npy"
     moved = folder.parent / f"{folder.name}_moved"
     shutil.copytree(folder, moved)
     (folder / "noise.npy").unlink()
     for name in ("scene.json", "there/scene.json"):
-        np.testing.assert_array_equal(ws.Scene.load(moved / name).render(size=SIZE).rgba, want)
+        loaded = ws.Scene.load(moved / name, external_files=name.startswith("there"))
+        np.testing.assert_array_equal(loaded.render(size=SIZE).rgba, want)
     with pytest.raises(FileError, match="no such file"):
         ws.Scene.load(folder / "scene.json")
     (folder / "a" / "b").mkdir(parents=True)
-    scene.save(folder / "a" / "b" / "scene.json")
+    with pytest.warns(WavesplatWarning, match="does not lie in the folder of the scene"):
+        scene.save(folder / "a" / "b" / "scene.json")
     path = json.loads((folder / "a" / "b" / "scene.json").read_text())["layers"][0]["volume"]["path"]
     assert Path(path).is_absolute()
 
@@ -239,7 +242,7 @@ def test_a_figure_is_drawn_again_with_what_is_on_it(wavesplat, folder):
     document = json.loads(report.read_text())["report"]["scene"]
     assert document["figure"]["title"] == "Noise"
     with pytest.raises(ArgumentError, match="figure: unknown field 'caption'"):
-        ws.Scene.from_json(json.dumps(document | {"figure": {"caption": "Noise"}}))
+        ws.Scene.from_json(json.dumps(document | {"figure": {"caption": "Noise"}}), folder)
     # Another figure of the same picture.
     done = wavesplat("render", "--from", a, "-o", b, "--title", "Other")
     assert done.returncode == 0

@@ -10,6 +10,7 @@ from importlib.resources import as_file, files
 
 import numpy as np
 
+from wavesplat._files.memory import check_room
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._readers.opening import open as open_volume
@@ -59,6 +60,8 @@ def ripples(n: int = 32) -> Volume:
     ------
     ArgumentError
         If `n` is below 2.
+    LimitError
+        If the samples do not fit into memory.
 
     Examples
     --------
@@ -73,6 +76,8 @@ def ripples(n: int = 32) -> Volume:
     """
     if n < 2:
         raise ArgumentError(f"n is {n}; the signal needs at least 2 samples along each axis")
+    # The signal is made in double precision: three coordinates, and what lies between.
+    check_room(8 * 8 * int(n) ** 3, "the signal", "give a smaller n")
     f_m, alpha = 6.0, 0.25
     axis = np.linspace(-1.0, 1.0, n)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")

@@ -15,7 +15,7 @@ import typer
 
 from wavesplat._cli import demo, gpu_check, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
-from wavesplat.errors import ArgumentError, WavesplatError
+from wavesplat.errors import ArgumentError, WavesplatError, WavesplatWarning
 
 __all__ = ["app", "main"]
 
@@ -77,6 +77,7 @@ def _root(
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and leave with its exit code; every failure is one line on stderr."""
     take_any_name()
+    _warnings_as_notes()
     try:
         code = app(args=arguments, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
@@ -95,6 +96,21 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     if code == EXIT_INTERRUPTED:  # some releases of Typer return it, some raise
         message("interrupted; nothing was written")
     sys.exit(code if isinstance(code, int) else EXIT_OK)
+
+
+def _warnings_as_notes() -> None:
+    """Warnings of ours are notes on stderr, also those of threads that read while a picture is drawn."""
+    import warnings
+
+    usual = warnings.showwarning
+
+    def show(said: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, WavesplatWarning):
+            message(f"note: {said}")
+        else:
+            usual(said, category, *where, **more)
+
+    warnings.showwarning = show  # type: ignore[assignment]
 
 
 def _explained(error: BaseException) -> tuple[str, int]:

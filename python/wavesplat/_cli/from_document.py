@@ -11,13 +11,14 @@ import typer
 
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
 from wavesplat._cli.outputs import check_outputs, write_report
-from wavesplat._cli.printing import is_terminal, print_notes, print_result
+from wavesplat._cli.printing import is_terminal, print_notes, print_result, warnings_as_notes
 from wavesplat.errors import ArgumentError
 
 __all__ = ["draw_from"]
 
-#: What may be given beside it: where the picture goes, and what does not change what is drawn.
-BESIDE = {"context", "again", "output", "bits", "threads", "device", "report", "json", "quiet"}
+#: What may be given beside it: where the picture goes, what files may be read, and what does not change what
+#: is drawn.
+BESIDE = {"context", "again", "output", "bits", "threads", "device", "report", "json", "quiet", "external_files"}
 
 
 def draw_from(
@@ -29,6 +30,7 @@ def draw_from(
     bits: int,
     threads: int | None,
     device: str,
+    external_files: bool,
     report: Path | None,
     json: bool,
     quiet: bool,
@@ -42,12 +44,17 @@ def draw_from(
     check_outputs(str(path), output, "pictures", report)
     check_bits(bits)
     check_figure(figure)
-    document = scene_json.parse(sys.stdin.read(), Path.cwd()) if str(path) == "-" else scene_files.load(path)
+    with warnings_as_notes(quiet=quiet):
+        if str(path) == "-":
+            document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
+        else:
+            document = scene_files.load(path, external_files=external_files)
 
     def draw(told: Any) -> Any:
         return document.scene.render(document.camera, threads=threads, device=device, progress=told, **document.options)
 
-    picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
+    with warnings_as_notes(quiet=quiet):
+        picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
     if not quiet:
         print_notes(picture)
     if document.figure and figure == FigureOptions():

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from wavesplat._cli.option_groups import with_options_of
+from wavesplat._files.addresses import is_address
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ def layer_of(text: str) -> LayerText:
     for count in range(len(parts), 0, -1):
         path, look = ":".join(parts[:count]), ":".join(parts[count:])
         # Of a URL nobody knows where it ends: what follows its last slash and a colon is a look.
-        is_whole = "/" in parts[count - 1] if "://" in path else Path(path).expanduser().exists()
+        is_whole = "/" in parts[count - 1] if is_address(path) else Path(path).expanduser().exists()
         if is_whole:
             return LayerText(path, look or None, window)
     raise ArgumentError(

@@ -74,7 +74,7 @@ class ReaderOptions:
         ),
     ] = "fill"
     external_files: Annotated[
-        bool, typer.Option("--external-files", help="Read samples from files elsewhere that a trusted file names.")
+        bool, typer.Option("--external-files", help="Read files elsewhere that a trusted file or document names.")
     ] = False
     memory: Annotated[
         str | None,

@@ -78,7 +78,8 @@ def render(
     """Draw a picture of a volume and print its path."""
     if again is not None:
         how: Any = {"figure": figure, "bits": bits, "report": report, "json": json, "quiet": quiet}
-        draw_from(context, again, output, threads=sampling.threads, device=sampling.device, **how)
+        how |= {"threads": sampling.threads, "device": sampling.device, "external_files": reader.external_files}
+        draw_from(context, again, output, **how)
         return
     if input is None:
         raise ArgumentError("INPUT is missing: name a volume, a file, folder or URL, or give --from")

@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.printing import collected, message, print_lines
+from wavesplat._files.addresses import is_address
 from wavesplat._files.natural_order import natural_key
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
@@ -76,7 +77,7 @@ def _found(given: list[str]) -> list[str]:
     found: dict[str, None] = {}
     for text in given:
         pattern = os.path.expanduser(text)  # noqa: PTH111 - which lets nobody's home be
-        if not glob.has_magic(text) or "://" in text or os.path.lexists(pattern):
+        if not glob.has_magic(text) or is_address(text) or os.path.lexists(pattern):
             found[text] = None
             continue
         names = sorted(glob.glob(pattern, recursive=True), key=natural_key)  # noqa: PTH207 - also of whole paths
@@ -112,7 +113,7 @@ def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> lis
 
 def _places(input: str, number: str) -> dict[str, str]:
     """What stands for the words in braces."""
-    path = Path(input) if "://" in input else Path(os.path.expanduser(input))  # noqa: PTH111
+    path = Path(input) if is_address(input) else Path(os.path.expanduser(input))  # noqa: PTH111
     folder = path.parent.name
     if not folder:
         with suppress(OSError):  # of a working folder that is gone

@@ -22,6 +22,7 @@ from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chos
 from wavesplat._cli.shared_options import Kernel, Quiet
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import ViewOptions, check_view_options, seen_from, takes_view_options
+from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -86,7 +87,7 @@ def view(
         )
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
-    if input is not None and not _is_address(input) and not Path(input).expanduser().exists():
+    if input is not None and not is_address(input) and not Path(input).expanduser().exists():
         # Before a page opens.
         from wavesplat._files.payload import check_readable
 
@@ -106,6 +107,7 @@ def view(
                 input,
                 state,
                 example,
+                external_files=reader.external_files,
                 options={"quality": quality, "kernel": kernel},
                 showing=showing,
                 viewing=viewing,
@@ -150,6 +152,7 @@ def _opened(
     state: Path | None,
     example: str | None,
     *,
+    external_files: bool,
     options: dict[str, Any],
     showing: SceneOptions,
     viewing: ViewOptions,
@@ -161,7 +164,7 @@ def _opened(
     if state is not None:
         from wavesplat._scene import scene_files
 
-        document = scene_files.load(state)
+        document = scene_files.load(state, external_files=external_files)
         shown = {name: value for name, value in document.options.items() if name in ("quality", "kernel", "composite")}
         return ViewerState.of(document.scene, document.camera, shown, document.view)
     if example is not None:
@@ -189,10 +192,6 @@ def _name(input: str | None, state: Path | None, example: str | None) -> str:
     if input is not None:
         return input.rstrip("/").rpartition("/")[2] or input
     return state.name if state is not None else str(example)
-
-
-def _is_address(input: str) -> bool:
-    return "://" in input
 
 
 def _tell_how_to_reach(port: int) -> None:

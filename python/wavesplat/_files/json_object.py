@@ -75,7 +75,7 @@ def check_fields(
         if name not in document:
             raise ArgumentError(f"{what}: field {name!r} is missing; see {hint} for the form")
     version = document.get("version", VERSION)
-    if version != VERSION:
+    if version != VERSION or type(version) is not int:
         raise ArgumentError(f"{what}: field 'version' is {version!r}; this release reads version {VERSION}")
     unknown = sorted(set(document) - set(known))
     if unknown:

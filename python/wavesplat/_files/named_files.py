@@ -8,22 +8,26 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from wavesplat._files.places import lies_in
 from wavesplat.errors import FileError
 
 __all__ = ["check_named_file", "refused"]
 
 
-def check_named_file(name: str, path: Path, *, anywhere: bool) -> None:
+def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | None = None) -> None:
     """A `FileError` if the file `name`, named by the file `path`, lies in another folder or is none.
 
-    Links in the folder are followed: they were made by the user, not by the file. A file that is not there is left to
-    the reader, which says what it misses.
+    Links in the folder are followed: they were made by the user, not by the file; but where a document in the folder
+    `within` names the file, they may have come with it, and must lead to what lies there. A file that is not there is
+    left to the reader, which says what it misses.
     """
     folder = Path.cwd() / path.parent
     named = Path(os.path.normpath(folder / name))
     # A library in C would read the name to the zero byte only.
     if "\0" in name or not (anywhere or named.is_relative_to(os.path.normpath(folder))):
         raise refused(f"{name!r}, in another folder", path)
+    if within is not None and not lies_in(str(named), within):
+        raise refused(f"{name!r}, a link to another folder", path)
     if named.exists() and not named.is_file():
         raise FileError(f"the file names {name!r} as one that holds its samples, which is no file: {path}")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["check_no_pipe", "check_text", "expanded", "printable", "read_text", "real_place"]
+__all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_place"]
 
 #: A transfer function or a table of labels has a few thousand bytes.
 MOST_TEXT_BYTES = 1 << 26
@@ -30,6 +30,11 @@ def real_place(path: Path) -> Path:
         return Path(os.path.realpath(path))
     except OSError:  # the working folder was deleted
         return path
+
+
+def lies_in(path: str, folder: Path) -> bool:
+    """Whether a path leads to what lies in a folder, links followed. `folder`: its real place."""
+    return real_place(Path(path)).is_relative_to(folder)
 
 
 def check_no_pipe(path: Path) -> None:
@@ -56,7 +61,7 @@ def read_text(path: str | PathLike[str], what: str) -> str:
             content = file.read(MOST_TEXT_BYTES + 1)
         if len(content) > MOST_TEXT_BYTES:
             raise FileError(f"the {what} is larger than {MOST_TEXT_BYTES >> 20} MiB; give another file: {path}")
-        return content.decode("utf-8")
+        return content.decode("utf-8-sig")  # some editors begin with a mark of the byte order
     except UnicodeDecodeError:
         raise FileError(f"the {what} is not text: {path}") from None
     except OSError as error:

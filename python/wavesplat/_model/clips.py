@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import hypot, isfinite
 from typing import TypeAlias
 
@@ -130,13 +131,17 @@ def clip_tuple(given: object) -> tuple[Clip, ...]:
         return (given,)
     if given is None or isinstance(given, str | bytes) or not isinstance(given, Iterable):
         raise ArgumentError(f"clip is {described(given)}; {MEND}")
-    clips = tuple(given)
+    clips = tuple(islice(given, MOST_CLIPS + 1))
+    if len(clips) > MOST_CLIPS:
+        raise ArgumentError(f"clip has more than {MOST_CLIPS} parts; leave out those that cut nothing")
     for number, clip in enumerate(clips):
         if not isinstance(clip, Crop | ClipPlane | CutOut):
             raise ArgumentError(f"clip {number} is {described(clip)}; {MEND}")
     return clips
 
 
+#: Planes and boxes of a scene, at most: each is looked at for every sheet.
+MOST_CLIPS = 256
 MEND = (
     "give wavesplat.Crop(lower, upper) to keep a box, ClipPlane(point, normal) to keep a side of a plane, "
     "CutOut(Crop(...)) to take a box out, or several of them in a list"

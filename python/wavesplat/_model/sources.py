@@ -9,15 +9,23 @@ Paths are absolute here; `beside` makes those relative that lie below a folder o
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
-__all__ = ["Source", "beside", "found_from", "of_file", "of_series", "then"]
+from wavesplat._files.addresses import checked, is_address, is_web
+from wavesplat._files.places import expanded, lies_in, real_place
+from wavesplat.errors import WavesplatWarning
+
+__all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere"]
 
 Source: TypeAlias = dict[str, Any]
+
+#: Fields of documents that hold paths: of volumes, and of the typeface of figures.
+PATHS = ("path", "font")
 
 
 def of_file(path: str | os.PathLike[str], options: Mapping[str, Any]) -> Source | None:
@@ -49,7 +57,8 @@ def absolute(path: str | os.PathLike[str]) -> str | None:
     name: object = os.fspath(path)
     if not isinstance(name, str):
         return None
-    if "://" not in name:
+    name = checked(name) if is_address(name) else name
+    if not is_address(name):
         name = str(Path(name).expanduser().absolute())
     try:
         name.encode()
@@ -71,9 +80,24 @@ def beside(document: Any, folder: Path) -> Any:
     return _with_paths(document, lambda path: _relative(path, folder))
 
 
-def found_from(document: Any, folder: Path) -> Any:
-    """A document with absolute paths; relative ones start from a folder."""
-    return _with_paths(document, lambda path: path if "://" in path else os.path.normpath(folder / path))
+def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel: int) -> None:
+    """Warn if a document names files that it may not name by itself from the file `path`."""
+    folder = expanded(path).absolute().parent
+    elsewhere: list[str] = []
+
+    def look(named: str) -> str:
+        if not (is_web(named) if is_address(named) else lies_in(str(folder / named), real_place(folder))):
+            elsewhere.append(named)
+        return named
+
+    _with_paths(document, look)
+    if elsewhere:
+        warnings.warn(
+            f"{elsewhere[0]!r} does not lie in the folder of the scene; open it with external_files=True "
+            f"(--external-files), or save it beside the volume: {path}",
+            WavesplatWarning,
+            stacklevel=stacklevel + 1,
+        )
 
 
 def _with_paths(document: Any, changed: Any) -> Any:
@@ -82,7 +106,7 @@ def _with_paths(document: Any, changed: Any) -> Any:
     if not isinstance(document, dict):
         return document
     return {
-        name: _changed(part, changed) if name == "path" else _with_paths(part, changed)
+        name: _changed(part, changed) if name in PATHS else _with_paths(part, changed)
         for name, part in document.items()
     }
 
@@ -94,7 +118,7 @@ def _changed(part: Any, changed: Any) -> Any:
 
 
 def _relative(path: str, folder: Path) -> str:
-    if "://" in path or not Path(path).is_absolute():
+    if is_address(path) or not Path(path).is_absolute():
         return path
     try:
         relative = os.path.relpath(path, folder)

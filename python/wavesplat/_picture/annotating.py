@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from wavesplat._looks import colors
 from wavesplat._model import units
 from wavesplat._model.argument_types import described
+from wavesplat._model.sources import absolute
 from wavesplat._picture import color_bar, legend, lettering, orientation, raster, report_facts, scale_bar
 from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, moved
 from wavesplat._picture.style import WHITE, Style, contrast
@@ -66,8 +67,8 @@ class Figure:
         changed = {field.name: getattr(self, field.name) for field in fields(self)}
         changed = {name: value for name, value in changed.items() if value != getattr(type(self), name)}
         for name, value in changed.items():
-            if isinstance(value, PathLike):
-                changed[name] = fspath(value)
+            if name == "font":
+                changed[name] = absolute(value)
             elif not isinstance(value, str | float | int | bool):
                 changed[name] = list(value)
         return changed

@@ -28,14 +28,14 @@ EMPTY_LINE = re.compile(rb"\r?\n\r?\n")
 NUMBER = re.compile(r"%0?\d{0,3}d")
 
 
-def places_of_samples(path: Path, *, anywhere: bool) -> list[tuple[Path, int]]:
+def places_of_samples(path: Path, *, anywhere: bool, within: Path | None = None) -> list[tuple[Path, int]]:
     """The files that hold the samples, each with the bytes before them; those elsewhere are refused."""
     with path.open("rb") as file:
         start = file.read(MOST_HEADER_BYTES)
     is_nrrd = start.startswith(b"NRRD")
     names = _named_by_nrrd(start, path) if is_nrrd else _named_by_meta_image(start, path)
     for name in names:
-        check_named_file(name, path, anywhere=anywhere)
+        check_named_file(name, path, anywhere=anywhere, within=within)
     header = _header_of_nrrd(start) if is_nrrd else _header_of_meta_image(start)
     return [(path.parent / name, 0) for name in names] or [(path, len(header or b""))]
 

@@ -37,7 +37,7 @@ def read(request: Request) -> Grid:
         # Said, not found out: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
         is_vtk = path.suffix.lower() == ".vtk"
-        places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files)
+        places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files, within=request.within)
         header = header_of(path)
         with seen_as_list(path, header.fields) as seen:
             reader.SetFileName(str(seen))

@@ -192,7 +192,7 @@ def _of_itk(request: Request) -> LazyGrid:
     is_text = encoding != "raw" or fields.get("binarydata", "true").lower()[:1] not in ("t", "1")
     if is_text or path.suffix.lower() == ".vtk":
         raise FileError(f"the samples are written as text or for VTK; open the file without memory=: {path}")
-    places = detached_samples.places_of_samples(path, anywhere=request.external_files)
+    places = detached_samples.places_of_samples(path, anywhere=request.external_files, within=request.within)
     if len(places) != 1:
         raise FileError(f"the samples are in {len(places)} files; open the header without memory=: {path}")
     file, offset = places[0]
@@ -283,20 +283,13 @@ def _of_zarr(request: Request) -> LazyGrid:
 
 def _token_of_url(request: Request, inner: str) -> str | None:
     """What a server says of the metadata of an array, by which a change would be noticed."""
-    import fsspec
-
     if not request.is_url:
         return None
-    base = f"{str(request.path).rstrip('/')}/{inner}".rstrip("/")
     for name in ("zarr.json", ".zarray"):
-        try:
-            files, path = fsspec.url_to_fs(f"{base}/{name}")
-            told = files.info(path)
-        except (OSError, ValueError, NotImplementedError):
-            continue
-        mark = told.get("ETag") or told.get("etag") or told.get("LastModified") or told.get("mtime")
+        key = f"{inner}/{name}".lstrip("/")
+        mark = ome_zarr.mark_of(request, key)
         if mark:
-            return f"{base} {mark}"
+            return f"{request.path} {key} {mark}"
     return None
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from os import fspath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,15 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks
+from wavesplat._files.zarr_place import METADATA, ZarrPlace
+from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts
 from wavesplat._readers import zarr_metadata
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
 from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, several
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-__all__ = ["ZarrLevel", "check_part", "levels_of", "read"]
+__all__ = ["ZarrLevel", "check_part", "levels_of", "mark_of", "read"]
 
 
 def read(request: Request) -> Grid:
@@ -39,7 +41,9 @@ def read(request: Request) -> Grid:
         index = index_unnamed_axes(node.shape, request)
         zarr_metadata.check_numbers(node, request.path)
         check_chunks(node, _all_axes(index, node.ndim), request.path)
-        return Grid(np.asarray(node[index]), np.eye(4), Facts(n_times=n_times_of(node.shape, request)))
+        samples = _samples(node, index)
+        facts = Facts(n_times=n_times_of(node.shape, request))
+        return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
 
 
 @dataclass(frozen=True)
@@ -71,11 +75,17 @@ def levels_of(request: Request) -> list[ZarrLevel]:
     _check_level(1, request)
     index = index_unnamed_axes(node.shape, request)
     _check_kind(node, request)
+    _read_later(node)
     axes = _all_axes(index, node.ndim)
     picked = [None if isinstance(part, slice) else part for part in axes]
     z, y, x = (axis for axis, part in enumerate(picked) if part is None)
     facts = Facts(n_times=n_times_of(node.shape, request))
     return [ZarrLevel(node, request.dataset or "", (z, y, x), picked, np.eye(4), facts)]
+
+
+def mark_of(request: Request, key: str) -> str | None:
+    """What a server says of the version of a document of metadata."""
+    return _location(request).mark(key)
 
 
 def check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
@@ -88,6 +98,38 @@ def _check_kind(array: Any, request: Request) -> None:
         raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.path}")
 
 
+def _samples(array: Any, index: Any) -> NDArray[Any]:
+    """The samples that are picked, of which no chunk is read further than it can be long."""
+    zarr_metadata.expect_chunks(array)
+    return np.asarray(array[index])
+
+
+def _read_later(array: Any) -> None:
+    """The same of chunks that are read as they are drawn; one that the server refuses is told when it is asked for."""
+    zarr_metadata.expect_chunks(array)
+    place = place_of(array)
+    if place is not None:
+        place.tells = True
+
+
+def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
+    """A sentence if the server refused chunks; a `FileError` if it refused all.
+
+    Storage services that may not list what they hold answer 403 for what is not there.
+    """
+    place = place_of(array)
+    refused = [] if place is None else [key for key in place.refused if key.rpartition("/")[2] not in METADATA]
+    if place is None or not refused:
+        return ()
+    if not place.has_chunks:
+        raise FileError(
+            f"the server refuses (403 Forbidden) all {len(refused)} chunks that were asked for, the first "
+            f"{refused[0]!r}; check that you may read them, or that the address holds the access: {request.path}"
+        )
+    told = f"the server refuses (403) {len(refused)} chunks, the first {refused[0]!r}"
+    return (f"{told}; they count as not there, so their samples have the fill value",)
+
+
 def _described_level(
     group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request
 ) -> ZarrLevel | None:
@@ -97,6 +139,7 @@ def _described_level(
     if not hasattr(array, "shape"):
         return None
     _check_kind(array, request)
+    _read_later(array)
     place = _placed(group, array, multiscales, dataset, request)
     picked = [None if isinstance(part, slice) else part for part in place.picked]
     z, y, x = (place.axes.index(name) for name in place.spatial)
@@ -120,9 +163,14 @@ def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
 def _open(request: Request) -> Any:
     import zarr
 
-    location = _location(request)
-    zarr_metadata.check_codecs(location, request.dataset or "")
-    node: Any = zarr.open(location, mode="r")
+    place = _location(request)
+    zarr_metadata.check_codecs(place, request.dataset or "")
+    try:
+        node: Any = zarr.open(store_of(place), mode="r")
+    except WavesplatError:
+        raise
+    except (OSError, KeyError, ValueError) as error:
+        raise _not_found(place) or error from None
     if request.dataset is None:
         return node
     try:
@@ -133,8 +181,20 @@ def _open(request: Request) -> Any:
         ) from None
 
 
-def _location(request: Request) -> str:
-    return fspath(request.path) if request.is_url else str(request.file)
+def _not_found(place: ZarrPlace) -> FileError | None:
+    """The error where a server has, or gives, no metadata; None where there are some."""
+    if place.root is not None or any(place.read(name) is not None for name in METADATA):
+        return None
+    if place.refused:
+        return FileError(
+            f"the server refuses (403 Forbidden) {', '.join(place.refused)}; check the address, and that you may read "
+            f"it, or that it holds the access: {place}"
+        )
+    return FileError(f"there is no Zarr array or group at this address ({', '.join(METADATA)}); check it: {place}")
+
+
+def _location(request: Request) -> ZarrPlace:
+    return ZarrPlace(str(request.path) if request.is_url else Path(request.file), within=request.within)
 
 
 def _listed(request: Request) -> str:
@@ -166,10 +226,10 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     n_samples = [n for n, part in zip(array.shape, place.picked, strict=True) if isinstance(part, slice)]
     payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
     check_chunks(array, place.picked, request.path)
-    samples = np.asarray(array[place.picked])
+    samples = _samples(array, place.picked)
     kept = [name for name in place.axes if name in place.spatial]
     samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
-    return Grid(samples, place.world_from_index, place.facts)
+    return Grid(samples, place.world_from_index, place.facts, _refused_chunks(array, request))
 
 
 @dataclass(frozen=True)

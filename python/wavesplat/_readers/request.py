@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, fields
 from os import PathLike, fspath
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.addresses import checked, is_address, last_part
 from wavesplat._files.places import expanded, printable
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
@@ -29,6 +31,7 @@ __all__ = [
     "choose",
     "index_unnamed_axes",
     "n_times_of",
+    "named_within",
     "one_volume_of",
     "quiet",
     "requested",
@@ -90,6 +93,8 @@ class Request:
     #: out.
     memory: float | str | None = None
     holes: bool = False
+    #: The folder of the document that names the file, which must lie in it; None where the user does.
+    within: Path | None = None
     #: What readers keep from one time point of a file to the next, such as a file that is read on.
     kept: dict[str, Any] | None = field(default=None, compare=False, repr=False)
 
@@ -100,12 +105,14 @@ class Request:
 
     @property
     def is_url(self) -> bool:
-        """Whether the path names something on the net, or behind another fsspec protocol."""
-        return "://" in fspath(self.path)
+        """Whether the path is an address, not the name of a file."""
+        return is_address(self.path)
 
     @property
     def name(self) -> str:
         """The last part of the path."""
+        if self.is_url:
+            return printable(last_part(str(self.path)))
         return printable(fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path))
 
     def given(self) -> set[str]:
@@ -113,14 +120,16 @@ class Request:
         return {
             f.name
             for f in fields(self)
-            if f.name not in ("path", "kept", "memory", "holes") and not _is_same(getattr(self, f.name), f.default)
+            if f.name not in ("path", "kept", "memory", "holes", "within")
+            and not _is_same(getattr(self, f.name), f.default)
         }
 
 
 def requested(path: str | PathLike[str], **options: Any) -> Request:
     """The request that a path and options of `wavesplat.open` make, checked as far as no file is needed."""
     expanded(path)  # or an error
-    request = Request(path, **{**options, "unit": units.checked(options.get("unit"))})
+    path = checked(str(path)) if is_address(path) else path
+    request = Request(path, within=NAMED_WITHIN.get(), **{**options, "unit": units.checked(options.get("unit"))})
     if request.gaps not in ("fill", "refuse"):
         raise ArgumentError(f'gaps is {request.gaps!r}; use "fill" or "refuse"')
     if str(path).lower().endswith(".wavelets"):
@@ -128,6 +137,20 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
             f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
         )
     return request
+
+
+#: Not an argument of functions that open: users have no document. Requests keep it, also of what is read later.
+NAMED_WITHIN: ContextVar[Path | None] = ContextVar("named_within", default=None)
+
+
+@contextmanager
+def named_within(folder: Path | None) -> Iterator[None]:
+    """Requests that are made here are a document's in `folder`, and reach no further; None: they are the user's."""
+    token = NAMED_WITHIN.set(folder)
+    try:
+        yield
+    finally:
+        NAMED_WITHIN.reset(token)
 
 
 def _is_same(value: object, default: object) -> bool:

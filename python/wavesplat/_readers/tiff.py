@@ -74,7 +74,7 @@ def described(path: Path, request: Request) -> Described:
 
 
 def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> Described:
-    _check_named_files(tiff, path, anywhere=request.external_files)
+    _check_named_files(tiff, path, request)
     series: Any = tiff.series[0]
     others = "TCS" if "Z" in series.axes else "CS"
     one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
@@ -107,7 +107,7 @@ def _n_times(series: Any) -> int:
     return int(sizes.get("T", 1)) if "Z" in sizes else 1
 
 
-def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
+def _check_named_files(tiff: TiffFile, path: Path, request: Request) -> None:
     """A `FileError` if the OME metadata name files in other folders."""
     text = (tiff.ome_metadata or "") if tiff.is_ome else ""
     try:
@@ -116,7 +116,7 @@ def _check_named_files(tiff: TiffFile, path: Path, *, anywhere: bool) -> None:
     except ET.ParseError:  # some releases of tifffile mend it
         names = re.findall(rf"(?:{'|'.join(NAMES_OF_FILES)})\s*=\s*[\"']([^\"']*)", text)
     for name in filter(None, names):
-        check_named_file(name, path, anywhere=anywhere)
+        check_named_file(name, path, anywhere=request.external_files, within=request.within)
 
 
 def _read_folder(folder: Path, request: Request) -> Grid:

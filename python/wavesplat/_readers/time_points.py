@@ -8,6 +8,7 @@ from dataclasses import replace
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
+from wavesplat._files.addresses import is_address
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.places import expanded
 from wavesplat._model.argument_types import described, takes_its_types
@@ -210,7 +211,7 @@ def _files(path: Any) -> list[Any]:
     """The files that are meant, in order."""
     if isinstance(path, str | PathLike):
         text = fspath(path)
-        is_pattern = isinstance(text, str) and glob.has_magic(text) and "://" not in text
+        is_pattern = isinstance(text, str) and glob.has_magic(text) and not is_address(text)
         if not is_pattern or expanded(path).exists():
             return [path]
         # Not of pathlib, which wants the folder apart from the pattern.

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from math import prod
 from typing import Any
 
 from wavesplat._files import payload
+from wavesplat._files.zarr_place import ZarrPlace
+from wavesplat._files.zarr_stores import place_of
 from wavesplat.errors import FileError
 
-__all__ = ["check_codecs", "check_numbers", "names"]
+__all__ = ["check_codecs", "check_numbers", "expect_chunks", "names"]
 
 #: Documents that name codecs: of an array (v2), of an array or group (v3), and of all arrays below (v2).
 DOCUMENTS = (".zarray", "zarr.json", ".zmetadata")
@@ -22,26 +25,25 @@ DOCUMENTS = (".zarray", "zarr.json", ".zmetadata")
 CODEC_FIELDS = ("filters", "compressor", "codecs", "storage_transformers")
 #: Parts of the names of codecs that make objects by running what the file says.
 UNSAFE = ("pickle", "dill")
+#: Bytes of a sample in the widest type that filters store; of each inner chunk of a shard beside its samples; and that
+#: a chunk may have more anyway.
+WIDEST, INNER_BYTES, MARGIN_BYTES = 8, 256, 1 << 16
 
 
-def check_codecs(location: str, inner: str = "") -> None:
-    """A `FileError` if what is stored at `location`, or on the way to `inner` in it, is to be unpickled."""
-    import fsspec
-
-    store = fsspec.get_mapper(location)
+def check_codecs(place: ZarrPlace, inner: str = "") -> None:
+    """A `FileError` if what is stored at `place`, or on the way to `inner` in it, is to be unpickled."""
     parts = [part for part in inner.split("/") if part]
     for n in range(len(parts) + 1):
         for document in DOCUMENTS:
             key = "/".join([*parts[:n], document])
-            try:
-                text = store[key]
-            except KeyError:
+            text = place.read(key)
+            if text is None:
                 continue
             for codec in _codecs(json.loads(text)):
                 if any(word in codec.lower() for word in UNSAFE):
                     raise FileError(
                         f"an array is packed by {codec!r}, which would run what the file says; "
-                        f"store it again as plain numbers, without that filter: {location}"
+                        f"store it again as plain numbers, without that filter: {place}"
                     )
 
 
@@ -52,16 +54,34 @@ def check_numbers(array: Any, path: object) -> None:
     payload.check_memory(payload.n_bytes(sorted(array.shape)[-3:], array.dtype), path)
 
 
-def names(location: str) -> list[str]:
-    """What lies beside the metadata of a group; empty where a store cannot tell."""
-    import fsspec
+def expect_chunks(array: Any) -> None:
+    """Let no chunk of an array be larger than its samples can be when they do not shrink."""
+    place = place_of(array)
+    if place is None:
+        return
+    inner = prod(array.chunks)
+    n = prod(getattr(array, "shards", None) or array.chunks)
+    # Filters may store samples in a wider type than the array's.
+    filters = getattr(array, "filters", None)
+    itemsize = max(array.dtype.itemsize, WIDEST if filters else 0)
+    # Packed noise is longer by a few hundredths; each inner chunk of a shard has a header, and a place in an index.
+    place.expect(array.path, n * itemsize + n * itemsize // 32 + (n // inner) * INNER_BYTES + MARGIN_BYTES)
 
-    files, root = fsspec.url_to_fs(location)
-    try:
-        found = [path.rstrip("/").rpartition("/")[2] for path in files.ls(root, detail=False)]
-    except (OSError, NotImplementedError):
-        return []
-    return sorted(name for name in found if not name.startswith(".") and name != "zarr.json")
+
+def names(place: ZarrPlace) -> list[str]:
+    """What lies beside the metadata of a group; empty where a store cannot tell."""
+    found = place.names()
+    if found:
+        return found
+    # Metadata of a whole store in one document: of Zarr v2, and of v3.
+    for document, kind in ((".zmetadata", "metadata"), ("zarr.json", "consolidated_metadata")):
+        text = place.read(document)
+        whole = {} if text is None else json.loads(text).get(kind) or {}
+        keys = whole.get("metadata", whole) if isinstance(whole, dict) else {}
+        listed = {key.partition("/")[0] for key in keys}
+        if listed:
+            return sorted(name for name in listed if not name.startswith("."))
+    return []
 
 
 def _codecs(document: Any, is_codec: bool = False) -> Iterator[str]:

@@ -13,7 +13,9 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._readers.opening import open as open_volume
+from wavesplat._readers.request import named_within
 from wavesplat._readers.time_points import open_series
+from wavesplat._scene.document_paths import Reach
 from wavesplat.errors import ArgumentError
 
 __all__ = ["opened"]
@@ -31,38 +33,44 @@ STEPS: dict[str, Callable[..., Any]] = {
 }
 
 
-def opened(source: Any, what: str) -> Volume | WaveletVolume | Series:
-    """The volume, or the series, that a document names. `what`: its place there, for messages."""
+def opened(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume | Series:
+    """The volume, or the series, that a document names.
+
+    what : its place there, for messages.
+    reach : which files the document may name.
+    """
     if not isinstance(source, dict):
         raise ArgumentError(f"{what} is {described(source)}; it must be an object with the path of a file")
     options = dict(source)
     steps = options.pop("then", [])
     if not isinstance(steps, list):
         raise ArgumentError(f"{what}: field 'then' is {described(steps)}; it must be a list")
-    volume: Volume | WaveletVolume | Series = _first(options, what)
+    with named_within(reach.within):
+        volume: Volume | WaveletVolume | Series = _first(options, what, reach)
     for number, step in enumerate(steps):
         volume = _done(volume, step, f"{what}.then[{number}]")
     return volume
 
 
-def _first(options: dict[str, Any], what: str) -> Any:
+def _first(options: dict[str, Any], what: str, reach: Reach) -> Any:
     if "example" in options:
         name = options.pop("example")
         if name not in EXAMPLES:
             raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
         return _called(EXAMPLES[name], options, what)
-    path = options.pop("path", None)
-    if path is None:
+    if options.get("path") is None:
         raise ArgumentError(
             f"{what} came from no file when this was written; open its samples, and make the scene anew"
         )
+    options = reach.options(options, what)
+    path = options["path"]
     if options.pop("series_of_times", False):
-        return _called(open_series, {"path": path, **options}, what)
+        return _called(open_series, options, what)
     if not isinstance(path, str):
         raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
     if path.lower().endswith(".wavelets"):
-        return _called(WaveletVolume.load, {"path": path, **options}, what)
-    return _called(open_volume, {"path": path, **options}, what)
+        return _called(WaveletVolume.load, options, what)
+    return _called(open_volume, options, what)
 
 
 def _done(volume: Any, step: Any, what: str) -> Any:

@@ -23,7 +23,7 @@ from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._model.series import Series
-from wavesplat._model.sources import beside
+from wavesplat._model.sources import beside, warn_of_elsewhere
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._scene.layer import AnyLook, Layer
@@ -220,7 +220,8 @@ class Scene:
         return scene_json.write(scene_json.document_of(self))
 
     @classmethod
-    def from_json(cls, text: str, folder: str | PathLike[str] | None = None) -> Scene:
+    @takes_its_types
+    def from_json(cls, text: str, folder: str | PathLike[str] | None = None, *, external_files: bool = False) -> Scene:
         """The scene that a JSON text describes, as `to_json` writes it; its volumes are opened.
 
         Parameters
@@ -228,18 +229,22 @@ class Scene:
         text : str
             A document, or the report of a picture, which has one.
         folder : path, optional
-            Where relative paths in it start; None is the working directory.
+            Where relative paths in it start, and what it names must lie; None is the working directory.
+        external_files : bool, default False
+            Whether it may name files elsewhere, servers in private networks, and files that name others; for texts
+            that you trust.
 
         Raises
         ------
         ArgumentError
             If it is no such text; the message names the field.
         FileError
-            If a volume cannot be opened.
+            If a volume cannot be opened, or may not.
         """
         from wavesplat._scene import scene_json
 
-        return scene_json.parse(text, None if folder is None else expanded(folder).absolute()).scene
+        place = None if folder is None else expanded(folder).absolute()
+        return scene_json.parse(text, place, external_files=external_files).scene
 
     @takes_its_types
     def save(self, path: str | PathLike[str]) -> None:
@@ -252,6 +257,11 @@ class Scene:
         ArgumentError
             If a volume or the labels come from no file.
 
+        Warns
+        -----
+        WavesplatWarning
+            If a volume does not lie in the folder of the file, so that `load` needs `external_files=True`.
+
         Examples
         --------
         >>> import wavesplat as ws
@@ -263,22 +273,31 @@ class Scene:
 
         document = beside(scene_json.document_of(self), expanded(path).absolute().parent)
         json_object.save(path, scene_json.write(document))
+        warn_of_elsewhere(document, path, stacklevel=3)
 
     @classmethod
     @takes_its_types
-    def load(cls, path: str | PathLike[str]) -> Scene:
+    def load(cls, path: str | PathLike[str], *, external_files: bool = False) -> Scene:
         """The scene in a file: one that `save` wrote, the report of a picture, or a PNG file that `render` made.
+
+        Parameters
+        ----------
+        path : path
+            The file. What it names must lie in its folder, or on a public web server.
+        external_files : bool, default False
+            Whether it may name files elsewhere, servers in private networks, and files that name others; for files
+            that you trust.
 
         Raises
         ------
         FileError
-            If the file, or a volume, cannot be read.
+            If the file, or a volume, cannot be read, or may not.
         ArgumentError
             If there is no scene in it; the message names the field.
         """
         from wavesplat._scene import scene_files
 
-        return scene_files.load(path).scene
+        return scene_files.load(path, external_files=external_files).scene
 
     @takes_its_types
     def render(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from os import PathLike
 
 from wavesplat._files import payload
+from wavesplat._files.addresses import check_no_address
 from wavesplat._files.places import expanded, read_text
 from wavesplat._files.reading import reading
 from wavesplat._picture.png_text import KEYWORD, SIGNATURE, text_in
@@ -15,8 +16,12 @@ from wavesplat.errors import ArgumentError
 __all__ = ["load"]
 
 
-def load(path: str | PathLike[str]) -> Document:
-    """The document in a file; relative paths in it start from the file's folder."""
+def load(path: str | PathLike[str], *, external_files: bool = False) -> Document:
+    """The document in a file; relative paths in it start from the file's folder.
+
+    external_files : whether it may name files elsewhere.
+    """
+    check_no_address(path, "a scene")
     place = expanded(path)
     payload.check_readable(place)
     with reading("a scene", path), place.open("rb") as file:
@@ -29,6 +34,6 @@ def load(path: str | PathLike[str]) -> Document:
     else:
         text = read_text(path, scene_json.WHAT)
     try:
-        return scene_json.parse(text, place.absolute().parent)
+        return scene_json.parse(text, place.absolute().parent, external_files=external_files)
     except ArgumentError as error:
         raise ArgumentError(f"{error}: {path}") from None

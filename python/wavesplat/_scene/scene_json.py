@@ -11,7 +11,7 @@ A volume is a file and the options that it is opened with, or an example, and wh
 object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `camera` and `render` may be
 left out; the documents in reports and PNG files have them, and `figure`, the arguments of `Picture.annotated`, where
 something was drawn on the picture, and those of the viewer `view`, which only it reads. Relative paths start from the
-document's folder.
+document's folder, and files lie in it (`document_paths`).
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
-from wavesplat._model import camera_json, sources
+from wavesplat._model import camera_json
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, ClipPlane, CutOut
 from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, Operator, XRay, checked_operator
 from wavesplat._model.crop import Crop
 from wavesplat._model.sampling import Sampling
+from wavesplat._scene.document_paths import Reach
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.opened import opened
 from wavesplat.errors import ArgumentError
@@ -56,6 +57,8 @@ __all__ = [
 T = TypeVar("T")
 
 KIND, VERSION = "scene", 1
+#: Pixels along a side of a picture, at most.
+MOST_PX = 16384
 WHAT = "scene"
 LABELS = ("volume", "labels", "smooth")
 LAYER = ("volume", "name", "look", "visible", "opacity", "time")
@@ -176,13 +179,17 @@ def settings(thing: Any, *, but: Collection[str] = ()) -> dict[str, Any]:
 # Reading
 
 
-def parse(text: str, folder: Path | None) -> Document:
-    """What a JSON text describes: a document, or a report that has one. Relative paths start from `folder`."""
+def parse(text: str, folder: Path | None, *, external_files: bool = False) -> Document:
+    """What a JSON text describes: a document, or a report that has one.
+
+    folder : of the document, where relative paths start, and files must lie; None is the working directory.
+    external_files : whether files may lie elsewhere, and name others.
+    """
     try:
-        found = json.loads(text)
+        found = json.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:
         raise ArgumentError(f"{WHAT}: not JSON: {error}") from None
-    return _document(sources.found_from(inside(found), folder or Path.cwd()))
+    return _document(inside(found), Reach(folder or Path.cwd(), external_files))
 
 
 def inside(found: Any) -> dict[str, Any]:
@@ -198,15 +205,15 @@ def inside(found: Any) -> dict[str, Any]:
     )
 
 
-def _document(document: dict[str, Any]) -> Document:
+def _document(document: dict[str, Any], reach: Reach) -> Document:
     from wavesplat._scene.scene import Scene
 
     _check(document, WHAT, needed=("version", "layers"), known=KNOWN)
     version = document["version"]
-    if version != VERSION:
+    if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
         raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
     layers = _list(document, "layers", WHAT)
-    built = [_layer(layer, f"{WHAT}: layers[{number}]") for number, layer in enumerate(layers)]
+    built = [_layer(layer, f"{WHAT}: layers[{number}]", reach) for number, layer in enumerate(layers)]
     clips = clips_of(document)
     background = document.get("background")
     if not isinstance(background, str | list | None):
@@ -216,7 +223,7 @@ def _document(document: dict[str, Any]) -> Document:
         f"{WHAT}",
         lambda: Scene(
             built,
-            labels=_labels(document.get("labels"), f"{WHAT}: labels"),
+            labels=_labels(document.get("labels"), f"{WHAT}: labels", reach),
             shading=shading,
             clip=clips,
             background=background,
@@ -225,6 +232,8 @@ def _document(document: dict[str, Any]) -> Document:
     eye = camera_of(document.get("camera"))
     figure = document.get("figure") or {}
     _check(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
+    if figure.get("font") is not None:
+        figure = {**figure, "font": reach.path(figure["font"], f"{WHAT}: figure.font")}
     view = document.get("view") or {}
     if not isinstance(view, dict):
         raise ArgumentError(f"{WHAT}: field 'view' is {described(view)}; it must be an object")
@@ -237,9 +246,9 @@ def _names_of_figures() -> list[str]:
     return [field.name for field in fields(Figure)]
 
 
-def _layer(layer: Any, what: str) -> Layer:
+def _layer(layer: Any, what: str, reach: Reach) -> Layer:
     _check(layer, what, needed=("volume",), known=LAYER)
-    return layer_of(layer, what, opened(layer["volume"], f"{what}.volume"))
+    return layer_of(layer, what, opened(layer["volume"], f"{what}.volume", reach))
 
 
 def layer_of(layer: Any, what: str, volume: Any) -> Layer:
@@ -258,11 +267,11 @@ def layer_of(layer: Any, what: str, volume: Any) -> Layer:
     return _made(what, lambda: Layer(volume, look, **given))
 
 
-def _labels(labels: Any, what: str) -> Labels | None:
+def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
     if labels is None:
         return None
     _check(labels, what, needed=("volume",), known=LABELS)
-    segmentation = opened(labels["volume"], f"{what}.volume")
+    segmentation = opened(labels["volume"], f"{what}.volume", reach)
     chosen = looks_of_labels(labels, what)
     return _made(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
 
@@ -328,8 +337,12 @@ def options_of(render: Any) -> dict[str, Any]:
     options = {name: value for name, value in render.items() if value is not None}
     if "size" in options:
         size = options["size"]
-        if not (isinstance(size, list) and len(size) == 2 and all(isinstance(n, int) for n in size)):
+        if not (isinstance(size, list) and len(size) == 2 and all(type(n) is int for n in size)):
             raise ArgumentError(f"{what}: field 'size' is {described(size)}; it must be [width, height]")
+        if not all(1 <= n <= MOST_PX for n in size):
+            raise ArgumentError(
+                f"{what}: field 'size' is {described(tuple(size))}; width and height must be 1 to {MOST_PX} pixels"
+            )
         options["size"] = tuple(size)
     quality = options.get("quality")
     if isinstance(quality, dict):

@@ -25,7 +25,9 @@ def command_of(state: ViewerState, size: tuple[int, int]) -> str:
     """A shell command, with the state in it."""
     text = scene_json.write(state.file_document(size))
     note = "" if _has_sources(state) else '# A volume comes from no file: name one in the field "path".\n'
-    return f"{note}wavesplat render --from - -o {OUTPUT} <<'END'\n{text}END\n"
+    # The files are those that are open here, wherever the command is run.
+    allowed = " --external-files" if any(source.get("path") for source in _all_sources(state)) else ""
+    return f"{note}wavesplat render --from - -o {OUTPUT}{allowed} <<'END'\n{text}END\n"
 
 
 def python_of(state: ViewerState, size: tuple[int, int]) -> str:
@@ -63,6 +65,11 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
     lines.append(f"picture = scene.render(camera, {', '.join(options)})")
     lines.append(f'picture.save("{OUTPUT}")')
     return "\n".join(lines) + "\n"
+
+
+def _all_sources(state: ViewerState) -> list[dict[str, Any]]:
+    labels = state.label_source
+    return [*state.sources, *([] if labels is None else [labels])]
 
 
 def _has_sources(state: ViewerState) -> bool:

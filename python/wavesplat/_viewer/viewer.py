@@ -20,7 +20,7 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip
 from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
-from wavesplat._model.sources import beside
+from wavesplat._model.sources import beside, warn_of_elsewhere
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._scene import scene_json
@@ -184,11 +184,17 @@ class Viewer:
         ------
         FileError
             If the file cannot be written; nothing is left behind.
+
+        Warns
+        -----
+        WavesplatWarning
+            If a volume does not lie in the folder of the state, so that opening it needs `--external-files`.
         """
         suffix = expanded(path).suffix.lower()
         if suffix == ".json":
             document = beside(self._session.state.file_document(size), expanded(path).absolute().parent)
             json_object.save(path, scene_json.write(document))
+            warn_of_elsewhere(document, path, stacklevel=2)
         elif suffix == ".html":
             json_object.save(path, export_html.page_of(self._session.state, self.picture(size)))
         else:

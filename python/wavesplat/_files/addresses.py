@@ -1,0 +1,101 @@
+"""Addresses of volumes: the protocols that are opened, how parts of a path are appended, which hosts are public.
+
+fsspec knows some thirty protocols and chains of them (`reference://::file://...`, `simplecache::http://...`); some read
+other files, one renders templates out of the address itself. Only these few are handed on to it, one at a time.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+from os import PathLike, fspath
+from urllib.parse import quote, urlsplit
+from urllib.request import url2pathname
+
+from wavesplat.errors import FileError
+
+__all__ = ["PROTOCOLS", "below", "check_no_address", "checked", "is_address", "is_public", "is_web", "last_part"]
+
+#: The protocols of addresses, here and in documents.
+PROTOCOLS = ("http", "https", "s3", "gs", "file")
+WEB = ("http", "https")
+#: Of an address that is refused, in messages: it may hold a whole file.
+MOST_LETTERS = 120
+#: IPv6 addresses that stand for an IPv4 address in their last 32 bits (RFC 6052).
+NAT64 = ipaddress.ip_network("64:ff9b::/96")
+
+
+def is_address(path: str | PathLike[str]) -> bool:
+    """Whether a path is an address, `protocol://...`, not the name of a file."""
+    name: object = fspath(path)
+    return isinstance(name, str) and "://" in name
+
+
+def is_web(address: str) -> bool:
+    """Whether an address is one of a web server."""
+    return address.partition("://")[0].lower() in WEB
+
+
+def checked(address: str) -> str:
+    """The address, or the path of a file on this machine that a `file://` address names.
+
+    Raises
+    ------
+    FileError
+        If it is a chain, has another protocol than these, or names no host.
+    """
+    protocol, _, rest = address.partition("://")
+    if "::" in protocol or "::" in rest.partition("?")[0].partition("/")[2]:
+        raise FileError(
+            f"chains of protocols are not opened; give the address of the Zarr folder itself: {address[:MOST_LETTERS]}"
+        )
+    if protocol.lower() not in PROTOCOLS:
+        raise FileError(
+            f"{protocol[:MOST_LETTERS]}:// is not opened; use one of {', '.join(f'{one}://' for one in PROTOCOLS)}, "
+            f"or copy the data to this machine: {address[:MOST_LETTERS]}"
+        )
+    try:
+        parts = urlsplit(address)
+        host, _ = parts.hostname, parts.port
+    except ValueError as error:
+        raise FileError(f"this is no address ({error}); check its host and port: {address}") from None
+    if protocol.lower() == "file":
+        if host not in (None, "", "localhost"):
+            raise FileError(f"the file lies on {host}, not on this machine; mount its folder, or copy it: {address}")
+        return url2pathname(parts.path)
+    if not host:
+        raise FileError(f"the address names no host; write {protocol}://HOST/...: {address}")
+    return address
+
+
+def check_no_address(path: str | PathLike[str], what: str) -> None:
+    """A `FileError` if an address is given where only files are read. `what`: such as "a scene"."""
+    if is_address(path):
+        raise FileError(
+            f"{what} is read from a file on this machine, not from an address; save it, and give its path: {path}"
+        )
+
+
+def below(address: str, key: str) -> str:
+    """The address of what lies at `key` below an address: appended to its path, before the query."""
+    base, mark, query = address.partition("?")
+    return f"{base.rstrip('/')}/{quote(key)}{mark}{query}" if key else address
+
+
+def last_part(address: str) -> str:
+    """The last part of the path of an address, without the query, which may hold a password."""
+    base = address.partition("?")[0].rstrip("/")
+    return base.rpartition("/")[2] or base
+
+
+def is_public(host: str) -> bool:
+    """Whether an IP address lies on the public internet: not this machine, nor the network that it is in."""
+    try:
+        address = ipaddress.ip_address(host.partition("%")[0])
+    except ValueError:
+        return False
+    if isinstance(address, ipaddress.IPv6Address):
+        inner = address.ipv4_mapped or address.sixtofour or (address.teredo[1] if address.teredo else None)
+        if address in NAT64:
+            inner = ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)
+        address = inner or address
+    return address.is_global and not address.is_multicast

@@ -1,0 +1,233 @@
+"""What lies below a folder or an address, by its key, as Zarr stores it: never more of it than the metadata allow.
+
+A chunk may be a link to a device without an end, a server may send for ever, or 4 kB that unpack to gigabytes. How
+many bytes a chunk can have is known from the metadata of its array, and nothing is read beyond.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import stat
+import threading
+import warnings
+from collections.abc import Coroutine
+from pathlib import Path
+from typing import Any
+
+from wavesplat._files import web
+from wavesplat._files.addresses import below, is_web
+from wavesplat._files.web import ForbiddenError, Part
+from wavesplat.errors import FileError, FileWarning
+
+__all__ = ["METADATA", "ZarrPlace"]
+
+#: Documents of metadata; every other key is that of a chunk.
+METADATA = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
+#: Metadata of a store with thousands of arrays have a few megabytes.
+MOST_METADATA_BYTES = 1 << 26
+#: Keys of which it is kept that the server refuses them.
+MOST_KEPT = 1000
+
+
+class ZarrPlace:
+    """A folder or an address.
+
+    Parameters
+    ----------
+    where : Path or str
+        A folder, or an address of the protocols that are opened.
+    within : Path, optional
+        The folder of a document that names it: files must lie in it, also where links lead, and hosts be public.
+    """
+
+    def __init__(self, where: Path | str, *, within: Path | None = None) -> None:
+        self.root = where if isinstance(where, Path) else None
+        self.address = "" if isinstance(where, Path) else where
+        self._within = within
+        self._most: dict[str, int] = {}
+        #: Keys of chunks, and of metadata, that the server refuses to give, and whether it gave any chunk.
+        self.refused: dict[str, None] = {}
+        self.has_chunks = False
+        #: Whether a chunk that is refused is told at once: where samples are read as they are drawn.
+        self.tells = False
+        self._lock = threading.Lock()
+
+    def expect(self, array: str, n_bytes: int) -> None:
+        """Allow so many bytes for each chunk of the array at this key."""
+        self._most[array.strip("/")] = n_bytes
+
+    def read(self, key: str, part: Part = None) -> bytes | None:
+        """What lies at a key, or a part of it; None if nothing does.
+
+        Raises
+        ------
+        FileError
+            If it cannot be read, or is more than can be there.
+        """
+        _check_key(key)
+        if self.root is not None:
+            return self._kept(key, self._of_file(key, part))
+        from fsspec.asyn import get_loop, sync
+
+        content: bytes | None = sync(get_loop(), self._asked, key, part)
+        return self._kept(key, content)
+
+    async def read_async(self, key: str, part: Part = None) -> bytes | None:
+        """The same where other keys are read meanwhile."""
+        _check_key(key)
+        if self.root is not None:
+            return self._kept(key, await asyncio.to_thread(self._of_file, key, part))
+        from fsspec.asyn import get_loop
+
+        # fsspec has a loop of its own, which its sessions belong to. Errors come as values: zarr leaves requests alone
+        # after the first error, and asyncio would complain that nobody asked for those of the others.
+        asked = asyncio.run_coroutine_threadsafe(_settled(self._asked(key, part)), get_loop())
+        content, error = await asyncio.wrap_future(asked)
+        if error is not None:
+            raise error
+        return self._kept(key, content)
+
+    def mark(self, key: str) -> str | None:
+        """What a web server says of the version of what lies at a key; None where nothing says so."""
+        if self.root is not None or not is_web(self.address):
+            return None
+        from fsspec.asyn import get_loop, sync
+
+        mark: str | None = sync(get_loop(), web.mark_of, below(self.address, key), public_only=self._within is not None)
+        return mark
+
+    def names(self) -> list[str]:
+        """What lies there beside the metadata; empty where that cannot be told."""
+        if self.root is not None:
+            try:
+                found = [entry.name for entry in self.root.iterdir()]
+            except OSError:
+                return []
+        elif is_web(self.address):
+            return []  # a page of links is no list
+        else:
+            files, root = self._bucket()
+            try:
+                found = [path.rstrip("/").rpartition("/")[2] for path in files.ls(root, detail=False)]
+            except OSError:
+                return []
+        return sorted(name for name in found if not name.startswith(".") and name not in METADATA)
+
+    def _kept(self, key: str, content: bytes | None) -> bytes | None:
+        if content is not None and not _is_metadata(key):
+            self.has_chunks = True
+        return content
+
+    def _most_of(self, key: str) -> int:
+        """Bytes that may lie at a key."""
+        if _is_metadata(key):
+            return MOST_METADATA_BYTES
+        arrays = [array for array in self._most if not array or key.startswith(f"{array}/")]
+        return self._most[max(arrays, key=len)] if arrays else MOST_METADATA_BYTES
+
+    def _of_file(self, key: str, part: Part) -> bytes | None:
+        path, most = Path(self.root or "") / key, self._most_of(key)
+        try:
+            found = path.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        if not stat.S_ISREG(found.st_mode):
+            kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device, a pipe or a socket"
+            raise FileError(f"{key!r} is {kind}, not a file of samples or metadata; copy the data again: {self.root}")
+        if self._within is not None and not Path(os.path.realpath(path)).is_relative_to(self._within):
+            raise FileError(
+                f"{key!r} is a link out of the folder of the document that names it; if you trust it, pass "
+                f"external_files=True (--external-files): {self.root}"
+            )
+        first, end = (0, None) if part is None else part
+        first = max(found.st_size + first, 0) if first < 0 else first
+        n = max((found.st_size if end is None else min(end, found.st_size)) - first, 0)
+        if (part is None and found.st_size > most) or n > most:
+            raise self._too_long(key, most, found.st_size)
+        with path.open("rb") as file:
+            file.seek(first)
+            return file.read(n)
+
+    async def _asked(self, key: str, part: Part) -> bytes | None:
+        most = self._most_of(key)
+        try:
+            if is_web(self.address):
+                return await web.get(below(self.address, key), most, part, public_only=self._within is not None)
+            return await self._of_bucket(key, most, part)
+        except (ForbiddenError, PermissionError):
+            self._refuse(key)
+            return None
+
+    async def _of_bucket(self, key: str, most: int, part: Part) -> bytes | None:
+        """By the library of the protocol; a byte more than may be there is asked for, to see whether there is one."""
+        files, root = self._bucket()
+        first, end = (0, most + 1) if part is None else part
+        try:
+            content: bytes = await files._cat_file(f"{root}/{key}", start=first, end=end)
+        except FileNotFoundError:
+            return None
+        if len(content) > most:
+            raise self._too_long(key, most, len(content))
+        return content
+
+    def _bucket(self) -> tuple[Any, str]:
+        import fsspec
+
+        protocol, _, root = self.address.partition("://")
+        return fsspec.filesystem(protocol.lower()), root.rstrip("/")
+
+    def _too_long(self, key: str, most: int, found: int) -> FileError:
+        return FileError(
+            f"{key!r} has {found} bytes, and there can be at most {most}; the data are damaged, or not what they say: "
+            f"{self}"
+        )
+
+    def _refuse(self, key: str) -> None:
+        with self._lock:
+            is_first = not any(not _is_metadata(one) for one in self.refused)
+            if len(self.refused) < MOST_KEPT:
+                self.refused[key] = None
+        if self.tells and is_first and not _is_metadata(key):
+            warnings.warn(
+                f"the server refuses (403) chunk {key!r}; it and others like it count as not there, so their samples "
+                f"have the fill value: {self.address}",
+                FileWarning,
+                stacklevel=2,
+            )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ZarrPlace) and (self.root, self.address, self._within) == (
+            other.root,
+            other.address,
+            other._within,
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __str__(self) -> str:
+        return self.address or str(self.root)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_lock"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._lock = threading.Lock()
+
+
+async def _settled(asked: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | None, Exception | None]:
+    """What is given, or the error."""
+    try:
+        return await asked, None
+    except Exception as error:  # noqa: BLE001 - raised where it is waited for
+        return None, error
+
+
+def _is_metadata(key: str) -> bool:
+    return key.rpartition("/")[2] in METADATA
+
+
+def _check_key(key: str) -> None:
+    if ".." in key.split("/") or key.startswith("/") or "\0" in key:
+        raise FileError(f"{key!r} leads out of the Zarr folder; name an array in it, or mend the metadata that name it")

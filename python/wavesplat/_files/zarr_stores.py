@@ -1,0 +1,60 @@
+"""A place as zarr wants it: a `Store` of zarr 3, or a mapping for zarr 2; both only read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, MutableMapping
+from typing import Any
+
+from wavesplat._files.zarr_place import METADATA, ZarrPlace
+
+__all__ = ["place_of", "store_of"]
+
+READ_ONLY = "places are only read"
+
+
+class Mapping2(MutableMapping[str, bytes]):
+    """For zarr 2."""
+
+    def __init__(self, place: ZarrPlace) -> None:
+        self.place = place
+
+    def __getitem__(self, key: str) -> bytes:
+        content = self.place.read(key)
+        if content is None:
+            raise KeyError(key)
+        return content
+
+    def __contains__(self, key: object) -> bool:
+        return isinstance(key, str) and self.place.read(key) is not None
+
+    def __setitem__(self, key: str, value: bytes) -> None:
+        raise PermissionError(READ_ONLY)
+
+    def __delitem__(self, key: str) -> None:
+        raise PermissionError(READ_ONLY)
+
+    def __iter__(self) -> Iterator[str]:
+        # Keys of metadata alone: zarr lists nothing else of what it is asked for here.
+        return (key for key in METADATA if key in self)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+def store_of(place: ZarrPlace) -> Any:
+    """What `zarr.open` takes."""
+    import zarr
+
+    if int(zarr.__version__.partition(".")[0]) < 3:
+        return Mapping2(place)
+    from wavesplat._files.zarr_store import PlaceStore
+
+    return PlaceStore(place)
+
+
+def place_of(array: Any) -> ZarrPlace | None:
+    """The place of an array or group that was opened so; None of other stores."""
+    store = getattr(getattr(array, "store_path", None), "store", None) or getattr(array, "store", None)
+    # zarr 2 wraps mappings.
+    found = getattr(store, "place", None) or getattr(getattr(store, "_mutable_mapping", None), "place", None)
+    return found if isinstance(found, ZarrPlace) else None

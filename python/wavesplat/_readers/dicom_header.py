@@ -25,7 +25,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Frame", "Header", "content_of", "header_of", "is_dicom"]
+__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
 #: Modalities of files that are no images, and what they hold.
 NO_IMAGES = {
@@ -46,6 +46,8 @@ NO_IMAGES = {
 }
 #: Dimensions of enhanced files that say where a frame lies, and not by what it differs from others of its place.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
+#: How attributes are called that enhanced files count frames by.
+INDEX = "index of "
 NONE = float("nan")
 
 
@@ -276,7 +278,7 @@ def _name_of_dimension(tag: int) -> str:
     from pydicom.datadict import dictionary_description, dictionary_has_tag
 
     described = dictionary_description(tag) if dictionary_has_tag(tag) else f"{tag >> 16:04x},{tag & 0xFFFF:04x}"
-    return f"index of {described}"
+    return f"{INDEX}{described}"
 
 
 def _factor(groups: Sequence[Any], dataset: Dataset, tag: int, absent: float) -> float:

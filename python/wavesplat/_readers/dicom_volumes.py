@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files.natural_order import natural_key
 from wavesplat._readers.dicom_attributes import ATTRIBUTES, Attribute, Value
-from wavesplat._readers.dicom_header import Frame
+from wavesplat._readers.dicom_header import INDEX, Frame
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
@@ -111,8 +111,7 @@ def _split(frames: list[Frame], request: Request) -> list[FrameVolume]:
         codes = _joint(codes, ranks)
         keys = [*keys, _Key(NUMBER, [float(rank + 1) for rank in ranks], ranks)]
     whole = next(place for place in places if len(place) == n_volumes)
-    order = _leading_time(frames, places)
-    sorted_by = [key.compared for key in ([order, *keys] if order else keys)]
+    sorted_by = [key.compared for key in (*_leading(frames, places), *keys)]
     first = sorted(whole, key=lambda n: [_sort_key(values[n]) for values in sorted_by])
     labels = _labels(keys, first)
     is_time = all(key.attribute.is_time or key.attribute is NUMBER for key in keys)
@@ -154,9 +153,7 @@ def _told_apart(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tup
     codes = [0] * len(frames)
     keys: list[_Key] = []
     known = [attribute for attribute in ATTRIBUTES if _varies(frames, attribute.name)]
-    names = {attribute.name for attribute in ATTRIBUTES}
-    others = sorted({name for frame in frames for name in frame.attributes} - names)
-    for attribute in (*known, *(Attribute(name, "", ()) for name in others if _varies(frames, name))):
+    for attribute in (*known, *_dimensions(frames)):
         values = [frame.attributes.get(attribute.name) for frame in frames]
         if (finer := _refined(codes, values, places)) is not None:
             codes, keys = finer, [*keys, _Key(attribute, values, values)]
@@ -220,8 +217,8 @@ def _is_unique(codes: Sequence[int], places: Sequence[Sequence[int]]) -> bool:
     return all(len({codes[n] for n in place}) == len(place) for place in places)
 
 
-def _leading_time(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> _Key | None:
-    """The attribute that counts the volumes of a series from first to last, where there is one, whatever their kinds.
+def _leading(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> list[_Key]:
+    """What orders volumes before their kinds do: an attribute that counts them all; else the file's own indices.
 
     Not a clock: it may tell when pictures were computed.
     """
@@ -230,8 +227,20 @@ def _leading_time(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> _
             values = [frame.attributes.get(attribute.name) for frame in frames]
             codes = _refined([0] * len(frames), values, places)
             if codes is not None and _is_unique(codes, places):
-                return _Key(attribute, values, values)
-    return None
+                return [_Key(attribute, values, values)]
+    codes = [0] * len(frames)
+    keys: list[_Key] = []
+    for attribute in _dimensions(frames):
+        values = [frame.attributes.get(attribute.name) for frame in frames]
+        if (finer := _refined(codes, values, places)) is not None:
+            codes, keys = finer, [*keys, _Key(attribute, values, values)]
+    return keys
+
+
+def _dimensions(frames: Sequence[Frame]) -> list[Attribute]:
+    """Indices by which enhanced files order their frames, in the file's order, where they differ."""
+    names = dict.fromkeys(name for frame in frames for name in frame.attributes if name.startswith(INDEX))
+    return [Attribute(name, "", ()) for name in names if _varies(frames, name)]
 
 
 def _sort_key(value: Any) -> tuple[Any, ...]:

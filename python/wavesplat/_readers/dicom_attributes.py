@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from datetime import date
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from wavesplat._readers.dicom_values import as_numbers, as_text, raw_value
+from wavesplat._readers.dicom_values import as_numbers, as_text, first_items, raw_value
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["ATTRIBUTES", "Attribute", "Value", "attributes_of_frames"]
+__all__ = ["ATTRIBUTES", "SEQUENCES", "Attribute", "Value", "attributes_of_frames"]
 
 #: A number, a direction, or a text.
 Value: TypeAlias = float | tuple[float, ...] | str
@@ -161,14 +161,16 @@ GE_B_VALUE = 100_000
 SECONDS_PER_DAY = 86400
 
 
-def attributes_of_frames(dataset: Dataset, shared: Any, own: Sequence[Any], n_frames: int) -> list[dict[str, Value]]:
+def attributes_of_frames(
+    dataset: Dataset, shared: Mapping[int, Any], own: Sequence[Mapping[int, Any]], n_frames: int
+) -> list[dict[str, Value]]:
     """Attributes of each frame of a file, by name.
 
-    shared, own : functional groups of all frames, and of each; empty where there are none.
+    shared, own : functional groups of all frames, and of each, by tag; empty where there are none.
     """
     found: dict[int, Raw] = {}
-    for group in (dataset, shared):
-        _collect(group, found)
+    _collect(dataset, found)
+    _collect_groups(shared, found)
     vectors = {tag: as_numbers(found.pop(tag), "u2") for tag in VECTORS if tag in found}
     vectors = {tag: numbers for tag, numbers in vectors.items() if len(numbers) == n_frames}
     common = _values(found)
@@ -178,7 +180,7 @@ def attributes_of_frames(dataset: Dataset, shared: Any, own: Sequence[Any], n_fr
     for index in range(n_frames):
         of_frame: dict[int, Raw] = {}
         if index < len(own):
-            _collect(own[index], of_frame)
+            _collect_groups(own[index], of_frame)
         counted = {name: vectors[tag][index] for tag, name in _NAMES_OF_VECTORS.items() if tag in vectors}
         frames.append({**common, **_values(of_frame), **counted})
     return frames
@@ -189,15 +191,18 @@ _NAMES_OF_VECTORS = {
 }
 
 
-def _collect(group: Any, found: dict[int, Raw]) -> None:
+def _collect(dataset: Any, found: dict[int, Raw]) -> None:
     """Raw values of all known tags of a dataset and of the sequences in it."""
-    for tag in group.keys():  # noqa: SIM118 - a dataset iterates over its elements, and converts them
+    for tag in dataset.keys():  # noqa: SIM118 - a dataset iterates over its elements, and converts them
         if tag in TAGS:
-            found[int(tag)] = raw_value(group, tag)
-        elif tag in SEQUENCES:
-            items = group[tag].value
-            if items:
-                _collect(items[0], found)
+            found[int(tag)] = raw_value(dataset, tag)
+    _collect_groups(first_items(dataset, SEQUENCES), found)
+
+
+def _collect_groups(groups: Mapping[int, Any], found: dict[int, Raw]) -> None:
+    for tag, item in groups.items():
+        if tag in SEQUENCES:
+            _collect(item, found)
 
 
 def _values(found: Mapping[int, Raw]) -> dict[str, Value]:

@@ -17,9 +17,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._readers.dicom_attributes import Value, attributes_of_frames
+from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_pixel_data import PixelData, check_deflated, check_n_frames, pixel_data_at
-from wavesplat._readers.dicom_values import as_numbers, integer, items, numbers, raw_value, text, whole_numbers
+from wavesplat._readers.dicom_values import (
+    as_numbers,
+    first_items,
+    integer,
+    items,
+    numbers,
+    raw_value,
+    text,
+    whole_numbers,
+)
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -46,6 +55,8 @@ NO_IMAGES = {
 }
 #: Dimensions of enhanced files that say where a frame lies, and not by what it differs from others of its place.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
+#: Functional groups that are read: those with attributes, and of pixels, values, positions and orientations.
+GROUPS = SEQUENCES | {0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
 #: How attributes are called that enhanced files count frames by.
 INDEX = "index of "
 NONE = float("nan")
@@ -168,7 +179,7 @@ def header_of(file: Path) -> Header | None:
         padding=_padding(dataset),
         slice_step=_slice_step(dataset),
         has_lookup_table=0x00283000 in dataset,
-        is_of_patient=0x0020930F not in _groups(dataset, 0)[1],
+        is_of_patient=0x0020930F not in _shared_groups(dataset),
         frames=(),
     )
     if n_frames > 1:
@@ -226,7 +237,7 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
     pointers = [_pointer(item) for item in items(dataset, 0x00209222)]
     along = _positions_along_a_line(dataset, n_frames)
     instance = _instance(dataset)
-    own, shared = items(dataset, 0x52009230), _groups(dataset, 0)[1]
+    own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
     attributes = attributes_of_frames(dataset, shared, own, n_frames)
     segments = _segments(dataset)
     for index in range(n_frames):
@@ -281,7 +292,7 @@ def _name_of_dimension(tag: int) -> str:
     return f"{INDEX}{described}"
 
 
-def _factor(groups: Sequence[Any], dataset: Dataset, tag: int, absent: float) -> float:
+def _factor(groups: Sequence[Mapping[int, Any]], dataset: Dataset, tag: int, absent: float) -> float:
     """Slope or intercept; NaN where something is written that is no number."""
     item = _in_group(groups, 0x00289145)
     for holder in (item, dataset):
@@ -292,7 +303,7 @@ def _factor(groups: Sequence[Any], dataset: Dataset, tag: int, absent: float) ->
 
 
 def _placed(
-    groups: Sequence[Any], dataset: Dataset
+    groups: Sequence[Mapping[int, Any]], dataset: Dataset
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[float, float]]:
     """Position and orientation in the patient; else those in the volume of an ultrasound probe; else of a detector.
 
@@ -332,18 +343,20 @@ def _positions_along_a_line(dataset: Dataset, n_frames: int) -> NDArray[np.float
     return along
 
 
-def _groups(dataset: Dataset, index: int) -> tuple[Any, Any]:
-    """The functional groups of a frame, and those of all frames; empty where there are none."""
-    frames, shared = items(dataset, 0x52009230), items(dataset, 0x52009229)
-    return (frames[index] if index < len(frames) else {}), (shared[0] if shared else {})
+def _shared_groups(dataset: Dataset) -> dict[int, Any]:
+    """The functional groups of all frames, by tag."""
+    shared = items(dataset, 0x52009229)
+    return first_items(shared[0], GROUPS) if shared else {}
 
 
-def _in_group(groups: Sequence[Any], tag: int) -> Any:
+def _in_group(groups: Sequence[Mapping[int, Any]], tag: int) -> Any:
     """The item of a group, the frame's own first."""
-    return next((found[0] for found in (items(group, tag) for group in groups) if found), None)
+    return next((group[tag] for group in groups if tag in group), None)
 
 
-def _found(groups: Sequence[Any], dataset: Dataset, group: int, tag: int, count: int) -> NDArray[np.float64]:
+def _found(
+    groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, tag: int, count: int
+) -> NDArray[np.float64]:
     """Numbers of an attribute: in the frame's group, in the shared one, or beside them."""
     item = _in_group(groups, group)
     found = np.full(count, NONE) if item is None else numbers(item, tag, count)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["as_numbers", "as_text", "integer", "items", "numbers", "raw_value", "text", "whole_numbers"]
+__all__ = ["as_numbers", "as_text", "first_items", "integer", "items", "numbers", "raw_value", "text", "whole_numbers"]
 
 NONE = float("nan")
 
@@ -68,3 +69,12 @@ def integer(dataset: Any, tag: int) -> int:
 def items(dataset: Any, tag: int) -> Any:
     """The items of a sequence; none where there is no such element."""
     return dataset[tag].value or () if tag in dataset else ()
+
+
+def first_items(dataset: Any, tags: Container[int]) -> dict[int, Any]:
+    """The first item of each of these sequences that is there."""
+    found = {}
+    for tag in dataset.keys():  # noqa: SIM118 - a dataset iterates over its elements, and converts them
+        if tag in tags and (value := dataset[tag].value):
+            found[int(tag)] = value[0]
+    return found

@@ -33,7 +33,7 @@ KINDS = {
     "echo time": lambda t, _: {"EchoTime": 2.3 * (t + 1)},
     "echo time, rounded otherwise in a slice": lambda t, z: {"EchoTime": 2.3 * (t + 1) + (1e-4 if z == 1 else 0)},
     "echo number": lambda t, _: {"EchoNumbers": t + 9},
-    "image type": lambda t, _: {"ImageType": ["ORIGINAL", "PRIMARY", "IMP"[t], "ND"]},
+    "image type": lambda t, _: {"ImageType": ["ORIGINAL", "PRIMARY", "MPI"[t], "ND"]},
     "b-value": lambda t, _: {"DiffusionBValue": 500.0 * t},
     "b-value of Siemens": lambda t, _: {"private": (0x0019, "SIEMENS MR HEADER", 0x0C, "IS", str(500 * t))},
     "b-value of GE": lambda t, _: {"private": (0x0043, "GEMS_PARM_01", 0x39, "IS", [f"{10**9 + 500 * t}", "8", "0"])},
@@ -142,6 +142,15 @@ def test_identifiers_of_time_order_volumes_of_any_kind(tmp_path):
     check_volumes(written(tmp_path / "mr", kind, NUMBERS["equal"], n_volumes=4), 4)
 
 
+@pytest.mark.parametrize("numbers", ["by volume", "by slice", "equal"])
+def test_texts_are_in_the_order_of_times_or_numbers(tmp_path, numbers):
+    phases = ("plain", "arterial", "venous")
+    kind = lambda t, z: {"ContrastBolusAgent": phases[t], "ContentTime": f"1200{10 * t + z:02}"}  # noqa: E731
+    check_volumes(written(tmp_path / "a", kind, NUMBERS[numbers]))
+    if numbers != "equal":
+        check_volumes(written(tmp_path / "b", lambda t, _: {"SeriesDescription": phases[t]}, NUMBERS[numbers]))
+
+
 def test_an_attribute_that_is_not_the_same_at_every_place_does_not_count(tmp_path):
     """Here flip angles are written at random; trigger times tell."""
     kind = lambda t, z: {"FlipAngle": float((7 * t + 5 * z * z) % 4), "TriggerTime": 30.0 * t}  # noqa: E731
@@ -174,7 +183,7 @@ def test_times_are_those_of_the_clock(tmp_path):
     [
         ("temporal position", ["temporal position 1", "temporal position 2", "temporal position 3"]),
         ("echo time", ["echo time 2.3 ms", "echo time 4.6 ms", "echo time 6.9 ms"]),
-        ("image type", ["I", "M", "P"]),
+        ("image type", ["M", "P", "I"]),
         ("acquisition time", ["acquisition time +0 s", "acquisition time +7 s", "acquisition time +14 s"]),
         ("contrast", ["no contrast agent", "contrast agent early", "contrast agent late"]),
         ("direction", ["direction (0, 0, 1)", "direction (0, 1, 0)", "direction (1, 0, 0)"]),
@@ -182,7 +191,7 @@ def test_times_are_those_of_the_clock(tmp_path):
     ],
 )
 def test_info_lists_what_tells_volumes_apart(wavesplat, tmp_path, kind, labels):
-    done = wavesplat("info", written(tmp_path / "mr", KINDS[kind]))
+    done = wavesplat("info", written(tmp_path / "mr", KINDS[kind], NUMBERS["equal"]))
     assert done.returncode == 0, done.stderr
     assert f"choose with --time: {', '.join(f'{n} {label}' for n, label in enumerate(labels))}" in done.stdout
 
@@ -269,9 +278,9 @@ GROUPS = {
     "heart": lambda t: {"CardiacSynchronizationSequence": {"NominalPercentageOfCardiacPhase": 20.0 * t}},
     "trigger delay": lambda t: {"CardiacSynchronizationSequence": {"NominalCardiacTriggerDelayTime": 20.5 * t}},
     "flip angle": lambda t: {"MRTimingAndRelatedParametersSequence": {"FlipAngle": 10.0 * (t + 1)}},
-    "type": lambda t: {"MRImageFrameTypeSequence": {"FrameType": ["ORIGINAL", "PRIMARY", "IMP"[t], "NONE"]}},
+    "type": lambda t: {"MRImageFrameTypeSequence": {"FrameType": ["ORIGINAL", "PRIMARY", "MPI"[t], "NONE"]}},
     "component": lambda t: {
-        "MRImageFrameTypeSequence": {"ComplexImageComponent": ("IMAGINARY", "MAGNITUDE", "PHASE")[t]}
+        "MRImageFrameTypeSequence": {"ComplexImageComponent": ("MAGNITUDE", "PHASE", "IMAGINARY")[t]}
     },
     "contrast": lambda t: {"ContrastBolusUsageSequence": {"ContrastBolusAgentPhase": ("ARTERIAL", "PRE", "VENOUS")[t]}},
     "clock": lambda t: {"FrameContentSequence": {"FrameAcquisitionDateTime": f"20200101120{t}00.5"}},

@@ -55,8 +55,8 @@ NO_IMAGES = {
 }
 #: Dimensions of enhanced files that say where a frame lies, and not by what it differs from others of its place.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
-#: Functional groups that are read: those with attributes, and of pixels, values, positions and orientations.
-GROUPS = SEQUENCES | {0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
+#: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
+GROUPS = SEQUENCES | {0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
 #: How attributes are called that enhanced files count frames by.
 INDEX = "index of "
 NONE = float("nan")

@@ -26,6 +26,8 @@ __all__ = ["FrameVolume", "times_of", "volumes_of"]
 
 #: Positions nearer than this, in mm and in parts of the distance of pixels, are one place: headers round them.
 PLACE_MM, PLACE_PIXELS = 0.01, 0.01
+#: Words of image types for the parts of a complex picture, in the order of their volumes.
+PARTS = {"M": 0, "MAGNITUDE": 0, "P": 1, "PHASE": 1, "R": 2, "REAL": 2, "I": 3, "IMAGINARY": 3}
 #: The attribute of frames that only their numbers tell apart.
 NUMBER = Attribute("number", "", ())
 
@@ -111,8 +113,8 @@ def _split(frames: list[Frame], request: Request) -> list[FrameVolume]:
         codes = _joint(codes, ranks)
         keys = [*keys, _Key(NUMBER, [float(rank + 1) for rank in ranks], ranks)]
     whole = next(place for place in places if len(place) == n_volumes)
-    sorted_by = [key.compared for key in (*_leading(frames, places), *keys)]
-    first = sorted(whole, key=lambda n: [_sort_key(values[n]) for values in sorted_by])
+    sorted_by = [_sort_keys(key, frames) for key in (*_leading(frames, places), *keys)]
+    first = sorted(whole, key=lambda n: [values[n] for values in sorted_by])
     labels = _labels(keys, first)
     is_time = all(key.attribute.is_time or key.attribute is NUMBER for key in keys)
     by_code: dict[int, list[int | None]] = {codes[n]: [] for n in first}
@@ -243,11 +245,41 @@ def _dimensions(frames: Sequence[Frame]) -> list[Attribute]:
     return [Attribute(name, "", ()) for name in names if _varies(frames, name)]
 
 
-def _sort_key(value: Any) -> tuple[Any, ...]:
-    """Frames without the attribute first."""
-    if value is None:
-        return (0,)
-    return (2, value) if isinstance(value, tuple) else (3, value) if isinstance(value, str) else (1, value)
+def _sort_keys(key: _Key, frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
+    """What frames are sorted by: the value, frames without one first.
+
+    Texts and directions have no order of their own: theirs is that of the times and instance numbers of their frames on
+    average (arterial before venous), but for magnitude, phase, real and imaginary part, which come in this order.
+    """
+    if not any(isinstance(value, str | tuple) for value in key.compared):
+        return [(0, 0) if value is None else (1, value) for value in key.compared]
+    clock = next((one.name for one in ATTRIBUTES if one.is_time and _is_clock_of(frames, one.name)), "")
+    places: dict[Hashable, list[tuple[float, int]]] = {}
+    for frame, value in zip(frames, key.compared, strict=True):
+        time = frame.attributes.get(clock, 0.0)
+        places.setdefault(value, []).append((time if isinstance(time, float) else 0.0, frame.instance))
+    mean = {
+        value: tuple(round(float(np.mean(column)), 6) for column in zip(*found, strict=True))
+        for value, found in places.items()
+    }
+    return [
+        (0,) if value is None else (1, _place_of_part(value), mean[value], isinstance(value, tuple), value)
+        for value in key.compared
+    ]
+
+
+def _is_clock_of(frames: Sequence[Frame], name: str) -> bool:
+    """Whether all frames have this time, and it differs."""
+    return _varies(frames, name) and all(isinstance(frame.attributes.get(name), float) for frame in frames)
+
+
+def _place_of_part(value: Hashable) -> int:
+    """Magnitude, phase, real and imaginary part in this order, by the first word of an image type that names one."""
+    for word in str(value).split("\\"):
+        head = word.partition("_")[0].strip()
+        if head in PARTS:
+            return PARTS[head]
+    return len(PARTS)
 
 
 # Numbers, and what is said

@@ -137,6 +137,48 @@ def test_half_the_bits_are_refused(tmp_path):
         ws.open(save(tmp_path / "ct", datasets))
 
 
+def test_half_the_bits_of_compressed_pixels_are_refused(tmp_path):
+    """RLE has a segment for each byte of a pixel."""
+    from pydicom.uid import RLELossless
+
+    datasets = [slice_at(pixels, number) for number, pixels in enumerate(random(3))]
+    for dataset in datasets:
+        dataset.compress(RLELossless, generate_instance_uid=False)
+        dataset.BitsAllocated = dataset.BitsStored = 8
+        dataset.HighBit = 7
+    with pytest.raises(FileError, match=r"compressed pixels \(RLE\) do not unpack: .*segments") as caught:
+        ws.open(save(tmp_path / "ct", datasets))
+    assert "truncated, damaged" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("syntax", "marker"), [("1.2.840.10008.1.2.4.70", 0xC3), ("1.2.840.10008.1.2.4.51", 0xC1)])
+def test_precision_of_jpeg_is_that_of_the_header(tmp_path, syntax, marker, monkeypatch):
+    """Decoders give the low bits of 12 or 16 as 8; that the stream has more is in its own header."""
+    from pydicom.encaps import encapsulate
+    from pydicom.uid import UID
+
+    from wavesplat._readers import dicom_pixels
+
+    def decoded(header, shape):
+        return np.zeros(shape, np.uint8)
+
+    monkeypatch.setattr(dicom_pixels, "_by_neutral_copy", decoded)
+    comment = b"\xff\xfe\x00\x04hi"
+    for precision in (8, 12):
+        stream = b"\xff\xd8" + comment + bytes([0xFF, marker, 0, 11, precision, 0, 6, 0, 7, 1, 1, 0x11, 0])
+        datasets = [slice_at(pixels, number) for number, pixels in enumerate(random(2, np.uint8, most=250))]
+        for dataset in datasets:
+            dataset.file_meta.TransferSyntaxUID = UID(syntax)
+            dataset.PixelData = encapsulate([stream])
+            dataset["PixelData"].is_undefined_length = True
+        folder = save(tmp_path / str(precision), datasets)
+        if precision == 8:
+            assert ws.open(folder).shape == (2, 6, 7)
+        else:
+            with pytest.raises(FileError, match=r"compressed pixels have 12 bits, the header says 8 \(BitsAllocated"):
+                ws.open(folder)
+
+
 def test_a_frame_too_many_is_refused(tmp_path):
     dataset = enhanced(random(4), [(0.0,), (1.5,), (3.0,), (4.5,)])
     dataset.NumberOfFrames = 2

@@ -72,8 +72,7 @@ SIEMENS, GE_ACQUISITION, GE_PARAMETERS = (
 )
 PHILIPS, PHILIPS_MR = (0x20010010, "Philips Imaging"), (0x20050010, "Philips MR")
 
-#: In the order in which frames are split by them: kinds of picture first, then identifiers of times, then clocks, the
-#: surest first.
+#: In the order in which frames are split by them, the surest first: kinds of picture, identifiers of times, clocks.
 ATTRIBUTES = (
     _kind("", Source(0x00089007, "text"), Source(0x00080008, "text")),  # image type: M, P, ...; its own label
     _kind("component", Source(0x00089208, "text")),
@@ -81,7 +80,6 @@ ATTRIBUTES = (
     _kind("echo", Source(0x00180086, "decimal")),
     _kind("flip angle", Source(0x00181314, "decimal"), unit="degrees"),
     _kind("inversion time", Source(0x00189079, "f8"), Source(0x00180082, "decimal"), unit="ms"),
-    _kind("repetition time", Source(0x00180080, "decimal"), unit="ms"),
     _kind(
         "b-value",
         Source(0x00189087, "f8"),
@@ -104,11 +102,6 @@ ATTRIBUTES = (
     _kind("tube voltage", Source(0x00180060, "decimal"), unit="kV"),
     _kind("energy", Source(0x0018937C, "f8"), unit="keV"),
     _kind("reconstruction kernel", Source(0x00181210, "text")),
-    _kind("sequence", Source(0x00180024, "text")),
-    _kind("scan options", Source(0x00180022, "text")),
-    _kind("protocol", Source(0x00181030, "text")),
-    _kind("series", Source(0x00200011, "decimal")),
-    _kind("description", Source(0x0008103E, "text")),
     _kind("coil", Source(0x00181250, "text")),
     _kind("energy window", Source(0x00540010, "u2")),
     _kind("detector", Source(0x00540020, "u2")),
@@ -126,6 +119,13 @@ ATTRIBUTES = (
     _time("respiratory delay", Source(0x00209255, "f8"), unit="ms", units_per_second=1000),
     _time("trigger time", Source(0x00181060, "decimal"), unit="ms", units_per_second=1000),
     _time("reference time", Source(0x00541300, "decimal"), unit="ms", units_per_second=1000),
+    # What may also change from slice to slice for other reasons.
+    _kind("repetition time", Source(0x00180080, "decimal"), unit="ms"),
+    _kind("sequence", Source(0x00180024, "text")),
+    _kind("scan options", Source(0x00180022, "text")),
+    _kind("protocol", Source(0x00181030, "text")),
+    _kind("series", Source(0x00200011, "decimal")),
+    _kind("description", Source(0x0008103E, "text")),
     _time("acquisition", Source(0x00209156, "u2"), Source(0x00200012, "decimal")),
     _time(
         "acquisition date and time",

@@ -57,7 +57,32 @@ def frames_in(header: Header) -> NDArray[Any]:
         return _native(header, shape)
     if header.transfer_syntax == RLE:
         return _meant(_unpacked_rle(header).reshape(shape), header)
-    return _meant(_by_neutral_copy(header, shape), header)
+    return _meant(_checked_bits(_by_neutral_copy(header, shape), header), header)
+
+
+def _checked_bits(stored: NDArray[Any], header: Header) -> NDArray[Any]:
+    """Numbers as they were unpacked; a `FileError` if they had more bits than the header says, which would be cut."""
+    n_bits = max(stored.dtype.itemsize * 8, _jpeg_precision(_fragments(header)))
+    if n_bits > max(header.bits_allocated, 8):
+        raise FileError(
+            f"the compressed pixels have {n_bits} bits, the header says {header.bits_allocated} (BitsAllocated); "
+            f"export it again: {header.file}"
+        )
+    return stored
+
+
+def _jpeg_precision(fragments: bytes) -> int:
+    """Bits of a pixel by the frame header (SOF) of the first JPEG or JPEG-LS stream; 0 if none is found.
+
+    ITU-T T.81, B.2.2: a marker, two bytes of length, one of precision.
+    """
+    at = 8 + int.from_bytes(fragments[4:8], "little") + 8 + 2  # after the offset table, the item's head and the mark
+    while fragments[at : at + 1] == b"\xff" and at + 5 <= len(fragments):
+        marker = fragments[at + 1]
+        if marker == 0xF7 or (0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC)):
+            return fragments[at + 4]
+        at += 2 + int.from_bytes(fragments[at + 2 : at + 4], "big")
+    return 0
 
 
 def check_syntax(header: Header) -> None:
@@ -127,7 +152,13 @@ def _unpacked_rle(header: Header) -> NDArray[Any]:
     dataset = dcmread(header.file, stop_before_pixels=True, force=True)
     _set_pixels(dataset, header)
     of_all: Any = decoders
-    array: NDArray[Any] = of_all.RLELosslessDecoder.as_array(dataset, raw=True)[0]
+    try:
+        array: NDArray[Any] = of_all.RLELosslessDecoder.as_array(dataset, raw=True)[0]
+    except (RuntimeError, ValueError) as error:
+        reason = str(error).strip().splitlines()[-1].rpartition("pydicom: ")[2].rstrip(".")
+        raise FileError(
+            f"the compressed pixels (RLE) do not unpack: {reason}; export it again: {header.file}"
+        ) from error
     return array
 
 

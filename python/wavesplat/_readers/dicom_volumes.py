@@ -113,6 +113,7 @@ def _split(frames: list[Frame], request: Request) -> list[FrameVolume]:
         codes = _joint(codes, ranks)
         keys = [*keys, _Key(NUMBER, [float(rank + 1) for rank in ranks], ranks)]
     whole = next(place for place in places if len(place) == n_volumes)
+    keys.sort(key=lambda key: key.attribute.is_time or key.attribute is NUMBER)  # kinds before times
     sorted_by = [_sort_keys(key, frames) for key in (*_leading(frames, places), *keys)]
     first = sorted(whole, key=lambda n: [values[n] for values in sorted_by])
     labels = _labels(keys, first)

@@ -33,7 +33,7 @@ KINDS = {
     "echo time": lambda t, _: {"EchoTime": 2.3 * (t + 1)},
     "echo time, rounded otherwise in a slice": lambda t, z: {"EchoTime": 2.3 * (t + 1) + (1e-4 if z == 1 else 0)},
     "echo number": lambda t, _: {"EchoNumbers": t + 9},
-    "image type": lambda t, _: {"ImageType": ["ORIGINAL", "PRIMARY", "MPI"[t], "ND"]},
+    "image type": lambda t, _: {"ImageType": ["ORIGINAL", "PRIMARY", "MPI"[t], "NORM"]},
     "b-value": lambda t, _: {"DiffusionBValue": 500.0 * t},
     "b-value of Siemens": lambda t, _: {"private": (0x0019, "SIEMENS MR HEADER", 0x0C, "IS", str(500 * t))},
     "b-value of GE": lambda t, _: {"private": (0x0043, "GEMS_PARM_01", 0x39, "IS", [f"{10**9 + 500 * t}", "8", "0"])},

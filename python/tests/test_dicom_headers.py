@@ -261,6 +261,15 @@ def test_padding_that_is_darker_than_the_scan_stays(tmp_path):
     assert volume.guesses == ()
 
 
+def test_padding_that_is_darker_in_every_slice_stays(tmp_path):
+    pixels = random(2, np.int16, most=3000)
+    pixels[:, 0, :2] = -2000
+    scales = [{"RescaleSlope": slope, "RescaleIntercept": 0, "PixelPaddingValue": -2000} for slope in (1, 0.5)]
+    datasets = [slice_at(one, number, **scales[number]) for number, one in enumerate(pixels)]
+    volume = ws.open(save(tmp_path / "pt", datasets))
+    np.testing.assert_allclose(volume.samples, pixels * np.array([1, 0.5])[:, None, None])
+
+
 def test_padding_with_a_slope_for_each_slice(tmp_path):
     """Each slice has its own lowest value; that of the volume is the padding's, and slopes stay right."""
     pixels = random(3, most=3000) + np.uint16(10)

@@ -221,7 +221,7 @@ def _chosen(
         volume = volumes[number]
         if len(volume.frames) == 1:
             raise FileError(
-                f"volume {number} of the series ({volume.label}) has a single slice, others have more; "
+                f"volume {number} of the series ({volume.label or 'without a label'}) has a single slice, others have more; "
                 f"choose another with time= (--time): {request.path}"
             )
         if volume.loss and request.gaps == "refuse":

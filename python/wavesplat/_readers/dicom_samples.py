@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -60,26 +60,34 @@ def _without_padding(
 
     Padding fills a round field of view up to a square. Mostly it is darker than all else, and is left as it is.
     """
-    padding = []
+    if all(headers[file].padding is None for file in pixels):
+        return ""
+    low = samples.min()
+    if all((samples[number][mask] <= low).all() for number, mask in _padding(stack, pixels, headers)):
+        return ""
+    padding = dict(_padding(stack, pixels, headers))
+    kept = (samples[n][~padding[n]] if n in padding else samples[n] for n in range(len(samples)))
+    lows = [values.min() for values in kept if values.size]
+    if not lows or all((samples[number][mask] <= min(lows)).all() for number, mask in padding.items()):
+        return ""
+    for number, mask in padding.items():
+        samples[number][mask] = min(lows)
+    count = sum(int(mask.sum()) for mask in padding.values())
+    return f"{count} samples outside of the scan (PixelPaddingValue) as the lowest value in it, {min(lows):g}"
+
+
+def _padding(
+    stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header]
+) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    """Slices with padding, and where; a slice between two frames has that of both."""
     for number, (a, b, share) in enumerate(stack.slices):
-        frames = [] if math.isnan(share) else [stack.frames[b if share == 1 else a]]
-        frames += [stack.frames[b]] if share not in (0.0, 1.0) and frames else []
+        if math.isnan(share):
+            continue
+        frames = [stack.frames[n] for n, weight in ((a, 1 - share), (b, share)) if weight > 0]
         masks = [_is_padding(pixels[frame.file][frame.index], headers[frame.file]) for frame in frames]
         there = [mask for mask in masks if mask is not None and mask.any()]
         if there:
-            padding.append((number, np.logical_or.reduce(there)))
-    if not padding:
-        return ""
-    of_slice = dict(padding)
-    kept = (samples[n][~of_slice[n]] if n in of_slice else samples[n] for n in range(len(samples)))
-    lows = [values.min() for values in kept if values.size]
-    if not lows or all((samples[number][mask] <= min(lows)).all() for number, mask in padding):
-        return ""
-    low = min(lows)
-    for number, mask in padding:
-        samples[number][mask] = low
-    count = sum(int(mask.sum()) for _, mask in padding)
-    return f"{count} samples outside of the scan (PixelPaddingValue) as the lowest value in it, {low:g}"
+            yield number, np.logical_or.reduce(there)
 
 
 def _is_padding(stored: NDArray[Any], header: Header) -> NDArray[np.bool_] | None:

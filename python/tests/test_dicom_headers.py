@@ -349,6 +349,13 @@ def test_files_without_an_image_say_what_they_hold(tmp_path, modality, holds):
         assert "damaged" not in str(caught.value)
 
 
+def test_a_single_slice_names_the_files_that_are_damaged(tmp_path):
+    folder = save(tmp_path / "ct", [slice_at(one, number) for number, one in enumerate(random(2))])
+    (folder / "001.dcm").write_bytes((folder / "001.dcm").read_bytes()[:-40])
+    with pytest.raises(FileError, match=r"a single slice, .* \(1 file of the folder is damaged .*001.dcm"):
+        ws.open(folder)
+
+
 def test_frames_at_one_place_are_no_volume(tmp_path):
     dataset = slice_at(random(1)[0], 0, NumberOfFrames=3)
     dataset.PixelData = random(3).tobytes()

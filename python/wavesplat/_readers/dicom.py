@@ -168,8 +168,9 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         pixels, damaged = _pixels(headers, request)
     unreadable = {**unreadable, **damaged}
     losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
-    losses += mends
     frames = [frame for frame in all_frames if frame.file not in damaged]
+    if len(frames) == 1:
+        raise FileError(_single(headers[0], unreadable, request))
     n_longer = sum(_is_longer(header) for header in headers if header.file in pixels)
     if n_longer:
         guesses.append(
@@ -180,12 +181,13 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     if is_placed:
         volume, n_times, times = _chosen(frames, losses, headers, request)
         stack = stacked(volume.frames, request, is_mask=first.modality == "SEG")
-        losses += [volume.loss] if volume.loss else []
+        losses += [*mends, *([volume.loss] if volume.loss else [])]
         if volume.guess:
             (losses if volume.is_by_names else guesses).append(volume.guess)
     else:
         choose("time", 1, request.time, request.path)
         n_times, times = 1, ()
+        losses += mends
         stack = _as_they_come(frames, first)
         guesses.append(f"frames as slices, {_distances(stack)} mm apart: the file does not say where they lie")
     if not np.isfinite(first.frames[0].pixel_spacing).all():
@@ -221,7 +223,7 @@ def _chosen(
         volume = volumes[number]
         if len(volume.frames) == 1:
             raise FileError(
-                f"volume {number} of the series ({volume.label or 'without a label'}) has a single slice, others have more; "
+                f"volume {number} of the series ({volume.label}) has a single slice, others have more; "
                 f"choose another with time= (--time): {request.path}"
             )
         if volume.loss and request.gaps == "refuse":

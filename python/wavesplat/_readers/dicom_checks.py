@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -82,14 +83,14 @@ def mended(headers: Sequence[Header], request: Request) -> tuple[list[Frame], li
                 f"pass spacing=(x, y, z) instead: {request.path}"
             )
         frames = _changed(frames, lambda frame: min(frame.pixel_spacing) <= 0, pixel_spacing=(1.0, 1.0))
-    for frame in frames:
-        angle = float(frame.orientation[:3] @ frame.orientation[3:])
-        if abs(angle) > RIGHT_ANGLE:
-            raise FileError(
-                f"ImageOrientationPatient of {frame.name} is not two directions at right angles; "
-                f"export it again: {request.path}"
-            )
-    if long := [frame for frame in frames if np.abs(np.array(frame.orientation_lengths) - 1).max() > DIRECTION]:
+    directions = np.array([frame.orientation for frame in frames])
+    angles = np.abs((directions[:, :3] * directions[:, 3:]).sum(axis=1))
+    if (angles > RIGHT_ANGLE).any():
+        raise FileError(
+            f"ImageOrientationPatient of {frames[int(np.argmax(angles > RIGHT_ANGLE))].name} is not two directions at "
+            f"right angles; export it again: {request.path}"
+        )
+    if long := [frame for frame in frames if max(abs(length - 1) for length in frame.orientation_lengths) > DIRECTION]:
         row, column = long[0].orientation_lengths
         guesses.append(
             f"ImageOrientationPatient as directions alone: in {_counted(long)} its vectors have lengths "
@@ -109,7 +110,7 @@ def mended(headers: Sequence[Header], request: Request) -> tuple[list[Frame], li
 
 
 def _is_scale(frame: Frame) -> bool:
-    return bool(np.isfinite(frame.slope) and np.isfinite(frame.intercept) and frame.slope != 0)
+    return math.isfinite(frame.slope) and math.isfinite(frame.intercept) and frame.slope != 0
 
 
 def _changed(frames: Sequence[Frame], which: Callable[[Frame], bool], **changes: object) -> list[Frame]:

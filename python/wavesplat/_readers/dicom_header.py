@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files import payload
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_pixel_data import PixelData, check_deflated, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_values import (
@@ -59,6 +60,8 @@ OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x006200
 GROUPS = SEQUENCES | {0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
 #: How attributes are called that enhanced files count frames by.
 INDEX = "index of "
+#: Memory that the description of a frame takes, about, beside its pixels.
+FRAME_BYTES = 600
 NONE = float("nan")
 
 
@@ -184,6 +187,7 @@ def header_of(file: Path) -> Header | None:
     )
     if n_frames > 1:
         check_n_frames(header)
+        payload.check_memory(n_frames * FRAME_BYTES, file)
         n_groups = len(items(dataset, 0x52009230))
         if 0 < n_groups < n_frames:
             raise FileError(
@@ -240,36 +244,50 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
     own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
     attributes = attributes_of_frames(dataset, shared, own, n_frames)
     segments = _segments(dataset)
+    said: dict[str, Any] = {}
     for index in range(n_frames):
-        groups = (own[index] if index < len(own) else {}, shared)
-        content = _in_group(groups, 0x00209111)
-        indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
-        dimensions = {
-            _name_of_dimension(of): float(value)
-            for value, of in zip(indices, pointers, strict=False)
-            if of not in OF_PLACE
-        }
-        spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
-        if not np.isfinite(spacing).all():
-            spacing = numbers(dataset, 0x00181164, 2)
-        position, orientation, lengths = _placed(groups, dataset)
-        segment = _in_group(groups, 0x0062000A)
-        number = 0 if segment is None else integer(segment, 0x0062000B)
-        yield Frame(
-            file=file,
-            index=index,
-            instance=instance,
-            position=position if along is None else along[index],
-            orientation=orientation,
-            orientation_lengths=lengths,
-            pixel_spacing=(float(spacing[0]), float(spacing[1])),
-            # Of doses, a scaling instead of a slope.
-            slope=_factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
-            intercept=_factor(groups, dataset, 0x00281052, 0.0),
-            stack=text(content, 0x00209056) if content is not None else "",
-            segment=(number, segments.get(number, "")),
-            attributes={**attributes[index], **dimensions} if dimensions else attributes[index],
-        )
+        # Frames without groups of their own are alike but for the place along the line.
+        if index < len(own) or not said:
+            groups = (own[index] if index < len(own) else {}, shared)
+            said = _of_frame(dataset, groups, pointers, segments, attributes[index])
+        else:
+            said["attributes"] = attributes[index]
+        if along is not None:
+            said["position"] = along[index]
+        yield Frame(file=file, index=index, instance=instance, **said)
+
+
+def _of_frame(
+    dataset: Dataset,
+    groups: Sequence[Mapping[int, Any]],
+    pointers: Sequence[int],
+    segments: Mapping[int, str],
+    attributes: Mapping[str, Value],
+) -> dict[str, Any]:
+    """What a frame's functional groups say of it, or else the dataset: arguments of `Frame`."""
+    content = _in_group(groups, 0x00209111)
+    indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
+    dimensions = {
+        _name_of_dimension(of): float(value) for value, of in zip(indices, pointers, strict=False) if of not in OF_PLACE
+    }
+    spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
+    if not np.isfinite(spacing).all():
+        spacing = numbers(dataset, 0x00181164, 2)
+    position, orientation, lengths = _placed(groups, dataset)
+    segment = _in_group(groups, 0x0062000A)
+    number = 0 if segment is None else integer(segment, 0x0062000B)
+    return {
+        "position": position,
+        "orientation": orientation,
+        "orientation_lengths": lengths,
+        "pixel_spacing": (float(spacing[0]), float(spacing[1])),
+        # Of doses, a scaling instead of a slope.
+        "slope": _factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
+        "intercept": _factor(groups, dataset, 0x00281052, 0.0),
+        "stack": text(content, 0x00209056) if content is not None else "",
+        "segment": (number, segments.get(number, "")),
+        "attributes": {**attributes, **dimensions} if dimensions else attributes,
+    }
 
 
 def _instance(dataset: Dataset) -> int:

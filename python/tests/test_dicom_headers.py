@@ -252,6 +252,17 @@ def test_padding_is_a_range_with_its_limit(tmp_path):
     np.testing.assert_array_equal(volume.samples, np.where(pixels < 3000, pixels, low))
 
 
+@pytest.mark.parametrize(("dtype", "fill"), [(np.uint16, 63536), (np.int16, -32768)])
+def test_padding_that_stored_bits_cannot_hold(tmp_path, dtype, fill):
+    """Of 63536, twelve bits are 2096: tissue."""
+    pixels = random(3, dtype, most=2000)
+    pixels[:, 0, :2] = fill
+    datasets = [slice_at(one, number, bits_stored=12, PixelPaddingValue=fill) for number, one in enumerate(pixels)]
+    volume = ws.open(save(tmp_path / "ct", datasets))
+    np.testing.assert_array_equal(volume.samples, np.where(pixels == fill, 0 if fill > 0 else -2048, pixels))
+    assert "for which there are too few stored bits" in volume.guesses[0]
+
+
 def test_padding_that_is_darker_than_the_scan_stays(tmp_path):
     pixels = random(3, np.int16, most=3000)
     pixels[:, 0, :2] = -2000

@@ -21,7 +21,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
 from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of, is_dicom
 from wavesplat._readers.dicom_pixel_data import NATIVE, check_enough, n_bits_of
-from wavesplat._readers.dicom_pixels import frames_in
+from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
 from wavesplat._readers.dicom_samples import samples_of
 from wavesplat._readers.dicom_stack import N_NAMED, Stack, stacked
 from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
@@ -171,13 +171,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     frames = [frame for frame in all_frames if frame.file not in damaged]
     if len(frames) == 1:
         raise FileError(_single(headers[0], unreadable, request))
-    n_longer = sum(_is_longer(header) for header in headers if header.file in pixels)
-    if n_longer:
-        guesses.append(
-            f"pixels of {n_longer} of the files from the beginning of longer pixel data: the rest is left out"
-        )
-    if any(header.has_lookup_table for header in headers):
-        guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
+    guesses += _guesses_of_values([header for header in headers if header.file in pixels])
     if is_placed:
         volume, n_times, times = _chosen(frames, losses, headers, request)
         stack = stacked(volume.frames, request, is_mask=first.modality == "SEG")
@@ -208,6 +202,21 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         guesses=tuple(guesses),
     )
     return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
+
+
+def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
+    """What was assumed of the stored numbers of these files, a sentence each."""
+    guesses = []
+    n_longer = sum(_is_longer(header) for header in headers)
+    if n_longer:
+        guesses.append(
+            f"pixels of {n_longer} of the files from the beginning of longer pixel data: the rest is left out"
+        )
+    if any(is_padding_beyond_bits(header) for header in headers):
+        guesses.append("padding (PixelPaddingValue), for which there are too few stored bits, as the lowest of them")
+    if any(header.has_lookup_table for header in headers):
+        guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
+    return guesses
 
 
 def _chosen(

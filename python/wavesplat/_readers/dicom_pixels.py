@@ -29,7 +29,7 @@ from wavesplat._readers.dicom_pixel_data import (
 from wavesplat._readers.itk import simple_itk
 from wavesplat.errors import FileError
 
-__all__ = ["check_syntax", "frames_in"]
+__all__ = ["check_syntax", "frames_in", "is_padding_beyond_bits"]
 
 RLE = "1.2.840.10008.1.2.5"
 #: Compressed pixels that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
@@ -112,7 +112,23 @@ def _native(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
     kind = "f" if tag in (FLOATS, DOUBLES) else "u"
     dtype = np.dtype(f"{kind}{n_bits // 8}").newbyteorder(">" if header.transfer_syntax == BIG_ENDIAN else "<")
     stored = np.frombuffer(content, dtype).reshape(shape).astype(dtype.newbyteorder("="), copy=False)
-    return stored if kind == "f" else _meant(stored, header)
+    if kind == "f":
+        return stored
+    meant = _meant(stored, header)
+    if is_padding_beyond_bits(header):
+        low, high = header.padding or (0, 0)
+        whole = stored.view(f"{'i' if header.is_signed else 'u'}{stored.dtype.itemsize}")
+        meant[(whole >= low) & (whole <= high)] = -(1 << header.bits_stored - 1) if header.is_signed else 0
+    return meant
+
+
+def is_padding_beyond_bits(header: Header) -> bool:
+    """Whether the bits that count cannot hold the padding, of which they would show some other number."""
+    n_bits = header.bits_stored
+    if header.padding is None or not 0 < n_bits < header.bits_allocated:
+        return False
+    low, high = (-(1 << n_bits - 1), (1 << n_bits - 1) - 1) if header.is_signed else (0, (1 << n_bits) - 1)
+    return header.padding[0] > high or header.padding[1] < low
 
 
 def _native_bytes(header: Header) -> tuple[int, bytes]:

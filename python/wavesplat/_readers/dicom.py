@@ -205,7 +205,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
 
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
-    """What was assumed of the stored numbers of these files, a sentence each."""
+    """Assumptions about the stored numbers of these files, a sentence each."""
     guesses = []
     n_longer = sum(_is_longer(header) for header in headers)
     if n_longer:

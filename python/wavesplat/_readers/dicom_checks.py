@@ -1,4 +1,4 @@
-"""What headers of DICOM files say that cannot be: refused with the file's name, or mended and told."""
+"""Impossible values in DICOM headers: refused with the file's name, or replaced, and told."""
 
 from __future__ import annotations
 

@@ -198,7 +198,7 @@ def header_of(file: Path) -> Header | None:
 
 
 def content_of(file: Path) -> str:
-    """What a DICOM file holds that is no image."""
+    """The content of a DICOM file without an image, in words."""
     from pydicom import dcmread
 
     dataset = dcmread(file, stop_before_pixels=True, force=True)
@@ -264,7 +264,7 @@ def _of_frame(
     segments: Mapping[int, str],
     attributes: Mapping[str, Value],
 ) -> dict[str, Any]:
-    """What a frame's functional groups say of it, or else the dataset: arguments of `Frame`."""
+    """Arguments of `Frame` from its functional groups, or else from the dataset."""
     content = _in_group(groups, 0x00209111)
     indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
     dimensions = {

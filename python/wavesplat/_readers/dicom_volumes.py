@@ -79,7 +79,7 @@ def volumes_of(frames: Sequence[Frame], request: Request) -> list[FrameVolume]:
 def times_of(volumes: Sequence[FrameVolume]) -> tuple[float, ...]:
     """When each volume was taken, in seconds after the first, by the first clock that goes on from volume to volume.
 
-    None where nothing tells when, or where volumes differ by more than time.
+    Empty where nothing tells when, or where volumes differ by more than time.
     """
     if len(volumes) < 2 or not all(volume.is_time for volume in volumes):
         return ()
@@ -221,7 +221,7 @@ def _is_unique(codes: Sequence[int], places: Sequence[Sequence[int]]) -> bool:
 
 
 def _leading(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> list[_Key]:
-    """What orders volumes before their kinds do: an attribute that counts them all; else the file's own indices.
+    """Attributes that order volumes before their kinds do: one that counts them all; else the file's own indices.
 
     Not a clock: it may tell when pictures were computed.
     """
@@ -247,7 +247,7 @@ def _dimensions(frames: Sequence[Frame]) -> list[Attribute]:
 
 
 def _sort_keys(key: _Key, frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
-    """What frames are sorted by: the value, frames without one first.
+    """Sort keys of the frames: the value, frames without one first.
 
     Texts and directions have no order of their own: theirs is that of the times and instance numbers of their frames on
     average (arterial before venous), but for magnitude, phase, real and imaginary part, which come in this order.
@@ -291,7 +291,7 @@ def _numbers(frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
 
 
 def _by_numbers(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tuple[str, bool]:
-    """What is said of frames that only their numbers or names tell apart, and whether it is names."""
+    """A sentence on frames that only their numbers or names tell apart, and whether it is names."""
     if len({frame.file for frame in frames}) == 1:
         return "frames of one place in the order of the file: nothing in it tells which belong together", False
     n = len(places[0])
@@ -307,7 +307,7 @@ def _by_numbers(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tup
 
 
 def _labels(keys: Sequence[_Key], frames: Sequence[int]) -> list[str]:
-    """For each volume, of which a frame is given, what tells it from the others."""
+    """Labels of volumes, of each of which a frame is given: the attributes that tell it from the others."""
     if [key.attribute for key in keys] == [NUMBER]:
         return [""] * len(frames)
     columns = [_described(key.attribute, [key.values[n] for n in frames]) for key in keys]

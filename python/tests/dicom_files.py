@@ -45,6 +45,20 @@ def slice_at(pixels, number, z=None, *, spacing=(0.8, 0.7), **attributes):
     return base(pixels, number, **{**placed, **attributes})
 
 
+def sequence(*items):
+    """A sequence of items; of values that are dictionaries, sequences in turn."""
+    from pydicom.dataset import Dataset
+    from pydicom.sequence import Sequence
+
+    made = []
+    for values in items:
+        item = Dataset()
+        for name, value in values.items():
+            setattr(item, name, sequence(value) if isinstance(value, dict) else value)
+        made.append(item)
+    return Sequence(made)
+
+
 def save(folder, datasets):
     """A file for each."""
     folder.mkdir(exist_ok=True)

@@ -1,14 +1,15 @@
 """DICOM: a folder with a series of slices, one of its files, or a file of many frames.
 
-Headers are read by pydicom (`dicom_header`), pixels by it and SimpleITK (`dicom_pixels`); `dicom_stack` puts the frames
-in order. Each frame has its own slope and intercept, and the samples are of a type that holds all of them.
+Headers are read by pydicom (`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
+`dicom_checks` looks for what cannot be, `dicom_volumes` finds the frames that belong together, `dicom_stack` makes
+slices at even distances of them, and `dicom_samples` values.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +18,24 @@ from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
-from wavesplat._readers.dicom_header import Frame, Header, header_of, is_dicom
-from wavesplat._readers.dicom_pixels import frames_in
-from wavesplat._readers.dicom_stack import N_NAMED, Stack, one_volume, stacked
+from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
+from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of, is_dicom
+from wavesplat._readers.dicom_pixel_data import NATIVE, check_enough, n_bits_of
+from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
+from wavesplat._readers.dicom_samples import samples_of
+from wavesplat._readers.dicom_stack import N_NAMED, Stack, stacked
+from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
 from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, several
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError, FileError, LimitError
 
 __all__ = ["read"]
 
+#: Files that cannot be read, and why.
+Unreadable: TypeAlias = Mapping[Path, Exception]
 SUFFIXES = (".dcm", ".ima", ".dicom")
+NAME_IMAGES = "name the images that it belongs to, or a folder of them"
+#: The word by which Siemens marks slices side by side in one picture, in the image type.
+MOSAIC = "MOSAIC"
 
 
 def read(request: Request) -> Grid:
@@ -36,19 +46,27 @@ def read(request: Request) -> Grid:
             return _read_series(path, request.series, request)
         first = header_of(path)
         if first is None:
-            raise FileError(f"the file is DICOM, but no image; name one of the images: {path}")
+            raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
         if first.n_frames > 1:
-            return _read_headers([first], [], request)
-        return _read_series(path.parent, request.series or first.series, request)
+            return _read_headers([first], {}, request)
+        return _read_series(path.parent, request.series or first.series, request, named=path)
 
 
-def _read_series(folder: Path, uid: str | None, request: Request) -> Grid:
-    headers, unreadable = _scanned(folder)
+def _read_series(folder: Path, uid: str | None, request: Request, named: Path | None = None) -> Grid:
+    headers, unreadable, others = _scanned(folder, request)
     series: dict[str, list[Header]] = {}
     for header in headers:
         series.setdefault(header.series, []).append(header)
     if not series and unreadable:
-        raise FileError(f"{_named(unreadable)}; copy or export them again: {request.path}")
+        first = next(iter(unreadable.values()))
+        if isinstance(first, FileError):  # which says more
+            raise first
+        raise FileError(f"{_named(unreadable)}; copy or export them again: {request.path}") from first
+    if not series and others:
+        raise FileError(
+            f"the folder holds DICOM files without images ({others[0].name} holds {content_of(others[0])}); "
+            f"{NAME_IMAGES}: {request.path}"
+        )
     if not series:
         raise FileError(
             f"the folder holds no DICOM series, no TIFF slices and no Zarr array; name another: {request.path}"
@@ -63,28 +81,53 @@ def _read_series(folder: Path, uid: str | None, request: Request) -> Grid:
     uid = next(iter(series)) if uid is None else uid
     if uid not in series:
         raise ArgumentError(f"no series {uid!r}; the folder holds: {_listed(series)}: {request.path}")
-    found = list({one.instance_uid or str(one.file): one for one in series[uid]}.values())
-    return _read_headers(found, unreadable, request)
+    return _read_headers(_without_copies(series[uid], named), unreadable, request)
 
 
-def _scanned(folder: Path) -> tuple[list[Header], list[Path]]:
-    """Headers of all images in a folder, and the files that should be some but cannot be read."""
-    headers, unreadable = [], []
+def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Header]:
+    """One file of those that are copies of each other, the one that was named if it is among them.
+
+    Some programs give all files one UID, so that what lies elsewhere or differs otherwise is no copy.
+    """
+    first: dict[Hashable, Header] = {}
+    for header in headers:
+        frame = header.frames[0]
+        said = (frame.instance, frame.position.tobytes(), tuple(sorted(frame.attributes.items())))
+        key = (header.instance_uid, said) if header.instance_uid else header.file
+        if key not in first or header.file == named:
+            first[key] = header
+    return list(first.values())
+
+
+def _scanned(folder: Path, request: Request) -> tuple[list[Header], Unreadable, list[Path]]:
+    """Headers of all images in a folder, files that should be some but cannot be read, and DICOM files that are none.
+
+    Headers are kept from one time point of a series to the next, as long as their files stay as they are.
+    """
+    headers, unreadable, others = [], {}, []
+    kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
     for file in sorted(entry for entry in folder.iterdir() if entry.is_file()):
         looks_like = file.suffix.lower() in SUFFIXES
-        header = _scanned_file(file) if looks_like or _is_dicom(file) else None
+        state = file.stat()
+        key = (file, state.st_mtime_ns, state.st_size)
+        header = kept.get(key)
+        if header is None and (looks_like or _is_dicom(file)):
+            header = _scanned_file(file)
+            kept[key] = header
+            if header is None:
+                others.append(file)
         if isinstance(header, Header):
             headers.append(header)
         elif header is not None:
-            unreadable.append(file)
-    return headers, unreadable
+            unreadable[file] = header
+    return headers, unreadable, others
 
 
 def _scanned_file(file: Path) -> Header | Exception | None:
     # Parsers of damaged files raise nearly anything.
     try:
         return header_of(file)
-    except ImportError:
+    except (ImportError, LimitError):
         raise
     except Exception as error:  # noqa: BLE001
         return error
@@ -101,49 +144,55 @@ def _listed(series: dict[str, list[Header]]) -> str:
     return ", ".join(f"{uid} ({len(headers)} files)" for uid, headers in series.items())
 
 
-def _named(files: Sequence[Path]) -> str:
+def _named(unreadable: Unreadable) -> str:
+    files = list(unreadable)
     names = ", ".join(file.name for file in files[:N_NAMED]) + (", ..." if len(files) > N_NAMED else "")
     what = "1 file of the folder is" if len(files) == 1 else f"{len(files)} files of the folder are"
     return f"{what} damaged and cannot be read ({names})"
 
 
-def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Request) -> Grid:
+def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Request) -> Grid:
     """One volume of the frames of these files."""
-    _check_alike(headers, request)
-    pixels, damaged = _pixels(_of_one_time(headers, request) if not unreadable else headers, request)
-    if damaged:  # where files are missing, all that there are decide which frames are of one time
-        pixels, damaged = _pixels(headers, request)
-    unreadable = [*unreadable, *damaged]
-    headers = [header for header in headers if header.file not in damaged]
-    losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
-    frames = [frame for header in headers for frame in header.frames]
-    if len(frames) == 1:
-        raise FileError(
-            f"the series has a single slice, which is 2-D; add the other slices of the series: {request.path}"
-        )
+    check_is_volume(headers)
+    all_frames, guesses, mends = mended(headers, request)
+    check_alike(headers, all_frames, request)
+    if sum(header.n_frames for header in headers) == 1:
+        raise FileError(_single(headers[0], unreadable, request))
     first = headers[0]
-    guesses = []
-    if any(header.has_lookup_table for header in headers):
-        guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
-    if all(frame.is_placed() for frame in frames):
-        chosen, n_times, times = _one_volume(frames, losses, request)
-        if len(chosen) == 1:
-            raise FileError(f"the frames lie at one place, and are pictures of it, no volume: {request.path}")
-        stack = stacked(chosen, request)
+    is_placed = all(frame.is_placed() for frame in all_frames)
+    wanted = {header.file for header in headers}
+    if is_placed and not unreadable:  # files of other volumes need not be read
+        wanted = {frame.file for frame in _chosen(all_frames, (), headers, request)[0].frames}
+    pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
+    if damaged:  # where files are missing, all that there are decide which frames belong together
+        pixels, damaged = _pixels(headers, request)
+    unreadable = {**unreadable, **damaged}
+    losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
+    frames = [frame for frame in all_frames if frame.file not in damaged]
+    if len(frames) == 1:
+        raise FileError(_single(headers[0], unreadable, request))
+    guesses += _guesses_of_values([header for header in headers if header.file in pixels])
+    if is_placed:
+        volume, n_times, times = _chosen(frames, losses, headers, request)
+        stack = stacked(volume.frames, request, is_mask=first.modality == "SEG")
+        losses += [*mends, *([volume.loss] if volume.loss else [])]
+        if volume.guess:
+            (losses if volume.is_by_names else guesses).append(volume.guess)
     else:
         choose("time", 1, request.time, request.path)
         n_times, times = 1, ()
+        losses += mends
         stack = _as_they_come(frames, first)
         guesses.append(f"frames as slices, {_distances(stack)} mm apart: the file does not say where they lie")
     if not np.isfinite(first.frames[0].pixel_spacing).all():
         guesses.append("distances of pixels 1, 1: the file has none")
         stack = _with_pixels_of_1(stack)
-    samples = _samples(stack, pixels, {header.file: header for header in headers}, request)
-    is_anatomical = first.is_of_patient and all(frame.is_placed() for frame in frames)
+    samples, told = samples_of(stack, pixels, {header.file: header for header in headers}, request)
+    guesses += [told] if told else []
     colors = COLORS[:3] if first.n_samples == 3 else ()
     facts = Facts(
         unit="mm" if np.isfinite(first.frames[0].pixel_spacing).all() else None,
-        is_anatomical=is_anatomical,
+        is_anatomical=first.is_of_patient and is_placed,
         modality=first.modality,
         channels=colors,
         channel=colors[request.channel or 0] if colors else None,
@@ -155,56 +204,67 @@ def _read_headers(headers: Sequence[Header], unreadable: list[Path], request: Re
     return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
 
 
-def _of_one_time(headers: Sequence[Header], request: Request) -> Sequence[Header]:
-    """The files of the time that is asked for: those of others need not be read."""
-    frames = [frame for header in headers for frame in header.frames]
-    if len(frames) < 2 or not all(frame.is_placed() for frame in frames):
-        return headers
-    files = {frame.file for frame in one_volume(frames, request)[0]}
-    return [header for header in headers if header.file in files]
+def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
+    """Assumptions about the stored numbers of these files, a sentence each."""
+    guesses = []
+    n_longer = sum(_is_longer(header) for header in headers)
+    if n_longer:
+        guesses.append(
+            f"pixels of {n_longer} of the files from the beginning of longer pixel data: the rest is left out"
+        )
+    if any(is_padding_beyond_bits(header) for header in headers):
+        guesses.append("padding (PixelPaddingValue), for which there are too few stored bits, as the lowest of them")
+    if any(header.has_lookup_table for header in headers):
+        guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
+    return guesses
 
 
-def _one_volume(
-    frames: Sequence[Frame], losses: Sequence[str], request: Request
-) -> tuple[list[Frame], int, tuple[float, ...]]:
-    """As of `dicom_stack`; what was left out may be why it fails."""
+def _chosen(
+    frames: Sequence[Frame], losses: Sequence[str], headers: Sequence[Header], request: Request
+) -> tuple[FrameVolume, int, tuple[float, ...]]:
+    """The volume that is asked for, how many there are, and their times; what was left out may be why it fails."""
     try:
-        return one_volume(frames, request)
+        volumes = volumes_of(frames, request)
+        if all(len(volume.frames) == 1 for volume in volumes):
+            raise FileError(_at_one_place(headers[0], request))
+        labels = [volume.label for volume in volumes]
+        number = choose("time", len(volumes), request.time, request.path, described=labels)
+        volume = volumes[number]
+        if len(volume.frames) == 1:
+            raise FileError(
+                f"volume {number} of the series ({volume.label}) has a single slice, others have more; "
+                f"choose another with time= (--time): {request.path}"
+            )
+        if volume.loss and request.gaps == "refuse":
+            raise FileError(f"{volume.loss}; add the missing slices: {request.path}")
     except FileError as error:
         if not losses or isinstance(error, SeveralError):
             raise
         raise FileError(f"{losses[0]}; then {error}") from None
+    return volume, len(volumes), times_of(volumes)
 
 
-def _check_alike(headers: Sequence[Header], request: Request) -> None:
-    first = headers[0]
-    for one in headers[1:]:
-        if (one.size, one.n_samples) != (first.size, first.n_samples):
-            raise FileError(
-                f"slices differ in size: {first.file.name} has {first.size} pixels, "
-                f"{one.file.name} has {one.size}; "
-                f"move one kind to another folder: {request.path}"
-            )
-    frames = [frame for header in headers for frame in header.frames]
-    of_stack: dict[str, Frame] = {}
-    for frame in frames:
-        like = of_stack.setdefault(frame.stack, frame)
-        if not frame.stack and not np.allclose(frame.orientation, like.orientation, atol=1e-3, equal_nan=True):
-            raise FileError(
-                f"slices are not parallel: {like.name} and {frame.name} (a scout or a radial series?); "
-                f"move one kind to another folder: {request.path}"
-            )
-        if request.spacing is None and not np.allclose(
-            frame.pixel_spacing, like.pixel_spacing, rtol=1e-3, equal_nan=True
-        ):
-            raise FileError(
-                f"slices differ in the spacing of their pixels: {like.name} has {like.pixel_spacing} mm, "
-                f"{frame.name} has {frame.pixel_spacing}; move one kind to another folder, or pass spacing=(x, y, z): "
-                f"{request.path}"
-            )
+def _single(header: Header, unreadable: Unreadable, request: Request) -> str:
+    if MOSAIC in header.image_type:
+        return _mosaic(request)
+    others = f" ({_named(unreadable)})" if unreadable else ""
+    return f"the series has a single slice, which is 2-D; add the other slices of the series{others}: {request.path}"
 
 
-def _pixels(headers: Sequence[Header], request: Request) -> tuple[dict[Path, NDArray[Any]], list[Path]]:
+def _at_one_place(header: Header, request: Request) -> str:
+    if MOSAIC in header.image_type:
+        return _mosaic(request)
+    return f"the frames lie at one place, and are pictures of it, no volume; name a series of slices: {request.path}"
+
+
+def _mosaic(request: Request) -> str:
+    return (
+        "each file holds a mosaic (Siemens): the slices of a volume side by side in one picture; "
+        f"convert the series to NIfTI first, such as by dcm2niix: {request.path}"
+    )
+
+
+def _pixels(headers: Sequence[Header], request: Request) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
     """Stored numbers of all frames by file, and the files whose pixels cannot be read."""
     payload.check_memory(sum(_n_bytes(header) for header in headers), request.path)
     pixels: dict[Path, NDArray[Any]] = {}
@@ -217,18 +277,28 @@ def _pixels(headers: Sequence[Header], request: Request) -> tuple[dict[Path, NDA
             pixels[header.file] = found
     if not pixels:
         raise next(iter(failed.values()))
-    return pixels, list(failed)
+    return pixels, failed
 
 
 def _pixels_of(header: Header) -> NDArray[Any] | Exception:
     try:
         return frames_in(header)
+    except (ImportError, LimitError):
+        raise
     except Exception as error:  # noqa: BLE001 - as above
         return error
 
 
 def _n_bytes(header: Header) -> int:
     return header.size[0] * header.size[1] * header.n_frames * header.n_samples * max(header.bits_allocated // 8, 1)
+
+
+def _is_longer(header: Header) -> bool:
+    """Whether pixels are not compressed and followed by more than the byte that makes their number even."""
+    data = header.pixel_data
+    if data is None or header.transfer_syntax not in NATIVE:
+        return False
+    return data.n_bytes > check_enough(header, data.n_bytes, n_bits_of(data.tag, header)) + 1
 
 
 def _as_they_come(frames: Sequence[Frame], header: Header) -> Stack:
@@ -250,70 +320,3 @@ def _with_pixels_of_1(stack: Stack) -> Stack:
     if np.isfinite(orientation).all():
         matrix[:3, :2] = affine.RAS_FROM_LPS[:3, :3] @ orientation.reshape(2, 3).T
     return Stack(stack.frames, stack.slices, matrix, stack.losses)
-
-
-# Values
-
-
-def _samples(
-    stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header], request: Request
-) -> NDArray[Any]:
-    """Each frame by its own slope and intercept, in a type that holds all of them."""
-    used = [stack.frames[n] for n in sorted({n for a, b, _ in stack.slices for n in (a, b)})]
-    first = pixels[used[0].file]
-    n_components = first.shape[3] if first.ndim == 4 else 1
-    channel = choose("channel", n_components, request.channel, request.path)
-    dtype = _type_of_all(used, pixels, headers)
-    shape = (len(stack.slices), *first.shape[1:3])
-    payload.check_memory(payload.n_bytes(shape, dtype), request.path)
-    samples = np.empty(shape, dtype)
-
-    def values(frame: Frame) -> Any:
-        stored = pixels[frame.file][frame.index]
-        stored = stored[..., channel] if stored.ndim == 3 else stored
-        if (frame.slope, frame.intercept) == (1.0, 0.0):
-            return stored
-        if dtype.kind == "f":
-            return stored * np.float64(frame.slope) + frame.intercept
-        return stored.astype(np.int64) * int(frame.slope) + int(frame.intercept)
-
-    for number, (a, b, share) in enumerate(stack.slices):
-        if share in (0.0, 1.0):
-            samples[number] = values(stack.frames[b if share else a])
-        else:
-            between = (1 - share) * values(stack.frames[a]) + share * values(stack.frames[b])
-            samples[number] = np.rint(between) if dtype.kind in "iu" else between
-    return _narrowed(samples) if dtype.itemsize > max(one.dtype.itemsize for one in pixels.values()) else samples
-
-
-def _type_of_all(
-    frames: Sequence[Frame], pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header]
-) -> np.dtype[Any]:
-    """By what the stored bits can hold, and without a look at the values."""
-    types = {pixels[frame.file].dtype for frame in frames}
-    scales = {(frame.slope, frame.intercept) for frame in frames}
-    if len(types) == 1 and scales == {(1.0, 0.0)}:
-        return types.pop()
-    is_wide = max(dtype.itemsize for dtype in types) > 2
-    if any(dtype.kind == "f" for dtype in types) or not all(
-        slope.is_integer() and intercept.is_integer() for slope, intercept in scales
-    ):
-        return np.dtype(np.float64 if is_wide else np.float32)
-    ends: list[int] = []
-    for file, slope, intercept in {(frame.file, frame.slope, frame.intercept) for frame in frames}:
-        n_bits = min(headers[file].bits_stored, 8 * pixels[file].dtype.itemsize)
-        low, high = (-(1 << n_bits - 1), (1 << n_bits - 1) - 1) if headers[file].is_signed else (0, (1 << n_bits) - 1)
-        ends += [low * int(slope) + int(intercept), high * int(slope) + int(intercept)]
-    for dtype in (np.dtype(np.int16), np.dtype(np.uint16), np.dtype(np.int32)):
-        if np.iinfo(dtype).min <= min(ends) and max(ends) <= np.iinfo(dtype).max:
-            return dtype
-    return np.dtype(np.float64)
-
-
-def _narrowed(samples: NDArray[Any]) -> NDArray[Any]:
-    """In 16 bits where these hold all values."""
-    if samples.dtype.kind in "iu":
-        for dtype in (np.int16, np.uint16):
-            if np.iinfo(dtype).min <= samples.min() and samples.max() <= np.iinfo(dtype).max:
-                return samples.astype(dtype)
-    return samples

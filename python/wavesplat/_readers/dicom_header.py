@@ -2,33 +2,66 @@
 
 A file has one frame or many. Of many, each may have its own position, slope and dimensions, in the functional groups of
 enhanced files (DICOM PS3.3, C.7.6.16), or all lie along a line, as in dose grids and tomograms of nuclear medicine.
-Values are taken as bytes and read here: pydicom's own conversion warns of what scanners write.
+How many frames there are is checked against the pixel data first: a header of some bytes can promise millions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files import payload
+from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
+from wavesplat._readers.dicom_pixel_data import PixelData, check_deflated, check_n_frames, pixel_data_at
+from wavesplat._readers.dicom_values import (
+    as_numbers,
+    first_items,
+    integer,
+    items,
+    numbers,
+    raw_value,
+    text,
+    whole_numbers,
+)
+from wavesplat.errors import FileError
+
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Frame", "Header", "header_of", "is_dicom"]
+__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
-#: Modalities of files that are no images.
-NO_IMAGES = {"RTSTRUCT", "RTPLAN", "RTRECORD", "SR", "PR", "KO", "DOC", "REG", "FID", "PLAN", "AU", "ECG", "HD", "RWV"}
-#: Attributes by which frames of one place are told apart are all dimensions but these.
-OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080}
-FRAME_TYPES = (0x00189226, 0x00189329, 0x00189751, 0x00189806)
-#: Attributes that say when a frame was taken, the surest first, and how many of their units are a second; 0 is the
-#: time of day, HHMMSS. Trigger time, frame reference time, time offset of a temporal position, acquisition and content
-#: time.
-CLOCKS = {0x00181060: 1000, 0x00541300: 1000, 0x0020930D: 1, 0x00080032: 0, 0x00080033: 0}
+#: Modalities of files that are no images, and what they hold.
+NO_IMAGES = {
+    "RTSTRUCT": "contours (RTSTRUCT)",
+    "RTPLAN": "a plan of a radiotherapy (RTPLAN)",
+    "PLAN": "a plan",
+    "RTRECORD": "a record of a radiotherapy (RTRECORD)",
+    "SR": "a structured report (SR)",
+    "PR": "a presentation state (PR)",
+    "KO": "a list of images (KO)",
+    "DOC": "a document",
+    "REG": "a registration (REG)",
+    "FID": "fiducials",
+    "AU": "sound",
+    "ECG": "an electrocardiogram (ECG)",
+    "HD": "waveforms (HD)",
+    "RWV": "a table of real world values (RWV)",
+}
+#: Dimensions of enhanced files that say where a frame lies, and not by what it differs from others of its place.
+OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
+#: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
+GROUPS = SEQUENCES | {0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
+#: How attributes are called that enhanced files count frames by.
+INDEX = "index of "
+#: Memory that the description of a frame takes, about, beside its pixels.
+FRAME_BYTES = 600
 NONE = float("nan")
 
 
@@ -47,11 +80,12 @@ class Frame:
     slope: float
     intercept: float
     stack: str = ""
-    #: What else tells it from frames at its place: time, echo, kind.
-    others: tuple[int, ...] = ()
-    label: str = ""
-    #: Seconds, by each of `CLOCKS`; NaN where it is not said.
-    seconds: tuple[float, ...] = ()
+    #: Number and name of the segment that it is a mask of; 0 of frames that are none.
+    segment: tuple[int, str] = (0, "")
+    #: What tells it from other frames of its place, by the names of `dicom_attributes`.
+    attributes: Mapping[str, Value] = field(default_factory=dict)
+    #: Lengths of the two directions of `orientation` in the file, of which it has unit vectors.
+    orientation_lengths: tuple[float, float] = (1.0, 1.0)
 
     @property
     def name(self) -> str:
@@ -73,6 +107,8 @@ class Header:
     """What is said once for a file."""
 
     file: Path
+    sop_class: str
+    image_type: str
     series: str
     instance_uid: str
     description: str
@@ -88,6 +124,10 @@ class Header:
     high_bit: int
     is_signed: bool
     n_frames: int
+    #: None where it is not known before the file is unpacked.
+    pixel_data: PixelData | None
+    #: The lowest and the highest stored number that stands for pixels outside of the scan.
+    padding: tuple[int, int] | None
     #: Between slices, for frames without positions.
     slice_step: float
     has_lookup_table: bool
@@ -107,37 +147,75 @@ def header_of(file: Path) -> Header | None:
     """The header of a file; None of one that is DICOM and no image. Raises nearly anything if it is damaged."""
     from pydicom import dcmread
 
-    dataset = dcmread(file, stop_before_pixels=True, force=True)
-    modality = _text(dataset, 0x00080060).upper()
-    rows, columns = _integer(dataset, 0x00280010), _integer(dataset, 0x00280011)
-    if rows * columns == 0:
-        if modality in NO_IMAGES or _text(dataset, 0x00020002) or 0x00041220 in dataset or _is_directory(dataset):
-            return None
-        raise ValueError("the header has no rows and columns")
-    bits = _integer(dataset, 0x00280100)
-    stored = _integer(dataset, 0x00280101) or bits
-    n_frames = max(1, int(float(_text(dataset, 0x00280008) or 1)))
-    return Header(
+    check_deflated(file)
+    with file.open("rb") as stream:
+        dataset = dcmread(stream, stop_before_pixels=True, force=True)
+        modality = text(dataset, 0x00080060).upper()
+        rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
+        if rows * columns == 0:
+            if modality in NO_IMAGES or text(dataset, 0x00020002) or 0x00041220 in dataset or _is_directory(dataset):
+                return None
+            raise ValueError("the header has no rows and columns")
+        pixel_data = pixel_data_at(stream, dataset)
+    bits = integer(dataset, 0x00280100)
+    stored = integer(dataset, 0x00280101) or bits
+    n_frames = _n_frames(dataset, file)
+    header = Header(
         file=file,
-        series=_text(dataset, 0x0020000E),
-        instance_uid=_text(dataset, 0x00080018),
-        description=_text(dataset, 0x0008103E),
+        sop_class=text(dataset, 0x00080016),
+        image_type=text(dataset, 0x00080008).upper(),
+        series=text(dataset, 0x0020000E),
+        instance_uid=text(dataset, 0x00080018),
+        description=text(dataset, 0x0008103E),
         modality=modality or None,
         transfer_syntax=str(dataset.file_meta.get("TransferSyntaxUID", "1.2.840.10008.1.2")),
         size=(columns, rows),
-        n_samples=_integer(dataset, 0x00280002) or 1,
-        photometric=_text(dataset, 0x00280004).upper(),
-        planes=_integer(dataset, 0x00280006),
+        n_samples=integer(dataset, 0x00280002) or 1,
+        photometric=text(dataset, 0x00280004).upper(),
+        planes=integer(dataset, 0x00280006),
         bits_allocated=bits,
         bits_stored=stored,
-        high_bit=_integer(dataset, 0x00280102) if 0x00280102 in dataset else stored - 1,
-        is_signed=_integer(dataset, 0x00280103) == 1,
+        high_bit=integer(dataset, 0x00280102) if 0x00280102 in dataset else stored - 1,
+        is_signed=integer(dataset, 0x00280103) == 1,
         n_frames=n_frames,
+        pixel_data=pixel_data,
+        padding=_padding(dataset),
         slice_step=_slice_step(dataset),
         has_lookup_table=0x00283000 in dataset,
-        is_of_patient=0x0020930F not in _groups(dataset, 0)[1],
-        frames=tuple(_frames(dataset, file, n_frames)),
+        is_of_patient=0x0020930F not in _shared_groups(dataset),
+        frames=(),
     )
+    if n_frames > 1:
+        check_n_frames(header)
+        payload.check_memory(n_frames * FRAME_BYTES, file)
+        n_groups = len(items(dataset, 0x52009230))
+        if 0 < n_groups < n_frames:
+            raise FileError(
+                f"the header says {n_frames} frames (NumberOfFrames) and describes {n_groups} of them "
+                f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
+            )
+    return replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+
+
+def content_of(file: Path) -> str:
+    """The content of a DICOM file without an image, in words."""
+    from pydicom import dcmread
+
+    dataset = dcmread(file, stop_before_pixels=True, force=True)
+    if 0x00041220 in dataset or _is_directory(dataset):
+        return "a directory of other files (DICOMDIR)"
+    modality = text(dataset, 0x00080060).upper()
+    return NO_IMAGES.get(modality, f"something else ({modality})" if modality else "something else")
+
+
+def _n_frames(dataset: Dataset, file: Path) -> int:
+    said = text(dataset, 0x00280008).partition("\\")[0].strip()
+    try:
+        return max(1, int(float(said or 1)))
+    except (ValueError, OverflowError):
+        raise FileError(
+            f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
+        ) from None
 
 
 def _is_directory(dataset: Dataset) -> bool:
@@ -145,70 +223,137 @@ def _is_directory(dataset: Dataset) -> bool:
 
 
 def _slice_step(dataset: Dataset) -> float:
-    steps = [_numbers(dataset, tag, 1)[0] for tag in (0x00180088, 0x00180050)]
+    steps = [numbers(dataset, tag, 1)[0] for tag in (0x00180088, 0x00180050)]
     return next((float(step) for step in steps if np.isfinite(step) and step != 0), NONE)
+
+
+def _padding(dataset: Dataset) -> tuple[int, int] | None:
+    """PixelPaddingValue, and PixelPaddingRangeLimit where there is one."""
+    encoding = "i2" if integer(dataset, 0x00280103) == 1 else "u2"
+    values = [value for tag in (0x00280120, 0x00280121) for value in whole_numbers(dataset, tag, encoding)[:1]]
+    return (min(values), max(values)) if 0x00280120 in dataset and values else None
 
 
 # Frames
 
 
 def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
-    pointers = [_pointer(item) for item in _items(dataset, 0x00209222)]
+    pointers = [_pointer(item) for item in items(dataset, 0x00209222)]
     along = _positions_along_a_line(dataset, n_frames)
-    instance = int(float(_text(dataset, 0x00200013) or 0))
-    scaling = _numbers(dataset, 0x3004000E, 1)[0]  # of doses, instead of a slope
+    instance = _instance(dataset)
+    own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
+    attributes = attributes_of_frames(dataset, shared, own, n_frames)
+    segments = _segments(dataset)
+    said: dict[str, Any] = {}
     for index in range(n_frames):
-        groups = _groups(dataset, index)
-        content = _in_group(groups, 0x00209111)
-        values = _longs(content, 0x00209157) if content is not None else ()
-        time = _longs(content, 0x00209128) if content is not None else ()
-        spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
-        if not np.isfinite(spacing).all():
-            spacing = _numbers(dataset, 0x00181164, 2)
-        slope = _found(groups, dataset, 0x00289145, 0x00281053, 1)[0]
-        intercept = _found(groups, dataset, 0x00289145, 0x00281052, 1)[0]
-        position, orientation = _placed(groups, dataset)
-        yield Frame(
-            file=file,
-            index=index,
-            instance=instance,
-            position=position if along is None else along[index],
-            orientation=orientation,
-            pixel_spacing=(float(spacing[0]), float(spacing[1])),
-            slope=float(slope) if np.isfinite(slope) else float(scaling) if np.isfinite(scaling) else 1.0,
-            intercept=float(intercept) if np.isfinite(intercept) else 0.0,
-            stack=_text(content, 0x00209056) if content is not None else "",
-            others=(*time, *(value for value, of in zip(values, pointers, strict=False) if of not in OF_PLACE)),
-            label=_label(groups),
-            seconds=tuple(_seconds(dataset, groups, tag, rate) for tag, rate in CLOCKS.items()),
-        )
+        # Frames without groups of their own are alike but for the place along the line.
+        if index < len(own) or not said:
+            groups = (own[index] if index < len(own) else {}, shared)
+            said = _of_frame(dataset, groups, pointers, segments, attributes[index])
+        else:
+            said["attributes"] = attributes[index]
+        if along is not None:
+            said["position"] = along[index]
+        yield Frame(file=file, index=index, instance=instance, **said)
 
 
-def _placed(groups: Sequence[Dataset], dataset: Dataset) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Position and orientation in the patient; else those in the volume of an ultrasound probe; else of a detector."""
+def _of_frame(
+    dataset: Dataset,
+    groups: Sequence[Mapping[int, Any]],
+    pointers: Sequence[int],
+    segments: Mapping[int, str],
+    attributes: Mapping[str, Value],
+) -> dict[str, Any]:
+    """Arguments of `Frame` from its functional groups, or else from the dataset."""
+    content = _in_group(groups, 0x00209111)
+    indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
+    dimensions = {
+        _name_of_dimension(of): float(value) for value, of in zip(indices, pointers, strict=False) if of not in OF_PLACE
+    }
+    spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
+    if not np.isfinite(spacing).all():
+        spacing = numbers(dataset, 0x00181164, 2)
+    position, orientation, lengths = _placed(groups, dataset)
+    segment = _in_group(groups, 0x0062000A)
+    number = 0 if segment is None else integer(segment, 0x0062000B)
+    return {
+        "position": position,
+        "orientation": orientation,
+        "orientation_lengths": lengths,
+        "pixel_spacing": (float(spacing[0]), float(spacing[1])),
+        # Of doses, a scaling instead of a slope.
+        "slope": _factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
+        "intercept": _factor(groups, dataset, 0x00281052, 0.0),
+        "stack": text(content, 0x00209056) if content is not None else "",
+        "segment": (number, segments.get(number, "")),
+        "attributes": {**attributes, **dimensions} if dimensions else attributes,
+    }
+
+
+def _instance(dataset: Dataset) -> int:
+    try:
+        return int(float(text(dataset, 0x00200013) or 0))
+    except (ValueError, OverflowError):
+        return 0
+
+
+def _segments(dataset: Dataset) -> dict[int, str]:
+    """Names of the segments of a segmentation, by number."""
+    return {integer(item, 0x00620004): text(item, 0x00620005) for item in items(dataset, 0x00620002)}
+
+
+@lru_cache
+def _name_of_dimension(tag: int) -> str:
+    from pydicom.datadict import dictionary_description, dictionary_has_tag
+
+    described = dictionary_description(tag) if dictionary_has_tag(tag) else f"{tag >> 16:04x},{tag & 0xFFFF:04x}"
+    return f"{INDEX}{described}"
+
+
+def _factor(groups: Sequence[Mapping[int, Any]], dataset: Dataset, tag: int, absent: float) -> float:
+    """Slope or intercept; NaN where something is written that is no number."""
+    item = _in_group(groups, 0x00289145)
+    for holder in (item, dataset):
+        if holder is not None and text(holder, tag):
+            found = as_numbers(raw_value(holder, tag), "decimal")
+            return found[0] if found and math.isfinite(found[0]) else NONE
+    return absent
+
+
+def _placed(
+    groups: Sequence[Mapping[int, Any]], dataset: Dataset
+) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[float, float]]:
+    """Position and orientation in the patient; else those in the volume of an ultrasound probe; else of a detector.
+
+    The directions of rows and columns are made unit vectors, since distances are those of pixels; and their lengths.
+    """
     position = _found(groups, dataset, 0x00209113, 0x00200032, 3)
     orientation = _found(groups, dataset, 0x00209116, 0x00200037, 6)
     if not np.isfinite(position).all():
         position = _found(groups, dataset, 0x0020930E, 0x00209301, 3)
         orientation = _found(groups, dataset, 0x0020930F, 0x00209302, 6)
-    detectors = _items(dataset, 0x00540022)
+    detectors = items(dataset, 0x00540022)
     if not np.isfinite(orientation).all() and detectors:
-        position, orientation = _numbers(detectors[0], 0x00200032, 3), _numbers(detectors[0], 0x00200037, 6)
-    return position, orientation
+        position, orientation = numbers(detectors[0], 0x00200032, 3), numbers(detectors[0], 0x00200037, 6)
+    along_row, along_column = math.hypot(*orientation[:3]), math.hypot(*orientation[3:])
+    if not (along_row > 0 and along_column > 0):
+        return position, np.full(6, NONE), (1.0, 1.0)
+    unit = np.concatenate([orientation[:3] / along_row, orientation[3:] / along_column])
+    return position, unit, (along_row, along_column)
 
 
 def _positions_along_a_line(dataset: Dataset, n_frames: int) -> NDArray[np.float64] | None:
     """Positions of frames that have none of their own: offsets of a dose grid, or slices of a tomogram."""
-    if n_frames == 1 or _items(dataset, 0x52009230):
+    if n_frames == 1 or items(dataset, 0x52009230):
         return None
-    position, orientation = _placed((), dataset)
+    position, orientation, _ = _placed((), dataset)
     normal = np.cross(orientation[:3], orientation[3:])
-    offsets = _numbers(dataset, 0x3004000C, n_frames)
-    slices = _shorts(dataset, 0x00540080)
+    offsets = numbers(dataset, 0x3004000C, n_frames)
+    slices = whole_numbers(dataset, 0x00540080, "u2")
     if np.isfinite(offsets).all():
         # Either from the first frame, or places along z.
         offsets = offsets - offsets[0]
-    elif len(slices) == n_frames and _items(dataset, 0x00540022):
+    elif len(slices) == n_frames and items(dataset, 0x00540022):
         offsets = (np.array(slices) - 1.0) * _slice_step(dataset)
     else:
         return None
@@ -216,106 +361,27 @@ def _positions_along_a_line(dataset: Dataset, n_frames: int) -> NDArray[np.float
     return along
 
 
-def _label(groups: Sequence[Dataset]) -> str:
-    """The last word of the frame's type, which tells magnitude from phase."""
-    for tag in FRAME_TYPES:
-        group = _in_group(groups, tag)
-        if group is not None:
-            return _text(group, 0x00089007).rpartition("\\")[2].strip()
-    return ""
+def _shared_groups(dataset: Dataset) -> dict[int, Any]:
+    """The functional groups of all frames, by tag."""
+    shared = items(dataset, 0x52009229)
+    return first_items(shared[0], GROUPS) if shared else {}
 
 
-def _seconds(dataset: Dataset, groups: Sequence[Any], tag: int, rate: int) -> float:
-    """What a clock says; of enhanced files only the offset is told frame by frame."""
-    if rate == 0:
-        text = _text(dataset, tag)
-        try:
-            return 3600.0 * int(text[:2]) + 60.0 * int(text[2:4]) + float(text[4:] or 0)
-        except ValueError:
-            return NONE
-    number = _found(groups, dataset, 0x00209310, tag, 1)[0]
-    if tag == 0x0020930D:
-        # A double, and not text.
-        item = _in_group(groups, 0x00209310)
-        content, is_little = _bytes(item if item is not None else dataset, tag)
-        found = np.frombuffer(content, "<f8" if is_little else ">f8") if len(content) == 8 else np.array([number])
-        number = found[0]
-    return float(number) / rate if np.isfinite(number) else NONE
-
-
-def _groups(dataset: Dataset, index: int) -> tuple[Any, Any]:
-    """The functional groups of a frame, and those of all frames; empty where there are none."""
-    frames, shared = _items(dataset, 0x52009230), _items(dataset, 0x52009229)
-    return (frames[index] if index < len(frames) else {}), (shared[0] if shared else {})
-
-
-def _in_group(groups: Sequence[Any], tag: int) -> Any:
+def _in_group(groups: Sequence[Mapping[int, Any]], tag: int) -> Any:
     """The item of a group, the frame's own first."""
-    items = (_items(group, tag) for group in groups)
-    return next((found[0] for found in items if found), None)
+    return next((group[tag] for group in groups if tag in group), None)
 
 
-def _found(groups: Sequence[Any], dataset: Dataset, group: int, tag: int, count: int) -> NDArray[np.float64]:
+def _found(
+    groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, tag: int, count: int
+) -> NDArray[np.float64]:
     """Numbers of an attribute: in the frame's group, in the shared one, or beside them."""
     item = _in_group(groups, group)
-    numbers = np.full(count, NONE) if item is None else _numbers(item, tag, count)
-    return numbers if np.isfinite(numbers).all() else _numbers(dataset, tag, count)
-
-
-# Values
-
-
-def _items(dataset: Any, tag: int) -> Any:
-    return dataset[tag].value or () if tag in dataset else ()
-
-
-def _bytes(dataset: Any, tag: int) -> tuple[bytes, bool]:
-    """The bytes of a value, and whether the low ones come first."""
-    if tag not in dataset:
-        # Only the sequences of the file's own group are converted.
-        return b"", True
-    element = dataset.get_item(tag)
-    value = element.value
-    if isinstance(value, bytes):
-        return value, bool(getattr(element, "is_little_endian", True))
-    return ("" if value is None else str(value)).encode("latin-1", "replace"), True
-
-
-def _text(dataset: Any, tag: int) -> str:
-    return _bytes(dataset, tag)[0].decode("latin-1").strip(" \0")
-
-
-def _numbers(dataset: Any, tag: int, count: int) -> NDArray[np.float64]:
-    """As many decimal numbers, or NaN."""
-    parts = [part.strip(" \0") for part in _text(dataset, tag).split("\\")]
-    try:
-        numbers = [float(part) for part in parts if part]
-    except ValueError:
-        numbers = []
-    return np.array(numbers if len(numbers) == count else [NONE] * count)
-
-
-def _binary(dataset: Any, tag: int, code: str) -> tuple[int, ...]:
-    content, is_little = _bytes(dataset, tag)
-    dtype = np.dtype(code).newbyteorder("<" if is_little else ">")
-    return tuple(
-        int(number) for number in np.frombuffer(content[: len(content) // dtype.itemsize * dtype.itemsize], dtype)
-    )
-
-
-def _shorts(dataset: Any, tag: int) -> tuple[int, ...]:
-    return _binary(dataset, tag, "u2")
-
-
-def _longs(dataset: Any, tag: int) -> tuple[int, ...]:
-    return _binary(dataset, tag, "u4")
-
-
-def _integer(dataset: Any, tag: int) -> int:
-    return next(iter(_shorts(dataset, tag)), 0)
+    found = np.full(count, NONE) if item is None else numbers(item, tag, count)
+    return found if np.isfinite(found).all() else numbers(dataset, tag, count)
 
 
 def _pointer(item: Any) -> int:
     """The tag that a dimension is of: two shorts, group and element."""
-    group, element = (*_shorts(item, 0x00209165), 0, 0)[:2]
+    group, element = (*whole_numbers(item, 0x00209165, "u2"), 0, 0)[:2]
     return group << 16 | element

@@ -6,6 +6,7 @@ pydicom, all else by SimpleITK (GDCM), from a copy that says nothing of slopes a
 
 from __future__ import annotations
 
+import math
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -16,28 +17,39 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.silence import silenced
 from wavesplat._readers.dicom_header import Header
+from wavesplat._readers.dicom_pixel_data import (
+    BIG_ENDIAN,
+    DOUBLES,
+    FLOATS,
+    NATIVE,
+    PIXELS,
+    check_enough,
+    n_bits_of,
+)
 from wavesplat._readers.itk import simple_itk
 from wavesplat.errors import FileError
 
-__all__ = ["frames_in"]
+__all__ = ["check_syntax", "frames_in", "is_padding_beyond_bits"]
 
-NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.2"}
-BIG_ENDIAN = "1.2.840.10008.1.2.2"
 RLE = "1.2.840.10008.1.2.5"
+#: Compressed pixels that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
+JPEG = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 57, 70, 80, 81, 90, 91)}
+#: MPEG-2, MPEG-4 and HEVC.
+VIDEO = {f"1.2.840.10008.1.2.4.{number}" for number in range(100, 109)}
 SECONDARY_CAPTURE = "1.2.840.10008.5.1.4.1.1.7"
-ITEM, END_OF_ITEMS, PIXELS_TAG = b"\xfe\xff\x00\xe0", b"\xfe\xff\xdd\xe0", b"\xe0\x7f\x10\x00"
-PIXELS, FLOATS, DOUBLES = 0x7FE00010, 0x7FE00008, 0x7FE00009
+ITEM, END_OF_ITEMS = b"\xfe\xff\x00\xe0", b"\xfe\xff\xdd\xe0"
 
 
 def frames_in(header: Header) -> NDArray[Any]:
     """All frames of a file, shape (frames, rows, columns), and samples behind if a pixel has several."""
+    check_syntax(header)
     columns, rows = header.size
     shape = (header.n_frames, rows, columns)
-    payload.check_memory(int(np.prod(shape)) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
+    payload.check_memory(math.prod(shape) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
     if header.photometric == "PALETTE COLOR":
         # GDCM looks colours up; what it is given must be there.
         if header.transfer_syntax in NATIVE:
-            _native(header, shape)
+            _native_bytes(header)
         return _by_itk(header.file, shape)
     if header.n_samples > 1:
         return _by_neutral_copy(header, shape)
@@ -45,42 +57,93 @@ def frames_in(header: Header) -> NDArray[Any]:
         return _native(header, shape)
     if header.transfer_syntax == RLE:
         return _meant(_unpacked_rle(header).reshape(shape), header)
-    return _meant(_by_neutral_copy(header, shape), header)
+    return _meant(_checked_bits(_by_neutral_copy(header, shape), header), header)
+
+
+def _checked_bits(stored: NDArray[Any], header: Header) -> NDArray[Any]:
+    """Numbers as they were unpacked; a `FileError` if they had more bits than the header says, which would be cut."""
+    n_bits = max(stored.dtype.itemsize * 8, _jpeg_precision(_fragments(header)))
+    if n_bits > max(header.bits_allocated, 8):
+        raise FileError(
+            f"the compressed pixels have {n_bits} bits, the header says {header.bits_allocated} (BitsAllocated); "
+            f"export it again: {header.file}"
+        )
+    return stored
+
+
+def _jpeg_precision(fragments: bytes) -> int:
+    """Bits of a pixel by the frame header (SOF) of the first JPEG or JPEG-LS stream; 0 if none is found.
+
+    ITU-T T.81, B.2.2: a marker, two bytes of length, one of precision.
+    """
+    at = 8 + int.from_bytes(fragments[4:8], "little") + 8 + 2  # after the offset table, the item's head and the mark
+    while fragments[at : at + 1] == b"\xff" and at + 5 <= len(fragments):
+        marker = fragments[at + 1]
+        if marker == 0xF7 or (0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC)):
+            return fragments[at + 4]
+        at += 2 + int.from_bytes(fragments[at + 2 : at + 4], "big")
+    return 0
+
+
+def check_syntax(header: Header) -> None:
+    """A `FileError` if the pixels are compressed in a way that is not read."""
+    syntax = header.transfer_syntax
+    if syntax in NATIVE or syntax in JPEG or syntax == RLE:
+        return
+    from pydicom.uid import UID
+
+    name = UID(syntax).name
+    if syntax in VIDEO:
+        raise FileError(f"the file holds a video ({name}), and no volume; name a series of slices: {header.file}")
+    raise FileError(
+        f"the pixels are compressed as {name}, which is not read here; convert the files to JPEG 2000, JPEG-LS, RLE or "
+        f"uncompressed pixels, such as by `gdcmconv --raw`: {header.file}"
+    )
 
 
 def _native(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
-    from pydicom import dcmread
-
-    dataset = dcmread(header.file, force=True)
-    tag = next((tag for tag in (PIXELS, FLOATS, DOUBLES) if tag in dataset), PIXELS)
-    n_bits = {FLOATS: 32, DOUBLES: 64}.get(tag, header.bits_allocated)
-    content, needed = _counted(dataset, tag, header, n_bits)
+    tag, content = _native_bytes(header)
+    n_bits = n_bits_of(tag, header)
     if n_bits == 1:
         bits = np.unpackbits(np.frombuffer(content, np.uint8), bitorder="little")
-        return bits[: int(np.prod(shape))].reshape(shape)
+        return bits[: math.prod(shape)].reshape(shape)
     if n_bits not in (8, 16, 32, 64):
         raise FileError(f"pixels of {n_bits} bits cannot be read; export them with 8, 16 or 32: {header.file}")
     kind = "f" if tag in (FLOATS, DOUBLES) else "u"
     dtype = np.dtype(f"{kind}{n_bits // 8}").newbyteorder(">" if header.transfer_syntax == BIG_ENDIAN else "<")
-    stored = np.frombuffer(content[:needed], dtype).reshape(shape).astype(dtype.newbyteorder("="), copy=False)
-    return stored if kind == "f" else _meant(stored, header)
+    stored = np.frombuffer(content, dtype).reshape(shape).astype(dtype.newbyteorder("="), copy=False)
+    if kind == "f":
+        return stored
+    meant = _meant(stored, header)
+    if is_padding_beyond_bits(header):
+        low, high = header.padding or (0, 0)
+        whole = stored.view(f"{'i' if header.is_signed else 'u'}{stored.dtype.itemsize}")
+        meant[(whole >= low) & (whole <= high)] = -(1 << header.bits_stored - 1) if header.is_signed else 0
+    return meant
 
 
-def _counted(dataset: Any, tag: int, header: Header, n_bits: int) -> tuple[bytes, int]:
-    """The bytes of pixels that are not compressed, and how many are needed, of which there are as many."""
-    columns, rows = header.size
-    shape = (header.n_frames, rows, columns, header.n_samples)
+def is_padding_beyond_bits(header: Header) -> bool:
+    """Whether the bits that count cannot hold the padding, of which they would show some other number."""
+    n_bits = header.bits_stored
+    if header.padding is None or not 0 < n_bits < header.bits_allocated:
+        return False
+    low, high = (-(1 << n_bits - 1), (1 << n_bits - 1) - 1) if header.is_signed else (0, (1 << n_bits) - 1)
+    return header.padding[0] > high or header.padding[1] < low
+
+
+def _native_bytes(header: Header) -> tuple[int, bytes]:
+    """The tag of pixels that are not compressed, and their bytes, which are as many as are needed."""
+    if (data := header.pixel_data) is not None:
+        needed = check_enough(header, data.n_bytes, n_bits_of(data.tag, header))
+        with header.file.open("rb") as stream:
+            stream.seek(data.offset)
+            return data.tag, stream.read(needed)
+    from pydicom import dcmread
+
+    dataset = dcmread(header.file, force=True)
+    tag = next((tag for tag in (PIXELS, FLOATS, DOUBLES) if tag in dataset), PIXELS)
     content = bytes(dataset.get_item(tag).value or b"") if tag in dataset else b""
-    # Of a colour in YBR_FULL_422, two pixels share some.
-    n_numbers = int(np.prod(shape)) * (2 if header.photometric.endswith("_422") else 3) // 3
-    needed = -(-n_numbers * n_bits // 8)
-    if len(content) < needed:
-        described = " x ".join(str(n) for n in (shape if header.n_samples > 1 else shape[:3]))
-        raise FileError(
-            f"too little pixel data: {described} pixels of {n_bits} bits need {needed} bytes, "
-            f"the file holds {len(content)}; copy or export it again: {header.file}"
-        )
-    return content, needed
+    return tag, content[: check_enough(header, len(content), n_bits_of(tag, header))]
 
 
 def _meant(stored: NDArray[Any], header: Header) -> NDArray[Any]:
@@ -105,7 +168,13 @@ def _unpacked_rle(header: Header) -> NDArray[Any]:
     dataset = dcmread(header.file, stop_before_pixels=True, force=True)
     _set_pixels(dataset, header)
     of_all: Any = decoders
-    array: NDArray[Any] = of_all.RLELosslessDecoder.as_array(dataset, raw=True)[0]
+    try:
+        array: NDArray[Any] = of_all.RLELosslessDecoder.as_array(dataset, raw=True)[0]
+    except (RuntimeError, ValueError) as error:
+        reason = str(error).strip().splitlines()[-1].rpartition("pydicom: ")[2].rstrip(".")
+        raise FileError(
+            f"the compressed pixels (RLE) do not unpack: {reason}; export it again: {header.file}"
+        ) from error
     return array
 
 
@@ -121,28 +190,22 @@ def _fragments(header: Header) -> bytes:
 
     (pydicom would warn and take what there is.)
     """
-    from pydicom import dcmread
-
-    with header.file.open("rb") as file:
-        dcmread(file, stop_before_pixels=True, force=True)
-        content = file.read()
-    end = begin = 12  # tag, type and length of the element
-    is_whole = False
-    while not is_whole and end + 8 <= len(content):
-        tag, length = content[end : end + 4], int.from_bytes(content[end + 4 : end + 8], "little")
-        is_whole = tag == END_OF_ITEMS
-        if not is_whole:
-            if tag != ITEM:
-                break
-            end += 8 + length
-    if not is_whole or content[:4] != PIXELS_TAG:
+    data = header.pixel_data
+    if data is None:
+        raise FileError(f"the compressed pixels cannot be found; copy or export it again: {header.file}")
+    with header.file.open("rb") as stream:
+        stream.seek(data.offset)
+        content = stream.read(data.n_bytes)
+    end = 0
+    while content[end : end + 4] == ITEM and end + 8 <= len(content):
+        end += 8 + int.from_bytes(content[end + 4 : end + 8], "little")
+    if content[end : end + 4] != END_OF_ITEMS:
         raise FileError(f"truncated: the compressed pixels have no end; copy or export it again: {header.file}")
-    return content[begin:end]
+    return content[:end]
 
 
 def _by_neutral_copy(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
     """By GDCM, from a copy of the pixels alone."""
-    from pydicom import dcmread
     from pydicom.dataset import Dataset, FileMetaDataset
     from pydicom.uid import UID
 
@@ -161,9 +224,9 @@ def _by_neutral_copy(header: Header, shape: tuple[int, int, int]) -> NDArray[Any
     if header.n_samples > 1:
         copy.PlanarConfiguration = header.planes
     if header.transfer_syntax in NATIVE:
-        source = dcmread(header.file, force=True)
-        _counted(source, PIXELS, header, header.bits_allocated)
-        copy[PIXELS] = source[PIXELS]
+        content = _native_bytes(header)[1]
+        copy.PixelData = content + b"\0" * (len(content) % 2)
+        copy["PixelData"].VR = "OW" if header.bits_allocated > 8 else "OB"
     else:
         _set_pixels(copy, header)
     with tempfile.TemporaryDirectory() as folder:

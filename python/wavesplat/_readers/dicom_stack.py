@@ -1,4 +1,4 @@
-"""Frames of DICOM files as one volume: in order along their normal, of one time, at even distances.
+"""Frames of a DICOM volume, in order along their normal, as slices at even distances.
 
 The affine comes from the frames' own positions, so that a gantry-tilted stack keeps its shear; ITK would straighten it.
 """
@@ -14,22 +14,24 @@ from numpy.typing import NDArray
 
 from wavesplat._model import affine
 from wavesplat._readers.dicom_header import Frame
-from wavesplat._readers.request import Request, choose
+from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
-__all__ = ["Stack", "in_order", "one_volume", "stacked"]
+__all__ = ["EMPTY", "N_NAMED", "Stack", "stacked"]
 
 #: Part of the slice distance by which a slice may be off its place: positions are rounded by scanners.
 TOLERANCE = 0.05
 #: More slices than this, for each that is there, are no gap but a stray slice.
 MOST_FILLED = 4
+#: The share of a slice of which nothing is in the file, and which is 0 throughout.
+EMPTY = float("nan")
 #: Files that a message names.
 N_NAMED = 4
 
 
 @dataclass(frozen=True)
 class Stack:
-    """Which frames make each slice: two and the share of the second; and where the slices lie."""
+    """Which frames make each slice: two and the share of the second, or `EMPTY`; and where the slices lie."""
 
     frames: Sequence[Frame]
     slices: list[tuple[int, int, float]]
@@ -37,61 +39,11 @@ class Stack:
     losses: tuple[str, ...] = ()
 
 
-def in_order(frames: Sequence[Frame]) -> list[Frame]:
-    """Along the normal, and at one place by time and the like, then by number."""
-    normal = frames[0].normal
-    return sorted(frames, key=lambda one: (round(float(one.position @ normal), 3), one.others, one.instance, one.index))
+def stacked(frames: Sequence[Frame], request: Request, *, is_mask: bool = False) -> Stack:
+    """The frames at even distances, those that are missing filled in from their neighbours.
 
-
-def one_volume(frames: Sequence[Frame], request: Request) -> tuple[list[Frame], int, tuple[float, ...]]:
-    """The frames of one stack and time (or echo, or phase), how many of these there are, and their times.
-
-    Times are seconds after the first, and empty where nothing tells one from another.
-    Every position of a stack must have been taken as often as the others.
+    is_mask : frames of a segmentation, which leaves out slices in which there is nothing of a segment.
     """
-    stacks: dict[tuple[object, ...], list[Frame]] = {}
-    for frame in frames:
-        key = (frame.stack, *np.round(frame.orientation, 3).tolist()) if _has_stacks(frames) else ()
-        stacks.setdefault(key, []).append(frame)
-    volumes: list[list[Frame]] = []
-    for stack in stacks.values():
-        ordered = in_order(stack)
-        n_times = _n_times(ordered, request)
-        volumes += [ordered[time::n_times] for time in range(n_times)]
-    labels = [volume[0].label for volume in volumes]
-    number = choose("time", len(volumes), request.time, request.path, described=labels)
-    return volumes[number], len(volumes), _times(volumes)
-
-
-def _times(volumes: Sequence[Sequence[Frame]]) -> tuple[float, ...]:
-    """When the first frame of each volume was taken, by the first clock that goes on from volume to volume."""
-    for clock in range(min(len(frame.seconds) for volume in volumes for frame in volume)):
-        times = np.array([min(frame.seconds[clock] for frame in volume) for volume in volumes])
-        if len(volumes) > 1 and np.isfinite(times).all() and (np.diff(times) > 0).all():
-            return tuple(round(float(time - times[0]), 6) for time in times)
-    return ()
-
-
-def _has_stacks(frames: Sequence[Frame]) -> bool:
-    """Whether the frames are of an enhanced file, which may hold several stacks."""
-    return any(frame.stack for frame in frames)
-
-
-def _n_times(frames: Sequence[Frame], request: Request) -> int:
-    places = Counter(tuple(np.round(frame.position, 2)) for frame in frames)
-    repeats = set(places.values())
-    if len(repeats) > 1:
-        place = next(place for place, count in places.items() if count == max(repeats))
-        raise FileError(
-            f"{max(repeats)} slices at position {tuple(float(x) for x in place)}, {min(repeats)} at others: "
-            f"a slice is missing or doubled; "
-            f"move the extra files away: {request.path}"
-        )
-    return repeats.pop()
-
-
-def stacked(frames: Sequence[Frame], request: Request) -> Stack:
-    """The frames at even distances, those that are missing filled in from their neighbours."""
     positions = np.array([frame.position for frame in frames])
     step = (positions[-1] - positions[0]) / (len(frames) - 1)
     even = positions[0] + np.arange(len(frames))[:, None] * step
@@ -99,8 +51,24 @@ def stacked(frames: Sequence[Frame], request: Request) -> Stack:
     slices = [(n, n, 0.0) for n in range(len(frames))]
     if off <= TOLERANCE * np.linalg.norm(step) or request.spacing is not None:
         return Stack(frames, slices, _world_from_index(frames[0], step))
+    if is_mask and (found := _with_empty_slices(frames, positions)) is not None:
+        return found
     slices, step, loss = _filled(frames, positions, request)
     return Stack(frames, slices, _world_from_index(frames[0], step), (loss,))
+
+
+def _with_empty_slices(frames: Sequence[Frame], positions: NDArray[np.float64]) -> Stack | None:
+    """The frames with empty slices between them; None if their distances are no multiples of the smallest."""
+    way = positions[-1] - positions[0]
+    along = (positions - positions[0]) @ (way / np.linalg.norm(way))
+    steps = along / np.diff(along).min()
+    numbers = np.round(steps).astype(int)
+    if np.abs(steps - numbers).max() > TOLERANCE * max(1, numbers[-1] // len(frames)):
+        return None
+    slices = [(0, 0, EMPTY)] * (int(numbers[-1]) + 1)
+    for n, number in enumerate(numbers.tolist()):
+        slices[number] = (n, n, 0.0)
+    return Stack(frames, slices, _world_from_index(frames[0], way / numbers[-1]))
 
 
 def _world_from_index(first: Frame, step: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -123,9 +91,11 @@ def _filled(
     counts = Counter(float(distance) for distance in np.round(distances, 2))
     usual = min(counts, key=lambda distance: (-counts[distance], distance))
     listed = ", ".join(f"{distance:g} mm ({count}x)" for distance, count in counts.most_common())
-    beside = np.linalg.norm(positions - positions[0] - along[:, None] * way / length, axis=1).max()
+    beside = float(np.linalg.norm(positions - positions[0] - along[:, None] * way / length, axis=1).max())
     n_slices = round(length / usual) + 1 if usual > 0 else 0
-    if request.gaps == "refuse" or beside > TOLERANCE * usual or not 2 <= n_slices <= MOST_FILLED * len(frames) + 1:
+    if beside > TOLERANCE * usual:
+        raise FileError(_off_line(frames, positions, request))
+    if request.gaps == "refuse" or not 2 <= n_slices <= MOST_FILLED * len(frames) + 1:
         raise FileError(_uneven(frames, distances, listed, request))
     places = np.linspace(0.0, length, n_slices)
     after = np.clip(np.searchsorted(along, places), 1, len(frames) - 1)
@@ -155,4 +125,18 @@ def _uneven(frames: Sequence[Frame], distances: NDArray[np.float64], listed: str
         f"slices are not evenly spaced, so some are missing or two stacks are mixed: distances {listed}; "
         f"{rarest:g} mm lie between {frames[place].name} and {frames[place + 1].name}; "
         f"add the missing slices, or pass spacing=(x, y, z) to draw them as if they were even: {request.path}"
+    )
+
+
+def _off_line(frames: Sequence[Frame], positions: NDArray[np.float64], request: Request) -> str:
+    """Slices that are shifted against each other, by the frame that is off the line through most of the others."""
+    steps = np.diff(positions, axis=0)
+    usual = np.median(steps / np.linalg.norm(steps, axis=1)[:, None], axis=0)
+    usual /= np.linalg.norm(usual)
+    across = positions - (positions @ usual)[:, None] * usual
+    off = np.linalg.norm(across - np.median(across, axis=0), axis=1)
+    worst = int(np.argmax(off))
+    return (
+        f"slices are shifted against each other: {frames[worst].name} lies {off[worst]:.3g} mm beside the line of the "
+        f"others; move it away, or pass spacing=(x, y, z) to draw them as if they were in line: {request.path}"
     )

@@ -121,7 +121,8 @@ def open(
     series : str, optional
         DICOM: the Series Instance UID, if the folder holds several series.
     time, channel : int, optional
-        Which time point and which channel, from 0, if the file holds several.
+        Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
+        an echo, or magnitude or phase.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
         HDF5, .npz, .vti, Zarr: the name of the array, if there are several.

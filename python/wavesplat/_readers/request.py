@@ -176,6 +176,8 @@ COLORS = (
     Channel("blue", (0.0, 0.0, 1.0)),
     Channel("alpha", is_active=False),
 )
+#: Time points or channels that an error describes, at most.
+N_DESCRIBED = 6
 WHAT = {"time": "time points", "channel": "channels"}
 
 
@@ -184,8 +186,10 @@ def choose(option: str, count: int, number: int | None, path: object, *, describ
     if number is None:
         if count == 1:
             return 0
+        listed = ", ".join(f"{n} {text}" for n, text in enumerate(described[:N_DESCRIBED])) if any(described) else ""
+        listed = f" ({listed}{', ...' if count > N_DESCRIBED else ''})" if listed else ""
         message = (
-            f"the file holds {count} {WHAT[option]}; choose one with {option}=0..{count - 1} "
+            f"the file holds {count} {WHAT[option]}{listed}; choose one with {option}=0..{count - 1} "
             f"(on the command line --{option} N): {path}"
         )
         raise several(message, option, range(count), described)

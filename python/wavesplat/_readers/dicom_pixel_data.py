@@ -1,0 +1,163 @@
+"""Where the pixel data of a DICOM file lie, and whether they can be as many frames as its header says.
+
+Asked before a frame is described or memory is taken: a header of some bytes can promise millions of frames.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from wavesplat._files import payload
+from wavesplat.errors import FileError
+
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
+    from wavesplat._readers.dicom_header import Header
+
+__all__ = [
+    "BIG_ENDIAN",
+    "DOUBLES",
+    "FLOATS",
+    "NATIVE",
+    "PIXELS",
+    "PixelData",
+    "check_deflated",
+    "check_enough",
+    "check_n_frames",
+    "n_bits_of",
+    "pixel_data_at",
+]
+
+DEFLATED, BIG_ENDIAN = "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.2"
+#: Transfer syntaxes whose pixels are not compressed each for itself.
+NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", DEFLATED, BIG_ENDIAN}
+PIXELS, FLOATS, DOUBLES = 0x7FE00010, 0x7FE00008, 0x7FE00009
+UNDEFINED_LENGTH = 0xFFFFFFFF
+ITEM = b"\xfe\xff\x00\xe0"
+BLOCK_BYTES = 1 << 20
+
+
+@dataclass(frozen=True)
+class PixelData:
+    """The element with the pixels: PIXELS, FLOATS or DOUBLES, and where its value begins in the file."""
+
+    tag: int
+    offset: int
+    #: Bytes that are there, of compressed pixels up to the end of the file.
+    n_bytes: int
+
+
+def pixel_data_at(stream: BinaryIO, dataset: Dataset) -> PixelData | None:
+    """The pixel data of a file that was read up to them; None where only unpacking the file tells."""
+    syntax = str(dataset.file_meta.get("TransferSyntaxUID", "1.2.840.10008.1.2"))
+    if syntax == DEFLATED:
+        return None
+    is_implicit, is_little = dataset.original_encoding
+    order = "little" if is_little else "big"
+    head = stream.read(8 if is_implicit else 12)
+    begin = stream.tell()
+    stream.seek(0, 2)
+    n_left = stream.tell() - begin
+    tag = int.from_bytes(head[:2], order) << 16 | int.from_bytes(head[2:4], order)  # type: ignore[arg-type]
+    if tag not in (PIXELS, FLOATS, DOUBLES) or len(head) < (8 if is_implicit else 12):
+        return PixelData(PIXELS, begin, 0)
+    length = int.from_bytes(head[-4:], order)  # type: ignore[arg-type]
+    if length == UNDEFINED_LENGTH and syntax in NATIVE:
+        return None
+    return PixelData(tag, begin, n_left if syntax not in NATIVE else min(length, n_left))
+
+
+def n_bits_of(tag: int, header: Header) -> int:
+    """Bits of a stored number."""
+    return {FLOATS: 32, DOUBLES: 64}.get(tag, header.bits_allocated)
+
+
+def check_enough(header: Header, n_bytes: int, n_bits: int) -> int:
+    """How many bytes pixels take that are not compressed; a `FileError` if there are fewer, or twice as many."""
+    columns, rows = header.size
+    shape = (header.n_frames, rows, columns, header.n_samples)
+    if n_bits == 0:
+        raise FileError(f"the header says 0 bits a pixel (BitsAllocated); copy or export it again: {header.file}")
+    # Of a colour in YBR_FULL_422, two pixels share some.
+    n_numbers = header.n_frames * rows * columns * header.n_samples
+    if header.n_samples == 3 and header.photometric.endswith("_422"):
+        n_numbers = n_numbers * 2 // 3
+    needed = -(-n_numbers * n_bits // 8)
+    described = " x ".join(str(n) for n in (shape if header.n_samples > 1 else shape[:3]))
+    if n_bytes < needed:
+        raise FileError(
+            f"too little pixel data: {described} pixels of {n_bits} bits need {needed} bytes, "
+            f"the file holds {n_bytes}; copy or export it again: {header.file}"
+        )
+    if n_bytes >= 2 * needed and n_bytes > needed + 1:  # one byte may make their number even
+        raise FileError(
+            f"too much pixel data: {described} pixels of {n_bits} bits need {needed} bytes, the file holds {n_bytes}, "
+            f"so BitsAllocated ({header.bits_allocated}), NumberOfFrames, Rows or Columns is wrong; "
+            f"export it again: {header.file}"
+        )
+    return needed
+
+
+def check_n_frames(header: Header) -> None:
+    """A `FileError` if the pixel data cannot be so many frames."""
+    data = header.pixel_data
+    if header.transfer_syntax in NATIVE:
+        # Where the place is not known, what is unpacked was counted, and no file is larger.
+        if data is not None:
+            check_enough(header, data.n_bytes, n_bits_of(data.tag, header))
+        else:
+            n_unpacked = _n_unpacked(header.file) if header.transfer_syntax == DEFLATED else None
+            n_bytes = header.file.stat().st_size if n_unpacked is None else n_unpacked
+            columns, rows = header.size
+            if header.n_frames * rows * columns * max(header.bits_allocated, 1) > 8 * n_bytes:
+                raise FileError(
+                    f"too little pixel data: the header says {header.n_frames} frames (NumberOfFrames) of "
+                    f"{columns} x {rows} pixels, the file holds {n_bytes} bytes; copy or export it again: {header.file}"
+                )
+        return
+    if data is not None and (found := _n_fragments(header.file, data)) < header.n_frames:
+        raise FileError(
+            f"truncated, or a wrong header: {header.n_frames} frames (NumberOfFrames) need as many compressed "
+            f"fragments, the file holds {found}; copy or export it again: {header.file}"
+        )
+
+
+def _n_fragments(file: Path, data: PixelData) -> int:
+    """Items of compressed pixels, by their heads alone; the first is a table of offsets."""
+    count = 0
+    with file.open("rb") as stream:
+        stream.seek(data.offset)
+        while len(head := stream.read(8)) == 8 and head[:4] == ITEM:
+            count += 1
+            stream.seek(int.from_bytes(head[4:], "little"), 1)
+    return max(count - 1, 0)
+
+
+def check_deflated(file: Path) -> None:
+    """A `LimitError` if a file that is packed as a whole unpacks to more than the memory that there is."""
+    with file.open("rb") as stream:
+        if DEFLATED.encode() in stream.read(1024):
+            _n_unpacked(file)
+
+
+def _n_unpacked(file: Path) -> int | None:
+    """Bytes of a file that is packed as a whole, counted block by block; None if it does not say where it begins."""
+    from pydicom.filereader import read_file_meta_info
+
+    meta = read_file_meta_info(file)
+    if str(meta.get("TransferSyntaxUID")) != DEFLATED or "FileMetaInformationGroupLength" not in meta:
+        return None
+    count = 0
+    unpacking = zlib.decompressobj(-zlib.MAX_WBITS)
+    with file.open("rb") as packed:
+        packed.seek(132 + 12 + int(meta.FileMetaInformationGroupLength))
+        rest = b""
+        while not unpacking.eof and (rest := rest or packed.read(BLOCK_BYTES)):
+            count += len(unpacking.decompress(rest, BLOCK_BYTES))
+            rest = unpacking.unconsumed_tail
+            payload.check_memory(count, file)
+    return count

@@ -22,6 +22,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from wavesplat._files import json_text
 from wavesplat._looks import look_json
 from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
@@ -178,10 +179,7 @@ def settings(thing: Any, *, but: Collection[str] = ()) -> dict[str, Any]:
 
 def parse(text: str, folder: Path | None) -> Document:
     """What a JSON text describes: a document, or a report that has one. Relative paths start from `folder`."""
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"{WHAT}: not JSON: {error}") from None
+    found = json_text.decode(text, WHAT)
     return _document(sources.found_from(inside(found), folder or Path.cwd()))
 
 

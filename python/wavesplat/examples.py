@@ -10,12 +10,16 @@ from importlib.resources import as_file, files
 
 import numpy as np
 
+from wavesplat._files.memory import check_room
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.volume import Volume
 from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
 
 __all__ = ["ct_pelvis", "mri_head", "ripples"]
+
+#: Of the test signal with what it is made from: five arrays of float64.
+BYTES_A_SAMPLE = 40
 
 
 def mri_head() -> Volume:
@@ -74,6 +78,7 @@ def ripples(n: int = 32) -> Volume:
     if n < 2:
         raise ArgumentError(f"n is {n}; the signal needs at least 2 samples along each axis")
     f_m, alpha = 6.0, 0.25
+    check_room(BYTES_A_SAMPLE * n**3, f"a test signal of {n} samples along each axis", "give a smaller n")
     axis = np.linspace(-1.0, 1.0, n)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     wave = np.cos(2 * np.pi * f_m * np.cos(np.pi * np.hypot(x, y) / 2))

@@ -371,11 +371,12 @@ def _curve(name: str, nodes: Iterable[Iterable[float]]) -> tuple[tuple[float, fl
             value, p = (float(number) for number in node)
         except (TypeError, ValueError, OverflowError):
             raise ArgumentError(
-                f"material {name!r}: probability node {index} is {described(node)}; it must be 2 numbers (value, p)"
+                f"material {name!r}: probability node {index} is {described(node, lists=True)}; "
+                "it must be 2 numbers (value, p)"
             ) from None
         if not math.isfinite(value) or not 0.0 <= p <= 1.0:
             raise ArgumentError(
-                f"material {name!r}: probability node {index} is {described(node)}; "
+                f"material {name!r}: probability node {index} is {described(node, lists=True)}; "
                 "give a finite value, and a probability between 0 and 1"
             )
         if checked and value < checked[-1][0]:

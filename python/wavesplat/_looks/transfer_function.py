@@ -304,7 +304,7 @@ def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -
             numbers = ()
         if len(numbers) != len(names):
             raise ArgumentError(
-                f"transfer function: {curve} node {index} is {described(node)}; "
+                f"transfer function: {curve} node {index} is {described(node, lists=True)}; "
                 f"it must be {len(names)} numbers ({', '.join(names)})"
             )
         checked.append(numbers)

@@ -261,7 +261,7 @@ def _numbers(numbers: Iterable[float], what: str) -> tuple[float, ...]:
     try:
         return tuple(float(number) for number in numbers)
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{WHAT}: {what} is {described(numbers)}; give numbers in order") from None
+        raise ArgumentError(f"{WHAT}: {what} is {described(numbers, lists=True)}; give numbers in order") from None
 
 
 def _boundary(boundary: Any, number: int) -> tuple[float, float, float, tuple[float, float, float], float]:
@@ -270,11 +270,11 @@ def _boundary(boundary: Any, number: int) -> tuple[float, float, float, tuple[fl
         value, thickness, least, color, opacity = boundary
         value, thickness, least, opacity = (float(x) for x in (value, thickness, least, opacity))
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{WHAT}: boundary {number} is {described(boundary)}; give {form}") from None
+        raise ArgumentError(f"{WHAT}: boundary {number} is {described(boundary, lists=True)}; give {form}") from None
     if not (0 < thickness < np.inf and 0 <= least < np.inf and np.isfinite(value)):
         raise ArgumentError(
-            f"{WHAT}: boundary {number} is {described(boundary)}; the thickness must be positive, the least gradient 0 "
-            "or more"
+            f"{WHAT}: boundary {number} is {described(boundary, lists=True)}; the thickness must be positive, "
+            "the least gradient 0 or more"
         )
     rgba = colors.parse(color)
     if rgba is None:

@@ -16,7 +16,7 @@ from typing import ParamSpec, TypeVar
 from wavesplat._files.json_text import is_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["check_text", "described", "takes_its_types", "text_of"]
+__all__ = ["check_text", "described", "is_number_below", "takes_its_types", "text_of"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -32,9 +32,13 @@ VOLUME = (
 )
 
 
-def described(value: object) -> str:
-    """A value in a message, or its type where it is long."""
-    if value is None or isinstance(value, str | int | float | complex | tuple | bytes):
+def described(value: object, *, lists: bool = False) -> str:
+    """A value in a message, or its type where it is long; lists too if they are what is meant."""
+    if (
+        value is None
+        or isinstance(value, str | int | float | complex | tuple | bytes)
+        or (lists and isinstance(value, list))
+    ):
         try:
             text = repr(value)
         except ValueError:  # whole numbers of more than 4300 digits
@@ -42,6 +46,14 @@ def described(value: object) -> str:
         if len(text) <= MOST_LETTERS:
             return text
     return f"a {type(value).__name__}"
+
+
+def is_number_below(value: object, n: int) -> bool:
+    """Whether a value is one of the whole numbers from 0 to n - 1."""
+    try:
+        return 0 <= index(value) < n  # type: ignore[arg-type]
+    except TypeError:
+        return False
 
 
 def check_text(value: object, what: str) -> None:

@@ -297,7 +297,7 @@ class WaveletVolume(Grid):
             given = [float(weight) for weight in weights]
         except (TypeError, ValueError, OverflowError):
             raise ArgumentError(
-                f"the weights of bands are {described(weights)}; give numbers, the finest level first"
+                f"the weights of bands are {described(weights, lists=True)}; give numbers, the finest level first"
             ) from None
         n = self.n_levels
         if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):

@@ -180,7 +180,8 @@ def _left(
 def _ends_of_rows(index: NDArray[np.float64]) -> NDArray[np.float64]:
     """The first and last sample of each row along x, of samples in order: none between them is further out."""
     starts = np.flatnonzero((index[1:, 1:] != index[:-1, 1:]).any(axis=1)) + 1
-    return index[np.unique(np.concatenate([[0], starts, starts - 1, [len(index) - 1]]))]
+    ends = np.unique(np.concatenate([[0], starts, starts - 1, [len(index) - 1]]))
+    return np.asarray(index[ends])
 
 
 def _step(n_samples: int, most: int) -> int:

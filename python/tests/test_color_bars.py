@@ -133,3 +133,56 @@ def test_many_labels_stand_in_columns():
 
 def test_powers_of_ten_have_letters_that_the_typeface_has():
     lettering.check_letters(color_bar.RAISED + color_bar.MINUS + color_bar.TIMES, None, "a power of ten")
+
+
+def written_values(low, high, *, size=300, log=False):
+    """What a bar's labels say, as numbers, and the labels."""
+    function = ws.TransferFunction.from_colormap("viridis", clim=(low, high), log=log)
+    made = picture(shown=[shown_layer("v", "over", function, "")], size=(size, size)).annotated(colorbar=True)
+    head, *labels = texts(made)
+    raised = str.maketrans(color_bar.RAISED, "-0123456789")
+    factor = 10.0 ** int(head.partition("10")[2].translate(raised)) if "10" in head else 1.0
+    return [factor * float(label.replace("\N{MINUS SIGN}", "-")) for label in labels], labels
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [
+        (1e7, 1e7 + 3),
+        (1e6, 1e6 + 1),
+        (-1e6 - 1, -1e6),
+        (20_260_101, 20_260_131),
+        (1.6e9, 1.6e9 + 60),
+        (1, 1 + 1e-9),
+        (1, 1 + 1e-14),
+        (1e12, 1e12 + 1),
+        (5e-7, 5e-7 + 1e-13),
+        (273.15, 273.1500001),
+        (0, 1e-300),
+        (0, 5e-324),
+        (-1e308, 1e307),
+        (0.1, 1 / 3),
+        (1e300, 1.0000001e300),
+    ],
+)
+@pytest.mark.parametrize("size", [60, 300])
+def test_labels_differ_and_lie_in_the_range(low, high, size):
+    values, labels = written_values(low, high, size=size)
+    assert len(labels) >= 2
+    assert len(set(labels)) == len(labels)
+    room = 2e-3 * (high - low) + 4 * np.spacing(max(abs(low), abs(high)))
+    assert all(low - room <= value <= high + room for value in values)
+    assert values == sorted(values)
+
+
+def test_whole_numbers_are_written_out_where_that_is_shorter():
+    _, labels = written_values(20_260_101, 20_260_131)
+    assert all(label.startswith("202601") and len(label) == 8 for label in labels)
+    _, labels = written_values(0, 3e7)
+    assert max(map(len, labels)) <= 4
+
+
+def test_a_range_that_float64_cannot_span_is_refused():
+    function = ws.TransferFunction([(-1.7e308, 0), (1.7e308, 1)], [(-1.7e308, 0, 0, 0), (1.7e308, 1, 1, 1)])
+    with pytest.raises(ArgumentError, match="no colour bar"):
+        color_bar.scale_of(function, "over", "", WHITE)

@@ -269,7 +269,7 @@ def test_a_fit_takes_holes_wavelets_and_two_slices():
     [
         (np.full((4, 4, 4), 7.0), 2, "1 different values, too few to tell 2 materials apart"),
         (np.where(np.indices((4, 4, 4)).sum(axis=0) % 2, 1.0, np.nan), 1, "0 different values"),
-        (np.arange(64.0).reshape(4, 4, 4), 0, "materials is 0; give a number of at least 1"),
+        (np.arange(64.0).reshape(4, 4, 4), 0, "materials is 0; give a number from 1 to 32"),
         (np.arange(64.0).reshape(4, 4, 4), 2.5, "materials is 2.5"),
         (np.arange(64.0).reshape(4, 4, 4), "bone", "materials is 'bone'.*list of their names"),
         (np.arange(64.0).reshape(4, 4, 4), ["a", "a"], "two are named 'a'"),

@@ -6,6 +6,8 @@ import gc
 import http.client
 import json
 import struct
+from pathlib import Path
+from urllib.request import url2pathname
 
 import pytest
 import tornado.httpclient
@@ -17,7 +19,7 @@ from hypothesis import strategies as st
 from wavesplat._viewer.framing import MOST_BYTES, packed, unpacked
 from wavesplat._viewer.server import Server
 from wavesplat._viewer.session import Session
-from wavesplat._viewer.tokens import CLOSED_S, Tokens
+from wavesplat._viewer.tokens import Tokens
 from wavesplat.errors import ArgumentError
 
 pytestmark = [
@@ -206,18 +208,40 @@ def test_other_messages_end_the_conversation(server, messages):
     assert all(header["type"] != "frame" for header in got)
 
 
-def test_who_guesses_is_kept_out_for_a_while():
-    clock = [0.0]
-    tokens = Tokens(lambda: clock[0])
+def test_wrong_tokens_keep_nobody_out():
+    tokens = Tokens()
     token = tokens.new()
-    for _ in range(5):
-        assert tokens.key_for("guess", None) is None
-    assert tokens.key_for(token, None) is None
-    clock[0] = CLOSED_S + 1
+    for guess in ("guess", "", "\ud800", token[:-1], None, 5):
+        assert tokens.key_for(guess, guess) is None
     key = tokens.key_for(token, None)
     assert key is not None
+    for _ in range(100):
+        assert tokens.key_for("guess", "guess") is None
     assert tokens.key_for(None, key) == key
     assert tokens.key_for(token, None) is None
+
+
+def test_a_page_with_its_key_comes_back_after_many_wrong_hellos(server):
+    (welcome,), _ = talk(server, hello(server))
+    for _ in range(8):
+        assert talk(server, {"type": "hello", "protocol": 1, "token": "guess"}) == ([], 4401)
+    (again,), _ = talk(server, {"type": "hello", "protocol": 1, "session": welcome["session"]})
+    assert again["type"] == "welcome"
+    (new,), _ = talk(server, hello(server))
+    assert new["type"] == "welcome"
+
+
+def test_the_file_with_the_link_is_deleted_when_a_page_is_let_in(server, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    server.open_in_browser()
+    file = Path(url2pathname(opened[0].removeprefix("file://")))
+    assert talk(server, {"type": "hello", "protocol": 1, "token": "guess"}) == ([], 4401)
+    assert file.is_file()
+    token = file.read_text(encoding="utf-8").partition("#token=")[2].partition('"')[0]
+    (welcome,), _ = talk(server, {"type": "hello", "protocol": 1, "token": token})
+    assert welcome["type"] == "welcome"
+    assert not file.parent.exists()
 
 
 def test_nothing_is_told_before_a_hello(server):

@@ -18,6 +18,9 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["ct_pelvis", "mri_head", "ripples"]
 
+#: Of the test signal with what it is made from: five arrays of float64.
+BYTES_A_SAMPLE = 40
+
 
 def mri_head() -> Volume:
     """T1-weighted MRI of a human head (face removed), 1.5 mm, uint8, shape (171, 171, 128), public domain.
@@ -79,6 +82,7 @@ def ripples(n: int = 32) -> Volume:
     # The signal is made in double precision: three coordinates, and what lies between.
     check_room(8 * 8 * int(n) ** 3, "the signal", "give a smaller n")
     f_m, alpha = 6.0, 0.25
+    check_room(BYTES_A_SAMPLE * n**3, f"a test signal of {n} samples along each axis", "give a smaller n")
     axis = np.linspace(-1.0, 1.0, n)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     wave = np.cos(2 * np.pi * f_m * np.cos(np.pi * np.hypot(x, y) / 2))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 import threading
-import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -100,7 +99,7 @@ def view(
         if not quiet:
             _tell_how_to_reach(server.port)
         if browser:
-            webbrowser.open(server.link)
+            server.open_in_browser()
         server.tell(f"Opening {_name(input, state, example)}")
         try:
             first = _opened(

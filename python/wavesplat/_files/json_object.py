@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection
 from os import PathLike
 from typing import Any, TypeVar
 
+from wavesplat._files import json_text
 from wavesplat._files.output import write_atomically
 from wavesplat._files.places import read_text
 from wavesplat.errors import ArgumentError
@@ -58,10 +59,7 @@ def load(path: str | PathLike[str], what: str, build: Callable[[str], T]) -> T:
 
 def parse(text: str, what: str, contents: str) -> dict[str, Any]:
     """The object of a JSON text. `contents`: what must be in it, for the message."""
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"{what}: not JSON: {error}") from None
+    document = json_text.decode(text, what)
     if not isinstance(document, dict):
         raise ArgumentError(f"{what}: the JSON text is not an object; it must be {{...}} with {contents}")
     return document

@@ -134,7 +134,7 @@ def _rgb(color: str | Iterable[float]) -> Rgb:
 def _window(window: Iterable[float]) -> tuple[float, float]:
     try:
         low, high = (float(end) for end in window)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         low, high = 0.0, 0.0
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise ArgumentError(f"window is {described(window)}; give two numbers, the smaller one first")

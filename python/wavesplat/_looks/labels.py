@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source
@@ -79,6 +79,7 @@ class Label:
     scan: float
     tint: float
 
+    @takes_its_types
     def __init__(
         self,
         color: str | Iterable[float],
@@ -90,7 +91,7 @@ class Label:
     ) -> None:
         rgba = colors.parse(color)
         if rgba is None:
-            raise ArgumentError(f"label {name!r}: the colour is {color!r}; give (r, g, b), #rrggbb or a name")
+            raise ArgumentError(f"label {name!r}: the colour is {described(color)}; give (r, g, b), #rrggbb or a name")
         object.__setattr__(self, "color", rgba[:3])
         object.__setattr__(self, "name", str(name))
         object.__setattr__(self, "opacity", _share(opacity, name, "opacity"))
@@ -313,10 +314,10 @@ class Labels:
 def _share(number: float, name: str, what: str) -> float:
     try:
         share = float(number)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         share = float("nan")
     if not 0 <= share <= 1:
-        raise ArgumentError(f"label {name!r}: {what} is {number!r}; give a number 0..1")
+        raise ArgumentError(f"label {name!r}: {what} is {described(number)}; give a number 0..1")
     return share
 
 
@@ -361,8 +362,12 @@ def _checked_looks(labels: Mapping[int, Label], numbers: tuple[int, ...]) -> dic
         raise ArgumentError("labels: the looks are no mapping; give {number: wavesplat.Label(...)}")
     for number, look in labels.items():
         if not isinstance(look, Label):
-            raise ArgumentError(f"labels: the look of {number!r} is a {type(look).__name__}; give a wavesplat.Label")
+            raise ArgumentError(
+                f"labels: the look of {described(number)} is a {type(look).__name__}; give a wavesplat.Label"
+            )
         if number not in numbers:
             known = ", ".join(str(known) for known in numbers[:20]) + (", ..." if len(numbers) > 20 else "")
-            raise ArgumentError(f"labels: no sample of the segmentation is {number!r}; those that occur are {known}")
+            raise ArgumentError(
+                f"labels: no sample of the segmentation is {described(number)}; those that occur are {known}"
+            )
     return {int(number): look for number, look in labels.items()}

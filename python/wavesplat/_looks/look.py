@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import check_text, takes_its_types
 from wavesplat._model.foreign import VolumeLike, as_volume, volume_or_none
 from wavesplat._model.options import Composite
 from wavesplat._public import public
@@ -64,6 +64,10 @@ class Look:
     labels: Labels | None = None
     name: str = ""
     reason: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("view", "background", "name", "reason"):
+            check_text(getattr(self, name), f"{name} of the look")
 
     def __repr__(self) -> str:
         rest = [self.composite, *([] if self.shading else ["no shading"]), *([self.view] if self.view else [])]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
-from wavesplat._files import json_object
+from wavesplat._files import json_object, json_text
 from wavesplat._looks import look_json, paraview_files, slicer_files, transfer_function_json
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
@@ -38,7 +37,7 @@ def _parse(text: str, volume: Volume | WaveletVolume | None, name: str | None, p
         return _of_slicer(slicer_files.from_xml(root), volume, name)
     if start not in ("{", "["):
         return _of_slicer([slicer_files.from_vp(text, stem)], volume, name)
-    document = _json(text)
+    document = json_text.decode(text, WHAT)
     if isinstance(document, dict) and "RGBPoints" in document:
         document = [document]
     if isinstance(document, list):
@@ -83,10 +82,3 @@ def _xml(text: str) -> ET.Element:
         return ET.fromstring(text.lstrip("\ufeff \t\r\n"))  # noqa: S314 - without entities
     except ET.ParseError as error:
         raise ArgumentError(f"{WHAT}: not XML: {error}") from None
-
-
-def _json(text: str) -> Any:
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"{WHAT}: not JSON: {error}") from None

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._looks import colors, materials_mixture
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import check_text, described, takes_its_types
 from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -131,7 +131,7 @@ class Materials:
             for number, material in enumerate(listed)
         )
         object.__setattr__(self, "materials", tuple(placed))
-        object.__setattr__(self, "opacity_unit", None if opacity_unit is None else float(opacity_unit))
+        object.__setattr__(self, "opacity_unit", None if opacity_unit is None else _unit(opacity_unit))
         self.transfer_function()  # what it refuses, the unit of the opacities, is refused here
 
     @property
@@ -244,7 +244,7 @@ class Materials:
         volume : Volume, WaveletVolume, array, or what else `Volume` takes
             Any units.
         materials : int or sequence of str, default 4
-            How many, or their names in order of sample value. The lowest is clear.
+            How many, 1 to 32, or their names in order of sample value. The lowest is clear.
 
         Raises
         ------
@@ -348,26 +348,35 @@ def _listed(materials: object) -> tuple[Material, ...]:
     return listed
 
 
+def _unit(number: float) -> float:
+    try:
+        return float(number)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"materials: opacity_unit is {described(number)}; give a number or None") from None
+
+
 def _name(name: object) -> str:
     if not isinstance(name, str) or not name:
-        raise ArgumentError(f'name of a material is {name!r}; give a text such as "bone"')
+        raise ArgumentError(f'name of a material is {described(name)}; give a text such as "bone"')
+    check_text(name, "name of a material")
     return name
 
 
 def _curve(name: str, nodes: Iterable[Iterable[float]]) -> tuple[tuple[float, float], ...]:
     if not isinstance(nodes, Iterable):
-        raise ArgumentError(f"material {name!r}: probability is {nodes!r}; it must be nodes (value, p)")
+        raise ArgumentError(f"material {name!r}: probability is {described(nodes)}; it must be nodes (value, p)")
     checked: list[tuple[float, float]] = []
     for index, node in enumerate(nodes):
         try:
             value, p = (float(number) for number in node)
         except (TypeError, ValueError, OverflowError):
             raise ArgumentError(
-                f"material {name!r}: probability node {index} is {node!r}; it must be 2 numbers (value, p)"
+                f"material {name!r}: probability node {index} is {described(node, lists=True)}; "
+                "it must be 2 numbers (value, p)"
             ) from None
         if not math.isfinite(value) or not 0.0 <= p <= 1.0:
             raise ArgumentError(
-                f"material {name!r}: probability node {index} is {node!r}; "
+                f"material {name!r}: probability node {index} is {described(node, lists=True)}; "
                 "give a finite value, and a probability between 0 and 1"
             )
         if checked and value < checked[-1][0]:
@@ -388,8 +397,8 @@ def _color(name: str, color: str | Iterable[float]) -> tuple[float, float, float
         rgba = None
     if rgba is None or rgba[3] != 1.0:
         raise ArgumentError(
-            f'material {name!r}: color is {color!r}; give (r, g, b) with numbers 0..1, "#rrggbb", black, white or '
-            "grey, and how much it hides as opacity"
+            f'material {name!r}: color is {described(color)}; give (r, g, b) with numbers 0..1, "#rrggbb", black, '
+            "white or grey, and how much it hides as opacity"
         )
     return rgba[:3]
 
@@ -401,5 +410,5 @@ def _number(name: str, what: str, number: float, *, unit_interval: bool = False)
         value = math.nan
     if not math.isfinite(value) or (unit_interval and not 0.0 <= value <= 1.0):
         allowed = "a number between 0 and 1" if unit_interval else "a finite number"
-        raise ArgumentError(f"material {name!r}: {what} is {number!r}; give {allowed}")
+        raise ArgumentError(f"material {name!r}: {what} is {described(number)}; give {allowed}")
     return value

@@ -15,6 +15,7 @@ both materials however little noise there is.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from itertools import pairwise
 from operator import index
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 from wavesplat._files.libraries import library
 from wavesplat._looks import histogram
 from wavesplat._looks.materials import Material, Materials
+from wavesplat._model.argument_types import described
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat.errors import ArgumentError
 
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 __all__ = ["fit"]
 
 N_BINS = 512
+#: A histogram tells a handful of materials apart; the time of a fit grows with their number.
+MAX_MATERIALS = 32
 #: Values that the mixture is fitted to: so many quantiles stand for the histogram, and take less than a second.
 N_QUANTILES = 20_000
 #: Part of the way between two means, at least, in which one material goes over into the other.
@@ -66,14 +70,16 @@ def fit(volume: Volume | WaveletVolume, materials: int | Sequence[str]) -> Mater
 def _names(materials: int | Sequence[str]) -> list[str]:
     if isinstance(materials, str):
         raise ArgumentError(f"materials is {materials!r}; give a number of materials, or a list of their names")
+    count = len(materials) if isinstance(materials, Sequence) else 0
+    if not isinstance(materials, Sequence):
+        with suppress(TypeError):
+            count = index(materials)
+    if not 1 <= count <= MAX_MATERIALS:
+        raise ArgumentError(
+            f"materials is {described(materials)}; give a number from 1 to {MAX_MATERIALS}, or a list of names"
+        )
     if isinstance(materials, Sequence):
         return list(materials)
-    try:
-        count = index(materials)
-    except TypeError:
-        count = 0
-    if count < 1:
-        raise ArgumentError(f"materials is {materials!r}; give a number of at least 1, or a list of names")
     return [f"material {number}" for number in range(1, count + 1)]
 
 

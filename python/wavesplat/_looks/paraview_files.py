@@ -113,7 +113,7 @@ def _color(nodes: list[tuple[float, ...]], space: str) -> list[tuple[float, ...]
 def _table(numbers: Any, n_each: int, what: str) -> list[tuple[float, ...]]:
     try:
         flat: Sequence[float] = [float(number) for number in numbers]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         flat = []
     if not flat or len(flat) % n_each:
         raise ArgumentError(f'{WHAT}: "{what}" must be numbers, {n_each} for every point')

@@ -153,6 +153,9 @@ class Shading:
         lights = tuple(lights)
         if not 0 <= exposure < float("inf"):
             raise ArgumentError(f"shading: exposure is {exposure}; it must be 0 or more, 1 is neutral")
+        # The compiled module looks at it only where gradients are not smoothed.
+        if gradient_smoothing and not 0.01 <= gradient_offset <= 4:
+            raise ArgumentError(f"shading: gradient_offset is {gradient_offset}; give 0.01 to 4, in voxels")
         for light in lights:
             if not isinstance(light, Light):
                 raise ArgumentError(f"lights hold a {type(light).__name__}; give wavesplat.Light(direction) for each")

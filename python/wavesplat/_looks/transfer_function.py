@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.foreign import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -295,7 +295,7 @@ def _floats(values: ArrayLike) -> NDArray[np.float64]:
 def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -> tuple[Any, ...]:
     """Tuples of floats from any nested sequence or array."""
     if not isinstance(nodes, Iterable):
-        raise ArgumentError(f"transfer function: {curve} is {nodes!r}; it must be nodes ({', '.join(names)})")
+        raise ArgumentError(f"transfer function: {curve} is {described(nodes)}; it must be nodes ({', '.join(names)})")
     checked = []
     for index, node in enumerate(nodes):
         try:
@@ -304,7 +304,7 @@ def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -
             numbers = ()
         if len(numbers) != len(names):
             raise ArgumentError(
-                f"transfer function: {curve} node {index} is {node!r}; "
+                f"transfer function: {curve} node {index} is {described(node, lists=True)}; "
                 f"it must be {len(names)} numbers ({', '.join(names)})"
             )
         checked.append(numbers)

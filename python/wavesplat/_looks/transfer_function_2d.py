@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -213,7 +213,7 @@ class TransferFunction2D:
         json_object.check_fields(document, WHAT, needed=needed, known=known, hint="TransferFunction2D.to_json")
         unit = document.get("opacity_unit")
         if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
-            raise ArgumentError(f"{WHAT}: field 'opacity_unit' is {unit!r}; it must be a number or null")
+            raise ArgumentError(f"{WHAT}: field 'opacity_unit' is {described(unit)}; it must be a number or null")
         return cls(document["values"], document["magnitudes"], document["rgba"], unit)
 
     def to_json(self) -> str:
@@ -260,8 +260,8 @@ class TransferFunction2D:
 def _numbers(numbers: Iterable[float], what: str) -> tuple[float, ...]:
     try:
         return tuple(float(number) for number in numbers)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{WHAT}: {what} is {numbers!r}; give numbers in order") from None
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{WHAT}: {what} is {described(numbers, lists=True)}; give numbers in order") from None
 
 
 def _boundary(boundary: Any, number: int) -> tuple[float, float, float, tuple[float, float, float], float]:
@@ -269,11 +269,12 @@ def _boundary(boundary: Any, number: int) -> tuple[float, float, float, tuple[fl
     try:
         value, thickness, least, color, opacity = boundary
         value, thickness, least, opacity = (float(x) for x in (value, thickness, least, opacity))
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{WHAT}: boundary {number} is {boundary!r}; give {form}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{WHAT}: boundary {number} is {described(boundary, lists=True)}; give {form}") from None
     if not (0 < thickness < np.inf and 0 <= least < np.inf and np.isfinite(value)):
         raise ArgumentError(
-            f"{WHAT}: boundary {number} is {boundary!r}; the thickness must be positive, the least gradient 0 or more"
+            f"{WHAT}: boundary {number} is {described(boundary, lists=True)}; the thickness must be positive, "
+            "the least gradient 0 or more"
         )
     rgba = colors.parse(color)
     if rgba is None:

@@ -180,7 +180,7 @@ def mesh(
 def _checked_numbers(iso_value: float, step: int) -> tuple[float, int]:
     try:
         value = float(iso_value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"iso_value is {iso_value!r}; give a number in sample units") from None
     if not isfinite(value):
         raise ArgumentError(f"iso_value is {value}; give a finite number in sample units")

@@ -13,9 +13,10 @@ from functools import wraps
 from operator import index
 from typing import ParamSpec, TypeVar
 
+from wavesplat._files.json_text import is_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["described", "takes_its_types"]
+__all__ = ["check_text", "described", "is_number_below", "takes_its_types", "text_of"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -31,9 +32,13 @@ VOLUME = (
 )
 
 
-def described(value: object) -> str:
-    """A value in a message, or its type where it is long."""
-    if value is None or isinstance(value, str | int | float | complex | tuple | bytes):
+def described(value: object, *, lists: bool = False) -> str:
+    """A value in a message, or its type where it is long; lists too if they are what is meant."""
+    if (
+        value is None
+        or isinstance(value, str | int | float | complex | tuple | bytes)
+        or (lists and isinstance(value, list))
+    ):
         try:
             text = repr(value)
         except ValueError:  # whole numbers of more than 4300 digits
@@ -41,6 +46,28 @@ def described(value: object) -> str:
         if len(text) <= MOST_LETTERS:
             return text
     return f"a {type(value).__name__}"
+
+
+def is_number_below(value: object, n: int) -> bool:
+    """Whether a value is one of the whole numbers from 0 to n - 1."""
+    try:
+        return 0 <= index(value) < n  # type: ignore[arg-type]
+    except TypeError:
+        return False
+
+
+def check_text(value: object, what: str) -> None:
+    """An `ArgumentError` for a text that cannot be written: it has half of a surrogate pair."""
+    if isinstance(value, str) and not is_text(value):
+        raise ArgumentError(f"{what} is {described(value)}, which has half of a surrogate pair; give a text without")
+
+
+def text_of(value: object, what: str) -> str:
+    """A value as a text; an `ArgumentError` for a whole number of more digits than Python writes."""
+    try:
+        return str(value)
+    except ValueError:
+        raise ArgumentError(f"{what} is {described(value)}; give a name") from None
 
 
 def takes_its_types(function: Callable[P, R]) -> Callable[P, R]:
@@ -77,6 +104,8 @@ def _check(annotation: str) -> Callable[[str, object], None] | None:
     forms = list(dict.fromkeys(form for kind in kinds if kind and (form := kind[1])))
 
     def check(name: str, value: object) -> None:
+        if TEXT in kinds:
+            check_text(value, name)
         if not any(kind and kind[0](value) for kind in kinds):
             raise ArgumentError(f"{name} is {described(value)}; give {' or '.join(forms)}")
 
@@ -91,7 +120,8 @@ def _kind(word: str) -> tuple[Callable[[object], bool], str] | None:
 
 
 def _is_number(value: object) -> bool:
-    if isinstance(value, str | bytes | bytearray):
+    # True would be 1: a switch in the place of a number is a slip.
+    if isinstance(value, str | bytes | bytearray | bool):
         return False
     try:
         float(value)  # type: ignore[arg-type]
@@ -102,7 +132,7 @@ def _is_number(value: object) -> bool:
 
 def _is_whole(value: object) -> bool:
     try:
-        return -MOST_WHOLE <= index(value) < MOST_WHOLE  # type: ignore[arg-type]
+        return not isinstance(value, bool) and -MOST_WHOLE <= index(value) < MOST_WHOLE  # type: ignore[arg-type]
     except TypeError:
         return False
 
@@ -120,13 +150,7 @@ def _is_many(value: object) -> bool:
 
 
 def _is_text(value: object) -> bool:
-    if not isinstance(value, str):
-        return False
-    try:
-        value.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
+    return isinstance(value, str) and is_text(value)
 
 
 def _is_a(*names: str) -> Callable[[object], bool]:

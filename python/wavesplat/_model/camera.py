@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Camera", "check_place", "check_view", "checked_lens"]
 
-#: Spacings that are smaller, or larger than its inverse, have squares that float32 does not hold.
-SMALLEST = 1e-18
+#: Spacings between which light is right: gradients are changes over the spacing, and float32 holds their squares, 1e36
+#: for whole changes at the smallest, 1e-38 for changes by 1e-5 at the largest.
+SMALLEST, LARGEST = 1e-18, 1e14
 #: Of a place by the spacing there: a thousandth of a sample is still told apart in float64.
 PRECISION = 1e12
 
@@ -491,7 +492,7 @@ def check_place(volume: Grid) -> tuple[list[Vector], Vector]:
     steps = [hypot(rows[0][axis], rows[1][axis], rows[2][axis]) for axis in range(3)]
     least, most = min(steps), max(steps)
     farthest = max(abs(rows[0][3]), abs(rows[1][3]), abs(rows[2][3]))
-    if not (least >= SMALLEST and most <= 1 / SMALLEST and most <= FARTHEST * least and farthest <= PRECISION * least):
+    if not (least >= SMALLEST and most <= LARGEST and most <= FARTHEST * least and farthest <= PRECISION * least):
         raise ArgumentError(
             f"volume {volume.name!r} has samples {least:g} to {most:g} apart, {farthest:g} from the world's origin; "
             "give them in other units, or pass spacing="

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from wavesplat._files import json_object
+from wavesplat._files import json_object, json_text
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat.errors import ArgumentError
@@ -41,6 +41,7 @@ def parse(text: str) -> Camera:
 
 def build(document: dict[str, Any]) -> Camera:
     """The camera that an object describes."""
+    json_text.check_values(document, WHAT)
     known = {"version", *TRIPLE, *LENSES}
     json_object.check_fields(document, WHAT, needed=("version", *TRIPLE), known=known, hint="Camera.as_json")
     for name in TRIPLE:

@@ -19,7 +19,10 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.camera_fit import axes_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["CameraPath", "evenly", "monotone_slopes"]
+__all__ = ["MAX_FRAMES", "CameraPath", "evenly", "monotone_slopes"]
+
+#: Frames of a movie, at most: two hours at 60 a second.
+MAX_FRAMES = 432_000
 
 Numbers = NDArray[np.float64]
 
@@ -72,8 +75,8 @@ class CameraPath:
 def evenly(cameras: Sequence[Camera], n: int, *, closed: bool) -> list[Camera]:
     """So many cameras through the keys, which are as far in time from each other."""
     keys = _checked(cameras)
-    if n < 1:
-        raise ArgumentError(f"n is {n}; give the number of cameras, 1 or more")
+    if not 1 <= n <= MAX_FRAMES:
+        raise ArgumentError(f"n is {n}; give the number of cameras, from 1 to {MAX_FRAMES}")
     if len(keys) == 1:
         return list(keys) * n
     if closed:

@@ -36,7 +36,7 @@ def camera_of(source: Any, view_angle: float | None, parallel_scale: float | Non
             raise ArgumentError(f"camera_position is {described(eye)}; give {FORMS}, after the plotter has set it")
         try:
             position, focal_point, view_up = (tuple(part) for part in eye)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ArgumentError(f"source is {described(source)}; give {FORMS}") from None
         triple = (position, focal_point, view_up)
         if view_angle is None and parallel_scale is None:

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from math import isfinite
+from operator import index
 from typing import Any
 
 from wavesplat._model import units
+from wavesplat._model.argument_types import check_text, described, text_of
 from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Channel", "Facts"]
+
+#: More time points than any file has.
+MAX_TIMES = 2**53
 
 
 @public
@@ -52,7 +57,8 @@ class Channel:
     is_active: bool = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "name", str(self.name))
+        object.__setattr__(self, "name", text_of(self.name, "name of a channel"))
+        check_text(self.name, "name of a channel")
         if self.color is not None:
             object.__setattr__(self, "color", _color(self.color))
         if self.emission_nm is not None:
@@ -125,25 +131,26 @@ class Facts:
     processing: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        channels = tuple(self.channels)
+        channels = _listed(self.channels, "channels")
         for channel in (*channels, *([] if self.channel is None else [self.channel])):
             if not isinstance(channel, Channel):
                 raise ArgumentError(f"facts: a channel is a {type(channel).__name__}; give a wavesplat.Channel")
-        if self.n_times < 1:
-            raise ArgumentError(f"facts: n_times is {self.n_times}; give 1 or more")
+        object.__setattr__(self, "n_times", _count(self.n_times))
         given = {
             "unit": units.checked(self.unit),
             "is_anatomical": bool(self.is_anatomical),
-            "modality": None if self.modality is None else str(self.modality),
+            "modality": None if self.modality is None else text_of(self.modality, "facts: modality"),
             "channels": channels,
-            "n_times": int(self.n_times),
-            "time_step": None if self.time_step is None else float(self.time_step),
+            "n_times": self.n_times,
+            "time_step": _step(self.time_step),
             "times": _times(self.times, self.n_times),
-            "levels": tuple((int(z), int(y), int(x)) for z, y, x in self.levels),
+            "levels": _levels(self.levels),
             "conventions": _sentences(self.conventions, "conventions"),
             "guesses": _sentences(self.guesses, "guesses"),
             "processing": _sentences(self.processing, "processing"),
         }
+        for name in ("modality", "time_unit"):
+            check_text(getattr(self, name), f"facts: {name}")
         for name, value in given.items():
             object.__setattr__(self, name, value)
 
@@ -172,8 +179,42 @@ class Facts:
         return cls(**given)
 
 
+def _listed(things: object, name: str) -> tuple[Any, ...]:
+    try:
+        return tuple(things)  # type: ignore[arg-type]
+    except TypeError:
+        raise ArgumentError(f"facts: {name} is {described(things)}; give a list") from None
+
+
+def _levels(levels: object) -> tuple[tuple[int, int, int], ...]:
+    try:
+        return tuple((int(z), int(y), int(x)) for z, y, x in levels)  # type: ignore[attr-defined]
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"facts: levels is {described(levels)}; give shapes (z, y, x)") from None
+
+
+def _count(number: object) -> int:
+    try:
+        count = index(number)  # type: ignore[arg-type]
+    except TypeError:
+        count = 0
+    if not 1 <= count < MAX_TIMES:
+        raise ArgumentError(f"facts: n_times is {described(number)}; give a whole number from 1")
+    return count
+
+
+def _step(number: float | None) -> float | None:
+    try:
+        return None if number is None else float(number)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"facts: time_step is {described(number)}; give a number or None") from None
+
+
 def _times(times: Iterable[float], n_times: int) -> tuple[float, ...]:
-    numbers = tuple(float(time) for time in times)
+    try:
+        numbers = tuple(float(time) for time in times)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"facts: times is {described(times)}; give numbers") from None
     if numbers and len(numbers) != n_times:
         raise ArgumentError(f"facts: {len(numbers)} times are given for {n_times} time points; give as many, or none")
     if not all(isfinite(time) for time in numbers):
@@ -184,8 +225,8 @@ def _times(times: Iterable[float], n_times: int) -> tuple[float, ...]:
 def _color(color: Iterable[float]) -> tuple[float, float, float]:
     try:
         red, green, blue = (float(share) for share in color)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"color of a channel is {color!r}; give red, green and blue, 0..1 each") from None
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"color of a channel is {described(color)}; give red, green and blue, 0..1 each") from None
     if not all(0 <= share <= 1 for share in (red, green, blue)):
         raise ArgumentError(
             f"color of a channel is ({red:g}, {green:g}, {blue:g}); give red, green and blue, 0..1 each"
@@ -196,24 +237,27 @@ def _color(color: Iterable[float]) -> tuple[float, float, float]:
 def _window(window: Iterable[float]) -> tuple[float, float]:
     try:
         low, high = (float(end) for end in window)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         low, high = 0.0, 0.0
     if not (isfinite(low) and isfinite(high) and low < high):
-        raise ArgumentError(f"window of a channel is {window!r}; give two numbers, the smaller one first")
+        raise ArgumentError(f"window of a channel is {described(window)}; give two numbers, the smaller one first")
     return low, high
 
 
 def _positive(number: float, name: str) -> float:
     try:
         value = float(number)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         value = float("nan")
     if not (isfinite(value) and value > 0):
-        raise ArgumentError(f"{name} of a channel is {number!r}; give a positive number")
+        raise ArgumentError(f"{name} of a channel is {described(number)}; give a positive number")
     return value
 
 
 def _sentences(texts: Iterable[str], name: str) -> tuple[str, ...]:
     if isinstance(texts, str):
         raise ArgumentError(f"facts: {name} is one text; give a list of them")
-    return tuple(str(text) for text in texts)
+    sentences = tuple(text_of(text, f"facts: a text of {name}") for text in _listed(texts, name))
+    for sentence in sentences:
+        check_text(sentence, f"facts: a text of {name}")
+    return sentences

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.places import printable
+from wavesplat._model.argument_types import text_of
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_volume import LazyVolume, lazily
@@ -37,7 +38,7 @@ def lazy_volume(
         raise ArgumentError("this is a lazy volume already; change it with with_memory or at_level")
     found = lazy_array(samples)
     (spacing, matrix), (unit, anatomical, given_name, given_facts) = place, said
-    name = printable((found.name or "volume") if given_name is None else str(given_name))
+    name = printable((found.name or "volume") if given_name is None else text_of(given_name, "name of the volume"))
     own = found.world_from_index
     if spacing is None and matrix is None and own:
         matrices, known = [_checked_affine(None, one, name) for one in own], found.facts

@@ -21,6 +21,7 @@ from wavesplat import _native
 from wavesplat._files.byte_sizes import byte_size, bytes_of
 from wavesplat._files.memory import free_bytes
 from wavesplat._model import affine
+from wavesplat._model.argument_types import described, is_number_below
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
@@ -237,8 +238,10 @@ class LazyVolume(Volume):
             If there is no such level.
         """
         n = len(self._levels)
-        if level is not None and not 0 <= level < n:
-            raise ArgumentError(f"level is {level!r}; {self.name!r} has {n} levels, so give 0 to {n - 1}, or None")
+        if level is not None and not is_number_below(level, n):
+            raise ArgumentError(
+                f"level is {described(level)}; {self.name!r} has {n} levels, so give 0 to {n - 1}, or None"
+            )
         other = self._copy()
         other._at = level
         return other
@@ -295,8 +298,8 @@ class LazyVolume(Volume):
     def _checked(self, level: int | None) -> int:
         if level is None:
             return self._at or 0
-        if not 0 <= level < len(self._levels):
-            raise ArgumentError(f"level is {level}; there are {len(self._levels)} levels, 0 is the finest")
+        if not is_number_below(level, len(self._levels)):
+            raise ArgumentError(f"level is {described(level)}; there are {len(self._levels)} levels, 0 is the finest")
         return level
 
     def preview(self) -> Volume:

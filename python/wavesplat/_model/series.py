@@ -10,7 +10,7 @@ from threading import RLock
 from typing import Any, Protocol, overload, runtime_checkable
 
 from wavesplat._files.places import printable
-from wavesplat._model.argument_types import described
+from wavesplat._model.argument_types import described, text_of
 from wavesplat._model.sources import Source, then
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -83,11 +83,11 @@ class Series:
         n = len(volumes)
         if n == 0:
             raise ArgumentError("a series needs at least one volume; the list is empty")
-        self._name = printable(str(name))
+        self._name = printable(text_of(name, "name of the series"))
         self._volumes = volumes
         self._numbers = range(n)
         self._times = None if times is None else _checked_times(times, n)
-        self._time_unit = None if time_unit is None else str(time_unit)
+        self._time_unit = None if time_unit is None else text_of(time_unit, "time_unit of the series")
         #: Where it comes from, None if that cannot be told (`_model.sources`).
         self._source: Source | None = None
         self._kept: OrderedDict[int, Volume] = OrderedDict()
@@ -188,7 +188,7 @@ class Series:
 def _checked_times(times: Sequence[float], n: int) -> tuple[float, ...]:
     try:
         numbers = tuple(float(time) for time in times)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"times of a series are {described(times)}; give a number for each volume") from None
     if len(numbers) != n:
         raise ArgumentError(f"{len(numbers)} times are given for {n} volumes; give one for each")

@@ -25,7 +25,7 @@ from wavesplat._model.tensor import of_array, of_torch
 from wavesplat._model.vtk_image import of_vtk
 from wavesplat.errors import ArgumentError
 
-__all__ = ["taken"]
+__all__ = ["is_rows", "taken"]
 
 #: What helps where the library is known and the object is not one that has samples on a grid.
 INSTEAD = {
@@ -59,6 +59,18 @@ def taken(thing: Any, what: str, *, has_place: bool = False) -> Taken:
     if found is None:
         raise ArgumentError(f"{what} {_no_volume(thing, libraries)}")
     return found
+
+
+def is_rows(thing: object) -> bool:
+    """Whether a list or tuple is one volume: rows of numbers in slices, or slices that are arrays of two dimensions.
+
+    Deeper ones, and lists of arrays with three dimensions, are several volumes.
+    """
+    n_lists = 0
+    while isinstance(thing, list | tuple) and len(thing):
+        thing, n_lists = thing[0], n_lists + 1
+    is_number = isinstance(thing, int | float | complex | np.generic | np.ndarray)
+    return n_lists > 0 and is_number and n_lists + np.ndim(thing) == 3  # type: ignore[arg-type]
 
 
 def _no_volume(thing: object, libraries: set[str]) -> str:

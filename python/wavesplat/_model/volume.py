@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._files.places import printable
 from wavesplat._model import affine, giving, smoothing, units, volume_file
-from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types, text_of
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
@@ -207,7 +207,7 @@ class Volume(Grid):
         name: str | None = None,
         facts: Facts | None = None,
     ) -> None:
-        name = printable((found.name or "volume") if name is None else str(name))
+        name = printable((found.name or "volume") if name is None else text_of(name, "name of the volume"))
         self._samples = _renderable(found.samples, name)
         n_z, n_y, n_x = self._samples.shape
         if spacing is None and world_from_index is None:
@@ -277,11 +277,11 @@ class Volume(Grid):
         (dtype('float32'), ('smoothed by a Gaussian, deviation 0.7 voxels',))
         """
         if unit not in ("voxels", "world"):
-            raise ArgumentError(f'unit of the deviation is {unit!r}; it is "voxels" or "world"')
+            raise ArgumentError(f'unit of the deviation is {described(unit)}; it is "voxels" or "world"')
         try:
             number = float(deviation)
-        except (TypeError, ValueError):
-            raise ArgumentError(f"deviation is {deviation!r}; give a number") from None
+        except (TypeError, ValueError, OverflowError):
+            raise ArgumentError(f"deviation is {described(deviation)}; give a number") from None
         named = (self.unit or "world units") if unit == "world" else unit
         steps = self.spacing if unit == "world" else (1.0, 1.0, 1.0)
         deviations = [number / step for step in reversed(steps)]
@@ -497,7 +497,7 @@ def _checked_facts(facts: Facts, unit: str | None, anatomical: bool | None, name
         return facts
     try:
         return replace(facts, is_anatomical=bool(anatomical))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(f"volume {name!r}: anatomical is {described(anatomical)}; give True or False") from None
 
 

@@ -23,9 +23,10 @@ from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.places import expanded
 from wavesplat._files.reading import reading
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
+from wavesplat._model.interruptible import interruptible
 from wavesplat._model.sources import Source, of_file, then
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -150,7 +151,8 @@ class WaveletVolume(Grid):
             )
         how, amount = _what_stays(threshold, keep, psnr)
         peak = normalisation == "peak"
-        core = _native.WaveletVolume(volume._core, family=family, keep=how, amount=amount, levels=levels, peak=peak)
+        told: Any = {"family": family, "keep": how, "amount": amount, "levels": levels, "peak": peak}
+        core = interruptible(lambda: _native.WaveletVolume(volume._core, **told))
         made = cls(core, volume.name, volume.world_from_index, family, volume.facts)
         options = {how: float(amount), "levels": levels, "normalisation": normalisation}
         made._source = then(volume._source, "wavelets", family=family, **options)
@@ -235,7 +237,7 @@ class WaveletVolume(Grid):
         """
         check_room(4 * math.prod(self._shape), "the samples", "draw the coefficients as they are, or fewer levels")
         weights = (0.0,) * self._left_out + self._weights[self._left_out :]
-        samples = self._core.samples(weights)
+        samples = interruptible(lambda: self._core.samples(weights))
         made = Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=self._facts)
         made._source = then(self._source, "to_volume")
         return made
@@ -293,8 +295,10 @@ class WaveletVolume(Grid):
         """
         try:
             given = [float(weight) for weight in weights]
-        except (TypeError, ValueError):
-            raise ArgumentError(f"the weights of bands are {weights!r}; give numbers, the finest level first") from None
+        except (TypeError, ValueError, OverflowError):
+            raise ArgumentError(
+                f"the weights of bands are {described(weights, lists=True)}; give numbers, the finest level first"
+            ) from None
         n = self.n_levels
         if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):
             raise ArgumentError(
@@ -474,14 +478,14 @@ def _whole(number: int, name: str) -> int:
     try:
         return index(number)
     except TypeError:
-        raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
+        raise ArgumentError(f"{name} is {described(number)}; give a whole number") from None
 
 
 def _number(number: float, name: str) -> float:
     try:
         return float(number)
     except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{name} is {number!r}; give a number") from None
+        raise ArgumentError(f"{name} is {described(number)}; give a number") from None
 
 
 def _what_stays(threshold: float | None, keep: float | None, psnr: float | None) -> tuple[str, float]:

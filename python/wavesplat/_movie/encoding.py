@@ -37,6 +37,8 @@ MOST_CRF = {".mp4": 51, ".webm": 63}
 BT709, LIMITED = 1, 1
 #: Of videos.
 MOST_FPS = 240.0
+#: A frame that stands longer than 100 seconds is a picture; formats count in milliseconds, in few bits.
+LEAST_FPS = 0.01
 #: Threads of the encoder, which runs beside the renderer.
 ENCODER_THREADS = 1
 #: Milliseconds that times of frames are whole numbers of, and that a frame is shown at least: browsers slow down what
@@ -54,8 +56,10 @@ def needed_library(suffix: str) -> None:
 def check_speed(suffix: str, fps: float) -> None:
     """An `ArgumentError` for more frames a second than such files can show."""
     most = 1000 / LEAST_MS[suffix] if suffix in LEAST_MS else MOST_FPS
-    if not 0 < fps <= most:
-        raise ArgumentError(f"fps is {fps:g}; a {suffix} file shows more than 0 and at most {most:g} frames a second")
+    if not LEAST_FPS <= fps <= most:
+        raise ArgumentError(
+            f"fps is {fps:g}; a {suffix} file shows at least {LEAST_FPS:g} and at most {most:g} frames a second"
+        )
 
 
 def check_crf(suffix: str, crf: int) -> None:

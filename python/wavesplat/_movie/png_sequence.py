@@ -44,17 +44,18 @@ USUAL = "%04d.png"
 
 def pattern_of(path: Path) -> Path | None:
     """The pattern that frames are named by, if that is what a path stands for: a folder, or a name with "%04d.png"."""
-    if re.fullmatch(r"[^%]*%0?\d*d[^%]*\.png", path.name, re.IGNORECASE):
+    if re.fullmatch(r"[^%]*%0?\d{0,2}d[^%]*\.png", path.name, re.IGNORECASE):
         return path
-    if path.suffix == "" or path.is_dir():
-        return path / USUAL
-    return None
+    with telling_why_not(path):
+        return path / USUAL if path.suffix == "" or path.is_dir() else None
 
 
 def make_folder(pattern: Path) -> None:
     """Make the folder of frames, in one that exists, if it is not there."""
     folder = pattern.parent
-    if folder.is_dir():
+    with telling_why_not(folder):
+        is_there = folder.is_dir()
+    if is_there:
         check_writable(frame_path(pattern, 0))
         return
     check_writable(folder)

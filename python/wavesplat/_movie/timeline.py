@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
-from wavesplat._model.camera_path import CameraPath
+from wavesplat._model.camera_path import MAX_FRAMES, CameraPath
 from wavesplat._model.series import Series
 from wavesplat._movie.blending import blended_clips, blended_look
 from wavesplat._movie.key_frame import KeyFrame
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["Shot", "Timeline"]
 
 T = TypeVar("T")
-
-#: Frames of a movie, at most: two hours at 60 a second.
-MOST_FRAMES = 432_000
 
 
 class Shot(NamedTuple):
@@ -81,11 +78,12 @@ class Timeline:
                     f"key frame {number + 1} is at {after:g} s, after one at {before:g} s; give them in order of time"
                 )
         self._scene, self._start, self._fps = scene, times[0], fps
-        self._n = round((times[-1] - times[0]) * fps) + 1
-        if self._n > MOST_FRAMES:
+        n_steps = (times[-1] - times[0]) * fps
+        if not n_steps < MAX_FRAMES:
             raise ArgumentError(
-                f"the key frames make {self._n} frames; give at most {MOST_FRAMES}, times are in seconds"
+                f"the key frames make {n_steps:.9g} frames; give at most {MAX_FRAMES}, times are in seconds"
             )
+        self._n = round(n_steps) + 1
         self._camera = self._camera_track(keys, composite, aspect)
         self._looks = [self._look_track(keys, number, name) for number in range(len(scene.layers))]
         said = [(key.time_s, key.clip) for key in keys if key.clip is not None]

@@ -13,6 +13,7 @@ import numpy as np
 from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
+from wavesplat._model.camera_path import MAX_FRAMES
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._movie.seen import direction_of, what_is_seen
 from wavesplat._public import public
@@ -130,8 +131,8 @@ def _count(number: object) -> int:
         count = index(number)  # type: ignore[arg-type]
     except TypeError:
         count = 0
-    if count < 1:
-        raise ArgumentError(f"frames of the turn is {described(number)}; give a whole number, 1 or more")
+    if not 1 <= count <= MAX_FRAMES:
+        raise ArgumentError(f"frames of the turn is {described(number)}; give a whole number from 1 to {MAX_FRAMES}")
     return count
 
 

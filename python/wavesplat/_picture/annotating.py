@@ -40,6 +40,8 @@ MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
 #: Height of a colour bar among the rendering's, where it has room; the least, in sizes of the font.
 BAR_SHARE, LEAST_BAR = 0.62, 7.0
 TITLE, TITLE_LINE = 1.25, 1.3
+#: Pixels of a side of a figure that is larger than its rendering.
+MAX_SIDE = 32768
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +80,7 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     """The canvas, and what was written, for the report."""
     _check(figure)
     height, width = rgba.shape[:2]
-    font = None if figure.font is None else fspath(figure.font)
+    font = None if figure.font is None else _font(figure.font)
     background = report_facts.background_of(report, rgba)
     # On paper, where nobody says otherwise.
     behind: Color = WHITE if background is None else background[:3]
@@ -175,6 +177,11 @@ class _Sheet:
         title, top = _title(figure, style, self.width)
         height = max(float(self.height), below if columns else 0.0) + top
         grown = right > self.width or height > self.height
+        if grown and max(right, height) > MAX_SIDE:
+            raise ArgumentError(
+                f"the figure would have {right:.0f} x {height:.0f} pixels, and {MAX_SIDE} a side are the most; "
+                "give a smaller font_size or dpi, or shorter names"
+            )
         return Canvas(
             _even(right) if grown else self.width,
             _even(height) if grown else self.height,
@@ -192,6 +199,7 @@ def _title(figure: Figure, style: Style, width: int) -> tuple[list[Mark], int]:
     """Its lines over the rendering, and how much room they take."""
     if not figure.title:
         return [], 0
+    lettering.check_length(figure.title, "the title")
     lettering.check_letters(figure.title, style.font, "the title")
     size = TITLE * style.size
     lines = lettering.wrapped(figure.title, size, width - 2 * MARGIN * style.size, style.font)
@@ -224,6 +232,13 @@ def _check(figure: Figure) -> None:
     size = figure.font_size
     if size is not None and not (isfinite(size) and 1 <= size <= 1000):
         raise ArgumentError(f"font_size is {size:g}; give 1 to 1000: points where dpi is given, else pixels")
+
+
+def _font(font: str | PathLike[str]) -> str:
+    try:
+        return fspath(font)
+    except TypeError:
+        raise ArgumentError(f"font is {described(font)}; give the name of a .ttf or .otf file") from None
 
 
 def _font_px(figure: Figure, width: int, height: int) -> float:
@@ -299,6 +314,7 @@ def _color_bars(
     colored = _colored(figure, report)
     scales = [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
     for scale in scales:
+        lettering.check_length(scale.title, "the name of a layer")
         lettering.check_letters(scale.title, style.font, "the name of a layer")
     room = height - 2 * MARGIN * style.size - 2 * (len(scales) - 1) * GAP * style.size
     least = LEAST_BAR * style.size
@@ -312,6 +328,8 @@ def _color_bars(
 def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color]]:
     """Names and colours of the legend."""
     swatches = [(_plain(name), color) for name, color in report_facts.swatches_of(report)]
+    for name, _ in swatches:
+        lettering.check_length(name, "a name in the legend")
     if not swatches:
         raise ArgumentError("there is nothing for a legend: this picture has no labels, and not several layers")
     if figure.legend is True:

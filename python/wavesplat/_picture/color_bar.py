@@ -32,6 +32,12 @@ MIXING = ("over", "first-hit")
 RAISED = "\u02c9\u00ba\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 #: Numbers from here on, and below the inverse of 1000, are written with a power of ten.
 LARGE, SMALL = 1e5, 1e-3
+#: Numbers that need more letters than this with a power of ten are written out, up to this size.
+LONG_TEXT, WRITTEN_OUT = 8, 1e15
+#: A written number may be off by this share of the step between two; the most decimals of one.
+SHARE_OF_STEP, MAX_DECIMALS = 1e-3, 17
+#: Smaller ranges have no round numbers in float64, whose powers of ten end soon after.
+LEAST_SPAN, LEAST_EXPONENT = 1e-300, -300
 #: Colours of a logarithmic map have at least so many nodes, over so many decades, as evenly as this.
 LOG_NODES, LOG_DECADES, LOG_EVEN = 16, 1.0, 0.02
 STOPS_PER_SPAN = 8
@@ -125,12 +131,16 @@ def block(scale: Scale, height: float, style: Style, background: Color | None = 
 def round_ticks(low: float, high: float, most: int) -> list[float]:
     """Multiples of 1, 2, 2.5 or 5 times a power of ten within the range, at most so many and at least two."""
     span = high - low
+    if span < LEAST_SPAN:
+        return [low, high]
     decade = 10.0 ** floor(log10(span))
     steps = sorted(digit * decade * scale for digit in (1, 2, 2.5, 5) for scale in (0.01, 0.1, 1))
     for step in steps:
         first, last = ceil(low / step - 1e-9), floor(high / step + 1e-9)
-        if 2 <= last - first + 1 <= most:
-            return [number * step for number in range(first, last + 1)]
+        ticks = [number * step for number in range(first, last + 1)] if 2 <= last - first + 1 <= most else []
+        # Near the limit of float64 neighbours can be one number.
+        if ticks and len(set(ticks)) == len(ticks):
+            return ticks
     return [low, high]
 
 
@@ -143,12 +153,25 @@ def _ticks(scale: Scale, most: int) -> tuple[list[tuple[float, str]], int]:
             return [(10.0**power, _power(power)) for power in kept], 0
     values = round_ticks(scale.low, scale.high, most)
     largest = max(abs(value) for value in values)
-    exponent: int = floor(log10(largest)) if largest and not SMALL <= largest < LARGE else 0
-    shown: list[float] = [value / 10.0**exponent for value in values]
-    step = abs(shown[1] - shown[0])
-    digits = next((n for n in range(7) if abs(round(step, n) - step) < 1e-6 * step), 6)
-    texts = [f"{number:.{digits}f}".replace("-", MINUS) for number in shown]
-    return list(zip(values, texts, strict=True)), exponent
+    exponent = max(floor(log10(largest)), LEAST_EXPONENT) if largest and not SMALL <= largest < LARGE else 0
+    texts = _written(values, exponent)
+    if exponent > 0 and largest < WRITTEN_OUT and max(map(len, texts)) > LONG_TEXT:
+        # Dates and times since an epoch: 20260101 is shorter than 2.0260101 and its power of ten.
+        exponent, texts = 0, _written(values, 0)
+    return list(zip(values, [text.replace("-", MINUS) for text in texts], strict=True)), exponent
+
+
+def _written(values: list[float], exponent: int) -> list[str]:
+    """Values over a power of ten, with the fewest decimals that tell them apart and are near enough."""
+    shown = [value / 10.0**exponent for value in values]
+    near = SHARE_OF_STEP * abs(shown[1] - shown[0])
+    for digits in range(MAX_DECIMALS + 1):
+        texts = [f"{number:.{digits}f}" for number in shown]
+        if len(set(texts)) == len(texts) and all(
+            abs(float(text) - number) <= near for text, number in zip(texts, shown, strict=True)
+        ):
+            return texts
+    return [f"{number:.17g}" for number in shown]
 
 
 def _power(exponent: int) -> str:
@@ -176,7 +199,7 @@ def _window(curves: TransferFunction) -> tuple[float, float]:
         # A step: colours on both sides of it.
         reach = abs(low) / 2 or 0.5
         low, high = low - reach, high + reach
-    if not (isfinite(low) and isfinite(high)):
+    if not isfinite(high - low):
         raise ArgumentError("the transfer function reaches to infinity; there is no colour bar for it")
     return float(low), float(high)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["CAP_HEIGHT", "FAMILY", "check_letters", "file_of", "opened", "text_width", "wrapped"]
+__all__ = ["CAP_HEIGHT", "FAMILY", "check_length", "check_letters", "file_of", "opened", "text_width", "wrapped"]
 
 #: Liberation Sans, which is as wide as Arial and Helvetica.
 OURS = Path(__file__).parents[1] / "data" / "liberation_sans" / "LiberationSans-Regular.ttf"
@@ -19,6 +19,8 @@ FAMILY = "'Liberation Sans', Arial, Helvetica, sans-serif"
 CAP_HEIGHT = 0.69
 #: Widths are measured at this size, where hinting does not matter.
 MEASURED_PX = 200
+#: Letters of a title or name; more take seconds to set and fill a page.
+MAX_LETTERS = 2000
 
 
 def file_of(font: str | None) -> str:
@@ -49,6 +51,12 @@ def _content(path: Path) -> bytes:
 def text_width(text: str, size: float, font: str | None = None) -> float:
     """Of a line, pixels."""
     return float(opened(font, MEASURED_PX).getlength(text)) * size / MEASURED_PX
+
+
+def check_length(text: str, what: str) -> None:
+    """An `ArgumentError` for a text that no figure has room for."""
+    if len(text) > MAX_LETTERS:
+        raise ArgumentError(f"{what} has {len(text)} letters; give a shorter one, of at most {MAX_LETTERS}")
 
 
 def check_letters(text: str, font: str | None, what: str) -> None:

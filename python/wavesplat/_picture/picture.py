@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._picture.marks import Canvas
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -54,6 +54,23 @@ class Picture:
     report: dict[str, Any] = field(default_factory=dict)
     #: Of what `annotated` drew: the rendering and the marks on it, for files that hold vectors.
     _canvas: Canvas | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        rgba: object = self.rgba
+        if not isinstance(rgba, np.ndarray):
+            raise ArgumentError(f"rgba of the picture is {described(rgba)}; give a float32 array (height, width, 4)")
+        shape = rgba.shape
+        if len(shape) != 3 or shape[2] != 4 or 0 in shape or rgba.dtype.kind != "f":
+            raise ArgumentError(
+                f"rgba of the picture is {rgba.dtype} of shape {shape}; give float32 of shape (height, width, 4), with "
+                "at least one pixel"
+            )
+        for name in ("depth", "value"):
+            beside = getattr(self, name)
+            if beside is not None and np.shape(beside) != shape[:2]:
+                raise ArgumentError(
+                    f"{name} of the picture has shape {np.shape(beside)}; give one number for each pixel, {shape[:2]}"
+                )
 
     @property
     def size(self) -> tuple[int, int]:

@@ -100,9 +100,12 @@ def _asked(wanted: bool | float | str) -> tuple[float | None, str | None]:
             number = float("nan")
         unit = units.checked(name) if name else None
     else:
-        number, unit = float(wanted), None
+        try:
+            number, unit = float(wanted), None
+        except (TypeError, ValueError, OverflowError):
+            number, unit = float("nan"), None
     if number is not None and not (isfinite(number) and number > 0):
-        raise ArgumentError(f"the scale bar is {wanted!r}; give a positive length in world units, or True")
+        raise ArgumentError(f"the scale bar is {described(wanted)}; give a positive length in world units, or True")
     return number, unit
 
 
@@ -112,5 +115,7 @@ def _factor(unit: str | None, asked: str | None) -> float:
         return 1.0
     ours, theirs = units.METRES.get(unit), units.METRES.get(asked)
     if ours is None or theirs is None:
-        raise ArgumentError(f"the scale bar is wanted in {asked!r}, but the world's unit is {unit!r}; give True")
+        raise ArgumentError(
+            f"the scale bar is wanted in {asked!r}, but the world's unit is {described(unit)}; give True"
+        )
     return float(f"{theirs / ours:.12g}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -36,7 +35,6 @@ __all__ = [
     "checked_count",
     "checked_size",
     "chosen_camera",
-    "chosen_device",
     "chosen_labels",
     "chosen_look",
     "chosen_threads",
@@ -187,7 +185,7 @@ def checked_count(number: int | None, name: str) -> int | None:
     try:
         count = index(number)
     except TypeError:
-        raise ArgumentError(f"{name} is {number!r}; give a whole number") from None
+        raise ArgumentError(f"{name} is {described(number)}; give a whole number") from None
     if not 0 <= count <= MOST_COUNT:
         raise ArgumentError(f"{name} is {described(count)}; give a whole number from 1 to {MOST_COUNT}")
     return count
@@ -196,20 +194,6 @@ def checked_count(number: int | None, name: str) -> int | None:
 def chosen_threads(number: int | None) -> int | None:
     """How many threads draw, as the compiled module takes it."""
     return checked_count(number, "threads")
-
-
-#: What "auto" is to be: for jobs and tests.
-DEVICE_VARIABLE = "WAVESPLAT_DEVICE"
-
-
-def chosen_device(device: str) -> str:
-    """What should draw, as the compiled module takes it."""
-    name: object = device
-    if not (isinstance(name, str) and name.strip()):
-        raise ArgumentError(
-            f'device is {device!r}; give "auto", "cpu", "gpu" or part of a name of wavesplat.gpu.adapters()'
-        )
-    return (os.environ.get(DEVICE_VARIABLE, "").strip() or "auto") if device.strip() == "auto" else device.strip()
 
 
 def region(clipping: Clipping) -> dict[str, Any]:

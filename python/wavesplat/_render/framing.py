@@ -37,8 +37,8 @@ EVERYTHING = Clipping()
 FILLED = 0.92
 #: A volume is a thin stack where its thinnest side is so much shorter than the second one; it is seen along that side.
 THIN = 0.3
-#: Samples looked at, at most.
-N_SAMPLES_MAX = 250_000
+#: Samples looked at, at most, and those they are picked from, a number that is kept of lazy volumes (`_model.survey`).
+N_SAMPLES_MAX, N_PICKED_FROM = 500_000, 2_000_000
 #: A sample is seen where its opacity is at least this share of the largest one, and a voxel at least so opaque.
 LEAST_SHARE, LEAST_OPACITY = 0.02, 2e-4
 #: Samples beyond these percentiles do not count: specks of noise far from the object.
@@ -132,8 +132,7 @@ def _seen(volume: Volume | WaveletVolume, look: Look, clipping: Clipping) -> NDA
     is_whole_box = not clipping.planes and not volume.n_nonfinite
     if is_whole_box and (look.labels is not None or not isinstance(function, TransferFunction)):
         return None if crop is None else _corners(volume, box)
-    step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
-    index, values = _left(volume, box, step, clipping)
+    index, values, step = _left(volume, box, clipping)
     seen = np.ones(len(values), dtype=bool)
     if look.labels is None and isinstance(function, TransferFunction):
         alpha = _visibility(function, values, look.composite) if len(values) else values
@@ -143,33 +142,60 @@ def _seen(volume: Volume | WaveletVolume, look: Look, clipping: Clipping) -> NDA
             return _corners(volume, box)
         seen[:] = True
     index = index[seen]
-    low, high = box
-    lower, upper = (np.maximum(np.minimum(p, high), low) for p in (index - 0.5 * step, index + 0.5 * step))
     ends = [np.percentile(index, percent, axis=0) for percent in WITHIN]
     kept = np.all((index >= ends[0]) & (index <= ends[1]), axis=1)
     if not kept.any():
         kept[:] = True
-    return _in_world(volume, np.concatenate([lower[kept], upper[kept]]))
+    index, (low, high) = _ends_of_rows(index[kept]), box
+    # All corners of the cells around them: two would be a diagonal, and which one depends on how axes are stored.
+    halves = [np.clip(index + side * 0.5 * step, low, high) for side in (-1, 1)]
+    corners = [np.where([(k >> a) & 1 for a in range(3)], halves[1], halves[0]) for k in range(8)]
+    return _in_world(volume, np.concatenate(corners))
 
 
 def _left(
     volume: Volume | WaveletVolume,
     box: tuple[NDArray[np.float64], NDArray[np.float64]],
-    step: int,
     clipping: Clipping,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Of every n-th sample that is finite, in the box and on the kept side of the planes: index (x, y, z) and value."""
-    first = [-(-int(bound) // step) for bound in reversed(box[0])]
-    last = [int(bound) // step for bound in reversed(box[1])]
-    samples = volume._every(step)[tuple(slice(a, b + 1) for a, b in zip(first, last, strict=True))]
-    values = samples.ravel().astype(np.float64)
-    z, y, x = np.unravel_index(np.flatnonzero(np.isfinite(values)), samples.shape)
-    index = np.stack([(x + first[2]) * step, (y + first[1]) * step, (z + first[0]) * step], axis=1).astype(np.float64)
+) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    """Some finite samples in the box and on the kept side of the planes: index (x, y, z), value, and their distance."""
+    fine = _step(math.prod(volume.shape), N_PICKED_FROM)
+    samples = volume._every(fine)
+    coarse = _step(samples.size, N_SAMPLES_MAX)
+    inside = zip(samples.shape, reversed(box[0]), reversed(box[1]), strict=True)
+    picked = [
+        place[(place * fine >= math.ceil(low)) & (place * fine <= high)]
+        for place, low, high in ((_from_both_ends(n, coarse), low, high) for n, low, high in inside)
+    ]
+    values = samples[np.ix_(*picked)].ravel().astype(np.float64)
+    zyx = np.unravel_index(np.flatnonzero(np.isfinite(values)), [len(place) for place in picked])
+    index = np.stack([picked[axis][zyx[axis]] * fine for axis in (2, 1, 0)], axis=1).astype(np.float64)
     values = values[np.isfinite(values)]
     for plane in clipping.planes:
         is_kept = (_in_world(volume, index) - np.array(plane.point)) @ np.array(plane.normal) >= 0
         index, values = index[is_kept], values[is_kept]
-    return index, values
+    return index, values, fine * coarse
+
+
+def _ends_of_rows(index: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The first and last sample of each row along x, of samples in order: none between them is further out."""
+    starts = np.flatnonzero((index[1:, 1:] != index[:-1, 1:]).any(axis=1)) + 1
+    ends = np.unique(np.concatenate([[0], starts, starts - 1, [len(index) - 1]]))
+    return np.asarray(index[ends])
+
+
+def _step(n_samples: int, most: int) -> int:
+    """From one sample to the next along each axis, where at most so many are looked at."""
+    return max(1, math.ceil(float((n_samples / most) ** (1 / 3))))
+
+
+def _from_both_ends(n: int, step: int) -> NDArray[np.intp]:
+    """Every n-th place from both ends to the middle: the same places in a volume that is stored the other way round.
+
+    Every n-th from the first sample on would see one side of an object up to `step - 1` samples earlier than the other.
+    """
+    half = np.arange(0, (n + 1) // 2, step)
+    return np.unique(np.concatenate([half, n - 1 - half]))
 
 
 def _visibility(function: TransferFunction, values: NDArray[np.float64], composite: str) -> NDArray[np.float64]:

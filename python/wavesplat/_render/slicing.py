@@ -219,7 +219,7 @@ def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]], p
 def _point_and_normal(plane: Any) -> tuple[Array, Array]:
     try:
         point, normal = plane
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(
             f"plane is {described(plane)}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
         ) from None

@@ -29,7 +29,7 @@ from wavesplat._model.lazy_volume import LazyVolume, Level
 from wavesplat._model.read_ahead import cells
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
-from wavesplat._render.arguments import checked_size
+from wavesplat._render.arguments import checked_count, checked_size
 from wavesplat._render.framing import natural_view
 from wavesplat._render.streaming import Streaming
 from wavesplat._scene.lazy_layers import pixel_in_samples
@@ -172,8 +172,14 @@ def plan(
     begun = time.perf_counter()
     if not isinstance(volume, LazyVolume):
         raise ArgumentError(f"volume is {described(volume)}, which is in memory; plan is for wavesplat.LazyVolume")
-    if workers < 1 or (cores is not None and cores < 1):
+    if not (checked_count(workers, "workers") and checked_count(cores, "cores") != 0):
         raise ArgumentError(f"workers is {workers} and cores {cores}; give 1 or more of each")
+    checked_count(segments, "segments")
+    if draw_ns is not None and not (math.isfinite(draw_ns) and draw_ns > 0):
+        raise ArgumentError(f"draw_ns is {draw_ns}; give a positive number of nanoseconds")
+    if not isinstance(camera, Camera | None):
+        raise ArgumentError(f"camera is {described(camera)}; give a wavesplat.Camera or None")
+    checked_size(size)
     eye = camera or Camera.orbit(volume, *natural_view(volume), aspect=size[0] / max(size[1], 1))
     width, height = checked_size(size)
     number = volume.level_for(lambda level: pixel_in_samples(level, eye, (width, height)))

@@ -32,11 +32,11 @@ from wavesplat._render.arguments import (
     check_picture_memory,
     checked_size,
     chosen_camera,
-    chosen_device,
     chosen_labels,
     chosen_threads,
     region,
 )
+from wavesplat._render.devices import chosen_device
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._scene.lazy_layers import Elsewhere, FrameSpec, LazyLayers
 from wavesplat._scene.reporting import facts_of

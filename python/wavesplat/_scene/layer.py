@@ -12,7 +12,7 @@ from wavesplat._looks.materials import Materials
 from wavesplat._looks.over_time import brightest
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import described
+from wavesplat._model.argument_types import check_text, described, text_of
 from wavesplat._model.foreign import as_volume
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
@@ -79,7 +79,10 @@ class Layer:
             )
         object.__setattr__(self, "visible", _flag(self.visible))
         object.__setattr__(self, "opacity", _share(self.opacity))
-        object.__setattr__(self, "name", self.volume.name if self.name is None else str(self.name))
+        object.__setattr__(
+            self, "name", self.volume.name if self.name is None else text_of(self.name, "name of the layer")
+        )
+        check_text(self.name, "name of the layer")
 
     @property
     def drawn(self) -> Volume | WaveletVolume:

@@ -24,6 +24,7 @@ from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._model.series import Series
 from wavesplat._model.sources import beside, warn_of_elsewhere
+from wavesplat._model.taking import is_rows
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._scene.layer import AnyLook, Layer
@@ -389,7 +390,8 @@ def as_scene(what: Any, look: Any, *, labels: Any, shading: Any, clip: Any, back
 def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
     if isinstance(what, Scene):
         raise ArgumentError("this is a scene already; change it with scene.with_(...), or take its layers")
-    several = isinstance(what, list | tuple)
+    # Rows of numbers are samples; volumes, layers and arrays in a list are several layers.
+    several = isinstance(what, list | tuple) and not is_rows(what)
     things = list(what) if several else [what]
     if not 1 <= len(things) <= MOST_LAYERS:
         raise ArgumentError(f"a scene has 1 to {MOST_LAYERS} layers, not {len(things)}")

@@ -22,6 +22,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from wavesplat._files import json_text
 from wavesplat._looks import look_json
 from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
@@ -185,10 +186,7 @@ def parse(text: str, folder: Path | None, *, external_files: bool = False) -> Do
     folder : of the document, where relative paths start, and files must lie; None is the working directory.
     external_files : whether files may lie elsewhere, and name others.
     """
-    try:
-        found = json.loads(text.removeprefix("\ufeff"))
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"{WHAT}: not JSON: {error}") from None
+    found = json_text.decode(text, WHAT)
     return _document(inside(found), Reach(folder or Path.cwd(), external_files))
 
 

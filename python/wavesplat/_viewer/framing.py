@@ -9,6 +9,7 @@ import json
 import struct
 from typing import Any
 
+from wavesplat._files import json_text
 from wavesplat.errors import ArgumentError
 
 __all__ = ["MOST_BYTES", "PROTOCOL", "packed", "unpacked"]
@@ -38,10 +39,7 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], bytes]:
     (length,) = LENGTH.unpack_from(message)
     if length > len(message) - LENGTH.size:
         raise ArgumentError(f"message: the header has {length} bytes, and {len(message) - LENGTH.size} came")
-    try:
-        header = json.loads(message[LENGTH.size : LENGTH.size + length])
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"message: the header is not JSON: {error}") from None
+    header = json_text.decode_syntax(message[LENGTH.size : LENGTH.size + length], "message: the header")
     if not isinstance(header, dict):
         raise ArgumentError("message: the header must be an object")
     return header, message[LENGTH.size + length :]

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from wavesplat._files import json_text
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
@@ -39,6 +40,7 @@ def patched(document: Any, operations: Any) -> Any:
             raise ArgumentError(f"{what}: unknown field {min(unknown)!r}; the fields are op, path and value")
         if kind != "remove" and "value" not in operation:
             raise ArgumentError(f"{what}: field 'value' is missing")
+        json_text.check_values(operation, f"{what}: {described(path)}")
         document = _done(document, kind, _steps(path, what), operation.get("value"), f"{what}: {path!r}")
     return document
 

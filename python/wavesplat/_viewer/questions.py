@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from wavesplat._files import json_text
 from wavesplat._looks import look_json, presets
 from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
@@ -53,6 +54,7 @@ def answer(state: ViewerState, question: str, arguments: Mapping[str, Any], prog
         raise ArgumentError(f"unknown question {question!r}; the viewer answers {', '.join(sorted(ANSWERS))}")
     if not isinstance(arguments, Mapping):
         raise ArgumentError(f"{question}: the arguments are {described(arguments)}; give an object")
+    json_text.check_values(arguments, question)
     return ANSWERS[question](state, arguments, progress)
 
 
@@ -66,10 +68,7 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
     """
     if len(text) > MOST_TEXT:
         raise ArgumentError(f"the file has {len(text)} characters, which is more than a state has; choose another one")
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ArgumentError(f"the file is no state of the viewer: not JSON: {error}") from None
+    found = json_text.decode(text, "the file is no state of the viewer")
     document = scene_json.inside(found)
     layers = document.get("layers")
     if not isinstance(layers, list) or len(layers) != len(state.scene.layers):

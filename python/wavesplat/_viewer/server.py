@@ -15,10 +15,12 @@ from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
-import tornado.httpserver
 import tornado.web
 import tornado.websocket
 
+from wavesplat._model.argument_types import described
+from wavesplat._viewer.browser_link import BrowserLink
+from wavesplat._viewer.connections import ANSWER_S, BoundedServer, Listener, QuietLog
 from wavesplat._viewer.framing import MOST_BYTES, PROTOCOL, packed, unpacked
 from wavesplat._viewer.session import Client, Session
 from wavesplat._viewer.tokens import Tokens
@@ -36,8 +38,8 @@ FILES = {
 }
 #: Seconds in which a page must say who it is; patches a second that are taken from one.
 HELLO_S, MOST_PATCHES_PER_S = 5.0, 240
-#: Sockets that may be open.
-MOST_SOCKETS = 16
+#: Pages that may be shown the session at once.
+MAX_PAGES = 16
 
 
 class Server:
@@ -48,13 +50,19 @@ class Server:
 
     def __init__(self, port: int = 0) -> None:
         self.tokens = Tokens()
+        # Read now: later the process may have no descriptor left to open a file.
+        folder = files("wavesplat") / "_viewer" / "client"
+        self.contents = {name: (folder / name).read_bytes() for name, _ in FILES.values()}
         self._session: Session | None = None
         self._failure: str | None = None
         #: Set when a page was told that the volume could not be opened.
         self.has_told = threading.Event()
         self._progress: dict[str, Any] | None = None
         self._sockets: set[_Socket] = set()
-        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        self._handed_over: BrowserLink | None = None
+        if not 0 <= port < 1 << 16:
+            raise ArgumentError(f"port is {described(port)}; give a whole number from 0, any that is free, to 65535")
+        listener = Listener(socket.AF_INET, socket.SOCK_STREAM)
         try:
             if os.name != "nt":  # where it would let others in
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -75,6 +83,11 @@ class Server:
     def link(self) -> str:
         """A link that lets one page in."""
         return f"http://{HOST}:{self.port}/#token={self.tokens.new()}"
+
+    def open_in_browser(self) -> bool:
+        """Open a page in the browser; whether there is a browser."""
+        self._handed_over = BrowserLink(self.link)
+        return self._handed_over.open()
 
     def is_own(self, host: str) -> bool:
         """Whether a Host is this server's."""
@@ -97,6 +110,7 @@ class Server:
 
     def close(self) -> None:
         """Answer nobody any more."""
+        self.forget_handed_over()
         if self._loop.is_closed():
             return
 
@@ -108,6 +122,11 @@ class Server:
         self._later(stop)
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=5)
+
+    def forget_handed_over(self) -> None:
+        """Delete the file in which the browser was told the link."""
+        if self._handed_over is not None:
+            self._handed_over.remove()
 
     def _each(self, tell: Callable[[_Socket], None]) -> None:
         for page in tuple(self._sockets):
@@ -129,14 +148,15 @@ class Server:
             log_function=lambda _handler: None,
             compress_response=False,
         )
-        http = tornado.httpserver.HTTPServer(application, max_header_size=1 << 14, max_body_size=0)
+        http = BoundedServer(application)
         http.add_socket(listener)
-        try:
-            self._loop.run_forever()
-        finally:
-            http.stop()
-            self._loop.run_until_complete(http.close_all_connections())
-            self._loop.close()
+        with QuietLog():
+            try:
+                self._loop.run_forever()
+            finally:
+                http.stop()
+                self._loop.run_until_complete(http.close_all_connections())
+                self._loop.close()
 
 
 class _Guarded(tornado.web.RequestHandler):
@@ -180,11 +200,15 @@ class _File(_Guarded):
         super().initialize(server)
         self._file = file
 
-    def get(self) -> None:
-        """The content of the file."""
+    async def get(self) -> None:
+        """The content of the file; who does not read it is not waited for."""
         name, kind = self._file
         self.set_header("Content-Type", kind)
-        self.finish((files("wavesplat") / "_viewer" / "client" / name).read_bytes())
+        written = self.finish(self._server.contents[name])
+        try:
+            await asyncio.wait_for(written, ANSWER_S)
+        except (TimeoutError, asyncio.TimeoutError):
+            self.detach().close()
 
 
 class _Nothing(_Guarded):
@@ -206,7 +230,8 @@ class _Socket(tornado.websocket.WebSocketHandler):
     def prepare(self) -> None:
         if not self._server.is_own(self.request.host):
             raise tornado.web.HTTPError(403, reason="this is not the host that was asked for")
-        if len(self._server._sockets) >= MOST_SOCKETS:
+        # Those that have said who they are: others cannot keep a page out that has the key.
+        if sum(page._key is not None for page in self._server._sockets) >= MAX_PAGES:
             raise tornado.web.HTTPError(503, reason="too many pages are open")
 
     def check_origin(self, origin: str) -> bool:
@@ -291,6 +316,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
             self._refuse(4401, "the link was used or is not of this viewer; copy a new one from the page that is open")
             return
         self._deadline.cancel()
+        self._server.forget_handed_over()
         if self._server._failure is not None:
             self.fail(self._server._failure)
         self.tell(self._server._progress)

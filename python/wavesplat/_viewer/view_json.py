@@ -14,7 +14,6 @@ Whatever is left out is as `defaults` has it. World units; `window` is (level, w
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import isfinite
 from typing import Any, get_args
 
 from wavesplat._model.argument_types import described
@@ -146,4 +145,4 @@ def _point(point: Any, name: str) -> None:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value) and abs(value) < 1e12
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e12

@@ -6,12 +6,11 @@ import json
 import sys
 import threading
 import weakref
-import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
-from wavesplat._files import json_object
+from wavesplat._files import json_object, json_text
 from wavesplat._files.places import expanded
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
@@ -84,6 +83,10 @@ class Viewer:
         self._finalizer.detach()
         self._finalizer = weakref.finalize(self, _close_both, self._session, server)
 
+    def _open_in_browser(self) -> None:
+        if self._server is not None:
+            self._server.open_in_browser()
+
     @property
     def url(self) -> str | None:
         """A new link, which lets one page in; None in a notebook."""
@@ -101,6 +104,7 @@ class Viewer:
 
     @state.setter
     def state(self, document: Mapping[str, Any]) -> None:
+        json_text.check_values(document, "state")
         self._session.change(self._session.state.replaced(json.loads(json.dumps(dict(document)))))
 
     @property
@@ -242,6 +246,7 @@ class Viewer:
 
 
 @public
+@takes_its_types
 def view(
     what: Any,
     look: Any = None,
@@ -297,6 +302,9 @@ def view(
     """
     scene = as_scene(what, look, labels=labels, shading=shading, clip=clip, background=background)
     options = {"quality": quality, "kernel": kernel, "composite": composite}
+    if not isinstance(state, Mapping | None):
+        raise ArgumentError(f"state is {described(state)}; give a state that was saved, or its field view")
+    json_text.check_values(state, "state")
     is_whole = state is not None and "layers" in state
     first = ViewerState.of(scene, camera, options, state.get("view") if is_whole and state else state)
     if is_whole:
@@ -309,8 +317,8 @@ def view(
         from wavesplat._viewer import notebook
 
         notebook.check()
-    elif browser is not False and viewer.url is not None:
-        webbrowser.open(viewer.url)
+    elif browser is not False:
+        viewer._open_in_browser()
     return viewer
 
 

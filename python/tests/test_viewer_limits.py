@@ -1,0 +1,186 @@
+"""What other programs of the machine cannot do to the viewer: use it up, fill its log, or read its link."""
+
+import http.client
+import os
+import re
+import socket
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from wavesplat._viewer import connections
+from wavesplat._viewer.browser_link import BrowserLink
+from wavesplat._viewer.server import Server
+from wavesplat.errors import ArgumentError
+
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
+
+
+@pytest.fixture
+def server():
+    made = Server()
+    yield made
+    made.close()
+
+
+def half_a_request(server):
+    connection = socket.create_connection(("127.0.0.1", server.port), timeout=5)
+    connection.sendall(b"GET / HT")
+    return connection
+
+
+def is_closed(connection):
+    connection.setblocking(False)
+    try:
+        return connection.recv(1) == b""
+    except BlockingIOError:
+        return False
+    except ConnectionError:
+        return True
+
+
+def wait_for(condition, seconds=5.0):
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def status_of(server):
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=5)
+    try:
+        connection.request("GET", "/", headers={"Connection": "close"})
+        return connection.getresponse().status
+    finally:
+        connection.close()
+
+
+def test_connections_beyond_the_limit_are_closed_as_they_come(server):
+    held = [half_a_request(server) for _ in range(connections.MAX_CONNECTIONS + 20)]
+    try:
+        wait_for(lambda: all(map(is_closed, held[-20:])))
+        assert not any(map(is_closed, held[:-20]))
+    finally:
+        for connection in held:
+            connection.close()
+    wait_for(lambda: status_of(server) == 200)
+
+
+def test_a_request_that_does_not_come_is_not_waited_for(monkeypatch):
+    assert connections.HEADER_S <= 10
+    monkeypatch.setattr(connections, "HEADER_S", 0.3)
+    server = Server()
+    try:
+        held = [half_a_request(server) for _ in range(connections.MAX_CONNECTIONS)]
+        wait_for(lambda: all(map(is_closed, held)))
+        assert status_of(server) == 200
+        for connection in held:
+            connection.close()
+    finally:
+        server.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no such limit")
+def test_without_descriptors_it_waits_and_says_so_once(tmp_path):
+    # A process of its own: the limit is for all that it opens.
+    code = """
+import os, resource, socket, sys, time
+from wavesplat._viewer.server import Server
+server = Server()
+address = ("127.0.0.1", server.port)
+waiting = [socket.socket() for _ in range(4)]
+resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/dev/fd"))) + 1, 4096))
+began = time.process_time()
+for one in waiting:
+    one.settimeout(10)
+    one.connect(address)
+    one.sendall(b"GET / HTTP/1.1\\r\\nHost: 127.0.0.1:%d\\r\\nConnection: close\\r\\n\\r\\n" % server.port)
+time.sleep(2.5)
+print("cpu", time.process_time() - began)
+resource.setrlimit(resource.RLIMIT_NOFILE, (1024, 4096))
+print([one.recv(15)[9:12].decode() for one in waiting])
+server.close()
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    cpu, statuses = done.stdout.splitlines()
+    assert statuses == str(["200"] * 4)
+    assert float(cpu.split()[1]) < 0.5
+    lines = done.stderr.splitlines()
+    assert len(lines) == 1, done.stderr
+    assert "cannot accept a connection" in lines[0]
+
+
+def test_each_kind_of_trouble_is_one_line(server, monkeypatch, capfd):
+    def fail(*_):
+        raise RuntimeError("it broke")
+
+    monkeypatch.setattr(server, "is_own", fail)
+    for _ in range(5):
+        assert status_of(server) == 500
+    said = [line for line in capfd.readouterr().err.splitlines() if line]
+    assert len(said) <= 1
+    assert all("RuntimeError: it broke" in line for line in said)
+
+
+def test_other_loggers_are_left_as_they_are(server, caplog):
+    import logging
+
+    for _ in range(2):
+        logging.getLogger("tornado.general").warning("of a notebook")
+    assert [record.getMessage() for record in caplog.records] == ["of a notebook"] * 2
+
+
+@pytest.mark.parametrize("port", [-1, 1 << 16, 10**30])
+def test_a_port_that_is_none_is_refused(port):
+    with pytest.raises(ArgumentError, match=r"port is .*; give a whole number"):
+        Server(port)
+
+
+@pytest.fixture
+def browser(monkeypatch):
+    """What the browser is called with."""
+    called = []
+    monkeypatch.setattr("webbrowser.open", lambda address: called.append(address) or True)
+    return called
+
+
+def path_of(address):
+    assert address.startswith("file://")
+    from urllib.request import url2pathname
+
+    return Path(url2pathname(address.removeprefix("file://")))
+
+
+def test_the_link_is_no_argument_of_the_browser(server, browser):
+    assert server.open_in_browser()
+    (address,) = browser
+    assert "token" not in address
+    file = path_of(address)
+    page = file.read_text(encoding="utf-8")
+    (link,) = re.findall(r'url=(http[^"]+)"', page)
+    token = link.partition("#token=")[2]
+    assert link.startswith(f"http://127.0.0.1:{server.port}/#")
+    if os.name == "posix":
+        assert stat.S_IMODE(file.stat().st_mode) == 0o600
+        assert stat.S_IMODE(file.parent.stat().st_mode) == 0o700
+    assert server.tokens.key_for(token, None) is not None
+    server.close()
+    assert not file.parent.exists()
+
+
+def test_without_a_browser_no_file_is_left(monkeypatch):
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
+    link = BrowserLink("http://127.0.0.1:1/#token=a")
+    assert not link.open()
+    assert not link.path.parent.exists()
+
+
+def test_a_file_does_not_outlive_python():
+    code = "from wavesplat._viewer.browser_link import BrowserLink\nlink = BrowserLink('http://a/#b')\nprint(link.path)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert not Path(done.stdout.strip()).parent.exists()

@@ -45,7 +45,7 @@ SUFFIXES = {
     ".nhdr": "itk",
     ".mha": "itk",
     ".mhd": "itk",
-    ".vtk": "itk",
+    ".vtk": "vtk_legacy",
     ".vti": "vti",
     ".dcm": "dicom",
     ".ima": "dicom",
@@ -65,6 +65,7 @@ SUFFIXES = {
 MAGIC = {
     (128, b"DICM"): "dicom",
     (0, b"NRRD"): "itk",
+    (0, b"# vtk DataFile"): "vtk_legacy",
     (0, b"II*\0"): "tiff",
     (0, b"MM\0*"): "tiff",
     (0, b"\x93NUMPY"): "arrays",
@@ -75,6 +76,7 @@ OPTIONS = {
     "nifti": {"time", "channel"},
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
+    "vtk_legacy": {"channel", "dataset"},
     "dicom": {"series", "time", "channel", "gaps"},
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
@@ -124,7 +126,7 @@ def open(
         Which time point and which channel, from 0, if the file holds several.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
-        HDF5, .npz, .vti, Zarr: the name of the array, if there are several.
+        HDF5, .npz, .vti, .vtk, Zarr: the name of the array, if there are several.
     level : int, optional
         OME-Zarr: the level of detail; 0, the default, is the finest.
     shape, dtype : optional
@@ -239,7 +241,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 
 
 #: Formats whose samples lie in one file as they are: its size tells theirs.
-AS_THEY_ARE = ("arrays", "raw", "nifti", "itk")
+AS_THEY_ARE = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Formats whose headers tell it.
 IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
 

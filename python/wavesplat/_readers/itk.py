@@ -7,6 +7,7 @@ An NRRD file whose `space` is none of a patient says nothing of one: its axes ar
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,11 +21,12 @@ from wavesplat._files.silence import silenced
 from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd
+from wavesplat._readers.meta_for_itk import meta_for_itk
 from wavesplat._readers.nrrd_for_itk import ListedAxis, header_for_itk, skip_lines
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import FileError
 
-__all__ = ["dtype_of", "header_of", "read", "simple_itk", "world_from_index_of"]
+__all__ = ["dtype_of", "for_itk", "header_of", "read", "simple_itk", "world_from_index_of"]
 
 
 def read(request: Request) -> Grid:
@@ -37,7 +39,7 @@ def read(request: Request) -> Grid:
         reader.SetImageIO(_image_io(path))
         places = places_of_samples(path, anywhere=request.external_files)
         header = header_of(path)
-        with header_for_itk(path, header.fields, places) as seen:
+        with for_itk(path, header, places) as seen:
             reader.SetFileName(str(seen))
             reader.ReadImageInformation()
             size = reader.GetSize()
@@ -72,6 +74,12 @@ def read(request: Request) -> Grid:
                 # 1 is what is written where nothing is known.
                 facts = replace(facts, time_step=step if step not in (0.0, 1.0) else None)
             return Grid(samples, world_from_index_of(place, header), facts)
+
+
+def for_itk(path: Path, header: Header, places: Sequence[tuple[Path, int]]) -> AbstractContextManager[Path]:
+    """The file for ITK: itself or, where ITK would take it for something else, another header while it is read."""
+    rewritten = meta_for_itk if "elementdatafile" in header.fields else header_for_itk
+    return rewritten(path, header.fields, places)
 
 
 def _is_of_channels(axis: ListedAxis, request: Request) -> bool:

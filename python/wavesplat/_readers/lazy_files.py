@@ -165,9 +165,9 @@ def _of_itk(request: Request) -> LazyGrid:
         raise FileError(f"the samples are in {len(places)} files; open the header without memory=: {path}")
     file, offset = places[0]
     sitk = itk.simple_itk()
-    with silenced():
+    with silenced(), itk.for_itk(path, header, places) as seen:
         reader = sitk.ImageFileReader()
-        reader.SetFileName(str(path))
+        reader.SetFileName(str(seen))
         reader.ReadImageInformation()
         size, n_components = reader.GetSize(), reader.GetNumberOfComponents()
         dtype = np.dtype(itk.dtype_of(sitk, reader.GetPixelID()))

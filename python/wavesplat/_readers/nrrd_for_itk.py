@@ -4,6 +4,7 @@ An axis of time, or of an unnamed kind, beside three whose place in space is giv
 refuses the file, or takes the wrong one for time. An axis of kind "list" is that of the components of a sample for ITK,
 wherever it stands; so it is handed a header that says so. Samples packed by bzip2: ITK is built without it; they are
 unpacked into a temporary file. A list of files whose last line has no end: ITK leaves that file out.
+A name with a percent sign: ITK takes it for a pattern of names.
 
 Format: https://teem.sourceforge.net/nrrd/format.html.
 """
@@ -94,7 +95,7 @@ def header_for_itk(path: Path, fields: dict[str, str], places: Sequence[tuple[Pa
     """
     axis = listed_axis(fields)
     is_listed = axis is None or fields.get("kinds", "").lower().split()[axis.number : axis.number + 1] == ["list"]
-    if is_listed and not is_bzip2(fields) and not _is_cut_list(path, fields):
+    if is_listed and not (is_bzip2(fields) or _is_cut_list(path, fields) or _has_percent(fields, places)):
         yield path
         return
     lines = _header_lines(path)
@@ -125,6 +126,12 @@ def _is_cut_list(path: Path, fields: dict[str, str]) -> bool:
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         return file.read(1) != b"\n"
+
+
+def _has_percent(fields: dict[str, str], places: Sequence[tuple[Path, int]]) -> bool:
+    """Whether the one file that holds the samples has a percent sign in its name: ITK takes that for a pattern."""
+    named = fields.get("data file", fields.get("datafile", ""))
+    return "%" in named and len(places) == 1 and places[0][0].name == Path(named).name
 
 
 def _header_lines(path: Path) -> list[str]:
@@ -166,6 +173,9 @@ def _places_of(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, 
         line_skip += n_lines
     skips = [f"line skip: {line_skip}"] * (line_skip > 0) + [f"byte skip: {byte_skip}"] * (byte_skip is not None)
     files = [str(file.absolute()) for file, _ in places]
+    if named is not None and "%" in files[0] and len(files) == 1:
+        # In a list names are no patterns. It holds all axes.
+        return [*skips, f"data file: LIST {len(fields['sizes'].split())}", *files]
     if named is None or len(files) == 1:
         return [*skips, f"data file: {files[0] if named is not None else path.absolute()}"]
     # How many axes a file holds is said behind the word LIST, or behind first, last and step of a pattern.

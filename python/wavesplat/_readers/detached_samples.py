@@ -101,7 +101,7 @@ def _numbered(value: str, path: Path) -> list[str]:
     if not numbers:
         raise FileError(
             f"the header names a data file that is not there, {value!r}; programs that use ITK write slices under "
-            f"other names, or over each other, where a name has a percent sign: save the image under another name: {path}"
+            f"other names, or over each other, where a name has a percent sign: save under another one: {path}"
         )
     try:
         first, last, step = (int(number) for number in [*numbers, "1"][:3])

@@ -81,10 +81,12 @@ def of_nrrd(path: Path) -> Header:
             fields[name.strip().lower()] = value.strip()
     is_anatomical = fields.get("space", "").lower().removesuffix("-time") in ANATOMICAL_SPACES
     axis = listed_axis(fields)
-    unit, world_factors = units.in_one_unit(_three_units(fields.get("space units", "")))
+    named = _three_units(fields.get("space units", ""))
+    unit, world_factors = units.in_one_unit(named)
     index_factors = (1.0, 1.0, 1.0)
     if unit is None and "space directions" not in fields:
-        unit, index_factors = units.in_one_unit(_three_units(fields.get("units", "")))
+        named = _three_units(fields.get("units", ""))
+        unit, index_factors = units.in_one_unit(named)
     unit = unit or units.canonical(keys.get(UNIT))  # what ITK keeps of a unit: it knows of none
     conventions = []
     if unit is None and is_anatomical:
@@ -94,6 +96,7 @@ def of_nrrd(path: Path) -> Header:
     guesses = (
         [] if {"spacings", "space directions"} & set(fields) else ["distances of samples 1, 1, 1: the file has none"]
     )
+    guesses += units.guesses_of(named)
     facts = Facts(
         unit=unit,
         is_anatomical=is_anatomical,

@@ -256,7 +256,10 @@ def _of_zarr(request: Request) -> LazyGrid:
             check=partial(ome_zarr.check_part, request.path),
         )
         levels.append((array, level.world_from_index, level.facts))
-    return LazyGrid([one[0] for one in levels], [one[1] for one in levels], levels[0][2])
+    # What is assumed of where coarser levels lie is so of the whole.
+    guesses = dict.fromkeys(guess for _, _, facts in levels for guess in facts.guesses)
+    facts = replace(levels[0][2], guesses=tuple(guesses))
+    return LazyGrid([one[0] for one in levels], [one[1] for one in levels], facts)
 
 
 def _token_of_url(request: Request, inner: str) -> str | None:

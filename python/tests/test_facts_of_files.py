@@ -232,7 +232,7 @@ def test_imagej_distances_that_are_none_are_told(tmp_path, spacing):
 def test_an_unknown_unit_beside_a_known_one_is_told(tmp_path):
     path = save_imagej(tmp_path / "a.tif", spacing=3.0, unit="um", zunit="furlong")
     assert ws.open(path).guesses == ("distances along z in um: their unit in the file, 'furlong', is unknown",)
-    path = save_nrrd(tmp_path / "a.nrrd", *OBLIQUE, "space dimension: 3", 'space units: "mm" "mm" "furlong"')
+    path = save_nrrd(tmp_path / "a.nrrd", "space dimension: 3", *OBLIQUE, 'space units: "mm" "mm" "furlong"')
     assert "distances along z in mm: their unit in the file, 'furlong', is unknown" in ws.open(path).guesses
 
 
@@ -472,3 +472,10 @@ def test_info_of_several_of_which_the_first_is_none(wavesplat, tmp_path):
     assert done.returncode == 0
     assert "datasets     2, choose with --dataset: flat, whole" in done.stdout
     assert "the first cannot be shown: " in done.stdout
+
+
+def test_planes_at_several_times_are_told(tmp_path):
+    path = save_imagej(tmp_path / "a.tif", axes="TYX")
+    volume = ws.open(path)
+    np.testing.assert_array_equal(volume.samples, SAMPLES)
+    assert any("time points are drawn as slices along z" in guess for guess in volume.guesses)

@@ -51,7 +51,7 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
             f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
             f"{request.path}"
         )
-    with reading(family, request.path):
+    with reading(NAMES.get(family, family), request.path):
         return read(request)
 
 
@@ -236,7 +236,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
             n_readers=1,
             token=file_token(request.file, dataset.name, tuple(picked)),
         )
-        facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
+        facts = replace(hdf5.facts_of(file, place), n_times=n_times_of(dataset.shape, request))
         return LazyGrid([array], [place.world_from_index], facts)
 
 
@@ -295,6 +295,19 @@ READERS = {
     "hdf5": _of_hdf5,
     "ome_zarr": _of_zarr,
     "tiff": _of_tiff,
+}
+
+
+#: What the families are called in messages.
+NAMES = {
+    "arrays": "a NumPy file",
+    "raw": "raw samples",
+    "nifti": "NIfTI",
+    "itk": "an image",
+    "vtk_legacy": "a VTK image",
+    "hdf5": "HDF5",
+    "ome_zarr": "Zarr",
+    "tiff": "TIFF",
 }
 
 

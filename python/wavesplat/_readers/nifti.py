@@ -63,7 +63,13 @@ def loaded(path: Path) -> Any:
     import nibabel
 
     _check_first_sample(path)
-    return nibabel.load(path)
+    image: Any = nibabel.load(path)
+    if getattr(image, "affine", None) is None:
+        raise FileError(
+            f"the file holds a {type(image).__name__}, values on surfaces and of single voxels, and no image; "
+            f"write its volume, as with wb_command -cifti-separate IN COLUMN -volume-all OUT.nii: {path}"
+        )
+    return image
 
 
 def _check_first_sample(path: Path) -> None:

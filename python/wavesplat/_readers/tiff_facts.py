@@ -64,7 +64,7 @@ class _Said:
 
 
 def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
-    """Distances, unit and facts of the first image in the file. `has_z`: whether its slices are known to be along z."""
+    """Distances, unit and facts of the first image in the file. `has_z`: whether it has slices, not only times."""
     said = _of_ome(tiff) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _Said()
     unit, factors = units.in_one_unit(said.units)
     steps = [None if step is None else step * factor for step, factor in zip(said.steps, factors, strict=True)]
@@ -73,7 +73,7 @@ def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
     y, z = (abs(x) if step is None else step for step in steps[1:])
     guesses = [*_guesses(steps, x), *_odd_guesses(said)]
     if not has_z and said.steps[2] is None:
-        guesses.append("the pages are slices along z: the file does not say what they are")
+        guesses.append("time points are drawn as slices along z: the file has no slices, and one plane of each time")
     guesses += units.guesses_of(said.units)
     described = zip("xyz", said.units, said.steps, strict=True)
     bare = ", ".join(name for name, one, step in described if one is None and step is not None)

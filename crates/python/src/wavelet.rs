@@ -98,7 +98,7 @@ impl PyWaveletVolume {
         self.0.threshold()
     }
 
-    /// What is added to the samples that the coefficients stand for.
+    /// Offset, added to the samples that the coefficients stand for.
     #[getter]
     fn offset(&self) -> f32 {
         self.0.offset()

@@ -61,7 +61,7 @@ def reading(kind: str, path: object) -> Iterator[None]:
 
 
 def _advice(error: Exception) -> str:
-    """What may be done: bytes are called missing or wrong only where the error says so."""
+    """The end of a message: bytes are called missing or wrong only where the error says so."""
     if isinstance(error, ImportError):
         extra = next((extra for name, extra in EXTRAS.items() if name in str(error)), None)
         how = f'in the checkout of Wavesplat, run: pip install ".[{extra}]"' if extra else "install it with pip"

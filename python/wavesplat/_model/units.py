@@ -130,7 +130,7 @@ def in_one_unit(units: tuple[str | None, str | None, str | None]) -> tuple[str |
 
 
 def guesses_of(units: tuple[str | None, str | None, str | None]) -> list[str]:
-    """What `in_one_unit` assumes of axes x, y, z whose units are unknown, a sentence each; those without one aside."""
+    """A sentence for each unknown unit of axes x, y, z, with what `in_one_unit` assumes; axes without a unit aside."""
     common, _ = in_one_unit(units)
     strange = {unit for unit in units if unit is not None and metres(unit) is None}
     if not strange or strange == {common}:

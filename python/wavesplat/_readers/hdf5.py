@@ -45,7 +45,7 @@ def read(request: Request) -> Grid:
 
 
 def facts_of(file: h5py.File, place: Place) -> Facts:
-    """What is said of a dataset; that its distances are elsewhere, where the file's format has them."""
+    """Facts of a dataset, with a guess where the file's format keeps distances in a place that is not read."""
     has_distances = place.facts.unit is not None or not np.array_equal(place.world_from_index, np.eye(4))
     where = None
     if "DataSetInfo" in file and "DataSet" in file:

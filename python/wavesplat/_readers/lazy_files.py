@@ -298,7 +298,7 @@ READERS = {
 }
 
 
-#: What the families are called in messages.
+#: Family of formats -> its name in messages.
 NAMES = {
     "arrays": "a NumPy file",
     "raw": "raw samples",

@@ -98,7 +98,7 @@ def _check_first_sample(path: Path) -> None:
 
 
 def facts_of(image: SpatialImage) -> Facts:
-    """What the header says, and what was guessed."""
+    """Facts of the header, with a guess where its first sample is not believed."""
     facts = facts_of_image(image)
     proxy: Any = image.dataobj
     if (first := first_sample(image)) == proxy.offset:

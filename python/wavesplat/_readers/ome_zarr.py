@@ -25,7 +25,7 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["ZarrLevel", "check_part", "levels_of", "read"]
 
-#: What is told of levels that are moved, as the file does not say where they begin.
+#: Guess for levels that are moved, as the file does not say where they begin.
 GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in: the file has no translation of them"
 
 
@@ -260,7 +260,7 @@ def _composed(
 def _shift_of_blocks(
     dataset: dict[str, Any], finest: dict[str, Any], n_axes: int, request: Request
 ) -> NDArray[np.float64] | None:
-    """What moves a level by half a block, in its own samples, where it and the finest have a scale and nothing else.
+    """A shift of a level by half a block, in its own samples, where it and the finest have a scale and nothing else.
 
     A sample of a coarser level stands for a block of the finest, n samples along an axis, and lies in its middle:
     (n - 1) / 2 of the finest, (n - 1) / 2n of its own, from its first. The levels fill the same box then, as readers
@@ -300,7 +300,7 @@ def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.f
 
 
 def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: Request) -> NDArray[np.float64]:
-    """What a transformation holds; a `FileError` for texts, and for as many as there are no axes."""
+    """The numbers of a transformation; a `FileError` for texts, and for another count than that of the axes."""
     found = np.asarray(step.get(kind), object)
     if found.shape != shape or not all(type(number) in (int, float) for number in found.flat):
         wanted = " x ".join(map(str, shape))

@@ -51,7 +51,7 @@ class Axes:
         return unit, np.array(factors)
 
     def guesses(self) -> list[str]:
-        """What is assumed of axes without a unit, or with one that is unknown, beside those that have one."""
+        """Guesses for axes without a unit, or with one that is unknown, beside those that have one."""
         unit, _ = self.in_one_unit()
         x, y, z = (units.canonical(self.unit_of(name)) for name in "xyz")
         bare = [name for name, own in zip("xyz", (x, y, z), strict=True) if own is None]

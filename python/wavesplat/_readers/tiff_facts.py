@@ -58,7 +58,7 @@ class _Said:
 
     steps: tuple[float | None, float | None, float | None] = (None, None, None)
     units: tuple[str | None, str | None, str | None] = (None, None, None)
-    #: What the file has as the distances, where it is no distance: 0, "nan", "abc".
+    #: Values that stand in the place of distances and are none: 0, "nan", "abc".
     odd: tuple[Any, Any, Any] = (None, None, None)
     facts: Facts = field(default_factory=Facts)
 
@@ -83,7 +83,7 @@ def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
 
 
 def _odd_guesses(said: _Said) -> list[str]:
-    """What is told of distances that are none, or negative."""
+    """Guesses for distances that are none, or negative."""
     odd = [(axis, text) for axis, text in zip("xyz", said.odd, strict=True) if text is not None]
     guesses = [f"distance along {axis}: the file says {str(text)[:24]!r}, which is none" for axis, text in odd]
     if mirrored := [axis for axis, step in zip("xyz", said.steps, strict=True) if step is not None and step < 0]:
@@ -260,7 +260,7 @@ def _ome_modality(channels: list[ET.Element]) -> str | None:
 
 
 def _odd(text: Any) -> Any:
-    """What a file has in place of a number; None where it has a number, or nothing."""
+    """The value where it is no number; None where it is one, or there is nothing."""
     return text if text not in (None, "") and _number(text) is None else None
 
 

@@ -74,7 +74,7 @@ class LegacyArray:
 
 @dataclass
 class _Image:
-    """What a file holds."""
+    """Size, place and arrays of the image in a file."""
 
     size: NDArray[np.int64] = field(default_factory=lambda: np.zeros(3, np.int64))
     first: NDArray[np.int64] = field(default_factory=lambda: np.zeros(3, np.int64))

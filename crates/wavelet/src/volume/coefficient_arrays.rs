@@ -20,7 +20,7 @@ pub struct CoefficientArrays {
     pub n_levels: usize,
     /// The amplitude below which coefficients were dropped.
     pub threshold: f64,
-    /// What is added to the samples that the coefficients stand for.
+    /// Offset, added to the samples that the coefficients stand for.
     pub offset: f32,
     /// For each block of 8 x 8 x 8 coefficients whether it keeps any, 0 or 1.
     pub has_block: Vec<u8>,

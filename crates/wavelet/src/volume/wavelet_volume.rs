@@ -96,7 +96,7 @@ impl WaveletVolume {
         self.threshold
     }
 
-    /// What is added to the samples that the coefficients stand for, times the weight of the coarsest low-pass box.
+    /// Offset, added to the samples that the coefficients stand for, times the weight of the coarsest low-pass box.
     pub fn offset(&self) -> f32 {
         self.offset
     }
@@ -162,7 +162,7 @@ impl WaveletVolume {
         }
     }
 
-    /// What is added to samples of any level with these weights: low-pass coefficients of a constant are that constant.
+    /// Offset of the samples of any level with these weights: low-pass coefficients of a constant are that constant.
     pub(crate) fn weighted_offset(&self, weights: &[f32]) -> f32 {
         self.offset * weights.get(self.plan.n_levels()).copied().unwrap_or(1.0)
     }

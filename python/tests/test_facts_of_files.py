@@ -219,6 +219,21 @@ def test_imagej_negative_distances_mirror(tmp_path):
     volume = ws.open(save_imagej(tmp_path / "a.tif", spacing=-3.0, unit="um"))
     np.testing.assert_array_equal(volume.samples, SAMPLES)
     np.testing.assert_allclose(volume.world_from_index, np.diag([0.25, 0.5, -3, 1]))
+    assert volume.guesses == ("axes z mirrored: their distances in the file are negative",)
+
+
+@pytest.mark.parametrize("spacing", [0, "nan", "inf", "abc"])
+def test_imagej_distances_that_are_none_are_told(tmp_path, spacing):
+    volume = ws.open(save_imagej(tmp_path / "a.tif", spacing=spacing, unit="um"))
+    assert volume.spacing == (0.25, 0.5, 0.25)
+    assert f"distance along z: the file says '{spacing}', which is none" in volume.guesses
+
+
+def test_an_unknown_unit_beside_a_known_one_is_told(tmp_path):
+    path = save_imagej(tmp_path / "a.tif", spacing=3.0, unit="um", zunit="furlong")
+    assert ws.open(path).guesses == ("distances along z in um: their unit in the file, 'furlong', is unknown",)
+    path = save_nrrd(tmp_path / "a.nrrd", "space dimension: 3", *OBLIQUE, 'space units: "mm" "mm" "furlong"')
+    assert "distances along z in mm: their unit in the file, 'furlong', is unknown" in ws.open(path).guesses
 
 
 def test_imagej_channels_and_times(tmp_path):
@@ -457,3 +472,10 @@ def test_info_of_several_of_which_the_first_is_none(wavesplat, tmp_path):
     assert done.returncode == 0
     assert "datasets     2, choose with --dataset: flat, whole" in done.stdout
     assert "the first cannot be shown: " in done.stdout
+
+
+def test_planes_at_several_times_are_told(tmp_path):
+    path = save_imagej(tmp_path / "a.tif", axes="TYX")
+    volume = ws.open(path)
+    np.testing.assert_array_equal(volume.samples, SAMPLES)
+    assert any("time points are drawn as slices along z" in guess for guess in volume.guesses)

@@ -49,6 +49,14 @@ def _scaled_nifti(folder, volume):
     return folder / "s.nii", {}
 
 
+def _nifti_without_offset(folder, volume):
+    path, _ = _nifti(folder, volume)
+    header = bytearray(path.read_bytes())
+    header[108:112] = bytes(4)
+    path.write_bytes(header)
+    return path, {}
+
+
 def _nifti_pair(folder, volume):
     import nibabel
 
@@ -146,6 +154,25 @@ def _tiff(folder, volume):
     return folder / "a.tif", {}
 
 
+def _tiff_of_one_directory(axes, byte_order="<", **options):
+    """All planes behind one page directory, as ImageJ writes stacks of more than 4 GB."""
+
+    def write(folder, volume):
+        import tifffile
+
+        # The volume at time 1, channel 0, among others.
+        shape = tuple({"T": 3, "C": 2}.get(axis) or volume.shape["ZYX".index(axis)] for axis in axes)
+        samples = np.zeros(shape, volume.dtype)
+        samples[tuple({"T": 1, "C": 0}.get(axis, slice(None)) for axis in axes)] = volume.samples
+        path = folder / "one.tif"
+        tifffile.imwrite(path, samples, byteorder=byte_order, truncate=True, metadata={"axes": axes}, **options)
+        with tifffile.TiffFile(path) as file:
+            assert len(file.pages) == 1
+        return path, {name: k for name, k in {"time": 1, "channel": 0}.items() if name[0].upper() in axes}
+
+    return write
+
+
 def _packed_tiff(folder, volume):
     import tifffile
 
@@ -168,6 +195,7 @@ KINDS = {
     "raw": _raw,
     "NIfTI": _nifti,
     "scaled NIfTI": _scaled_nifti,
+    "NIfTI whose samples begin at 0": _nifti_without_offset,
     "NIfTI in two files": _nifti_pair,
     "NRRD": _itk(".nrrd"),
     "NRRD in two files": _itk(".nhdr"),
@@ -181,9 +209,22 @@ KINDS = {
     "Zarr": _zarr,
     "OME-Zarr": _ome_zarr,
     "TIFF": _tiff,
+    "TIFF of ImageJ, one directory": _tiff_of_one_directory("ZYX", imagej=True),
+    "TIFF of ImageJ, one directory, big endian": _tiff_of_one_directory("ZYX", ">", imagej=True),
+    "TIFF of ImageJ, one directory, times and channels": _tiff_of_one_directory("TZCYX", imagej=True),
+    "TIFF of tifffile, one directory": _tiff_of_one_directory("ZYX"),
+    "TIFF of tifffile, one directory, channels first": _tiff_of_one_directory("CTZYX"),
     "TIFF, packed": _packed_tiff,
     "folder of TIFF": _tiff_folder,
 }
+
+
+def _text_vtk(folder, volume):
+    z, y, x = volume.shape
+    head = "# vtk DataFile Version 3.0\n\nASCII\nDATASET STRUCTURED_POINTS\n"
+    head += f"DIMENSIONS {x} {y} {z}\nPOINT_DATA {x * y * z}\nSCALARS s short\nLOOKUP_TABLE default\n"
+    (folder / "a.vtk").write_text(head + " ".join(map(str, volume.samples.ravel())))
+    return folder / "a.vtk"
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -269,7 +310,7 @@ def _as_text(folder, volume):
         (lambda folder, v: _itk(".nrrd", True)(folder, v)[0], "one stream"),
         (lambda folder, v: _itk(".mha", True)(folder, v)[0], "one stream"),
         (lambda folder, v: (np.savez(folder / "a.npz", v.samples), folder / "a.npz")[1], "archive.*npy"),
-        (lambda folder, v: _itk(".vtk")(folder, v)[0], "without memory="),
+        (_text_vtk, "without memory="),
     ],
 )
 def test_what_cannot_be_read_in_parts_says_what_helps(kind, match, tmp_path):

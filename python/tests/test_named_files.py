@@ -194,3 +194,17 @@ def test_the_command_line_takes_external_files(folder, wavesplat):
     (folder / "a.nhdr").write_text(NRRD + "data file: ../secret.raw\n")
     assert "--external-files" in wavesplat("info", folder / "a.nhdr").stderr
     assert wavesplat("info", folder / "a.nhdr", "--external-files").returncode == 0
+
+
+@pytest.mark.parametrize("name", ["50%.raw", "per%20cent.raw", "a%d.raw", "s%n%s.raw 0 2 1"])
+@pytest.mark.parametrize(
+    ("suffix", "header"), [("mhd", META + "ElementDataFile = {}\n"), ("nhdr", NRRD + "data file: {}\n")]
+)
+def test_a_percent_sign_in_the_name_of_a_file_that_is_there(folder, suffix, header, name):
+    (folder / name).write_bytes(SAMPLES.tobytes())
+    path = folder / f"50%.{suffix}"
+    path.write_text(header.format(name))
+    np.testing.assert_array_equal(ws.open(path).samples, SAMPLES)
+    np.testing.assert_array_equal(ws.open(path, memory="1 MB").read().samples, SAMPLES)
+    (folder / name).unlink()
+    refused(path, "a pattern with one number" if " " in name else "that is not there, .* where a name has a percent")

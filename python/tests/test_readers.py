@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+
 import numpy as np
 import pytest
 
@@ -50,6 +52,32 @@ def test_nifti_keeps_the_type(tmp_path, oblique, dtype):
 def test_nifti_big_endian(tmp_path, oblique):
     path = save_nifti(tmp_path / "a.nii", oblique.samples, oblique.world_from_index, big_endian=True)
     check(ws.open(path), oblique.samples, oblique.world_from_index)
+
+
+@pytest.mark.parametrize("suffix", [".nii", ".nii.gz"])
+@pytest.mark.parametrize("version", [1, 2])
+def test_nifti_samples_that_begin_in_the_header_begin_behind_it(tmp_path, oblique, suffix, version):
+    """An offset of 0 is written by programs that leave the field out; nibabel gives the header as samples."""
+    at, first = {1: (108, 352), 2: (168, 544)}[version]
+    path = save_nifti(tmp_path / "a.nii", oblique.samples, oblique.world_from_index, version=version)
+    header = bytearray(path.read_bytes())
+    header[at : at + (4 if version == 1 else 8)] = bytes(4 if version == 1 else 8)
+    path = tmp_path / f"b{suffix}"
+    path.write_bytes(gzip.compress(header) if suffix.endswith("gz") else header)
+    volume = ws.open(path)
+    check(volume, oblique.samples, oblique.world_from_index)
+    assert f"samples from byte {first} on: the file says byte 0, where its header is" in volume.facts.guesses
+    # Extensions lie there, and nothing says how long they are.
+    header[first - 4] = 1
+    header[first:first] = (16).to_bytes(4, "little") + (6).to_bytes(4, "little") + bytes(8)
+    path.write_bytes(gzip.compress(header) if suffix.endswith("gz") else header)
+    with pytest.raises(FileError, match="extensions of unknown length.*write the file's vox_offset"):
+        ws.open(path)
+    for wrong in (1, 100, first - 1, -1):
+        header[at : at + (4 if version == 1 else 8)] = np.array(wrong, "<f4" if version == 1 else "<i8").tobytes()
+        path.write_bytes(gzip.compress(header) if suffix.endswith("gz") else header)
+        with pytest.raises(FileError, match=f"begin at byte {wrong}, where it is itself; .* {first} or more"):
+            ws.open(path)
 
 
 def test_nifti_keeps_shear(tmp_path, oblique):

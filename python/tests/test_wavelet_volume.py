@@ -198,3 +198,32 @@ def test_levels_are_kept_as_long_as_they_fit() -> None:
     for weight in range(20):
         wavelets.bands([weight])._decoded()
     assert len(wavelets._decoded_levels) <= 6
+
+
+@pytest.mark.parametrize("family", ["cdf97", "cdf53", "haar"])
+@pytest.mark.parametrize(("offset", "psnr"), [(0, 60), (1e4, 60), (-3e5, 40)])
+def test_samples_far_from_zero_reach_the_psnr(family, offset, psnr, tmp_path):
+    """Their middle is taken off before they become float32."""
+    z, y, x = np.mgrid[-1:1:13j, -1:1:17j, -1:1:22j]
+    samples = np.sin(4 * x) * np.cos(5 * y) + z + offset
+    wavelets = ws.WaveletVolume.from_volume(samples, family, psnr=psnr)
+    wavelets.save(tmp_path / "w.wavelets")
+    for kept in (wavelets, ws.WaveletVolume.load(tmp_path / "w.wavelets"), pickle.loads(pickle.dumps(wavelets))):  # noqa: S301 - its own
+        error = np.mean((kept.to_volume().samples - samples) ** 2)
+        got = 10 * np.log10(np.ptp(samples) ** 2 / error)
+        assert got >= psnr - 0.01
+        assert wavelets.psnr == pytest.approx(got, abs=0.05)
+    assert wavelets.kept_fraction < 1
+
+
+def test_a_psnr_beyond_float32_is_refused():
+    samples = np.random.default_rng(4).random((8, 9, 10)) + 1e6
+    with pytest.raises(
+        ws.errors.ArgumentError, match=r"volume .*60 dB is more than the 3\d\.\d dB .* in float32; ask for"
+    ):
+        ws.WaveletVolume.from_volume(samples, psnr=60)
+    # Integers that float32 has not: 2^24 + 1 and its neighbours, which their offset makes small.
+    counts = np.arange(2**24 + 1, 2**24 + 65, dtype=np.int32).reshape(4, 4, 4)
+    back = ws.WaveletVolume.from_volume(counts).to_volume().samples
+    assert np.abs(back - counts.astype(np.float64)).max() <= 1
+    assert ws.WaveletVolume.from_volume(counts).psnr is None

@@ -225,6 +225,10 @@ class WaveletVolume:
     @property
     def threshold(self) -> float: ...
     @property
+    def offset(self) -> float: ...
+    @property
+    def psnr(self) -> float | None: ...
+    @property
     def n_kept_by_level(self) -> list[int]: ...
     @property
     def n_bytes(self) -> int: ...
@@ -242,6 +246,7 @@ class WaveletVolume:
         family: str,
         levels: int,
         threshold: float,
+        offset: float,
         has_block: NDArray[np.uint8],
         masks: NDArray[np.uint64],
         values: NDArray[np.float32],

@@ -40,14 +40,14 @@ impl PyWaveletVolume {
         };
         let norm = if peak { Norm::Peak } else { Norm::L2 };
         let volume = volume.with_samples(py, |samples, size| {
-            py.detach(|| WaveletVolume::new(family, size, samples.to_f32(), levels, norm, keep))
+            py.detach(|| WaveletVolume::new(family, size, samples, levels, norm, keep))
         })?;
         Ok(Self(Arc::new(volume.map_err(value_error)?)))
     }
 
     /// From what `parts` gave; wrong numbers are refused.
     #[staticmethod]
-    #[pyo3(signature = (shape, family, levels, threshold, has_block, masks, values, value_range))]
+    #[pyo3(signature = (shape, family, levels, threshold, offset, has_block, masks, values, value_range))]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     #[expect(clippy::too_many_arguments, reason = "what a file holds")]
     fn from_parts(
@@ -55,6 +55,7 @@ impl PyWaveletVolume {
         family: &str,
         levels: usize,
         threshold: f64,
+        offset: f32,
         has_block: PyReadonlyArray1<'_, u8>,
         masks: PyReadonlyArray1<'_, u64>,
         values: PyReadonlyArray1<'_, f32>,
@@ -65,6 +66,7 @@ impl PyWaveletVolume {
             size: [shape.2, shape.1, shape.0],
             n_levels: levels,
             threshold,
+            offset,
             has_block: has_block.as_slice()?.to_vec(),
             masks: masks.as_slice()?.to_vec(),
             values: values.as_slice()?.to_vec(),
@@ -94,6 +96,18 @@ impl PyWaveletVolume {
     #[getter]
     fn threshold(&self) -> f64 {
         self.0.threshold()
+    }
+
+    /// Offset, added to the samples that the coefficients stand for.
+    #[getter]
+    fn offset(&self) -> f32 {
+        self.0.offset()
+    }
+
+    /// The PSNR that was asked for as it was reached, dB; None where none was.
+    #[getter]
+    fn psnr(&self) -> Option<f64> {
+        self.0.psnr_db()
     }
 
     #[getter]

@@ -56,6 +56,13 @@ pub enum WaveletError {
          pass two finite numbers, the smaller first, or none where it is not known"
     )]
     SampleRange { lo: f32, hi: f32 },
+    #[error("coefficient arrays: the offset is {offset}, which is not a finite number; pass 0 where there is none")]
+    NonFiniteOffset { offset: f32 },
+    #[error(
+        "a PSNR of {psnr_db} dB is more than the {reached_db:.1} dB that samples from {lo} to {hi} have in float32; \
+         ask for less, or subtract what all samples have in common first"
+    )]
+    PsnrOutOfReach { psnr_db: f64, reached_db: f64, lo: f64, hi: f64 },
 }
 
 #[cfg(test)]
@@ -94,6 +101,14 @@ mod tests {
             (
                 WaveletError::SampleRange { lo: 2.0, hi: 1.0 },
                 "the sample range from 2 to 1 is no range; pass two finite",
+            ),
+            (
+                WaveletError::NonFiniteOffset { offset: f32::INFINITY },
+                "the offset is inf, which is not a finite number; pass 0",
+            ),
+            (
+                WaveletError::PsnrOutOfReach { psnr_db: 60.0, reached_db: 45.82, lo: 1e6, hi: 1000003.5 },
+                "60 dB is more than the 45.8 dB that samples from 1000000 to 1000003.5 have in float32; ask for less",
             ),
         ];
         for (error, start) in cases {

@@ -69,6 +69,7 @@ pub use transform::reversible::{analyse_integers, synthesise_integers};
 pub use transform::separable::{analyse, analyse_level, synthesise, synthesise_level, synthesise_to};
 pub use transform::step::LevelStep;
 pub use transform::taps::Tap;
+pub use volume::centered::CenteredSamples;
 pub use volume::coarse::CoarseLevel;
 pub use volume::coefficient_arrays::CoefficientArrays;
 pub use volume::decode::CoefficientDecoder;

@@ -34,7 +34,7 @@ fn boxes_of_every_level_are_those_of_synthesis() {
                 let size @ [nx, ny, nz] = decoder.size();
                 assert_eq!(size, volume.plan().low_size(level));
                 let check = |got: f32, [x, y, z]: [usize; 3]| {
-                    let want = want[(z * ny + y) * nx + x];
+                    let want = want[(z * ny + y) * nx + x] + volume.offset();
                     assert!(
                         (got - want).abs() < 1e-3,
                         "{name} {size:?} level {level} at {x} {y} {z}: {got} for {want}"

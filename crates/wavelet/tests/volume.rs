@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use wavesplat_core::Samples;
 use wavesplat_wavelet::{
     CoefficientArrays, CoefficientDecoder, Keep, Norm, TransformPlan, WaveletError, WaveletFamily, WaveletVolume,
     analyse, to_amplitudes,
@@ -185,6 +186,7 @@ fn arrays_that_do_not_fit_together_are_refused() {
     check(|a| a.n_levels += 1, "levels are more than the");
     check(|a| a.n_levels = usize::MAX, "levels are more than the 5 that cdf97 has at size [23, 8, 11]");
     check(|a| a.values[3] = f32::NAN, "value 3 is NaN, which is not a finite number");
+    check(|a| a.offset = f32::INFINITY, "the offset is inf, which is not a finite number");
     check(|a| a.range = Some([2.0, 1.0]), "from 2 to 1 is no range");
     check(|a| a.range = Some([f32::NAN, 1.0]), "no range");
     check(|a| a.range = Some([0.0, f32::INFINITY]), "no range");
@@ -213,4 +215,68 @@ fn samples_of_another_size_are_refused() {
     let volume = Arc::new(volume([8, 8, 8], vec![1.0; 512]).unwrap());
     let decoder = CoefficientDecoder::new(volume, 4, &[]).map(|_| ());
     assert_eq!(decoder, Err(WaveletError::NoSuchLevel { level: 4, coarsest: 3 }));
+}
+
+/// A field of range about 2, in f64.
+fn waves([nx, ny, nz]: [usize; 3]) -> Vec<f64> {
+    let wave = |i: usize| {
+        let [x, y, z] = [i % nx, i / nx % ny, i / (nx * ny)].map(|k| k as f64);
+        (0.4 * x).sin() * (0.3 * y).cos() + 0.2 * (0.9 * z).sin() + 0.03 * ((i * 7919) % 251) as f64 / 251.0
+    };
+    (0..nx * ny * nz).map(wave).collect()
+}
+
+fn psnr_of_f64(got: &[f32], want: &[f64]) -> f64 {
+    let (lo, hi) = want.iter().fold((f64::MAX, f64::MIN), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
+    let square: f64 = got.iter().zip(want).map(|(a, b)| (f64::from(*a) - b).powi(2)).sum();
+    10.0 * ((hi - lo).powi(2) * want.len() as f64 / square).log10()
+}
+
+/// Samples far from 0 reach a PSNR as near to what f32 can hold as others; beyond that it is refused.
+#[test]
+fn an_offset_costs_no_psnr() {
+    let size = [23, 18, 15];
+    for (name, family) in WaveletFamily::NAMES {
+        for (offset, wanted) in [(0.0, 60.0), (-1e3, 90.0), (1e4, 65.0), (1e5, 45.0), (3e6, 20.0)] {
+            let samples: Vec<f64> = waves(size).iter().map(|s| s + offset).collect();
+            let keep = Keep::Psnr(wanted);
+            let volume = WaveletVolume::new(family, size, Samples::F64(&samples), None, Norm::L2, keep).unwrap();
+            let volume = Arc::new(volume);
+            for got in [volume.to_samples(&[]), CoefficientDecoder::new(volume.clone(), 0, &[]).unwrap().all()] {
+                let got = psnr_of_f64(&got, &samples);
+                assert!(got >= wanted - 1e-3, "{name}, {offset}: {got} dB for {wanted}");
+                let told = volume.psnr_db().unwrap();
+                assert!((got - told).abs() < 0.1, "{name}, {offset}: {got} dB, told {told}");
+            }
+            let too_much = WaveletVolume::new(family, size, Samples::F64(&samples), None, Norm::L2, Keep::Psnr(190.0));
+            assert!(matches!(too_much, Err(WaveletError::PsnrOutOfReach { psnr_db: 190.0, .. })), "{name}, {offset}");
+        }
+    }
+}
+
+/// Every level of a constant far from 0 is that constant, and details alone are 0.
+#[test]
+fn levels_have_the_offset_and_details_do_not() {
+    for (name, family) in WaveletFamily::NAMES {
+        let size = [19, 12, 9];
+        let samples = vec![70_000_i32; size.iter().product()];
+        let volume =
+            WaveletVolume::new(family, size, Samples::I32(&samples), None, Norm::L2, Keep::Amplitude(1.0)).unwrap();
+        let volume = Arc::new(volume);
+        assert_eq!((volume.offset(), volume.n_kept()), (70_000.0, 0), "{name}");
+        let coarsest = volume.plan().n_levels();
+        for level in 0..=coarsest {
+            let decoder = CoefficientDecoder::new(volume.clone(), level, &[]).unwrap();
+            assert!(decoder.all().iter().all(|s| *s == 70_000.0), "{name}, level {level}");
+            assert_eq!(decoder.range(), [70_000.0; 2], "{name}, level {level}");
+        }
+        let mut weights = vec![1.0; coarsest + 1];
+        weights[coarsest] = 0.5;
+        assert!(volume.to_samples(&weights).iter().all(|s| *s == 35_000.0), "{name}");
+        weights[coarsest] = 0.0;
+        let details = CoefficientDecoder::new(volume.clone(), 0, &weights).unwrap().all();
+        assert!(details.iter().all(|s| *s == 0.0), "{name}");
+        let again = WaveletVolume::from_arrays(volume.to_arrays()).unwrap();
+        assert_eq!(again.to_samples(&[]), volume.to_samples(&[]), "{name}");
+    }
 }

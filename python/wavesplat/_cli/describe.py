@@ -104,7 +104,9 @@ def describe_wavelets(wavelets: WaveletVolume, original: Volume | None = None) -
         "value_range": [low, high],
     }
     if original is not None:
-        error = wavelets.to_volume().samples - original.samples.astype(np.float32)
+        # Wide integers and float64 have digits that float32 has not.
+        exact = np.result_type(np.float32, original.samples.dtype)
+        error = wavelets.to_volume().samples - original.samples.astype(exact)
         mean_square = float(np.mean(np.square(error), dtype=np.float64))
         extent = original.value_range[1] - original.value_range[0]
         facts["largest_error"] = float(np.abs(error).max())

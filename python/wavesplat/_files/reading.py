@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import gzip
+import lzma
 import re
+import struct
+import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -24,6 +29,17 @@ ITK_FILE = re.compile(r": \S.* for reading$")
 #: What libraries in C and C++ say where they get no memory.
 NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate|[Mm]emory allocation failed")
 
+#: Errors of bytes that are missing or wrong.
+OF_BYTES = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGzipFile, struct.error)
+#: How messages tell of them.
+SAYS_BYTES = re.compile(
+    r"truncat|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt|damaged"
+    r"|got only|but received|not enough (?:data|bytes)|no data left|is cut",
+    re.IGNORECASE,
+)
+#: Packages that only some files need -> the extra that brings them.
+EXTRAS = {"aiohttp": "http"}
+
 GIB = 1 << 30
 
 
@@ -41,9 +57,24 @@ def reading(kind: str, path: object) -> Iterator[None]:
     except Exception as error:
         if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
             raise LimitError(_memory_line(kind, path)) from error
-        raise FileError(
-            f"cannot read as {kind}: {_telling_line(error)}; the file is truncated, damaged or not {kind}: {path}"
-        ) from error
+        raise FileError(f"cannot read as {kind}: {_telling_line(error)}; {_advice(error)}: {path}") from error
+
+
+def _advice(error: Exception) -> str:
+    """The end of a message: bytes are called missing or wrong only where the error says so."""
+    if isinstance(error, ImportError):
+        extra = next((extra for name, extra in EXTRAS.items() if name in str(error)), None)
+        how = f'in the checkout of Wavesplat, run: pip install ".[{extra}]"' if extra else "install it with pip"
+        return f"a package is missing; {how}"
+    if isinstance(error, FileNotFoundError):
+        return "it is not there; check the name"
+    if isinstance(error, PermissionError):
+        return "check its permissions"
+    if isinstance(error, ConnectionError | TimeoutError) or type(error).__module__.startswith("aiohttp"):
+        return "the server does not answer, or refuses; check the address, and try again"
+    if isinstance(error, OF_BYTES) or SAYS_BYTES.search(str(error)):
+        return "the file is truncated or damaged; copy or export it again"
+    return "the file is damaged, or of a form that wavesplat does not read; export it again, or in another format"
 
 
 def _memory_line(kind: str, path: object) -> str:

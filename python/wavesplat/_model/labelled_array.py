@@ -71,6 +71,7 @@ def in_order(array: Any, *, has_place: bool) -> Taken:
     guesses = (
         () if len(bare) in (0, 3) else (f"distance along {', '.join(bare)} 1: the array has no coordinates there",)
     )
+    guesses = (*guesses, *units.guesses_of((x, y, z)))
     facts = Facts(unit=unit, is_anatomical=said.get(SPACE) == "RAS", modality=modality, guesses=guesses)
     return Taken(ordered, matrix, facts, title)
 

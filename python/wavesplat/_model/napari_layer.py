@@ -42,6 +42,7 @@ def of_napari(layer: Any) -> Taken:
     matrix[:3, 3] = ends[0, xyz]
     matrix[:3, :3] = (ends[1:] - ends[0])[np.ix_(xyz, xyz)].T
     named = [units.canonical(unit) for unit in (getattr(layer, "units", None) or ())]
-    unit, factors = units.in_one_unit((named[-1], named[-2], named[-3]) if len(named) == n else (None, None, None))
+    xyz_units = (named[-1], named[-2], named[-3]) if len(named) == n else (None, None, None)
+    unit, factors = units.in_one_unit(xyz_units)
     matrix[:3] *= np.array(factors)[:, None]
-    return Taken(samples, matrix, Facts(unit=unit), name)
+    return Taken(samples, matrix, Facts(unit=unit, guesses=tuple(units.guesses_of(xyz_units))), name)

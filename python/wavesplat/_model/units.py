@@ -129,6 +129,20 @@ def in_one_unit(units: tuple[str | None, str | None, str | None]) -> tuple[str |
     return common, (x, y, z)
 
 
+def guesses_of(units: tuple[str | None, str | None, str | None]) -> list[str]:
+    """A sentence for each unknown unit of axes x, y, z, with what `in_one_unit` assumes; axes without a unit aside."""
+    common, _ = in_one_unit(units)
+    strange = {unit for unit in units if unit is not None and metres(unit) is None}
+    if not strange or strange == {common}:
+        return []  # one unknown unit for all: its name is shown
+    guesses = []
+    for unit in sorted(strange):
+        axes = ", ".join(name for name, own in zip("xyz", units, strict=True) if own == unit)
+        meant = f"in {common}" if common else "as their numbers are"
+        guesses.append(f"distances along {axes} {meant}: their unit in the file, {unit!r}, is unknown")
+    return guesses
+
+
 def _factor(unit: str | None, common: str) -> float:
     if unit == common:
         return 1.0

@@ -109,7 +109,8 @@ class WaveletVolume(Grid):
         Parameters
         ----------
         volume : Volume, array, or what else `Volume` takes
-            All samples finite; they are taken as float32.
+            All samples finite. Of those far from 0 the middle is taken off before they are made float32, and added to
+            what is decoded, so they keep their digits.
         family : str
             Biorthogonal, by lifting: "cdf97" (the best picture per coefficient), "cdf53" (linear B-spline), "haar",
             "spline4" (cubic B-spline). Semi-orthogonal on the interval: "bspline2", "bspline3", "bspline4", by order.
@@ -118,7 +119,8 @@ class WaveletVolume(Grid):
         keep : float, optional
             Keep this share of the coefficients instead, 0 to 1.
         psnr : float, optional
-            Keep as few as give the samples back with this PSNR, in dB, its peak the range of the samples.
+            Keep as few as give the samples back with this PSNR, in dB, its peak the range of the samples; `psnr` of the
+            result is what was reached.
         levels : int, optional
             Levels of details; None is as many as there are.
         normalisation : str
@@ -128,7 +130,7 @@ class WaveletVolume(Grid):
         ------
         ArgumentError
             If a name is unknown, more than one of threshold, keep and psnr is given, a number is out of range, or
-            samples are NaN or infinite.
+            samples are NaN or infinite, or the PSNR is more than samples in float32 can have.
         """
         if not isinstance(volume, Volume):
             volume = Volume._of(volume, None, "volume")
@@ -151,8 +153,11 @@ class WaveletVolume(Grid):
             )
         how, amount = _what_stays(threshold, keep, psnr)
         peak = normalisation == "peak"
-        told: Any = {"family": family, "keep": how, "amount": amount, "levels": levels, "peak": peak}
-        core = interruptible(lambda: _native.WaveletVolume(volume._core, **told))
+        given: Any = {"family": family, "keep": how, "amount": amount, "levels": levels, "peak": peak}
+        try:
+            core = interruptible(lambda: _native.WaveletVolume(volume._core, **given))
+        except ValueError as error:
+            raise ArgumentError(f"volume {volume.name!r}: {error}") from None
         made = cls(core, volume.name, volume.world_from_index, family, volume.facts)
         options = {how: float(amount), "levels": levels, "normalisation": normalisation}
         made._source = then(volume._source, "wavelets", family=family, **options)
@@ -172,6 +177,14 @@ class WaveletVolume(Grid):
     def threshold(self) -> float:
         """Coefficients of less amplitude were dropped."""
         return self._core.threshold
+
+    @property
+    def psnr(self) -> float | None:
+        """PSNR of all coefficients' samples, in dB, that was reached where `from_volume` was given one; else None.
+
+        Infinite where the samples come back exactly, as those of a constant do. It is not kept in files.
+        """
+        return self._core.psnr
 
     @property
     def kept_by_level(self) -> tuple[int, ...]:
@@ -339,6 +352,7 @@ class WaveletVolume(Grid):
             "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
             "shape": np.array(self._shape),
             "levels_and_threshold": np.array([self.n_levels, self.threshold]),
+            "offset": np.array([self._core.offset], np.float32),
             "weights": np.array(self._weights),
             "left_out": np.array([self._left_out]),
             "world_from_index": self._world_from_index,
@@ -398,7 +412,8 @@ class WaveletVolume(Grid):
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
         payload.check_memory(n_blocks, path)
-        # Files of before have neither, nor levels that are left out.
+        # Files of before have none of these, nor levels that are left out.
+        offset = float(arrays["offset"][0]) if "offset" in arrays else 0.0
         lo_hi = arrays.get("value_range")
         facts = Facts.from_json(json.loads(str(arrays["facts"]))) if "facts" in arrays else Facts()
         core = _native.WaveletVolume.from_parts(
@@ -406,6 +421,7 @@ class WaveletVolume(Grid):
             family,
             int(levels),
             float(threshold),
+            offset,
             np.unpackbits(packed, count=n_blocks),
             arrays["masks"],
             arrays["values"],
@@ -447,7 +463,8 @@ class WaveletVolume(Grid):
         return decoded
 
     def __reduce__(self) -> tuple[Any, ...]:
-        how = self._shape, self._family, self.n_levels, self.threshold, *self._core.parts()
+        core = self._core
+        how = self._shape, self._family, self.n_levels, core.threshold, core.offset, *core.parts()
         place = self._name, self._world_from_index, self._facts
         return self._rebuild, (how, place, (self._weights, self._left_out, self._source), self._cache_bytes)
 

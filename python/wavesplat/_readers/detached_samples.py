@@ -63,7 +63,7 @@ def _named_by_meta_image(start: bytes, path: Path) -> list[str]:
         return []
     if value.upper().startswith("LIST"):
         return _lines(start[len(header) :])
-    return _numbered(value, path) if "%" in value else [value]
+    return _numbered(value, path) if "%" in value and not _is_name(value, path) else [value]
 
 
 def _named_by_nrrd(start: bytes, path: Path) -> list[str]:
@@ -79,7 +79,7 @@ def _named_by_nrrd(start: bytes, path: Path) -> list[str]:
     if value.upper().startswith("LIST"):
         place = NRRD.search(header)
         return _lines(start[place.end() :]) if place else []
-    return _numbered(value, path) if "%" in value else [value]
+    return _numbered(value, path) if "%" in value and not _is_name(value, path) else [value]
 
 
 def _lines(names: bytes) -> list[str]:
@@ -87,9 +87,22 @@ def _lines(names: bytes) -> list[str]:
     return [line for line in lines if line]
 
 
+def _is_name(value: str, path: Path) -> bool:
+    """Whether it is the name of a file that is there, which may have a percent sign in it, and no pattern of names."""
+    try:
+        return (path.parent / value).is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def _numbered(value: str, path: Path) -> list[str]:
     """Names of a pattern with first and last number and step behind it, "slice%03d.raw 1 20 1"."""
     pattern, *numbers = value.split()
+    if not numbers:
+        raise FileError(
+            f"the header names a data file that is not there, {value!r}; programs that use ITK write slices under "
+            f"other names, or over each other, where a name has a percent sign: save under another one: {path}"
+        )
     try:
         first, last, step = (int(number) for number in [*numbers, "1"][:3])
         span = range(first, last + (1 if step > 0 else -1), step)

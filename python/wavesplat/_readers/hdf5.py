@@ -10,14 +10,16 @@ import numpy as np
 from wavesplat._files import payload
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
-from wavesplat._model.hdf5_place import place_of
+from wavesplat._model.facts import Facts
+from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
+from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["chosen_dataset", "place_of", "read"]
+__all__ = ["chosen_dataset", "facts_of", "place_of", "read"]
 
 #: Groups and links on the way to a dataset.
 MOST_STEPS = 100
@@ -38,16 +40,44 @@ def read(request: Request) -> Grid:
             payload.check_stored(shape, dataset.dtype, stored, request.path, ratio=payload.ANY_RATIO)
         place = place_of(dataset)
         samples = np.transpose(dataset[index], place.zyx) if place.zyx != (0, 1, 2) else dataset[index]
-        facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
+        facts = replace(facts_of(file, place), n_times=n_times_of(dataset.shape, request))
         return Grid(samples, place.world_from_index, facts)
+
+
+def facts_of(file: h5py.File, place: Place) -> Facts:
+    """Facts of a dataset, with a guess where the file's format keeps distances in a place that is not read."""
+    has_distances = place.facts.unit is not None or not np.array_equal(place.world_from_index, np.eye(4))
+    where = None
+    if "DataSetInfo" in file and "DataSet" in file:
+        where = "Imaris keeps them in DataSetInfo, which is not read"
+    elif "s00" in file and "t00000" in file:
+        where = "BigDataViewer keeps them in the .xml beside the file, which is not read"
+    if where is None or has_distances:
+        return place.facts
+    return replace(place.facts, guesses=(*place.facts.guesses, f"distances of samples 1, 1, 1: {where}"))
 
 
 def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     """The dataset that is asked for, or the only one; a `FileError` if its samples are those of other files."""
+    _check_kind(file, request)
     dataset = _dataset(file, request)
     if not request.external_files:
         _check_own(dataset, request)
     return dataset
+
+
+def _check_kind(file: h5py.File, request: Request) -> None:
+    """A `FileError` for formats on top of HDF5 that say what their numbers mean, which would be lost here."""
+    if "_NCProperties" in file.attrs or any("_Netcdf4Dimid" in node.attrs for node in file.values()):
+        raise FileError(
+            "the file is netCDF, with units, packing, missing values and coordinates of its own; give "
+            f"wavesplat.Volume(xarray.open_dataset(path)[name]), which reads them: {request.path}"
+        )
+    if "minc-2.0" in file:
+        raise FileError(f"the file holds a MINC image; give wavesplat.Volume(nibabel.load(path)): {request.path}")
+    if "VTKHDF" in file:
+        kind = file["VTKHDF"].attrs.get("Type", b"")
+        raise other_grid(kind.decode("latin-1") if isinstance(kind, bytes) else str(kind), request.path)
 
 
 def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from wavesplat._model import units
 from wavesplat._model.facts import Facts
 from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT
-from wavesplat._readers.nrrd_times import is_time_axis
+from wavesplat._readers.nrrd_for_itk import ListedAxis, listed_axis
 from wavesplat.errors import FileError
 
-__all__ = ["Header", "inflated", "of_meta_image", "of_nrrd", "of_vtk"]
+__all__ = ["Header", "inflated", "of_meta_image", "of_nrrd"]
 
 N_HEADER_BYTES = 2**16
 META_TYPES = {
@@ -50,8 +50,8 @@ class Header:
     index_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     world_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     keys: dict[str, str] = field(default_factory=dict)
-    #: Whether what ITK takes for components of a sample are its values at several times.
-    has_times_as_components: bool = False
+    #: The axis that ITK takes for that of the components of a sample: of values at several times, or of channels.
+    listed: ListedAxis | None = None
 
     def in_one_unit(self, world_from_index: NDArray[np.float64]) -> NDArray[np.float64]:
         """The affine with all lengths in one unit."""
@@ -59,11 +59,6 @@ class Header:
         matrix[:3, :3] *= self.index_factors
         matrix[:3] *= np.array(self.world_factors)[:, None]
         return matrix
-
-
-def of_vtk() -> Header:
-    """A legacy VTK file says nothing of all this."""
-    return Header({}, Facts())
 
 
 # NRRD
@@ -85,13 +80,13 @@ def of_nrrd(path: Path) -> Header:
         else:
             fields[name.strip().lower()] = value.strip()
     is_anatomical = fields.get("space", "").lower().removesuffix("-time") in ANATOMICAL_SPACES
-    kinds = fields.get("kinds", "").lower().split()
-    is_time = is_time_axis(fields)
-    axis = kinds.index("time") if is_time else kinds.index("list") if len(kinds) == 4 and "list" in kinds else None
-    unit, world_factors = units.in_one_unit(_three_units(fields.get("space units", "")))
+    axis = listed_axis(fields)
+    named = _three_units(fields.get("space units", ""))
+    unit, world_factors = units.in_one_unit(named)
     index_factors = (1.0, 1.0, 1.0)
     if unit is None and "space directions" not in fields:
-        unit, index_factors = units.in_one_unit(_three_units(fields.get("units", "")))
+        named = _three_units(fields.get("units", ""))
+        unit, index_factors = units.in_one_unit(named)
     unit = unit or units.canonical(keys.get(UNIT))  # what ITK keeps of a unit: it knows of none
     conventions = []
     if unit is None and is_anatomical:
@@ -101,6 +96,7 @@ def of_nrrd(path: Path) -> Header:
     guesses = (
         [] if {"spacings", "space directions"} & set(fields) else ["distances of samples 1, 1, 1: the file has none"]
     )
+    guesses += units.guesses_of(named)
     facts = Facts(
         unit=unit,
         is_anatomical=is_anatomical,
@@ -109,8 +105,8 @@ def of_nrrd(path: Path) -> Header:
         guesses=tuple(guesses),
     )
     if axis is not None:
-        facts = replace(facts, **_listed_times(axis, int(fields["sizes"].split()[axis]), fields, keys))
-    return Header(fields, facts, index_factors, world_factors, keys, axis is not None)
+        facts = replace(facts, **_listed_times(axis.number, axis.size, fields, keys))
+    return Header(fields, facts, index_factors, world_factors, keys, axis)
 
 
 def _listed_times(axis: int, count: int, fields: dict[str, str], keys: dict[str, str]) -> dict[str, Any]:

@@ -1,12 +1,13 @@
-"""NRRD, MetaImage and legacy VTK images, by SimpleITK.
+"""NRRD and MetaImage, by SimpleITK.
 
 ITK's world is LPS; it is turned into RAS here, once.
-A VTK file, or an NRRD file whose `space` is none of a patient, says nothing of one: its axes are kept as they are.
+An NRRD file whose `space` is none of a patient says nothing of one: its axes are kept as they are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,40 +20,37 @@ from wavesplat._files.reading import reading
 from wavesplat._files.silence import silenced
 from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
-from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd, of_vtk
-from wavesplat._readers.nrrd_times import seen_as_list
+from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd
+from wavesplat._readers.meta_for_itk import meta_for_itk
+from wavesplat._readers.nrrd_for_itk import ListedAxis, header_for_itk, skip_lines
 from wavesplat._readers.request import Grid, Request, choose
-from wavesplat._readers.vtk_legacy import check_samples
 from wavesplat.errors import FileError
 
-__all__ = ["dtype_of", "header_of", "read", "simple_itk", "world_from_index_of"]
+__all__ = ["dtype_of", "for_itk", "header_of", "read", "simple_itk", "world_from_index_of"]
 
 
 def read(request: Request) -> Grid:
-    """The volume in an NRRD, MetaImage or VTK file, or one of its time points or channels."""
+    """The volume in an NRRD or MetaImage file, or one of its time points or channels."""
     sitk = simple_itk()
     path = request.file
     with reading("an image", path), silenced():
         reader = sitk.ImageFileReader()
         # Said, not found out: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
-        is_vtk = path.suffix.lower() == ".vtk"
-        places = [] if is_vtk else places_of_samples(path, anywhere=request.external_files, within=request.within)
+        places = places_of_samples(path, anywhere=request.external_files, within=request.within)
         header = header_of(path)
-        with seen_as_list(path, header.fields) as seen:
+        with for_itk(path, header, places) as seen:
             reader.SetFileName(str(seen))
             reader.ReadImageInformation()
             size = reader.GetSize()
             dtype = np.dtype(dtype_of(sitk, reader.GetPixelID()))
             n_components = reader.GetNumberOfComponents()
             shape = (*size, n_components)
-            if is_vtk:
-                check_samples(path, shape, dtype)
-            else:
-                _check_payload(path, places, header.fields, shape, dtype)
+            _check_payload(path, places, header.fields, shape, dtype)
             # The last axis, or the components, may be times.
-            n_times = size[3] if len(size) == 4 else n_components if header.has_times_as_components else 1
-            n_channels = 1 if header.has_times_as_components else n_components
+            has_times = header.listed is not None and not _is_of_channels(header.listed, request)
+            n_times = size[3] if len(size) == 4 else n_components if has_times else 1
+            n_channels = 1 if has_times else n_components
             time = choose("time", n_times, request.time, path)
             channel = choose("channel", n_channels, request.channel, path)
             if len(size) == 4:
@@ -67,8 +65,10 @@ def read(request: Request) -> Grid:
                 place = reader.Execute()
                 samples = sitk.GetArrayFromImage(place)
             if n_components > 1:
-                samples = samples[..., time if header.has_times_as_components else channel]
+                samples = samples[..., time if has_times else channel]
             facts = replace(header.facts, n_times=n_times)
+            if header.listed is not None and not header.listed.is_said:
+                facts = replace(facts, guesses=(*facts.guesses, _guess(header.listed, has_times)))
             if len(size) == 4:
                 step = float(reader.GetSpacing()[3])
                 # 1 is what is written where nothing is known.
@@ -76,11 +76,29 @@ def read(request: Request) -> Grid:
             return Grid(samples, world_from_index_of(place, header), facts)
 
 
+def for_itk(path: Path, header: Header, places: Sequence[tuple[Path, int]]) -> AbstractContextManager[Path]:
+    """The file for ITK: itself or, where ITK would take it for something else, another header while it is read."""
+    rewritten = meta_for_itk if "elementdatafile" in header.fields else header_for_itk
+    return rewritten(path, header.fields, places)
+
+
+def _is_of_channels(axis: ListedAxis, request: Request) -> bool:
+    """Whether an axis is one of channels: of which the file does not say it, the one asked for, else the fastest."""
+    if axis.is_said or request.time is not None:
+        return False
+    return request.channel is not None or axis.number == 0
+
+
+def _guess(axis: ListedAxis, has_times: bool) -> str:
+    meaning = "time points" if has_times else "channels"
+    return f"axis {axis.number} of the file, {axis.size} samples long, is of {meaning}: the file names no kind of it"
+
+
 def _image_io(path: Path) -> str:
     with path.open("rb") as file:
         if file.read(4) == b"NRRD":
             return "NrrdImageIO"
-    return {".mha": "MetaImageIO", ".mhd": "MetaImageIO", ".vtk": "VTKImageIO"}.get(path.suffix.lower(), "NrrdImageIO")
+    return "MetaImageIO" if path.suffix.lower() in (".mha", ".mhd") else "NrrdImageIO"
 
 
 def simple_itk() -> Any:
@@ -93,9 +111,7 @@ def simple_itk() -> Any:
 
 def header_of(path: Path) -> Header:
     """What the header says that ITK leaves out."""
-    if path.suffix.lower() in (".mha", ".mhd"):
-        return of_meta_image(path)
-    return of_vtk() if path.suffix.lower() == ".vtk" else of_nrrd(path)
+    return of_meta_image(path) if path.suffix.lower() in (".mha", ".mhd") else of_nrrd(path)
 
 
 def _lacks_length(header: Header) -> bool:
@@ -150,5 +166,14 @@ def _check_payload(
     if ratio == payload.DEFLATE_RATIO:
         # ITK draws what it has of a damaged stream, and does not look at checksums.
         skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
-        begins = [(file, offset + max(skipped, 0)) for file, offset in places]
+        n_lines = int(header.get("line skip", header.get("lineskip", 0)))
+        begins = [(file, _after_lines(file, offset + max(skipped, 0), n_lines)) for file, offset in places]
         payload.check_deflated(begins, payload.n_bytes(shape, dtype), path)
+
+
+def _after_lines(file: Path, offset: int, n_lines: int) -> int:
+    """Where a packed stream begins: NRRD skips lines before it unpacks, and bytes after that."""
+    with file.open("rb") as stream:
+        stream.seek(offset)
+        skip_lines(stream, n_lines)
+        return stream.tell()

@@ -1,7 +1,8 @@
 """Files whose samples are read while they are drawn: from a request to levels of lazy arrays, their places and facts.
 
-Parts can be read of what is stored as it is, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and MetaImage, HDF5,
-TIFF page by page, Zarr. What is compressed as one stream has to be unpacked, or stored in chunks, first.
+Parts can be read of what is stored as it is, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and MetaImage, binary
+legacy VTK, HDF5, TIFF (in one piece, or page by page), Zarr. What is compressed as one stream has to be unpacked, or
+stored in chunks, first.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ from wavesplat._files import payload
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
 from wavesplat._files.silence import silenced
-from wavesplat._files.stored_array import StoredArray
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import LazyArray, SlicedArray, file_token, open_hdf5, zarr_token
-from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw
-from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of
+from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw, vtk_legacy
+from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
+from wavesplat._readers.stored_samples import stored_samples
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["LazyGrid", "lazy_grid", "n_stored_bytes"]
@@ -50,7 +51,7 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
             f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
             f"{request.path}"
         )
-    with reading(family, request.path):
+    with reading(NAMES.get(family, family), request.path):
         return read(request)
 
 
@@ -58,37 +59,6 @@ def _one_stream(path: object, what: str) -> FileError:
     return FileError(
         f"the samples are compressed as one stream ({what}), so parts of them cannot be read; unpack the file "
         f"(gunzip), {INSTEAD}, or open it without memory=: {path}"
-    )
-
-
-def _stored(
-    path: Path,
-    dtype: np.dtype[Any],
-    offset: int,
-    shape: Sequence[int],
-    *,
-    order: tuple[int, int, int],
-    picked: Sequence[int | None],
-    convert: Any = None,
-    made: np.dtype[Any] | None = None,
-) -> SlicedArray:
-    """Samples that lie in a file as they are, the last axis fastest."""
-    payload.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
-    z, y, x = (int(shape[axis]) for axis in order)
-    # What is read at once: a slice across the slowest of the three axes.
-    slowest = min(range(3), key=lambda k: order[k])
-    chunks = [1 if k == slowest else n for k, n in enumerate((z, y, x))]
-    return SlicedArray(
-        None,
-        name=path.name,
-        chunks=chunks,
-        order=order,
-        picked=picked,
-        opened=partial(StoredArray, path, dtype, offset, tuple(shape)),
-        convert=convert,
-        dtype=made if made is not None else dtype,
-        shape=(z, y, x),
-        token=file_token(path, dtype.str, offset, tuple(shape), tuple(picked)),
     )
 
 
@@ -117,7 +87,7 @@ def _of_npy(request: Request) -> LazyGrid:
         # The first axis is the fastest: the same array with its axes the other way round.
         last = len(shape) - 1
         order, picked = (last - order[0], last - order[1], last - order[2]), picked[::-1]
-    array = _stored(path, dtype, offset, shape[::-1] if is_fortran else shape, order=order, picked=picked)
+    array = stored_samples(path, dtype, offset, shape[::-1] if is_fortran else shape, order=order, picked=picked)
     return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
 
 
@@ -127,14 +97,13 @@ def _of_raw(request: Request) -> LazyGrid:
     payload.check_readable(path)
     raw.check_size(path, shape, dtype, request.offset, held=(1,))
     order, picked = _unnamed(shape, request)
-    array = _stored(path, dtype, request.offset, shape, order=order, picked=picked)
+    array = stored_samples(path, dtype, request.offset, shape, order=order, picked=picked)
     return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
 
 
 def _of_nifti(request: Request) -> LazyGrid:
-    import nibabel
-
-    image: Any = nibabel.load(request.file)
+    with quiet("nibabel.global"):
+        image = nifti.loaded(request.file)
     proxy = image.dataobj
     file = proxy.file_like
     path = request.file if not isinstance(file, str) else Path(file)
@@ -151,10 +120,10 @@ def _of_nifti(request: Request) -> LazyGrid:
     if (slope, intercept) != (1.0, 0.0):
         made = _type_of_scaled(proxy.dtype, slope, intercept)
         convert = partial(_scaled, slope=slope, intercept=intercept, dtype=made)
-    array = _stored(
+    array = stored_samples(
         path,
         proxy.dtype,
-        int(proxy.offset),
+        nifti.first_sample(image),
         image.shape[::-1],
         order=(n_axes - 3, n_axes - 2, n_axes - 1),
         picked=picked,
@@ -189,17 +158,16 @@ def _of_itk(request: Request) -> LazyGrid:
     encoding = fields.get("encoding", "raw").lower()
     if packed or encoding in ("gzip", "gz", "bzip2", "bz2"):
         raise _one_stream(path, "zlib" if packed else encoding)
-    is_text = encoding != "raw" or fields.get("binarydata", "true").lower()[:1] not in ("t", "1")
-    if is_text or path.suffix.lower() == ".vtk":
-        raise FileError(f"the samples are written as text or for VTK; open the file without memory=: {path}")
+    if encoding != "raw" or fields.get("binarydata", "true").lower()[:1] not in ("t", "1"):
+        raise FileError(f"the samples are written as text; open the file without memory=: {path}")
     places = detached_samples.places_of_samples(path, anywhere=request.external_files, within=request.within)
     if len(places) != 1:
         raise FileError(f"the samples are in {len(places)} files; open the header without memory=: {path}")
     file, offset = places[0]
     sitk = itk.simple_itk()
-    with silenced():
+    with silenced(), itk.for_itk(path, header, places) as seen:
         reader = sitk.ImageFileReader()
-        reader.SetFileName(str(path))
+        reader.SetFileName(str(seen))
         reader.ReadImageInformation()
         size, n_components = reader.GetSize(), reader.GetNumberOfComponents()
         dtype = np.dtype(itk.dtype_of(sitk, reader.GetPixelID()))
@@ -210,7 +178,7 @@ def _of_itk(request: Request) -> LazyGrid:
     is_big = fields.get("endian", "little").lower() == "big" or byte_order[:1] in ("t", "1")
     offset = _first_sample(file, offset, fields, payload.n_bytes(size, dtype))
     stored = dtype.newbyteorder(">" if is_big else "<")
-    array = _stored(file, stored, offset, size[::-1], order=(0, 1, 2), picked=[None] * 3)
+    array = stored_samples(file, stored, offset, size[::-1], order=(0, 1, 2), picked=[None] * 3)
     return LazyGrid([array], [matrix], header.facts)
 
 
@@ -231,6 +199,16 @@ def _first_sample(file: Path, offset: int, fields: dict[str, str], n_bytes: int)
         for _ in range(int(fields.get("line skip", fields.get("lineskip", 0)))):
             stream.readline()
         return stream.tell() + skip
+
+
+def _of_vtk_legacy(request: Request) -> LazyGrid:
+    stored, channel, shape, matrix = vtk_legacy.chosen_array(request)
+    if stored.is_text or stored.is_bits:
+        written = "text" if stored.is_text else "bits"
+        raise FileError(f"the samples are written as {written}; open the file without memory=: {request.path}")
+    picked = [None, None, None, channel]
+    array = stored_samples(request.file, stored.dtype, stored.begin, shape, order=(0, 1, 2), picked=picked)
+    return LazyGrid([array], [matrix])
 
 
 def _of_hdf5(request: Request) -> LazyGrid:
@@ -258,7 +236,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
             n_readers=1,
             token=file_token(request.file, dataset.name, tuple(picked)),
         )
-        facts = replace(place.facts, n_times=n_times_of(dataset.shape, request))
+        facts = replace(hdf5.facts_of(file, place), n_times=n_times_of(dataset.shape, request))
         return LazyGrid([array], [place.world_from_index], facts)
 
 
@@ -278,7 +256,10 @@ def _of_zarr(request: Request) -> LazyGrid:
             check=partial(ome_zarr.check_part, request.path),
         )
         levels.append((array, level.world_from_index, level.facts))
-    return LazyGrid([one[0] for one in levels], [one[1] for one in levels], levels[0][2])
+    # What is assumed of where coarser levels lie is so of the whole.
+    guesses = dict.fromkeys(guess for _, _, facts in levels for guess in facts.guesses)
+    facts = replace(levels[0][2], guesses=tuple(guesses))
+    return LazyGrid([one[0] for one in levels], [one[1] for one in levels], facts)
 
 
 def _token_of_url(request: Request, inner: str) -> str | None:
@@ -303,9 +284,23 @@ READERS = {
     "raw": _of_raw,
     "nifti": _of_nifti,
     "itk": _of_itk,
+    "vtk_legacy": _of_vtk_legacy,
     "hdf5": _of_hdf5,
     "ome_zarr": _of_zarr,
     "tiff": _of_tiff,
+}
+
+
+#: Family of formats -> its name in messages.
+NAMES = {
+    "arrays": "a NumPy file",
+    "raw": "raw samples",
+    "nifti": "NIfTI",
+    "itk": "an image",
+    "vtk_legacy": "a VTK image",
+    "hdf5": "HDF5",
+    "ome_zarr": "Zarr",
+    "tiff": "TIFF",
 }
 
 

@@ -1,4 +1,7 @@
-"""TIFF stacks page by page: each slice is read, and unpacked, when it is asked for."""
+"""TIFF stacks in parts: by place in the file where the samples lie in one piece of it, else page by page.
+
+A page is read, and unpacked, when it is asked for.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import SlicedArray, file_token
 from wavesplat._readers import tiff
 from wavesplat._readers.request import Request, quiet
+from wavesplat._readers.stored_samples import stored_samples
 from wavesplat.errors import FileError
 
 __all__ = ["stack_of"]
@@ -30,6 +34,9 @@ def stack_of(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]
 def _of_file(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
     path = request.file
     described = tiff.described(path, request)
+    if described.offset is not None:
+        array = _in_one_piece(path, described, described.offset)
+        return array, described.world_from_index, described.facts
     series_shape, keyframe = described.shape, described.page_shape
     n_of_pages = len(series_shape) - len(keyframe)
     if series_shape[n_of_pages:] != keyframe or n_of_pages == 0:
@@ -44,11 +51,18 @@ def _of_file(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]
         partial(_FilePages, str(path), [int(k) for k in wanted.ravel()], inside, turned),
         request,
         (wanted.size, *(n for n, part in zip(keyframe, inside, strict=True) if isinstance(part, slice))),
-        described.dtype,
+        described.dtype.newbyteorder("="),
         file_token(path, described.picked),
         turned=turned,
     )
     return array, described.world_from_index, described.facts
+
+
+def _in_one_piece(path: Path, described: tiff.Described, offset: int) -> SlicedArray:
+    picked = [None if isinstance(part, slice) else int(part) for part in described.picked]
+    kept = [axis for axis, number in enumerate(picked) if number is None]
+    z, y, x = (kept[place] for place in described.order)
+    return stored_samples(path, described.dtype, offset, described.shape, order=(z, y, x), picked=picked)
 
 
 def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:

@@ -7,34 +7,104 @@ NIfTI's world is RAS already; the sform wins over the qform.
 from __future__ import annotations
 
 import gzip
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._model.nibabel_image import facts_of, scaled, world_from_index
+from wavesplat._model.facts import Facts
+from wavesplat._model.nibabel_image import facts_of as facts_of_image
+from wavesplat._model.nibabel_image import scaled, world_from_index
 from wavesplat._readers.request import Grid, Request, choose, quiet
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     from nibabel.spatialimages import SpatialImage
 
-__all__ = ["checked_picks", "facts_of", "read", "world_from_index"]
+__all__ = ["checked_picks", "facts_of", "first_sample", "loaded", "read", "world_from_index"]
+
+#: Bytes of the header of NIfTI-1 and NIfTI-2 -> the first byte that samples may have in the same file.
+FIRST_SAMPLES = {348: 352, 540: 544}
 
 
 def read(request: Request) -> Grid:
     """The volume in a NIfTI file, or one of its time points or channels."""
-    import nibabel
-
     with reading("NIfTI", request.path), quiet("nibabel.global"):
-        image: Any = nibabel.load(request.file)
+        image = loaded(request.file)
         _check_payload(image, request)
         stored = _one_volume(image, request)
         return Grid(_scaled(stored, image).T, world_from_index(image), facts_of(image))
+
+
+def first_sample(image: SpatialImage) -> int:
+    """Bytes before the samples in their file.
+
+    Of a header that says 0, in one file with its samples, nibabel gives the header itself as samples: they begin where
+    the standard allows them first, behind the header and the four bytes that tell of extensions: at 352 in NIfTI-1, at
+    544 in NIfTI-2.
+    """
+    header, proxy = cast("Any", image.header), cast("Any", image.dataobj)
+    is_inside = proxy.offset == 0 and getattr(header, "is_single", False)
+    return int(header.single_vox_offset) if is_inside else int(proxy.offset)
+
+
+def loaded(path: Path) -> Any:
+    """The image of nibabel, its samples still in the file.
+
+    Asked before, what nibabel would take for other faults: samples that begin inside the header.
+    """
+    import nibabel
+
+    _check_first_sample(path)
+    image: Any = nibabel.load(path)
+    if getattr(image, "affine", None) is None:
+        raise FileError(
+            f"the file holds a {type(image).__name__}, values on surfaces and of single voxels, and no image; "
+            f"write its volume, as with wb_command -cifti-separate IN COLUMN -volume-all OUT.nii: {path}"
+        )
+    return image
+
+
+def _check_first_sample(path: Path) -> None:
+    with (gzip.open if path.name.lower().endswith(".gz") else open)(path, "rb") as file:
+        try:
+            header = file.read(FIRST_SAMPLES[540])
+        except (OSError, EOFError, zlib.error):
+            return  # nibabel says what is wrong
+    for order in ("<", ">"):
+        size = int(np.frombuffer(header[:4].ljust(4), f"{order}i4")[0])
+        if size not in FIRST_SAMPLES or b"n+" not in (header[344:346], header[4:6]):
+            continue
+        least = FIRST_SAMPLES[size]
+        place, dtype = (108, "f4") if size == 348 else (168, "i8")
+        first = float(np.frombuffer(header, order + dtype, 1, place)[0])
+        if first == 0 and any(header[least - 4 : least - 3]):
+            raise FileError(
+                "the header says that the samples begin at byte 0, and extensions of unknown length lie between it "
+                f"and them; write the file's vox_offset: {path}"
+            )
+        if first != 0 and not first >= least:
+            raise FileError(
+                f"a wrong header: it says that the samples begin at byte {first:g}, where it is itself; write the "
+                f"file's vox_offset, {least} or more: {path}"
+            )
+
+
+def facts_of(image: SpatialImage) -> Facts:
+    """Facts of the header, with a guess where its first sample is not believed."""
+    facts = facts_of_image(image)
+    proxy: Any = image.dataobj
+    if (first := first_sample(image)) == proxy.offset:
+        return facts
+    guess = f"samples from byte {first} on: the file says byte {proxy.offset}, where its header is"
+    return replace(facts, guesses=(*facts.guesses, guess))
 
 
 def _check_payload(image: SpatialImage, request: Request) -> None:
@@ -45,9 +115,11 @@ def _check_payload(image: SpatialImage, request: Request) -> None:
     path = request.file if not isinstance(file, str) else type(request.file)(file)
     one = image.shape[:3]  # of several only the one that is asked for is read
     if path.name.lower().endswith((".gz", ".mgz")):
-        payload.check_gzip(image.shape, proxy.dtype, proxy.offset, path, one)
+        payload.check_gzip(image.shape, proxy.dtype, first_sample(image), path, one)
     else:
-        payload.check_stored(image.shape, proxy.dtype, path.stat().st_size - proxy.offset, path, held=one)
+        payload.check_stored(
+            image.shape, proxy.dtype, max(path.stat().st_size - first_sample(image), 0), path, held=one
+        )
 
 
 def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
@@ -58,7 +130,7 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     time, channel, _ = checked_picks(image, request)
     extra = (time, channel, 0, 0)[: max(len(image.shape) - 3, 0)]
     with _stored_bytes(proxy, request.kept) as file:
-        unscaled = ArrayProxy(file, (image.shape, proxy.dtype, proxy.offset, 1.0, 0.0), mmap=False)
+        unscaled = ArrayProxy(file, (image.shape, proxy.dtype, first_sample(image), 1.0, 0.0), mmap=False)
         samples: NDArray[Any] = np.asarray(unscaled[(..., *extra)] if extra else unscaled)
     if _has_colors(proxy):
         names = proxy.dtype.names

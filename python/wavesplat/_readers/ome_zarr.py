@@ -7,7 +7,7 @@ World units are those of the file, usually micrometres, one for all axes, and th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,9 @@ from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = ["ZarrLevel", "check_part", "levels_of", "mark_of", "read"]
+
+#: Guess for levels that are moved, as the file does not say where they begin.
+GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in: the file has no translation of them"
 
 
 def read(request: Request) -> Grid:
@@ -256,6 +259,14 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     names = [channel.name for channel in channels]
     picked = tuple(_picked(name, n, spatial, request, names) for name, n in zip(axes, array.shape, strict=True))
     matrix = _composed(dataset, multiscales, len(axes), request)
+    guesses: list[str] = []
+    shift = _shift_of_blocks(dataset, multiscales["datasets"][0], len(axes), request)
+    if shift is not None:
+        matrix = matrix @ shift
+        guesses.append(GUESS_OF_LEVELS)
+    mirrored = [name for name in spatial if matrix[axes.index(name), axes.index(name)] < 0]
+    if mirrored:
+        guesses.append(f"axes {', '.join(sorted(mirrored))} mirrored: their scale in the file is negative")
     world_from_index = _spatial_part(matrix, [axes.index(name) for name in reversed(spatial)])
     world_from_index[:3] *= described.in_one_unit()[1][:, None]
     facts = facts_of(
@@ -266,6 +277,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
         levels=_shapes(group, multiscales["datasets"], request),
         matrix=matrix,
     )
+    facts = replace(facts, guesses=(*facts.guesses, *guesses))
     return _Place(axes, spatial, picked, world_from_index, facts)
 
 
@@ -305,6 +317,26 @@ def _composed(
     return matrix
 
 
+def _shift_of_blocks(
+    dataset: dict[str, Any], finest: dict[str, Any], n_axes: int, request: Request
+) -> NDArray[np.float64] | None:
+    """A shift of a level by half a block, in its own samples, where it and the finest have a scale and nothing else.
+
+    A sample of a coarser level stands for a block of the finest, n samples along an axis, and lies in its middle:
+    (n - 1) / 2 of the finest, (n - 1) / 2n of its own, from its first. The levels fill the same box then, as readers
+    that align the edges of levels have it. Levels of every n-th sample are the exception, and the file does not say so.
+    """
+    steps = [dataset.get("coordinateTransformations", ()), finest.get("coordinateTransformations", ())]
+    if [[step.get("type") for step in own] for own in steps] != [["scale"], ["scale"]]:
+        return None
+    own, first = (_numbers(step[0], "scale", (n_axes,), request) for step in steps)
+    if (own == first).all() or not (first != 0).all() or not (own / first >= 1).all():
+        return None
+    shift = np.eye(n_axes + 1)
+    shift[:-1, -1] = (1 - first / own) / 2
+    return shift
+
+
 def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.float64]:
     kind = step["type"]
     matrix = np.eye(n_axes + 1)
@@ -312,19 +344,28 @@ def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.f
         for part in step["transformations"]:
             matrix = _matrix(part, n_axes, request) @ matrix
     elif kind == "scale":
-        matrix[:-1, :-1] = np.diag(np.asarray(step["scale"], dtype=np.float64))
+        matrix[:-1, :-1] = np.diag(_numbers(step, kind, (n_axes,), request))
     elif kind == "translation":
-        matrix[:-1, -1] = step["translation"]
+        matrix[:-1, -1] = _numbers(step, kind, (n_axes,), request)
     elif kind == "rotation":
-        matrix[:-1, :-1] = step["rotation"]
+        matrix[:-1, :-1] = _numbers(step, kind, (n_axes, n_axes), request)
     elif kind == "affine":
-        matrix[:-1] = step["affine"]
+        matrix[:-1] = _numbers(step, kind, (n_axes, n_axes + 1), request)
     elif kind != "identity":
         raise FileError(
             f"coordinate transformation of type {kind!r} is not supported; "
             f"export with a scale or affine: {request.path}"
         )
     return matrix
+
+
+def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: Request) -> NDArray[np.float64]:
+    """The numbers of a transformation; a `FileError` for texts, and for another count than that of the axes."""
+    found = np.asarray(step.get(kind), object)
+    if found.shape != shape or not all(type(number) in (int, float) for number in found.flat):
+        wanted = " x ".join(map(str, shape))
+        raise FileError(f"the {kind} of an image is {step.get(kind)!r}, not {wanted} numbers; mend it: {request.path}")
+    return found.astype(np.float64)
 
 
 def _spatial_part(matrix: NDArray[np.float64], xyz: list[int]) -> NDArray[np.float64]:

@@ -51,12 +51,12 @@ class Axes:
         return unit, np.array(factors)
 
     def guesses(self) -> list[str]:
-        """What is assumed of axes without a unit beside those that have one."""
+        """Guesses for axes without a unit, or with one that is unknown, beside those that have one."""
         unit, _ = self.in_one_unit()
-        bare = [name for name in "xyz" if units.canonical(self.unit_of(name)) is None]
-        return (
-            [f"distances along {', '.join(bare)} in {unit}: the file names no unit for them"] if unit and bare else []
-        )
+        x, y, z = (units.canonical(self.unit_of(name)) for name in "xyz")
+        bare = [name for name, own in zip("xyz", (x, y, z), strict=True) if own is None]
+        none = f"distances along {', '.join(bare)} in {unit}: the file names no unit for them"
+        return [*([none] if unit and bare else []), *units.guesses_of((x, y, z))]
 
 
 def channels_of(attributes: dict[str, Any]) -> tuple[Channel, ...]:

@@ -27,6 +27,7 @@ from wavesplat._model.lazy_volume import LazyVolume, lazily
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers import lazy_files
+from wavesplat._readers.foreign_kinds import foreign_content, foreign_kind
 from wavesplat._readers.request import Grid, Request, requested
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
@@ -45,7 +46,7 @@ SUFFIXES = {
     ".nhdr": "itk",
     ".mha": "itk",
     ".mhd": "itk",
-    ".vtk": "itk",
+    ".vtk": "vtk_legacy",
     ".vti": "vti",
     ".dcm": "dicom",
     ".ima": "dicom",
@@ -65,16 +66,19 @@ SUFFIXES = {
 MAGIC = {
     (128, b"DICM"): "dicom",
     (0, b"NRRD"): "itk",
+    (0, b"# vtk DataFile"): "vtk_legacy",
     (0, b"II*\0"): "tiff",
     (0, b"MM\0*"): "tiff",
     (0, b"\x93NUMPY"): "arrays",
     (0, b"\x89HDF\r\n\x1a\n"): "hdf5",
 }
+N_FIRST_BYTES = 352
 #: Which options mean something to which module; `spacing` and `unit` do to all.
 OPTIONS = {
     "nifti": {"time", "channel"},
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
+    "vtk_legacy": {"channel", "dataset"},
     "dicom": {"series", "time", "channel", "gaps"},
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
@@ -125,7 +129,7 @@ def open(
         an echo, or magnitude or phase.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
-        HDF5, .npz, .vti, Zarr: the name of the array, if there are several.
+        HDF5, .npz, .vti, .vtk, Zarr: the name of the array, if there are several.
     level : int, optional
         OME-Zarr: the level of detail; 0, the default, is the finest.
     shape, dtype : optional
@@ -240,7 +244,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 
 
 #: Formats whose samples lie in one file as they are: its size tells theirs.
-AS_THEY_ARE = ("arrays", "raw", "nifti", "itk")
+AS_THEY_ARE = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Formats whose headers tell it.
 IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
 
@@ -307,13 +311,17 @@ def _family(request: Request) -> str:
         return _family_of_folder(path)
     payload.check_readable(path)
     suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
-    family = SUFFIXES.get(suffix or "") or _family_by_magic(path)
+    with path.open("rb") as file:
+        start = file.read(N_FIRST_BYTES)
+    family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
+    if (error := foreign_content(path, start)) is not None:
+        raise error
     if family == "dicom":
         # One file of a series: the others are looked for beside it.
         for name in _names_in(path.parent):
             check_text(path.parent / name)
     if family is None:
-        raise FileError(
+        raise foreign_kind(path) or FileError(
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
         )
     return family
@@ -347,11 +355,9 @@ def _names_in(folder: Path) -> list[str]:
     return [entry.name for entry in entries]
 
 
-def _family_by_magic(path: Path) -> str | None:
-    with path.open("rb") as file:
-        head = file.read(352)
+def _family_by_magic(start: bytes) -> str | None:
     for (offset, magic), family in MAGIC.items():
-        if head[offset:].startswith(magic):
+        if start[offset:].startswith(magic):
             return family
     return None
 

@@ -58,7 +58,10 @@ class Described:
 
     shape: tuple[int, ...]
     page_shape: tuple[int, ...]
+    #: With the byte order of the file.
     dtype: np.dtype[Any]
+    #: First byte of the samples where all of them lie in one piece of this file, unpacked; else None.
+    offset: int | None
     picked: tuple[Any, ...]
     order: list[int]
     world_from_index: NDArray[np.float64]
@@ -88,7 +91,17 @@ def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool 
     # A negative distance mirrors the axis.
     matrix = np.diag([*place.steps, 1.0])
     pages = tuple(series.keyframe.shape)
-    return Described(tuple(series.shape), pages, series.dtype, picked, order, matrix, facts)
+    offset = _offset_of(series)
+    dtype = series.dtype.newbyteorder(tiff.byteorder)
+    return Described(tuple(series.shape), pages, dtype, offset, picked, order, matrix, facts)
+
+
+def _offset_of(series: Any) -> int | None:
+    """First byte of a series whose samples lie in one piece of the file; None where they do not.
+
+    Such a series may have a single page directory for all of its planes: ImageJ writes stacks of more than 4 GB so.
+    """
+    return None if series.is_multifile or series.dataoffset is None else int(series.dataoffset)
 
 
 def _channel_of(facts: Facts, request: Request) -> Channel | None:
@@ -193,9 +206,10 @@ def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDAr
     n_pages = len(series.pages)
     is_part = not all(isinstance(part, slice) for part in picked[:of_pages])
     is_regular = series.shape[of_pages:] == series.keyframe.shape and n_pages == prod(series.shape[:of_pages])
-    if is_part and series.dataoffset is not None and not series.is_multifile:
+    offset = _offset_of(series)
+    if is_part and offset is not None:
         dtype = series.dtype.newbyteorder(tiff.byteorder)
-        mapped = np.memmap(path, dtype, "r", offset=series.dataoffset, shape=tuple(series.shape))
+        mapped = np.memmap(path, dtype, "r", offset=offset, shape=tuple(series.shape))
         return np.array(mapped[picked])
     if is_part and is_regular:
         wanted = np.arange(n_pages).reshape(series.shape[:of_pages])[picked[:of_pages]]

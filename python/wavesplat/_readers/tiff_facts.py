@@ -58,25 +58,37 @@ class _Said:
 
     steps: tuple[float | None, float | None, float | None] = (None, None, None)
     units: tuple[str | None, str | None, str | None] = (None, None, None)
+    #: Values that stand in the place of distances and are none: 0, "nan", "abc".
+    odd: tuple[Any, Any, Any] = (None, None, None)
     facts: Facts = field(default_factory=Facts)
 
 
 def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
-    """Distances, unit and facts of the first image in the file. `has_z`: whether its slices are known to be along z."""
+    """Distances, unit and facts of the first image in the file. `has_z`: whether it has slices, not only times."""
     said = _of_ome(tiff) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _Said()
     unit, factors = units.in_one_unit(said.units)
     steps = [None if step is None else step * factor for step, factor in zip(said.steps, factors, strict=True)]
     # A missing distance is taken from x: then the stack keeps its proportions at least in scale.
     x = steps[0] or 1.0
     y, z = (abs(x) if step is None else step for step in steps[1:])
-    guesses = _guesses(steps, x)
+    guesses = [*_guesses(steps, x), *_odd_guesses(said)]
     if not has_z and said.steps[2] is None:
-        guesses.append("the pages are slices along z: the file does not say what they are")
+        guesses.append("time points are drawn as slices along z: the file has no slices, and one plane of each time")
+    guesses += units.guesses_of(said.units)
     described = zip("xyz", said.units, said.steps, strict=True)
     bare = ", ".join(name for name, one, step in described if one is None and step is not None)
     if unit is not None and bare:
         guesses.append(f"distances along {bare} in {unit}: the file names no unit for them")
     return TiffPlace((x, y, z), replace(said.facts, unit=unit, guesses=tuple(guesses)))
+
+
+def _odd_guesses(said: _Said) -> list[str]:
+    """Guesses for distances that are none, or negative."""
+    odd = [(axis, text) for axis, text in zip("xyz", said.odd, strict=True) if text is not None]
+    guesses = [f"distance along {axis}: the file says {str(text)[:24]!r}, which is none" for axis, text in odd]
+    if mirrored := [axis for axis, step in zip("xyz", said.steps, strict=True) if step is not None and step < 0]:
+        guesses.append(f"axes {', '.join(mirrored)} mirrored: their distances in the file are negative")
+    return guesses
 
 
 def _guesses(steps: list[float | None], x: float) -> list[str]:
@@ -102,6 +114,7 @@ def _of_imagej(tiff: TiffFile) -> _Said:
     return _Said(
         steps=(x, y, _number(metadata.get("spacing"))),
         units=(unit, own[0], own[1]),
+        odd=(None, None, _odd(metadata.get("spacing"))),
         facts=Facts(
             channels=_imagej_channels(metadata),
             n_times=max(int(metadata.get("frames", 1) or 1), 1),
@@ -166,6 +179,7 @@ def _of_ome(tiff: TiffFile) -> _Said:
     if root is None or pixels is None:
         return _Said(facts=Facts())
     steps = tuple(_number(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ")
+    odd = [_odd(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ"]
     # The standard's default is the micrometre.
     of_axes = tuple(
         None if step is None else units.canonical(pixels.get(f"PhysicalSize{axis}Unit", "µm"))
@@ -178,6 +192,7 @@ def _of_ome(tiff: TiffFile) -> _Said:
     return _Said(
         steps=(steps[0], steps[1], steps[2]),
         units=(of_axes[0], of_axes[1], of_axes[2]),
+        odd=(odd[0], odd[1], odd[2]),
         facts=Facts(
             modality=_ome_modality(described),
             channels=tuple(_ome_channel(channel) for channel in described),
@@ -242,6 +257,11 @@ def _ome_modality(channels: list[ET.Element]) -> str | None:
         if channel.get("EmissionWavelength") is not None or channel.get("Fluor"):
             return "fluorescence"
     return None
+
+
+def _odd(text: Any) -> Any:
+    """The value where it is no number; None where it is one, or there is nothing."""
+    return text if text not in (None, "") and _number(text) is None else None
 
 
 def _number(text: Any) -> float | None:

@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, choose, several
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
+from wavesplat.errors import FileError
 
 __all__ = ["read"]
 
@@ -55,8 +56,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
     path = request.path
     image = stored.header.find("ImageData")
     if image is None:
-        kind = stored.header.get("type", "something else")
-        raise FileError(f"the file holds {kind}, not ImageData; resample it to an image: {path}")
+        raise other_grid(stored.header.get("type", ""), path)
     whole = _extent(image.get("WholeExtent", ""))
     of_cells, name, n_components = _chosen(image, request)
     channel = choose("channel", n_components, request.channel, path)
@@ -89,17 +89,7 @@ def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
     arrays = [(array, part in cells) for part in (*points, *cells) for array in part.findall("DataArray")]
     names = [array.get("Name", "") for array, _ in arrays]
     named = [name for part in (*points, *cells) if (name := part.get("Scalars", "")) in names]
-    if request.dataset is not None:
-        if request.dataset not in names:
-            listed = ", ".join(names) or "none"
-            raise ArgumentError(f"no array {request.dataset!r}; the file holds {listed}: {request.path}")
-        place = names.index(request.dataset)
-    elif named or len(names) == 1:
-        place = names.index(named[0]) if named else 0
-    else:
-        listed = ", ".join(names) or "none"
-        message = f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
-        raise several(message, "dataset", names)
+    place = chosen(names, named, request)
     array, of_cells = arrays[place]
     return of_cells, names[place], int(array.get("NumberOfComponents") or 1)
 
@@ -125,16 +115,11 @@ def _n_cells(extent: NDArray[np.int64]) -> int:
 
 
 def _world_from_index(image: ET.Element, whole: NDArray[np.int64], of_cells: bool) -> NDArray[np.float64]:
-    """Cells have their samples in their middles."""
-
     def numbers(name: str, default: str) -> NDArray[np.float64]:
         return np.array((image.get(name) or default).split(), np.float64)
 
-    matrix = np.eye(4)
-    matrix[:3, :3] = numbers("Direction", "1 0 0 0 1 0 0 0 1").reshape(3, 3) * numbers("Spacing", "1 1 1")
-    first = whole[:, 0] + (0.5 if of_cells else 0.0)
-    matrix[:3, 3] = numbers("Origin", "0 0 0") + matrix[:3, :3] @ first
-    return matrix
+    direction, spacing = numbers("Direction", "1 0 0 0 1 0 0 0 1"), numbers("Spacing", "1 1 1")
+    return world_from_index(direction, spacing, numbers("Origin", "0 0 0"), whole[:, 0], of_cells=of_cells)
 
 
 @dataclass(frozen=True)

@@ -1,43 +1,327 @@
-"""Whether a legacy VTK file holds as many samples as its header says: ITK draws what memory holds where it ends.
+"""VTK's legacy images (.vtk, STRUCTURED_POINTS): one array of points or cells, as text or big-endian bytes.
 
+No library but VTK itself reads all of them, and it is large: ITK does not know `signed_char`, `vtkIdType` and `bit`,
+fields and cells.
 Format: "VTK file formats", https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html.
+The file says nothing of a patient: its axes are kept as they are.
 """
 
 from __future__ import annotations
 
+import mmap
 import re
-from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.reading import reading
+from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["check_samples"]
+__all__ = ["LegacyArray", "chosen_array", "read"]
 
-#: The last line before the samples.
-BEFORE_SAMPLES = re.compile(rb"\n(?:LOOKUP_TABLE|COLOR_SCALARS|VECTORS|TENSORS)[^\n]*\n", re.IGNORECASE)
-#: Headers are a few hundred bytes.
-MOST_HEADER_BYTES = 1 << 16
+#: The format's names of a type -> NumPy's. Bits are eight to a byte. Identifiers are written as 32-bit integers.
+TYPES = {
+    "bit": "?",
+    "char": "i1",
+    "signed_char": "i1",
+    "unsigned_char": "u1",
+    "short": "i2",
+    "unsigned_short": "u2",
+    "int": "i4",
+    "unsigned_int": "u4",
+    "long": "i8",
+    "unsigned_long": "u8",
+    "long_long": "i8",
+    "unsigned_long_long": "u8",
+    "vtkidtype": "i4",
+    "float": "f4",
+    "double": "f8",
+    **{f"vtktype{sign}int{8 * n}": f"{sign or 'i'}{n}" for sign in ("", "u") for n in (1, 2, 4, 8)},
+}
+#: Four bytes where they were written on Windows.
+OF_TWO_WIDTHS = ("long", "unsigned_long")
+#: Attributes of a fixed number of components.
+COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
+BLOCK_BYTES = 1 << 20
+MOST_LINE_BYTES = 1 << 16
+WORD = re.compile(rb"\S+")
 
 
-def check_samples(path: Path, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
-    """A `FileError` if there are too few."""
-    with path.open("rb") as file:
-        start = file.read(MOST_HEADER_BYTES)
-    found = BEFORE_SAMPLES.search(start)
-    if found is None:
-        return  # ITK says what is missing
-    stored = path.stat().st_size - found.end()
-    is_text = start.split(b"\n", 3)[2:3] and start.split(b"\n", 3)[2].strip().upper() == b"ASCII"
-    if not is_text:
-        payload.check_stored(shape, dtype, stored, path)
-        return
-    # A digit and a space for each.
-    payload.check_stored(shape, np.dtype("u1"), (stored + 1) // 2, path)
-    payload.check_memory(payload.n_bytes(shape, dtype), path)
-    n_samples, needed = len(path.read_bytes()[found.end() :].split()), payload.n_bytes(shape, np.dtype("u1"))
-    if n_samples < needed:
-        raise FileError(f"truncated: {needed} samples are promised, {n_samples} are there; copy it again: {path}")
+@dataclass(frozen=True)
+class LegacyArray:
+    """An array of a file: of points or cells, and where its numbers are."""
+
+    name: str
+    of_cells: bool
+    dtype: np.dtype[Any]
+    n_components: int
+    n_tuples: int
+    begin: int
+    #: Whether the numbers are text, bits, or colours: as text these go from 0 to 1, and stand for bytes.
+    is_text: bool
+    is_bits: bool
+    #: Whether it is what VTK calls the scalars.
+    is_scalars: bool = False
+    is_color: bool = False
+
+
+@dataclass
+class _Image:
+    """Size, place and arrays of the image in a file."""
+
+    size: NDArray[np.int64] = field(default_factory=lambda: np.zeros(3, np.int64))
+    first: NDArray[np.int64] = field(default_factory=lambda: np.zeros(3, np.int64))
+    spacing: list[float] = field(default_factory=lambda: [1.0] * 3)
+    origin: list[float] = field(default_factory=lambda: [0.0] * 3)
+    arrays: list[LegacyArray] = field(default_factory=list)
+
+    def size_of(self, array: LegacyArray) -> tuple[int, int, int]:
+        """Samples of an array along x, y, z. A layer of points counts as one of cells."""
+        nx, ny, nz = (max(int(n) - 1, 1) if array.of_cells else int(n) for n in self.size)
+        return nx, ny, nz
+
+
+def read(request: Request) -> Grid:
+    """The volume in a legacy VTK file: its scalars, or the array that `dataset` names."""
+    path = request.file
+    with (
+        reading("a VTK image", path),
+        path.open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
+        image = _Parser(content, path).image()
+        array, channel, matrix = _picked(image, request)
+        shape = (*image.size_of(array)[::-1], array.n_components)
+        numbers = _numbers(content, array, path)
+        # Not a view: the file is closed.
+        return Grid(np.array(numbers.reshape(shape)[..., channel]), matrix)
+
+
+def chosen_array(request: Request) -> tuple[LegacyArray, int, tuple[int, ...], NDArray[np.float64]]:
+    """The array that is asked for, which of its components, its shape (z, y, x, component), and world from index."""
+    path = request.file
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        image = _Parser(content, path).image()
+    array, channel, matrix = _picked(image, request)
+    return array, channel, (*image.size_of(array)[::-1], array.n_components), matrix
+
+
+def _picked(image: _Image, request: Request) -> tuple[LegacyArray, int, NDArray[np.float64]]:
+    names = [array.name for array in image.arrays]
+    array = image.arrays[chosen(names, [one.name for one in image.arrays if one.is_scalars], request)]
+    nx, ny, nz = image.size_of(array)
+    if array.n_tuples != nx * ny * nz:
+        raise FileError(
+            f"a wrong header: {array.name!r} has {array.n_tuples} samples, and the image {nx} x {ny} x {nz}; "
+            f"write it again: {request.path}"
+        )
+    channel = choose("channel", array.n_components, request.channel, request.path)
+    matrix = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=array.of_cells)
+    return array, channel, matrix
+
+
+def _numbers(content: mmap.mmap, array: LegacyArray, path: Path) -> NDArray[Any]:
+    """All numbers of an array."""
+    n = array.n_tuples * array.n_components
+    payload.check_memory(payload.n_bytes([n], array.dtype), path)
+    if not array.is_text:
+        if array.is_bits:
+            return np.unpackbits(np.frombuffer(content, np.uint8, -(-n // 8), array.begin), count=n)
+        return np.frombuffer(content, array.dtype, n, array.begin).astype(array.dtype.newbyteorder("="))
+    words, _ = _words(content, array.begin, n, path)
+    if array.is_color:
+        return (np.array(words, np.float64) * 255 + 0.5).astype(np.uint8)
+    return np.array(words).astype(array.dtype.newbyteorder("="))
+
+
+def _words(content: mmap.mmap, begin: int, n: int, path: Path) -> tuple[list[bytes], int]:
+    """So many words of text from a byte on, and the byte behind them."""
+    words: list[bytes] = []
+    at = begin
+    while len(words) < n and at < len(content):
+        end = min(at + BLOCK_BYTES, len(content))
+        # To the end of a word.
+        while end < len(content) and not content[end : end + 1].isspace():
+            end += 1
+        block = content[at:end]
+        found = block.split()
+        missing = n - len(words)
+        if len(found) > missing:
+            ends = (match.end() for match in WORD.finditer(block))
+            end = at + next(stop for number, stop in enumerate(ends, 1) if number == missing)
+        words += found[:missing]
+        at = end
+    if len(words) < n:
+        raise FileError(f"truncated: {n} samples are promised, {len(words)} are there; copy it again: {path}")
+    return words, at
+
+
+class _Parser:
+    """The lines of a file, one after the other; numbers of arrays are passed over."""
+
+    def __init__(self, content: mmap.mmap, path: Path) -> None:
+        self._content, self._path, self._at = content, path, 0
+        self._is_text = False
+        self._image = _Image()
+        self._of_cells: bool | None = None
+        self._n_tuples = 0
+
+    def image(self) -> _Image:
+        """Size, place and arrays; a `FileError` for other data than an image."""
+        if not self._line().lower().startswith(b"# vtk datafile"):
+            raise ValueError("no first line of a VTK file")
+        self._at = self._end_of_line()  # the title, which may be empty
+        form = self._words()[0]
+        if form not in ("ASCII", "BINARY"):
+            raise ValueError(f"neither ASCII nor BINARY, but {form[:20]}")
+        self._is_text = form == "ASCII"
+        has_image = False
+        while words := self._words():
+            if words[0] == "DATASET":
+                has_image = True
+                if words[1].upper() != "STRUCTURED_POINTS":
+                    raise other_grid(words[1].upper(), self._path)
+            elif not self._take_place(words[0], words[1:]):
+                self._take(words[0], words[1:])
+        if not has_image:
+            raise FileError(f"the file holds no DATASET, so no image; write one as STRUCTURED_POINTS: {self._path}")
+        if not (self._image.size > 0).all():
+            raise ValueError(f"dimensions of {' '.join(map(str, self._image.size))}")
+        return self._image
+
+    def _take_place(self, key: str, rest: list[str]) -> bool:
+        """Size or place of the image; whether the line says one of them."""
+        image = self._image
+        if key == "DIMENSIONS":
+            image.size = np.array(rest[:3], np.int64)
+        elif key == "EXTENT":
+            extent = np.array(rest[:6], np.int64).reshape(3, 2)
+            image.first, image.size = extent[:, 0], extent[:, 1] - extent[:, 0] + 1
+        elif key in ("SPACING", "ASPECT_RATIO"):
+            image.spacing = [float(number) for number in rest[:3]]
+        elif key == "ORIGIN":
+            image.origin = [float(number) for number in rest[:3]]
+        else:
+            return False
+        return True
+
+    def _take(self, key: str, rest: list[str]) -> None:
+        """A line that begins with a keyword, and what belongs to it."""
+        if key in ("POINT_DATA", "CELL_DATA"):
+            self._of_cells, self._n_tuples = key == "CELL_DATA", int(rest[0])
+        elif key == "METADATA":
+            self._skip_to_empty_line()
+        elif key == "FIELD":
+            self._take_field(int(rest[1]))
+        elif key == "SCALARS":
+            if len(line := self._words(peek=True)) == 2 and line[0] == "LOOKUP_TABLE":
+                self._words()
+            self._add(rest[0], rest[1], int(rest[2]) if len(rest) > 2 else 1, self._n_tuples, is_scalars=True)
+        elif key == "COLOR_SCALARS":
+            self._add(rest[0], "unsigned_char", int(rest[1]), self._n_tuples, is_scalars=True, is_color=True)
+        elif key == "LOOKUP_TABLE":
+            self._skip("float" if self._is_text else "unsigned_char", 4 * int(rest[1]))
+        elif key in COMPONENTS or key == "TEXTURE_COORDINATES":
+            n_components = COMPONENTS.get(key) or int(rest[1])
+            self._add(rest[0], rest[-1], n_components, self._n_tuples)
+        else:
+            raise ValueError(f"the word {key[:40]!r} where VTK has none")
+
+    def _take_field(self, n_arrays: int) -> None:
+        """Arrays that each say how long they are."""
+        for _ in range(n_arrays):
+            if self._words(peek=True)[:1] == ["METADATA"]:
+                self._line()
+                self._skip_to_empty_line()
+            words = self._line().decode("latin-1").split()
+            name, n_components, n_tuples, kind = words[-4:]
+            self._add(name, kind, int(n_components), int(n_tuples))
+
+    def _add(self, name: str, kind: str, n_components: int, n_tuples: int, **scalars: bool) -> None:
+        """An array whose numbers begin here; those that are not of points or cells are only passed over.
+
+        scalars : `is_scalars` and `is_color` of `LegacyArray`.
+        """
+        if kind.lower() == "string":
+            self._skip_strings(n_components * n_tuples)
+            return
+        begin = self._at
+        dtype = self._skip(kind, n_components * n_tuples, described=f"array {unquote(name)!r}")
+        if self._of_cells is not None:
+            is_bits = kind.lower() == "bit"
+            array = LegacyArray(
+                unquote(name),
+                self._of_cells,
+                np.dtype("u1") if is_bits else dtype,
+                n_components,
+                n_tuples,
+                begin,
+                self._is_text,
+                is_bits,
+                **scalars,
+            )
+            self._image.arrays.append(array)
+
+    def _skip(self, kind: str, n: int, described: str = "look-up table") -> np.dtype[Any]:
+        """Pass over so many numbers; their type."""
+        name = kind.lower()
+        if name not in TYPES:
+            raise FileError(
+                f"samples of type {kind!r} cannot be drawn; write them as numbers ({described}): {self._path}"
+            )
+        if n < 0:
+            raise ValueError(f"{described} of {n} numbers")
+        dtype, stored = np.dtype(TYPES[name]), len(self._content) - self._at
+        if self._is_text:
+            # As text identifiers are as wide as they need.
+            dtype = np.dtype("i8") if name == "vtkidtype" else dtype
+            # A digit and a space for each.
+            payload.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
+            _, self._at = _words(self._content, self._at, n, self._path)
+            return dtype
+        if name in OF_TWO_WIDTHS and 4 * n <= stored < 8 * n:
+            dtype = np.dtype(dtype.kind + "4")
+        n_bytes = -(-n // 8) if name == "bit" else n * dtype.itemsize
+        payload.check_stored([n_bytes], np.dtype("u1"), stored, self._path, held=[0])
+        self._at += n_bytes
+        return dtype.newbyteorder(">")
+
+    def _skip_strings(self, n: int) -> None:
+        """Pass over texts: a line each, or each behind its length, whose first two bits say how wide it is."""
+        for _ in range(n):
+            if self._is_text:
+                self._at = self._end_of_line()
+                continue
+            width = (8, 4, 2, 1)[self._content[self._at] >> 6]
+            length = int.from_bytes(self._content[self._at : self._at + width], "big")
+            self._at += width + (length & ((1 << (8 * width - 2)) - 1))
+
+    def _skip_to_empty_line(self) -> None:
+        while self._at < len(self._content) and self._content[self._at : self._end_of_line()].strip():
+            self._at = self._end_of_line()
+
+    def _end_of_line(self) -> int:
+        found = self._content.find(b"\n", self._at, self._at + MOST_LINE_BYTES)
+        return min(found + 1 if found >= 0 else self._at + MOST_LINE_BYTES, len(self._content))
+
+    def _line(self) -> bytes:
+        """The next line that is not empty; empty at the end of the file."""
+        while self._at < len(self._content):
+            begin, self._at = self._at, self._end_of_line()
+            if line := self._content[begin : self._at].strip():
+                return line
+        return b""
+
+    def _words(self, *, peek: bool = False) -> list[str]:
+        """Words of the next line that is not empty, the first of them in capitals."""
+        before = self._at
+        words = self._line().decode("latin-1").split()
+        self._at = before if peek else self._at
+        return [words[0].upper(), *words[1:]] if words else []

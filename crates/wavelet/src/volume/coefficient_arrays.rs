@@ -20,6 +20,8 @@ pub struct CoefficientArrays {
     pub n_levels: usize,
     /// The amplitude below which coefficients were dropped.
     pub threshold: f64,
+    /// Offset, added to the samples that the coefficients stand for.
+    pub offset: f32,
     /// For each block of 8 x 8 x 8 coefficients whether it keeps any, 0 or 1.
     pub has_block: Vec<u8>,
     /// For each block that does eight words, one per slice: a bit per coefficient, x first.
@@ -39,6 +41,7 @@ impl WaveletVolume {
             size: self.plan.size(),
             n_levels: self.plan.n_levels(),
             threshold: self.threshold,
+            offset: self.offset,
             has_block: all().flat_map(|band| &band.blocks).map(|kept_idx| u8::from(*kept_idx != EMPTY)).collect(),
             masks: all().flat_map(|band| &band.kept).flat_map(|block| block.masks).collect(),
             values: all().flat_map(|band| &band.values).copied().collect(),
@@ -49,7 +52,7 @@ impl WaveletVolume {
     /// From plain arrays; says what does not fit together.
     pub fn from_arrays(arrays: CoefficientArrays) -> Result<Self, WaveletError> {
         arrays.check_numbers()?;
-        let CoefficientArrays { family, size, n_levels, threshold, has_block, masks, values, range } = arrays;
+        let CoefficientArrays { family, size, n_levels, threshold, offset, has_block, masks, values, range } = arrays;
         let plan = TransformPlan::new(family, size, Some(n_levels))?;
         let subbands = subbands(&plan);
         check_len("has_block", has_block.len(), subbands.iter().map(|s| blocks_of(&s.ranges).count()).sum())?;
@@ -92,7 +95,14 @@ impl WaveletVolume {
             band
         };
         let bands = bands.into_iter().map(with_values).collect();
-        Ok(Self { plan, threshold, bands, range: range.map_or_else(OnceLock::new, OnceLock::from) })
+        Ok(Self {
+            plan,
+            threshold,
+            offset,
+            psnr_db: None,
+            bands,
+            range: range.map_or_else(OnceLock::new, OnceLock::from),
+        })
     }
 }
 
@@ -100,7 +110,7 @@ impl CoefficientArrays {
     /// Checks all that can be checked before anything of the volume's size is made: what is said of the size may be
     /// wrong.
     fn check_numbers(&self) -> Result<(), WaveletError> {
-        let Self { family, size, n_levels, ref has_block, ref values, range, .. } = *self;
+        let Self { family, size, n_levels, offset, ref has_block, ref values, range, .. } = *self;
         let least = n_samples_of(size)?.div_ceil(BLOCK * BLOCK * BLOCK);
         if least > has_block.len() {
             return Err(WaveletError::TooFewBlocks { size, least, actual: has_block.len() });
@@ -111,6 +121,9 @@ impl CoefficientArrays {
         }
         if let Some((index, &value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
             return Err(WaveletError::NonFiniteCoefficient { index, value });
+        }
+        if !offset.is_finite() {
+            return Err(WaveletError::NonFiniteOffset { offset });
         }
         match range {
             Some([lo, hi]) if !(lo.is_finite() && lo <= hi && hi.is_finite()) => {

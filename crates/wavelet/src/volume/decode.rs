@@ -34,6 +34,8 @@ pub struct CoefficientDecoder {
     /// Low-pass samples of a coarser level that are held in memory, and that level.
     held: Vec<f32>,
     held_level: usize,
+    /// Added to every sample.
+    offset: f32,
 }
 
 impl CoefficientDecoder {
@@ -48,13 +50,15 @@ impl CoefficientDecoder {
         let weights: Vec<f32> = (0..=coarsest).map(weight).collect();
         let mut held = vec![0.0; volume.plan().low_size(coarsest).iter().product()];
         volume.unpack_low(weights[coarsest], &mut held);
-        let mut decoder = Self { volume, weights, level: coarsest, held, held_level: coarsest };
+        let mut decoder = Self { volume, weights, level: coarsest, held, held_level: coarsest, offset: 0.0 };
         while decoder.held_level > level + LEVELS_ABOVE {
             decoder.level = decoder.held_level - 1;
             decoder.held = decoder.all();
             decoder.held_level = decoder.level;
         }
         decoder.level = level;
+        // After the coarser levels, which are held without it.
+        decoder.offset = decoder.volume.weighted_offset(&decoder.weights);
         Ok(decoder)
     }
 
@@ -122,6 +126,9 @@ impl CoefficientDecoder {
         SCRATCH.with_borrow_mut(|scratch| {
             scratch.resize_with(LEVELS_ABOVE + 2, LevelScratch::default);
             self.run(self.level, ranges, scratch);
+            if self.offset != 0.0 {
+                scratch[0].samples.add(self.offset);
+            }
             use_it(&scratch[0].samples)
         })
     }

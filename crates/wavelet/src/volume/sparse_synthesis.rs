@@ -33,6 +33,12 @@ impl DecodedBox {
         &self.values[(z * self.n[1] + y) * self.stride..][..self.n[0]]
     }
 
+    /// Adds a number to all samples.
+    pub fn add(&mut self, offset: f32) {
+        let n = self.stride * self.n[1] * self.n[2];
+        self.values[..n].iter_mut().for_each(|value| *value += offset);
+    }
+
     /// Copies a box out of all samples of a level of `size`.
     pub fn copy(&mut self, all: &[f32], [nx, ny, _]: [usize; 3], ranges: &[Range<usize>; 3]) {
         self.resize([0, 1, 2].map(|a| ranges[a].len()));

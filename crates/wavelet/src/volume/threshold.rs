@@ -88,33 +88,51 @@ pub fn threshold_of_fraction(plan: &TransformPlan, norm: Norm, coefficients: &[f
     f64::from(f32::from_bits(bits))
 }
 
-/// The largest amplitude, to a thousandth, that may be dropped for a PSNR.
-pub fn threshold_of_psnr(plan: &TransformPlan, norm: Norm, coefficients: &[f32], samples: &[f32], psnr_db: f64) -> f64 {
+/// A threshold, and the PSNR of the samples that are left, dB.
+#[derive(Clone, Copy, Debug)]
+pub struct ThresholdOfPsnr {
+    pub threshold: f64,
+    pub psnr_db: f64,
+}
+
+/// The largest amplitude, to a thousandth, that may be dropped for a PSNR; 0, and what that gives, where none may.
+/// `offset`: added to the samples when they are decoded, which rounds them.
+pub fn threshold_of_psnr(
+    plan: &TransformPlan,
+    norm: Norm,
+    coefficients: &[f32],
+    samples: &[f32],
+    offset: f32,
+    psnr_db: f64,
+) -> ThresholdOfPsnr {
     let [lo, hi] = extent::of(samples);
-    let wanted = f64::from(hi - lo).powi(2) * 10.0_f64.powf(-psnr_db / 10.0);
+    let square_range = f64::from(hi - lo).powi(2);
     let mut kept = coefficients.to_vec();
-    let mut reaches = |threshold: f64| {
+    let mut psnr_of = |threshold: f64| {
         kept.copy_from_slice(coefficients);
         drop_below(plan, norm, threshold, &mut kept);
         synthesise(plan, &mut kept);
-        let square: f64 = kept.iter().zip(samples).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-        square <= wanted * samples.len() as f64
+        let error = |(a, b): (&f32, &f32)| f64::from(a + offset) - f64::from(offset) - f64::from(*b);
+        let square: f64 = kept.iter().zip(samples).map(|pair| error(pair).powi(2)).sum();
+        if square == 0.0 { f64::INFINITY } else { 10.0 * (square_range * samples.len() as f64 / square).log10() }
     };
     let largest = over_amplitudes(plan, norm, coefficients, || 0.0_f32, |all, a| *all = all.max(a));
     let largest = largest.into_iter().fold(0.0_f32, f32::max);
     // In the logarithm, since amplitudes span many orders.
     let (mut below, mut above) = (1e-7_f64.ln(), 2.0_f64.ln());
     let threshold = |t: f64| f64::from(largest) * t.exp();
-    if !reaches(threshold(below)) {
-        return 0.0;
+    let mut reached_db = psnr_of(threshold(below));
+    if reached_db < psnr_db {
+        return ThresholdOfPsnr { threshold: 0.0, psnr_db: psnr_of(0.0) };
     }
     for _ in 0..N_BISECTIONS {
         let middle = 0.5 * (below + above);
-        if reaches(threshold(middle)) {
-            below = middle;
+        let found_db = psnr_of(threshold(middle));
+        if found_db >= psnr_db {
+            (below, reached_db) = (middle, found_db);
         } else {
             above = middle;
         }
     }
-    threshold(below)
+    ThresholdOfPsnr { threshold: threshold(below), psnr_db: reached_db }
 }

@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 
 use wavesplat_compute::parallel;
 
+use super::centered::CenteredSamples;
 use super::retained_band::{RetainedBand, subbands};
 use super::threshold::{drop_below, threshold_of_fraction, threshold_of_psnr};
 use crate::error::WaveletError;
@@ -32,6 +33,10 @@ pub enum Keep {
 pub struct WaveletVolume {
     pub(super) plan: TransformPlan,
     pub(super) threshold: f64,
+    /// Added to the samples that the coefficients stand for.
+    pub(super) offset: f32,
+    /// The PSNR of the samples that the coefficients stand for, dB, where it was found: by [`Keep::Psnr`].
+    pub(super) psnr_db: Option<f64>,
     /// In the order of [`subbands`].
     pub(super) bands: Vec<RetainedBand>,
     /// Smallest and largest sample, once they are known.
@@ -40,16 +45,19 @@ pub struct WaveletVolume {
 
 impl WaveletVolume {
     /// Analyses samples `[z][y][x]`, in place, and keeps what is asked for. `n_levels`: as many as there are where
-    /// `None`. Takes no more memory than the samples and what is kept, but for [`Keep::Psnr`], which takes three times the
-    /// samples.
+    /// `None`. Takes no more memory than the samples in f32 and what is kept, but for [`Keep::Psnr`], which takes three
+    /// times the samples.
+    ///
+    /// Fails where a PSNR is asked for that samples in f32 cannot have.
     pub fn new(
         family: WaveletFamily,
         size: [usize; 3],
-        samples: Vec<f32>,
+        samples: impl Into<CenteredSamples>,
         n_levels: Option<usize>,
         norm: Norm,
         keep: Keep,
     ) -> Result<Self, WaveletError> {
+        let CenteredSamples { values: samples, offset, range } = samples.into();
         let (expected, actual) = (n_samples_of(size)?, samples.len());
         if actual != expected {
             return Err(WaveletError::SampleCount { size, expected, actual });
@@ -58,16 +66,24 @@ impl WaveletVolume {
         let wanted = if let Keep::Psnr(_) = keep { samples.clone() } else { Vec::new() };
         let mut coefficients = samples;
         analyse(&plan, &mut coefficients);
-        let threshold = match keep {
-            Keep::Amplitude(threshold) => threshold,
-            Keep::Fraction(fraction) => threshold_of_fraction(&plan, norm, &coefficients, fraction),
-            Keep::Psnr(psnr_db) => threshold_of_psnr(&plan, norm, &coefficients, &wanted, psnr_db),
+        let (threshold, psnr_db) = match keep {
+            Keep::Amplitude(threshold) => (threshold, None),
+            Keep::Fraction(fraction) => (threshold_of_fraction(&plan, norm, &coefficients, fraction), None),
+            Keep::Psnr(psnr_db) => {
+                let found = threshold_of_psnr(&plan, norm, &coefficients, &wanted, offset, psnr_db);
+                // A constant has no range to measure errors by; it comes back to rounding.
+                if found.psnr_db < psnr_db && range[0] < range[1] {
+                    let [lo, hi] = range;
+                    return Err(WaveletError::PsnrOutOfReach { psnr_db, reached_db: found.psnr_db, lo, hi });
+                }
+                (found.threshold, Some(found.psnr_db))
+            }
         };
         drop(wanted);
         drop_below(&plan, norm, threshold, &mut coefficients);
         let subbands = subbands(&plan);
         let bands = parallel::map(subbands.len(), |b| RetainedBand::new(subbands[b].clone(), &coefficients, size));
-        Ok(Self { plan, threshold, bands, range: OnceLock::new() })
+        Ok(Self { plan, threshold, offset, psnr_db, bands, range: OnceLock::new() })
     }
 
     /// The transform: family, size, levels.
@@ -78,6 +94,17 @@ impl WaveletVolume {
     /// The amplitude below which coefficients were dropped.
     pub fn threshold(&self) -> f64 {
         self.threshold
+    }
+
+    /// Offset, added to the samples that the coefficients stand for, times the weight of the coarsest low-pass box.
+    pub fn offset(&self) -> f32 {
+        self.offset
+    }
+
+    /// The PSNR that [`Keep::Psnr`] found, dB; infinite where the samples come back exactly. `None` for other rules, and
+    /// of volumes made [from arrays](WaveletVolume::from_arrays).
+    pub fn psnr_db(&self) -> Option<f64> {
+        self.psnr_db
     }
 
     /// Smallest and largest sample that the coefficients stand for, found by `find` once.
@@ -105,7 +132,8 @@ impl WaveletVolume {
     }
 
     /// All coefficients in the layout of the plan, zeros where nothing is kept. `weights`: a factor for each level's
-    /// details, the finest first, and for the coarsest low-pass box; those beyond the slice are 1.
+    /// details, the finest first, and for the coarsest low-pass box; those beyond the slice are 1. They stand for the
+    /// samples less the [offset](WaveletVolume::offset).
     pub fn coefficients(&self, weights: &[f32]) -> Vec<f32> {
         let mut coefficients = vec![0.0; self.plan.n_samples()];
         for band in &self.bands {
@@ -134,6 +162,11 @@ impl WaveletVolume {
         }
     }
 
+    /// Offset of the samples of any level with these weights: low-pass coefficients of a constant are that constant.
+    pub(crate) fn weighted_offset(&self, weights: &[f32]) -> f32 {
+        self.offset * weights.get(self.plan.n_levels()).copied().unwrap_or(1.0)
+    }
+
     /// Writes the coarsest low-pass box, times `weight`, `[z][y][x]`, at its own size.
     pub(crate) fn unpack_low(&self, weight: f32, low: &mut [f32]) {
         let coarsest = self.plan.n_levels();
@@ -147,6 +180,10 @@ impl WaveletVolume {
     pub fn to_samples(&self, weights: &[f32]) -> Vec<f32> {
         let mut samples = self.coefficients(weights);
         synthesise(&self.plan, &mut samples);
+        let offset = self.weighted_offset(weights);
+        if offset != 0.0 {
+            samples.iter_mut().for_each(|sample| *sample += offset);
+        }
         samples
     }
 }

@@ -43,7 +43,7 @@ impl Bytes<'_> {
 static SOUND: LazyLock<Vec<CoefficientArrays>> = LazyLock::new(|| {
     let sizes = [[11, 9, 10], [17, 1, 2], [1, 1, 1], [8, 16, 5]];
     let volume = |family, size: [usize; 3]| {
-        let samples = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
+        let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
         let keep = Keep::Fraction(0.3);
         WaveletVolume::new(family, size, samples, None, Norm::L2, keep).expect("a sound volume").to_arrays()
     };
@@ -67,8 +67,8 @@ pub fn damaged(bytes: &mut Bytes) -> CoefficientArrays {
 }
 
 fn damage(arrays: &mut CoefficientArrays, bytes: &mut Bytes) {
-    let CoefficientArrays { family, size, n_levels, threshold, has_block, masks, values, range } = arrays;
-    match bytes.byte() % 12 {
+    let CoefficientArrays { family, size, n_levels, threshold, offset, has_block, masks, values, range } = arrays;
+    match bytes.byte() % 13 {
         0 => *family = WaveletFamily::NAMES[bytes.below(7)].1,
         1 => size[bytes.below(3)] = bytes.length(),
         2 => *n_levels = bytes.length(),
@@ -79,7 +79,8 @@ fn damage(arrays: &mut CoefficientArrays, bytes: &mut Bytes) {
         7 => change(masks, bytes, |mask, bytes| mask ^ 1 << (bytes.byte() % 64)),
         8 => change(masks, bytes, |_, bytes| bytes.word()),
         9 => change(values, bytes, |_, bytes| bytes.float()),
-        10 => has_block.resize(bytes.below(600), 1),
+        10 => *offset = bytes.float(),
+        11 => has_block.resize(bytes.below(600), 1),
         _ => {
             masks.resize(bytes.below(1200), u64::MAX);
             values.truncate(bytes.below(2000));

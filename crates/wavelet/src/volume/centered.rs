@@ -1,0 +1,50 @@
+//! Samples about an offset: what is transformed, so that samples far from 0 keep their digits.
+//!
+//! A transform in f32 rounds to about 1e-7 of the largest sample, whatever the range: of samples from 10 000 to 10 001
+//! it would leave errors of a thousandth. So their middle is taken off first, in f64, and added to what is decoded.
+
+use wavesplat_core::{Sample as _, Samples, Statistics, with_samples};
+
+/// An offset is taken off where the largest sample is more than this many ranges from 0. Elsewhere it would win less than
+/// three bits, and lose the zeros of empty space, which cost no coefficients.
+const MIN_DISTANCE: f64 = 8.0;
+
+/// Samples less an offset, and that offset.
+#[derive(Clone, Debug)]
+pub struct CenteredSamples {
+    pub(super) values: Vec<f32>,
+    /// An f32, so that `offset + value` in f32 is the nearest one to the exact sum.
+    pub(super) offset: f32,
+    /// Smallest and largest sample, before.
+    pub(super) range: [f64; 2],
+}
+
+fn offset_of([lo, hi]: [f64; 2]) -> f32 {
+    if lo.abs().max(hi.abs()) > MIN_DISTANCE * (hi - lo) { (0.5 * (lo + hi)) as f32 } else { 0.0 }
+}
+
+impl From<Samples<'_>> for CenteredSamples {
+    fn from(samples: Samples<'_>) -> Self {
+        let Statistics { min, max, .. } = Statistics::of(&samples);
+        let range = [min, max];
+        let offset = offset_of(range);
+        let values = if offset == 0.0 {
+            samples.to_f32()
+        } else {
+            with_samples!(samples, s => s.iter().map(|s| (s.to_f64() - f64::from(offset)) as f32).collect())
+        };
+        Self { values, offset, range }
+    }
+}
+
+impl From<Vec<f32>> for CenteredSamples {
+    fn from(mut values: Vec<f32>) -> Self {
+        let Statistics { min, max, .. } = Statistics::of(&Samples::F32(&values));
+        let range = [min, max];
+        let offset = offset_of(range);
+        if offset != 0.0 {
+            values.iter_mut().for_each(|value| *value = (f64::from(*value) - f64::from(offset)) as f32);
+        }
+        Self { values, offset, range }
+    }
+}

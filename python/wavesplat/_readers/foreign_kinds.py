@@ -1,0 +1,107 @@
+"""Files of kinds that Wavesplat does not read: what they hold, and the way to a volume, for error messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wavesplat._readers.vtk_arrays import other_grid
+from wavesplat.errors import FileError
+
+__all__ = ["foreign_content", "foreign_kind"]
+
+BY_OME = "export it as OME-TIFF or OME-Zarr, as with Fiji or bioformats2raw, or give its array to wavesplat.Volume"
+BY_NIBABEL = "give wavesplat.Volume(nibabel.load(path))"
+BY_SITK = "give wavesplat.Volume(SimpleITK.ReadImage(path))"
+BY_XARRAY = "give wavesplat.Volume(xarray.open_dataset(path)[name])"
+UNPACK = "unpack it first"
+
+#: Suffix -> what the file holds, and the way.
+BY_SUFFIX = {
+    ".czi": ("an image of Zeiss' microscopes", BY_OME),
+    **dict.fromkeys((".lif", ".lof", ".xlef"), ("images of Leica's microscopes", BY_OME)),
+    ".nd2": ("an image of Nikon's microscopes", BY_OME),
+    **dict.fromkeys((".oib", ".oif", ".oir", ".vsi"), ("an image of Olympus' microscopes", BY_OME)),
+    **dict.fromkeys((".ics", ".ids", ".sld", ".dv", ".r3d"), ("an image of a microscope", BY_OME)),
+    **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), ("netCDF", BY_XARRAY)),
+    **dict.fromkeys((".grib", ".grb", ".grib2", ".grb2"), ("weather data (GRIB)", BY_XARRAY)),
+    **dict.fromkeys((".mnc", ".mnc2"), ("a MINC image", BY_NIBABEL)),
+    **dict.fromkeys((".head", ".brik", ".par", ".rec"), ("an image of AFNI or Philips", BY_NIBABEL)),
+    ".gipl": ("an image that ITK reads", BY_SITK),
+    **dict.fromkeys(
+        (".mrc", ".map", ".ccp4"), ("an MRC map", "give wavesplat.Volume(mrcfile.read(path), spacing=...)")
+    ),
+    **dict.fromkeys(
+        (".segy", ".sgy"),
+        ("seismic traces (SEG-Y)", "give their cube, as segyio.tools.cube(path), to wavesplat.Volume"),
+    ),
+    ".cube": ("a Gaussian cube", "give its array, as ase.io.cube reads it, to wavesplat.Volume"),
+    ".gii": ("a surface (GIFTI)", "name the image that it was made from"),
+    **dict.fromkeys((".stl", ".obj", ".ply", ".glb", ".gltf"), ("a mesh", "name the image that it was made from")),
+    **dict.fromkeys((".zip", ".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
+    **dict.fromkeys((".gz", ".bz2", ".xz", ".zst"), ("packed bytes", UNPACK)),
+    **dict.fromkeys(
+        (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".webp"),
+        ("one picture", "a volume is a folder of TIFF or DICOM slices, or one file of a stack"),
+    ),
+}
+#: Suffixes of VTK's other files, and the name of their type.
+OF_VTK = {
+    ".vtr": "RectilinearGrid",
+    ".vts": "StructuredGrid",
+    ".vtu": "UnstructuredGrid",
+    ".vtp": "PolyData",
+    ".pvti": "PImageData",
+    ".pvtr": "PRectilinearGrid",
+    ".pvts": "PStructuredGrid",
+    ".pvtu": "PUnstructuredGrid",
+    ".pvtp": "PPolyData",
+    ".vtm": "MultiBlock",
+    ".vtmb": "MultiBlock",
+    ".vthb": "OverlappingAMR",
+    ".htg": "HyperTreeGrid",
+    ".pvd": "Collection",
+    ".vtkhdf": "VTKHDF",
+}
+#: First bytes -> what the file holds, and the way. Nothing that is read begins so, but packed files under their names.
+BY_CONTENT = {
+    b"CDF\1": ("netCDF", BY_XARRAY),
+    b"CDF\2": ("netCDF", BY_XARRAY),
+    b"CDF\5": ("netCDF", BY_XARRAY),
+    b"\x89PNG": ("a PNG picture", "name the volume itself"),
+    b"\xff\xd8\xff": ("a JPEG picture", "name the volume itself"),
+    b"PK\3\4": ("a zip archive", UNPACK),
+    b"\x1f\x8b": ("bytes packed by gzip", "unpack it, or give it a name that ends in .gz if it is NIfTI"),
+    b"BZh": ("bytes packed by bzip2", UNPACK),
+    b"\xfd7zXZ\0": ("bytes packed by xz", UNPACK),
+    b"\x28\xb5\x2f\xfd": ("bytes packed by Zstandard", UNPACK),
+    b"%PDF": ("a PDF", "name the volume itself"),
+    b"version https://git-lfs": ("a pointer of Git LFS, not the file itself", "fetch it with: git lfs pull"),
+    b"/annex/objects": ("a pointer of git-annex, not the file itself", "fetch it with: git annex get"),
+    b"<!doctype html": ("a web page, as of a failed download", "download the file again"),
+    b"<html": ("a web page, as of a failed download", "download the file again"),
+}
+#: Suffixes whose files may begin with such bytes: archives, packed streams, and samples without a header.
+MAY_BE_OURS = (".npz", ".gz", ".mgz", ".img", ".raw", ".bin")
+
+
+def foreign_kind(path: Path) -> FileError | None:
+    """The error that tells of a file by its suffix; None where nothing is known of it."""
+    name = path.name.lower()
+    for suffix, kind in OF_VTK.items():
+        if name.endswith(suffix):
+            return other_grid(kind, path)
+    for suffix, (what, way) in BY_SUFFIX.items():
+        if name.endswith(suffix):
+            return FileError(f"the file holds {what}, which wavesplat does not read; {way}: {path}")
+    return None
+
+
+def foreign_content(path: Path, start: bytes) -> FileError | None:
+    """The error that tells of a file by its first bytes, whatever its name says; None where they may be ours."""
+    if path.name.lower().endswith(MAY_BE_OURS):
+        return None
+    head = start.lstrip().lower() if start[:1] in b" \t\r\n<" else start
+    for magic, (what, way) in BY_CONTENT.items():
+        if head.startswith(magic):
+            return FileError(f"the file holds {what}, which is no volume; {way}: {path}")
+    return None

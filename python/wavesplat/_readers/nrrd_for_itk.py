@@ -1,0 +1,228 @@
+"""NRRD files that ITK cannot read as they are, and the header that it is given instead.
+
+An axis of time, or of an unnamed kind, beside three whose place in space is given: ITK takes it for one of space, and
+refuses the file, or takes the wrong one for time. An axis of kind "list" is that of the components of a sample for ITK,
+wherever it stands; so it is handed a header that says so. Samples packed by bzip2: ITK is built without it; they are
+unpacked into a temporary file. A list of files whose last line has no end: ITK leaves that file out.
+A name with a percent sign: ITK takes it for a pattern of names.
+
+Format: https://teem.sourceforge.net/nrrd/format.html.
+"""
+
+from __future__ import annotations
+
+import bz2
+import os
+import re
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from wavesplat._files import payload
+from wavesplat.errors import FileError
+
+__all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "listed_axis", "skip_lines"]
+
+MOST_HEADER_BYTES = 1 << 24
+BLOCK_BYTES = 1 << 20
+#: How a field of the format begins, and not a key of the same name (`kinds:=...`).
+FIELD = r"(?i)^[ \t]*{}[ \t]*:(?!=)"
+#: Fields that say where the samples are; "LIST" is followed by lines of names.
+OF_PLACES = ("data ?file", "line ?skip", "byte ?skip")
+#: Kinds that say nothing.
+UNSAID = ("???", "none")
+#: The format's names of a type, without blanks -> NumPy's.
+TYPES = {
+    **dict.fromkeys(("signedchar", "int8", "int8_t"), "i1"),
+    **dict.fromkeys(("uchar", "unsignedchar", "uint8", "uint8_t"), "u1"),
+    **dict.fromkeys(("short", "shortint", "signedshort", "signedshortint", "int16", "int16_t"), "i2"),
+    **dict.fromkeys(("ushort", "unsignedshort", "unsignedshortint", "uint16", "uint16_t"), "u2"),
+    **dict.fromkeys(("int", "signedint", "int32", "int32_t"), "i4"),
+    **dict.fromkeys(("uint", "unsignedint", "uint32", "uint32_t"), "u4"),
+    **dict.fromkeys(("longlong", "longlongint", "signedlonglong", "signedlonglongint", "int64", "int64_t"), "i8"),
+    **dict.fromkeys(("ulonglong", "unsignedlonglong", "unsignedlonglongint", "uint64", "uint64_t"), "u8"),
+    "float": "f4",
+    "double": "f8",
+}
+
+
+@dataclass(frozen=True)
+class ListedAxis:
+    """An axis beside three of space: its place among all, the fastest first, its size, and whether its kind is said."""
+
+    number: int
+    size: int
+    is_said: bool
+
+
+def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
+    """The one of four axes that is none of space: of kind time or list, or without a kind and a direction.
+
+    A space such as RAS-time has times as its fourth axis, and ITK does as well.
+    """
+    sizes, kinds = fields.get("sizes", "").split(), fields.get("kinds", "").lower().split()
+    if len(sizes) != 4 or fields.get("space", "").lower().endswith("-time"):
+        return None
+    for kind in ("time", "list"):
+        if len(kinds) == 4 and kinds.count(kind) == 1:
+            return ListedAxis(kinds.index(kind), int(sizes[kinds.index(kind)]), is_said=True)
+    # Vectors are "(1,0,0)", also with blanks in them.
+    directions = re.findall(r"\([^)]*\)|none", fields.get("space directions", "").lower())
+    if len(directions) != 4 or directions.count("none") != 1:
+        return None
+    number = directions.index("none")
+    if len(kinds) == 4 and kinds[number] not in UNSAID:
+        return None
+    return ListedAxis(number, int(sizes[number]), is_said=False)
+
+
+def is_bzip2(fields: dict[str, str]) -> bool:
+    """Whether the samples are packed by bzip2."""
+    return fields.get("encoding", "").lower() in ("bzip2", "bz2")
+
+
+@contextmanager
+def header_for_itk(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int]]) -> Iterator[Path]:
+    """The file for ITK: itself, or another header, for as long as it is read.
+
+    places : the files that hold the samples, each with the bytes before them.
+    """
+    axis = listed_axis(fields)
+    is_listed = axis is None or fields.get("kinds", "").lower().split()[axis.number : axis.number + 1] == ["list"]
+    if is_listed and not (is_bzip2(fields) or _is_cut_list(path, fields) or _has_percent(fields, places)):
+        yield path
+        return
+    lines = _header_lines(path)
+    # The empty line ends the header.
+    n_lines = len(lines) + 1
+    if axis is not None:
+        kinds = fields.get("kinds", "").split()
+        kinds = kinds if len(kinds) == 4 else ["domain"] * 4
+        kinds[axis.number] = "list"
+        _replace(lines, "kinds", [f"kinds: {' '.join(kinds)}"])
+    with tempfile.TemporaryDirectory() as made:
+        if is_bzip2(fields):
+            samples = Path(made) / "samples.raw"
+            _unpack(path, fields, places, samples)
+            _replace(lines, "encoding", ["encoding: raw"])
+            _replace_places(lines, [f"data file: {samples}"])
+        else:
+            _replace_places(lines, _places_of(path, fields, places, n_lines))
+        header = Path(made) / "header.nhdr"
+        header.write_text("\n".join(lines) + "\n", encoding="utf-8", errors="surrogateescape", newline="\n")
+        yield header
+
+
+def _is_cut_list(path: Path, fields: dict[str, str]) -> bool:
+    """Whether a list of files ends without a line end: ITK would leave out the last of them."""
+    if not fields.get("data file", fields.get("datafile", "")).upper().startswith("LIST"):
+        return False
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read(1) != b"\n"
+
+
+def _has_percent(fields: dict[str, str], places: Sequence[tuple[Path, int]]) -> bool:
+    """Whether the one file that holds the samples has a percent sign in its name: ITK takes that for a pattern."""
+    named = fields.get("data file", fields.get("datafile", ""))
+    return "%" in named and len(places) == 1 and places[0][0].name == Path(named).name
+
+
+def _header_lines(path: Path) -> list[str]:
+    """Lines before the empty one, without line ends; names in a list of files are among them."""
+    lines = []
+    with path.open("rb") as file:
+        while (line := file.readline(MOST_HEADER_BYTES)) and (text := line.rstrip(b"\r\n")):
+            lines.append(text.decode("utf-8", "surrogateescape"))
+    return lines
+
+
+def _replace(lines: list[str], name: str, new: list[str]) -> None:
+    """Put other lines where a field is, or behind the sizes, which fields of axes have to follow."""
+    at = _line_of(lines, name)
+    first, last = (at, at + 1) if at is not None else ((_line_of(lines, "sizes") or 0) + 1,) * 2
+    lines[first:last] = new
+
+
+def _line_of(lines: list[str], name: str) -> int | None:
+    return next((number for number, line in enumerate(lines) if re.match(FIELD.format(name), line)), None)
+
+
+def _replace_places(lines: list[str], new: list[str]) -> None:
+    """Say anew where the samples are, at the end of the header, where a list of files has to be."""
+    for name in OF_PLACES:
+        at = _line_of(lines, name)
+        if at is not None:
+            is_list = lines[at].partition(":")[2].strip().upper().startswith("LIST")
+            del lines[at : None if is_list else at + 1]
+    lines += new
+
+
+def _places_of(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
+    """Fields of places for a header elsewhere: the same files, by their whole names. `n_lines`: of the header."""
+    line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
+    byte_skip = fields.get("byte skip", fields.get("byteskip"))
+    named = fields.get("data file", fields.get("datafile"))
+    if named is None:
+        line_skip += n_lines
+    skips = [f"line skip: {line_skip}"] * (line_skip > 0) + [f"byte skip: {byte_skip}"] * (byte_skip is not None)
+    files = [str(file.absolute()) for file, _ in places]
+    if named is not None and "%" in files[0] and len(files) == 1:
+        # In a list names are no patterns. It holds all axes.
+        return [*skips, f"data file: LIST {len(fields['sizes'].split())}", *files]
+    if named is None or len(files) == 1:
+        return [*skips, f"data file: {files[0] if named is not None else path.absolute()}"]
+    # How many axes a file holds is said behind the word LIST, or behind first, last and step of a pattern.
+    words = named.split()
+    n_axes = words[1:2] if words[0].upper() == "LIST" else words[4:5]
+    return [*skips, " ".join(["data file: LIST", *n_axes]), *files]
+
+
+def _unpack(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int]], target: Path) -> None:
+    """Write the samples of all files into one, without what is skipped in each: lines, and bytes once unpacked."""
+    name = "".join(fields.get("type", "").lower().split())
+    if name not in TYPES:
+        raise FileError(f"samples of type {fields.get('type', 'unknown')!r} cannot be drawn; write numbers: {path}")
+    shape = [int(n) for n in fields.get("sizes", "").split()]
+    stored = sum(max(file.stat().st_size - offset, 0) for file, offset in places)
+    payload.check_stored(shape, np.dtype(TYPES[name]), stored, path, ratio=payload.ANY_RATIO)
+    line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
+    byte_skip = int(fields.get("byte skip", fields.get("byteskip", 0)))
+    if byte_skip < 0:
+        raise FileError(f"a byte skip of {byte_skip} beside encoding bzip2; write how many bytes to skip: {path}")
+    needed = prod(shape) * np.dtype(TYPES[name]).itemsize // max(len(places), 1)
+    with target.open("wb") as out:
+        for file, offset in places:
+            with file.open("rb") as packed:
+                packed.seek(offset)
+                skip_lines(packed, line_skip)
+                n_written = _unpack_stream(packed, out, byte_skip, needed)
+            if n_written < needed:
+                raise FileError(
+                    f"truncated, or a wrong header: the samples need {needed} bytes of {file.name}, {n_written} are "
+                    f"packed; copy or export it again: {path}"
+                )
+
+
+def _unpack_stream(packed: BinaryIO, out: BinaryIO, skipped: int, needed: int) -> int:
+    """Unpack so many bytes, after some that are left out; to the end, where the checksum is. How many there were."""
+    n_written = 0
+    with bz2.open(packed) as stream:
+        while block := stream.read(BLOCK_BYTES):
+            part = block[skipped:]
+            skipped -= len(block) - len(part)
+            n_written += out.write(part[: needed - n_written])
+    return n_written
+
+
+def skip_lines(file: BinaryIO, n: int) -> None:
+    """Read past so many lines."""
+    for _ in range(n):
+        if not file.readline(MOST_HEADER_BYTES):
+            return

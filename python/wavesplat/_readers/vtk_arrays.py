@@ -1,0 +1,66 @@
+"""Arrays of VTK's images, legacy and XML: which of them is drawn, and where its samples lie."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wavesplat._readers.request import Request, several
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["chosen", "other_grid", "world_from_index"]
+
+#: VTK's names of data that are no image -> ours.
+GRIDS = {
+    "RECTILINEARGRID": "a rectilinear grid, whose samples may be unevenly spaced",
+    "STRUCTUREDGRID": "a structured grid, whose samples lie on curves",
+    "UNSTRUCTUREDGRID": "an unstructured grid",
+    "POLYDATA": "a mesh of surfaces or lines",
+    "HYPERTREEGRID": "a tree of cells",
+    "OVERLAPPINGAMR": "levels of an adaptive mesh",
+    "MULTIBLOCKDATASET": "several blocks",
+    "MULTIBLOCK": "several blocks",
+}
+
+
+def chosen(names: Sequence[str], scalars: Sequence[str], request: Request) -> int:
+    """The number of the array that is asked for, else of the first of the scalars, else of the only one."""
+    listed = ", ".join(names) or "none"
+    if request.dataset is not None:
+        if request.dataset not in names:
+            raise ArgumentError(f"no array {request.dataset!r}; the file holds {listed}: {request.path}")
+        return list(names).index(request.dataset)
+    named = [name for name in scalars if name in names]
+    if named or len(names) == 1:
+        return list(names).index(named[0]) if named else 0
+    message = f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
+    raise several(message, "dataset", names)
+
+
+def world_from_index(
+    direction: ArrayLike, spacing: ArrayLike, origin: ArrayLike, first: ArrayLike, *, of_cells: bool
+) -> NDArray[np.float64]:
+    """The affine of an image whose samples begin at point `first`. Cells have their samples in their middles."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(np.asarray(direction, np.float64), (3, 3)) * np.asarray(spacing, np.float64)
+    begin = np.asarray(first, np.float64) + (0.5 if of_cells else 0.0)
+    matrix[:3, 3] = np.asarray(origin, np.float64) + matrix[:3, :3] @ begin
+    return matrix
+
+
+def other_grid(kind: str, path: object) -> FileError:
+    """The error that tells of a sound file of VTK that holds no image."""
+    is_parallel = kind.upper().startswith("P") and kind.upper() != "POLYDATA"
+    name = kind.upper().replace("_", "").removeprefix("VTK")
+    held = GRIDS.get(name.removeprefix("P") if is_parallel else name)
+    held = f"{held} ({kind})" if held else f"VTK's {kind or 'data of an unnamed kind'}"
+    if name == "PIMAGEDATA":
+        return FileError(
+            f"the file names pieces of an image ({kind}) without samples; open one of them, or write one .vti: {path}"
+        )
+    return FileError(
+        f"the file holds {held}, not an image of evenly spaced samples; resample it to one, as with "
+        f"pyvista.ImageData(dimensions=..., spacing=..., origin=...).sample(pyvista.read(path)): {path}"
+    )

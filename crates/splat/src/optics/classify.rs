@@ -26,10 +26,6 @@ const ENTRIES_PER_SEGMENT: f64 = 16.0;
 /// Share of the extent of the nodes by which a table begins before a step at the first of them: some entries.
 const BEFORE_STEP: f64 = 4.0 / MIN_ENTRIES as f64;
 
-/// Densities are taken to need at least so many samples from the least to the greatest: what changes faster is an edge,
-/// which few texels see.
-const MIN_SAMPLES_ACROSS: f64 = 8.0;
-
 /// A transfer function tabulated over densities.
 #[derive(Clone, Debug)]
 pub struct Classifier {
@@ -47,8 +43,8 @@ pub struct Classifier {
     /// `visible[i]`: how many of the places before `i` have an opacity, where the places are entry 0, the cell from it to
     /// entry 1, entry 1, and so on.
     visible: Vec<u32>,
-    /// How far densities may change from sheet to sheet, as [`Classifier::missed`] takes it.
-    step: f32,
+    /// Least and largest density of the samples.
+    pub(super) range: [f32; 2],
 }
 
 /// A transfer function as plain arrays, linear between their entries: what another backend takes.
@@ -158,8 +154,7 @@ impl Classifier {
         let segments = segment_table(&integrals, depth, &seen, density);
         let (lo, hi) = (lo as f32, hi as f32);
         let per_density = (1.0 / step) as f32;
-        let step = ((max - min) / MIN_SAMPLES_ACROSS) as f32;
-        Self { table, segments, lo, hi, per_density, visible_range, only_color, visible, step }
+        Self { table, segments, lo, hi, per_density, visible_range, only_color, visible, range }
     }
 
     /// How much associated colour and opacity of a slab change in all from the least density to the greatest.
@@ -177,42 +172,6 @@ impl Classifier {
             before = own;
         }
         variation
-    }
-
-    /// How much opacity at most is missed, or is too much, where a slab gets the mean of what is on the sheets before and
-    /// behind it in place of what is between them: thin peaks, thin gaps and steps. `slab_thickness`: in `opacity_unit`s.
-    pub fn missed(&self, slab_thickness: f64) -> f32 {
-        let n = self.table.len() - 2;
-        let (lo, step) = (f64::from(self.lo), f64::from(self.step));
-        let per_density = f64::from(self.per_density);
-        let cell = 1.0 / per_density;
-        let ends = [self.segments[0], self.segments[n]].map(|[integral, _, _, depth]| [integral, depth].map(f64::from));
-        // Integral and optical depth of a density.
-        let at = |density: f64| {
-            let position = (density - lo) * per_density;
-            if position < 0.0 {
-                return [ends[0][0] + position * cell * ends[0][1], ends[0][1]];
-            }
-            if position >= n as f64 {
-                return [ends[1][0] + (position - n as f64) * cell * ends[1][1], ends[1][1]];
-            }
-            let (k, t) = (position as usize, position.fract());
-            let between = |a: f32, b: f32| f64::from(a) + (f64::from(b) - f64::from(a)) * t;
-            [
-                between(self.segments[k][0], self.segments[k + 1][0]),
-                between(self.segments[k][3], self.segments[k + 1][3]),
-            ]
-        };
-        let opacity = |depth: f64| -(-depth * slab_thickness).exp_m1();
-        let missed = |from: f64, to: f64| {
-            let ([before, near], [after, far]) = (at(from), at(to));
-            (opacity(0.5 * (near + far)) - opacity((after - before) / (to - from))).abs()
-        };
-        if step <= 0.0 {
-            return 0.0;
-        }
-        let densities = (0..=n).map(|i| lo + i as f64 * cell);
-        densities.map(|d| missed(d, d + step).max(missed(d - step, d))).fold(0.0, f64::max) as f32
     }
 
     /// The tables as plain arrays.
@@ -427,24 +386,6 @@ mod tests {
             assert!((f64::from(weight) / (6e-6 * mean) - 1.0).abs() < 0.02, "{top}: {weight}");
             assert!((passage.first[0] - 0.5).abs() < 0.01 && (passage.last[0] - 0.5).abs() < 0.01);
         }
-    }
-
-    #[test]
-    fn sheets_miss_thin_peaks_gaps_and_steps_and_no_ramps() {
-        let missed = |nodes: &[(f64, f64)]| classifier(nodes, [0.0, 100.0]).1.missed(0.5);
-        for thin in [
-            &[(49.0, 0.0), (50.0, 0.1), (51.0, 0.0)][..],
-            &[(49.99, 0.0), (50.0, 0.1), (50.01, 0.0)],
-            &[(0.0, 0.1), (49.0, 0.1), (50.0, 0.0), (51.0, 0.1), (100.0, 0.1)],
-            &[(50.0, 0.0), (50.0, 0.1), (100.0, 0.1)],
-        ] {
-            assert!(missed(thin) > 0.02, "{thin:?}: {}", missed(thin));
-        }
-        for wide in [&[(0.0, 0.0), (100.0, 0.2)][..], &[(30.0, 0.0), (60.0, 0.05), (100.0, 0.2)], &[(0.0, 0.9)]] {
-            assert!(missed(wide) < 0.006, "{wide:?}: {}", missed(wide));
-        }
-        // As little as there is of it.
-        assert!(missed(&[(49.0, 0.0), (50.0, 0.01), (51.0, 0.0)]) < 0.006);
     }
 
     /// A passage is the mean of many look-ups, and begins and ends where they see something.

@@ -1,13 +1,13 @@
 """Random transfer functions against arithmetic; `make random-functions` runs this.
 
-Values grow evenly along every ray, so that the opacity of a pixel is 1 - exp(-integral of -ln(1 - a)), which has a closed
-form between the nodes of a curve a, and its colour is a sum over values. The functions have peaks, steps, combs, shells,
-plateaus and gaps, faint, strong and of opacity 1, down to a thousandth of the range of values wide. Each is drawn at
-every quality, on a random number of slices, from a random angle, per random length. `--balls` draws as many more on a
-ball, against `wavesplat.reference.raycast` with many rays.
+Values grow evenly along every ray, so that the opacity of a pixel is 1 - exp(-integral of -ln(1 - a)), which has a
+closed form between the nodes of a curve a, and its colour is a sum over values. The functions have peaks, steps, combs,
+shells, plateaus and gaps, faint, strong and of opacity 1, down to a thousandth of the range of values wide. Each is
+drawn at every quality, with a random number of slices, from a random angle, with opacities per random length. `--balls`
+draws so many more functions on a ball, against `wavesplat.reference.raycast` with many rays.
 
-The table has mean and largest errors in grey levels of 255. Exit code 1 if an error is larger than its quality allows, or
-a better quality is worse. The same `--seed` gives the same functions.
+The table has mean and largest errors in grey levels of 255. Exit code 1 if an error is larger than its quality allows,
+or a better quality is worse. The same `--seed` gives the same functions.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -18,6 +18,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -95,9 +96,7 @@ class Case:
         length = (self.n_slices - 1) / math.cos(math.radians(self.tilt_deg)) / (self.unit or 1.0)
         nodes = sorted({0.0, RANGE, *(v for v, *_ in self.opacity), *(v for v, *_ in self.color)})
         inside = [node for node in nodes if 0 <= node <= RANGE]
-        edges = np.unique(
-            np.concatenate([np.linspace(a, b, STEPS + 1) for a, b in zip(inside, inside[1:], strict=False)])
-        )
+        edges = np.unique(np.concatenate([np.linspace(a, b, STEPS + 1) for a, b in pairwise(inside)]))
         sums = np.array([depth_up_to(self.opacity, value) for value in edges])
         # The eye is on the side of the largest value.
         depths = (np.diff(sums) * length / RANGE)[::-1]
@@ -112,7 +111,7 @@ def depth_up_to(curve: Curve, value: float) -> float:
     nodes = [(-1e3, curve[0][1]), *curve, (1e4, curve[-1][1])]
     return sum(
         part(*between((v0, a0), (v1, a1), max(v0, 0.0), min(v1, value)))
-        for (v0, a0), (v1, a1) in zip(nodes, nodes[1:], strict=False)
+        for (v0, a0), (v1, a1) in pairwise(nodes)
         if max(v0, 0.0) < min(v1, value)
     )
 
@@ -137,7 +136,7 @@ def part(width: float, a: float, b: float) -> float:
 
 
 def x_log_x(x: float) -> float:
-    """x ln x, and its limit at 0."""
+    """Return x ln x, and its limit at 0."""
     return x * math.log(x) if x > 0 else 0.0
 
 
@@ -204,7 +203,7 @@ KINDS: dict[str, Callable[[np.random.Generator, float], Curve]] = {
 
 
 def cases(seed: int, n: int) -> Iterator[Case]:
-    """Random functions, each kind as often as the others; of every three one is faint, one strong, one has opacity 1."""
+    """Random functions, each kind as often as the others; a third is faint, a third strong, a third has opacity 1."""
     rng = np.random.default_rng(seed)
     for k in range(n):
         kind = list(KINDS)[k % len(KINDS)]
@@ -238,9 +237,10 @@ class Errors:
                 yield f"quality {quality}: the opacity is off by {self.opacity[quality]:.1f} grey levels"
             if self.color[quality] > of_color:
                 yield f"quality {quality}: the colour is off by {self.color[quality]:.1f} grey levels"
-        for worse, better in zip(QUALITIES, QUALITIES[1:], strict=False):
+        for worse, better in pairwise(QUALITIES):
             if self.opacity[better] > self.opacity[worse] + MARGIN:
-                yield f"the opacity is off by {self.opacity[better]:.1f} at {better}, {self.opacity[worse]:.1f} at {worse}"
+                levels = f"{self.opacity[better]:.1f} at {better}, {self.opacity[worse]:.1f} at {worse}"
+                yield f"the opacity is off by {levels}"
 
 
 def measured(case: Case) -> Errors:
@@ -300,7 +300,7 @@ def main() -> int:
     for case in cases(arguments.seed + 1_000_000, arguments.balls):
         psnr_db = ball_psnr_db(case)
         text = ", ".join(f"{quality} {value:.1f} dB" for quality, value in psnr_db.items())
-        falls = any(psnr_db[b] < psnr_db[a] - MARGIN_DB for a, b in zip(QUALITIES, QUALITIES[1:], strict=False))
+        falls = any(psnr_db[b] < psnr_db[a] - MARGIN_DB for a, b in pairwise(QUALITIES))
         n_wrong += falls
         print(
             f"ball, {case.kind}: {text}{', better is worse' if falls else ''}"

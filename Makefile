@@ -6,6 +6,9 @@ OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
 FUZZ_SECONDS ?= 60
+SEED ?= 1
+N ?= 400
+BALLS ?= 3
 WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
 ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
@@ -24,7 +27,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality random-functions looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -46,6 +49,9 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
+
+random-functions: $(STAMPS)/package ## draw N random transfer functions at every quality and compare with arithmetic; SEED=1 N=400 BALLS=3
+	python studies/random_functions/random_functions.py --seed $(SEED) --n $(N) --balls $(BALLS)
 
 looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volumes, measure them, one sheet; LOOKS="--only ct,pet"
 	BENCH_DATA=$(BENCH_DATA) python studies/looks/looks.py --out $(OUT)/looks $(LOOKS)

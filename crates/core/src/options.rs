@@ -368,9 +368,9 @@ const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
 ];
 
 /// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
-/// can change opacity or colour by a visible amount within a voxel. `coarseness`: that of the grid; texels grow with the
-/// samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample,
-/// of which a pixel holds `samples_per_pixel`.
+/// can change opacity or colour by a visible amount within a voxel, or has thin peaks. `coarseness`: that of the grid;
+/// texels grow with the samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not
+/// beyond a sample, of which a pixel holds `samples_per_pixel`.
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
     let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];

@@ -12,7 +12,8 @@ use crate::transfer_function_2d::TransferFunction2D;
 pub struct OpacityNode {
     /// Sample value.
     pub value: f64,
-    /// Opacity per `opacity_unit`, `0..=1`; 1 is opaque at any thickness.
+    /// Opacity per `opacity_unit`, `0..=1`; 1 is opaque at any thickness. A ray that passes a single node of 1 between
+    /// lower ones is at its value in no length: it meets the integral of `−ln(1 − opacity)`, which is finite there.
     pub opacity: f64,
 }
 

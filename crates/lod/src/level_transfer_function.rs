@@ -30,8 +30,8 @@ use crate::level_histogram::{LevelHistogram, N_BINS};
 /// Share of what a coarse value stands for that the trimmed mean leaves out, at either end.
 const TRIMMED_SHARE: f32 = 0.02;
 
-/// Positions within a bin at which the function is looked up.
-const N_PER_BIN: usize = 4;
+/// Values at which the function is looked up within a bin, and within each part of it between nodes of the function.
+const N_PER_PART: usize = 4;
 
 /// Mean opacity below which nothing is drawn: a thousand coarse samples in a row would have an opacity of a tenth.
 const MIN_OPACITY: f64 = 1e-4;
@@ -55,10 +55,11 @@ impl LevelHistogram {
             rgba.iter().map(|&[r, g, b, opacity]| [(r + g + b) / 3.0, opacity]).collect()
         };
         // The finest samples stand for themselves.
-        let own: Vec<_> = (0..N_BINS).map(|bin| separate(self.mean(&rgba_of(tf), bin, length), length)).collect();
+        let own: Vec<_> =
+            self.means(rgba_of(tf), &nodes_of(tf), length).into_iter().map(|mean| separate(mean, length)).collect();
         let own = gray(&own);
         let with = |rare: f32| {
-            let rgba = self.averages(rgba_of(tf), length, rare);
+            let rgba = self.averages(rgba_of(tf), &nodes_of(tf), length, rare);
             let tables = [&own, &gray(&rgba)];
             let factors = self.rays.brightness_factors(tables, shading, spacing, is_steep);
             let is_bright_enough = self.rays.is_bright_enough(tables, factors[0], spacing, is_steep);
@@ -85,39 +86,59 @@ impl LevelHistogram {
         // Gradients of coarse samples stand for themselves.
         if let Some(joint) = tf.function_2d() {
             let magnitudes = joint.magnitudes();
-            let rows = magnitudes.iter().map(|m| self.averages(|value| joint.rgba(value, *m), length, 0.0));
+            let row = |m: &f64| self.averages(|value| joint.rgba(value, *m), joint.values(), length, 0.0);
+            let rows = magnitudes.iter().map(row);
             let rgba = rows.collect::<Vec<_>>().concat();
             let joint = TransferFunction2D::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
             return TransferFunction::two_dimensional(joint, tf.opacity_unit());
         }
-        self.function(tf, &self.averages(rgba_of(tf), length, 0.0))
+        self.function(tf, &self.averages(rgba_of(tf), &nodes_of(tf), length, 0.0))
     }
 
     /// The function with these colours and opacities in the middle of every bin.
     fn function(&self, tf: &TransferFunction, rgba: &[[f64; 4]]) -> Result<TransferFunction> {
-        let nodes = self.values().zip(rgba);
-        let opacity = nodes.clone().map(|(value, rgba)| OpacityNode { value, opacity: rgba[3] });
-        let color = nodes.map(|(value, &[r, g, b, _])| ColorNode { value, rgb: [r, g, b] });
-        TransferFunction::new(opacity.collect(), color.collect(), tf.opacity_unit())?
+        let mut opacity = Vec::with_capacity(N_BINS);
+        for (bin, (value, &[.., own])) in self.values().zip(rgba).enumerate() {
+            // A single bin of opacity 1 is opaque as a whole; a node alone would have no width.
+            let is_opaque = |bin: usize| rgba.get(bin).is_some_and(|rgba| rgba[3] == 1.0);
+            let is_alone = is_opaque(bin) && !is_opaque(bin + 1) && !(bin > 0 && is_opaque(bin - 1));
+            let half = if is_alone { 0.5 * self.step() } else { 0.0 };
+            opacity.push(OpacityNode { value: value - half, opacity: own });
+            if is_alone {
+                opacity.push(OpacityNode { value: value + half, opacity: own });
+            }
+        }
+        let color = self.values().zip(rgba).map(|(value, &[r, g, b, _])| ColorNode { value, rgb: [r, g, b] });
+        TransferFunction::new(opacity, color.collect(), tf.opacity_unit())?
             .with_gradient_opacity(tf.gradient_nodes().to_vec())
     }
 
-    /// Mean of associated colour and opacity of a `length` over a bin.
-    fn mean(&self, rgba: &impl Fn(f64) -> [f64; 4], bin: usize, length: f64) -> [f64; 4] {
-        let mut sum = [0.0_f64; 4];
-        for k in 0..N_PER_BIN {
-            let value = self.lo + (bin as f64 + (k as f64 + 0.5) / N_PER_BIN as f64) * self.step();
-            let [r, g, b, opacity] = rgba(value);
-            let opacity = opacity_of(length, opacity) / N_PER_BIN as f64;
-            [r, g, b, 1.0].into_iter().zip(&mut sum).for_each(|(c, sum)| *sum += c * opacity);
-        }
-        sum
+    /// Mean of associated colour and opacity of a `length` over each bin. `nodes`: values in order, between which the
+    /// function is linear: what is thinner than a bin counts as much as it is wide.
+    fn means(&self, rgba: impl Fn(f64) -> [f64; 4], nodes: &[f64], length: f64) -> Vec<[f64; 4]> {
+        let mean = |bin: usize| {
+            let [begin, end] = [bin, bin + 1].map(|bin| self.lo + bin as f64 * self.step());
+            let (from, to) = (nodes.partition_point(|node| *node <= begin), nodes.partition_point(|node| *node < end));
+            let inside = nodes.get(from..to).unwrap_or_default();
+            let (mut sum, mut before) = ([0.0_f64; 4], begin);
+            for after in inside.iter().copied().chain([end]) {
+                let share = (after - before) / (self.step() * N_PER_PART as f64);
+                for k in 0..N_PER_PART {
+                    let [r, g, b, opacity] = rgba(before + (k as f64 + 0.5) / N_PER_PART as f64 * (after - before));
+                    let opacity = opacity_of(length, opacity) * share;
+                    [r, g, b, 1.0].into_iter().zip(&mut sum).for_each(|(c, sum)| *sum += c * opacity);
+                }
+                before = after;
+            }
+            sum
+        };
+        (0..N_BINS).map(mean).collect()
     }
 
     /// Colour and opacity of every bin, averaged over the samples that its coarse values stand for, without the
     /// `rare` share at either end. Opacities are averaged over a `length`.
-    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], length: f64, rare: f32) -> Vec<[f64; 4]> {
-        let own: Vec<_> = (0..N_BINS).map(|bin| self.mean(&rgba, bin, length)).collect();
+    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], nodes: &[f64], length: f64, rare: f32) -> Vec<[f64; 4]> {
+        let own = self.means(&rgba, nodes, length);
         let average = |(row, value): (&[f32], f64)| {
             let mut sum = [0.0; 4];
             for (share, own) in trimmed(row, rare).zip(&own).filter(|(share, _)| *share > 0.0) {
@@ -160,6 +181,15 @@ fn separate([r, g, b, opacity]: [f64; 4], length: f64) -> [f64; 4] {
     // Shares add up to one but for rounding, and what is opaque stays so.
     let opacity = if opacity > 1.0 - 1e-6 { 1.0 } else { opacity };
     [r, g, b, opacity_of(1.0 / length, opacity)]
+}
+
+/// Values between which a function is linear, in order.
+fn nodes_of(tf: &TransferFunction) -> Vec<f64> {
+    let opacity = tf.opacity_nodes().iter().map(|node| node.value);
+    let mut values: Vec<f64> = opacity.chain(tf.color_nodes().iter().map(|node| node.value)).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// Colour and opacity of a function's values.

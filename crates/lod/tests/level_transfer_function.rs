@@ -120,6 +120,22 @@ fn a_linear_function_of_a_ramp_stays_as_it_is() {
     }
 }
 
+/// A peak thinner than a bin weighs as much on a level as it is wide, wherever it lies in its bin.
+#[test]
+fn peaks_thinner_than_a_bin_keep_their_weight() {
+    let even = volume(WaveletFamily::Haar, [64, 40, 40], |[x, y, z]| x as f32 + y as f32 / 40.0 + z as f32 / 1600.0);
+    let histogram = histogram_of(&even, 1);
+    for (k, half_width) in [0.03, 0.01, 0.002].into_iter().cycle().take(12).enumerate() {
+        let at = 30.0 + 0.0171 * k as f64;
+        let tf = curve(&[(at - half_width, 0.0), (at, 0.8), (at + half_width, 0.0)]);
+        let filtered = histogram.average(&tf, 1.0).unwrap();
+        let nodes = filtered.opacity_nodes();
+        let weight: f64 =
+            nodes.windows(2).map(|n| 0.5 * (n[0].opacity + n[1].opacity) * (n[1].value - n[0].value)).sum();
+        assert!((weight / (0.8 * half_width) - 1.0).abs() < 0.1, "{at} {half_width}: {weight}");
+    }
+}
+
 #[test]
 fn a_constant_volume_keeps_its_function() {
     let tf = curve(&[(0.0, 0.1), (100.0, 0.9)]);

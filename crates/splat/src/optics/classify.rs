@@ -8,6 +8,7 @@
 //!
 //! The space between two sheets is pre-integrated where the function is steep (`preintegrate.rs`).
 
+use crate::optics::depth_integral::{DepthIntegral, Opaque};
 use crate::optics::preintegrate::segment_table;
 use wavesplat_compute::simd::{Math, ROUND};
 use wavesplat_core::TransferFunction;
@@ -22,8 +23,8 @@ const MIN_ENTRIES: usize = 2048;
 const MAX_ENTRIES: usize = 1 << 16;
 const ENTRIES_PER_SEGMENT: f64 = 16.0;
 
-/// Optical depth of a typical slab that counts as opaque where densities pass it.
-const OPAQUE_SLAB: f64 = 32.0;
+/// Share of the extent of the nodes by which a table begins before a step at the first of them: some entries.
+const BEFORE_STEP: f64 = 4.0 / MIN_ENTRIES as f64;
 
 /// A transfer function tabulated over densities.
 #[derive(Clone, Debug)]
@@ -39,8 +40,11 @@ pub struct Classifier {
     pub(super) visible_range: [f32; 2],
     /// The colour of all that is visible, where there is only one.
     pub(super) only_color: Option<[f32; 3]>,
-    /// `visible[i]`: how many of the entries before `i` have an opacity.
-    pub(super) visible: Vec<u32>,
+    /// `visible[i]`: how many of the places before `i` have an opacity, where the places are entry 0, the cell from it to
+    /// entry 1, entry 1, and so on.
+    visible: Vec<u32>,
+    /// Least and largest density of the samples.
+    pub(super) range: [f32; 2],
 }
 
 /// A transfer function as plain arrays, linear between their entries: what another backend takes.
@@ -75,8 +79,13 @@ impl Classifier {
         let nodes: Vec<f64> = values.iter().map(|value| density(*value)).collect();
         let [min, max] = range.map(f64::from);
         let widened = 0.25 * (max - min);
-        // Beyond the outer nodes the curves are constant, so the table need not go there.
-        let lo = (min - widened).max(nodes[0]);
+        // Beyond the outer nodes the curves are constant, so the table need not go there; but a step at the first node
+        // belongs to its upper side, and what is below it begins before.
+        let begins_with_step = has_step_at(values[0], tf.opacity_nodes().iter().map(|n| n.value))
+            || has_step_at(values[0], tf.color_nodes().iter().map(|n| n.value));
+        let extent = nodes[nodes.len() - 1] - nodes[0];
+        let before = if begins_with_step { extent * BEFORE_STEP } else { 0.0 };
+        let lo = (min - widened).max(nodes[0] - before);
         let hi = (max + widened).min(nodes[nodes.len() - 1]);
         let (lo, hi) = if lo < hi { (lo, hi) } else { (min, max.max(min + min.abs() * 1e-6 + 1e-6)) };
         let narrowest = nodes
@@ -92,34 +101,60 @@ impl Classifier {
         let mut rgba = tf.rgba_in_turn();
         // Curves are mostly level, and a logarithm takes longer than all the rest.
         let (mut opacity_before, mut depth) = (0.0, 0.0);
-        let entry = |i: usize| {
+        let value = |i: usize| {
             let share = i as f64 / n as f64;
-            let [r, g, b, opacity] = rgba(first_value * (1.0 - share) + last_value * share);
+            first_value * (1.0 - share) + last_value * share
+        };
+        let entry = |i: usize| {
+            let [r, g, b, opacity] = rgba(value(i));
             if opacity != opacity_before {
                 (opacity_before, depth) = (opacity, (-(-opacity).ln_1p()).min(OPAQUE_DEPTH));
             }
             [r as f32, g as f32, b as f32, depth as f32]
         };
         // One entry more than cells, and one more so that the last cell has an upper end at its very end.
-        let table: Vec<Entry> = (0..=n).chain([n]).map(entry).collect();
-        let mut visible = vec![0];
-        for (i, entry) in table.iter().enumerate() {
-            visible.push(visible[i] + u32::from(entry[3] > 0.0));
+        let mut table: Vec<Entry> = (0..=n).chain([n]).map(entry).collect();
+        // Data that stay at a node of opacity 1 are opaque, also where the node is between two entries.
+        for node in tf.opacity_nodes().iter().filter(|node| node.opacity == 1.0 && tf.opacity(node.value) == 1.0) {
+            let at = (density(node.value) - lo) / step;
+            if (0.0..=n as f64).contains(&at) {
+                table[at.round() as usize][3] = OPAQUE_DEPTH as f32;
+            }
         }
-        let only_color = only_color(&table);
+        table[n + 1] = table[n];
+        let opaque = Opaque { slab_thickness, largest_change: (max - min) / scale };
+        let integral = DepthIntegral::new(tf.opacity_nodes(), opaque);
+        let mut up_to = integral.in_turn();
+        let integrals: Vec<f64> = (0..=n).chain([n]).map(|i| scale * up_to(value(i))).collect();
+        // Exact, be what is visible narrower than a cell.
+        let mut seen: Vec<bool> = integrals.windows(2).map(|pair| pair[0] < pair[1]).collect();
+        seen.push(false);
+        let is_visible = |cell: usize| seen[cell] || table[cell][3] > 0.0 || table[cell + 1][3] > 0.0;
+        let mut visible = vec![0];
+        for i in 0..=n {
+            for is_visible in [table[i][3] > 0.0, is_visible(i)] {
+                visible.push(visible[visible.len() - 1] + u32::from(is_visible));
+            }
+        }
+        let only_color = only_color((0..n).filter(|cell| is_visible(*cell)).map(|cell| &table[cell..cell + 2]));
         let density = |i: usize| (lo + i.min(n) as f64 * step) as f32;
-        let first = table.iter().position(|entry| entry[3] > 0.0);
-        let last = table.iter().rposition(|entry| entry[3] > 0.0);
-        let visible_range = match (first, last) {
+        let mut cells = (0..n).filter(|cell| is_visible(*cell));
+        let first = cells.next();
+        let visible_range = match (first, cells.next_back().or(first)) {
             (Some(first), Some(last)) => [
-                if first == 0 { f32::NEG_INFINITY } else { density(first - 1) },
-                if last >= n { f32::INFINITY } else { density(last + 1) },
+                if table[0][3] > 0.0 { f32::NEG_INFINITY } else { density(first) },
+                if table[n][3] > 0.0 { f32::INFINITY } else { density(last + 1) },
             ],
             _ => [f32::INFINITY, f32::NEG_INFINITY],
         };
-        let segments = segment_table(&table, density, step, OPAQUE_SLAB / slab_thickness);
+        let depth = |i: usize| {
+            let depth = f64::from(table[i][3]);
+            if depth < OPAQUE_DEPTH { depth } else { opaque.beyond() }
+        };
+        let segments = segment_table(&integrals, depth, &seen, density);
         let (lo, hi) = (lo as f32, hi as f32);
-        Self { table, segments, lo, hi, per_density: (1.0 / step) as f32, visible_range, only_color, visible }
+        let per_density = (1.0 / step) as f32;
+        Self { table, segments, lo, hi, per_density, visible_range, only_color, visible, range }
     }
 
     /// How much associated colour and opacity of a slab change in all from the least density to the greatest.
@@ -166,9 +201,12 @@ impl Classifier {
 
     /// Whether any density of the range has an opacity.
     pub fn any_opacity(&self, lo: f32, hi: f32) -> bool {
-        let first = self.position(lo) as usize;
-        let last = self.position(hi).ceil() as usize;
-        self.visible[last + 1] > self.visible[first]
+        // Entries are even places, and cells odd.
+        let place = |density: f32| {
+            let position = self.position(density);
+            2 * position as usize + usize::from(position.fract() > 0.0)
+        };
+        self.visible[place(hi) + 1] > self.visible[place(lo)]
     }
 
     /// Colour and optical depth of one density.
@@ -202,14 +240,17 @@ impl Classifier {
     }
 }
 
-/// The colour that all visible parts of a table have.
-fn only_color(table: &[Entry]) -> Option<[f32; 3]> {
+/// Whether a curve, whose nodes are at `values`, has a step at a value.
+fn has_step_at(value: f64, values: impl Iterator<Item = f64>) -> bool {
+    values.filter(|other| *other == value).count() > 1
+}
+
+/// The colour that all entries have.
+fn only_color<'a>(entries: impl Iterator<Item = &'a [Entry]>) -> Option<[f32; 3]> {
     let mut only = None;
-    for pair in table.windows(2).filter(|pair| pair[0][3] > 0.0 || pair[1][3] > 0.0) {
-        for &[r, g, b, _] in pair {
-            if *only.get_or_insert([r, g, b]) != [r, g, b] {
-                return None;
-            }
+    for &[r, g, b, _] in entries.flatten() {
+        if *only.get_or_insert([r, g, b]) != [r, g, b] {
+            return None;
         }
     }
     only
@@ -311,6 +352,40 @@ mod tests {
         assert_eq!(classifier.look_up_one(99.0)[3], 0.0);
         assert!(!classifier.any_opacity(-10.0, 98.9) && classifier.any_opacity(98.0, 99.5));
         assert!(!classifier.any_opacity(-10.0, -5.0) && !classifier.any_opacity(99.0, 99.0));
+    }
+
+    #[test]
+    fn nothing_is_visible_before_a_step_at_the_first_node() {
+        let shell = [(40.0, 0.0), (40.0, 0.6), (60.0, 0.6), (60.0, 0.0)];
+        let opacity = shell.map(|(value, opacity)| OpacityNode { value, opacity });
+        let color = [(40.0, [1.0, 0.0, 0.0]), (40.0, [0.0, 1.0, 0.0]), (50.0, [0.0, 0.0, 1.0])];
+        let color = color.map(|(value, rgb)| ColorNode { value, rgb });
+        let tf = TransferFunction::new(opacity.to_vec(), color.to_vec(), None).unwrap();
+        let classifier = Classifier::new(&tf, (0.0, 1.0), [0.0, 100.0], 0.5);
+        assert_eq!(classifier.look_up_one(39.9), [1.0, 0.0, 0.0, 0.0]);
+        assert!(classifier.look_up_one(40.1)[1] > 0.9 && classifier.look_up_one(40.1)[3] > 0.9);
+        assert!(!classifier.any_opacity(0.0, 39.9) && !classifier.any_opacity(60.1, 100.0));
+        assert!(classifier.visible_range()[0] > 39.0 && classifier.visible_range()[1] < 61.0);
+        let passage = classifier.preintegrate(Plain, [0.0; LANES], [100.0; LANES]);
+        let mean: f32 = passage.depths.iter().map(|depth| depth[0]).sum();
+        assert!((mean + 0.2 * 0.4_f32.ln()).abs() < 1e-4, "{mean}");
+    }
+
+    /// Two thousandths of an entry of the largest table wide.
+    #[test]
+    fn what_is_thinner_than_an_entry_is_seen_and_weighs_what_it_is_wide() {
+        for top in [0.1, 1.0] {
+            let nodes =
+                [(0.0, 0.0), (100.000_3, 0.0), (100.000_303, top), (100.000_306, 0.0), (200.0, 0.0), (255.0, 0.1)];
+            let (_, classifier) = classifier(&nodes, [0.0, 255.0]);
+            assert!(classifier.table.len() == MAX_ENTRIES + 2 && classifier.any_opacity(100.0, 100.01));
+            assert!(!classifier.any_opacity(0.0, 99.9) && !classifier.any_opacity(100.1, 199.9));
+            let passage = classifier.preintegrate(Plain, [99.0; LANES], [101.0; LANES]);
+            let weight: f32 = passage.depths.iter().map(|depth| 2.0 * depth[0]).sum();
+            let mean = if top == 1.0 { 1.0 } else { 1.0 + (1.0 - top) * (-top).ln_1p() / top };
+            assert!((f64::from(weight) / (6e-6 * mean) - 1.0).abs() < 0.02, "{top}: {weight}");
+            assert!((passage.first[0] - 0.5).abs() < 0.01 && (passage.last[0] - 0.5).abs() < 0.01);
+        }
     }
 
     /// A passage is the mean of many look-ups, and begins and ends where they see something.

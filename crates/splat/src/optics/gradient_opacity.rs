@@ -144,7 +144,11 @@ struct Side {
 impl Side {
     /// From the first node to the last. `scale`: densities per sample unit.
     fn new(nodes: &[f64]) -> Self {
-        let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+        let (mut first, last) = (nodes[0], nodes[nodes.len() - 1]);
+        if nodes.get(1) == Some(&first) {
+            // A step belongs to its upper side: what is below it begins before.
+            first -= (last - first) / MIN_SIDE as f64;
+        }
         let extent = last - first;
         let narrowest = nodes.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > 0.0).fold(extent, f64::min);
         let wanted = if extent > 0.0 { (ENTRIES_PER_SEGMENT * extent / narrowest).ceil() } else { 0.0 };

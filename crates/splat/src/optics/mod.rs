@@ -1,6 +1,7 @@
 //! Transfer function, pre-integration, Phong shading, gradient opacity, ambient occlusion, labels: density to light.
 
 pub mod classify;
+mod depth_integral;
 pub mod gradient_opacity;
 pub mod labels;
 pub mod modifiers;

@@ -132,26 +132,25 @@ pub struct SegmentOpacity<S: Math> {
     pub depths: [S::F; N_PARTS],
 }
 
-/// `(∫ τ, nearest visible density above, nearest below, τ)` at each entry of a table.
-pub(super) fn segment_table(table: &[Entry], density: impl Fn(usize) -> f32, step: f64, opaque: f64) -> Vec<Entry> {
-    let depth = |i: usize| f64::from(table[i][3]).min(opaque);
-    let n = table.len();
-    let mut integral = 0.0;
+/// `(∫ τ, nearest visible density above, nearest below, τ)` at each entry of a table. `integrals`: of each entry; `seen`:
+/// which cells have something visible, each from its entry to the next.
+pub(super) fn segment_table(
+    integrals: &[f64],
+    depths: impl Fn(usize) -> f64,
+    seen: &[bool],
+    density: impl Fn(usize) -> f32,
+) -> Vec<Entry> {
+    let n = integrals.len();
     let mut segments: Vec<Entry> = Vec::with_capacity(n);
-    let mut below = f32::NEG_INFINITY;
+    let mut below = density(0);
     for i in 0..n {
-        // The last entry doubles the one before it.
-        if i > 0 && i + 1 < n {
-            integral += 0.5 * step * (depth(i - 1) + depth(i));
-        }
-        let is_visible = depth(i) > 0.0 || (i > 0 && depth(i - 1) > 0.0);
-        below = if is_visible || i == 0 { density(i) } else { below };
-        segments.push([integral as f32, 0.0, below, depth(i) as f32]);
+        let depth = depths(i);
+        below = if depth > 0.0 || (i > 0 && seen[i - 1]) { density(i) } else { below };
+        segments.push([integrals[i] as f32, 0.0, below, depth as f32]);
     }
     let mut above = density(n - 1);
     for i in (0..n).rev() {
-        let is_visible = depth(i) > 0.0 || (i + 1 < n && depth(i + 1) > 0.0);
-        above = if is_visible { density(i) } else { above };
+        above = if seen[i] || segments[i][3] > 0.0 { density(i) } else { above };
         segments[i][1] = above;
     }
     segments

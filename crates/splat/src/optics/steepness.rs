@@ -1,31 +1,100 @@
 //! Whether a transfer function needs pre-integration: whether opacity or colour can change by a visible amount from sheet
-//! to sheet.
+//! to sheet, or sheets can miss a visible amount of what is between them.
 
 use wavesplat_core::{Grid, TransferFunction};
 
 use crate::optics::classify::Classifier;
-use crate::optics::visibility_cache::Visibility;
 
 /// Change of a slab's opacity or colour, over all densities, from which slabs are pre-integrated.
 const STEEP: f32 = 0.35;
 
-/// Whether a transfer function can change opacity or colour by a visible amount within a voxel; of a coarser level,
-/// within one of the finest: its pictures are smaller, and a smooth function is as smooth on it.
+/// Opacity that sheets may miss or exaggerate: two and a half of 255 grey levels.
+const MISSED: f64 = 0.01;
+
+/// Slices that densities are taken to need from the least to the greatest, on rays along which they grow evenly; and at
+/// least of a single slab: what changes faster is an edge, which few texels see.
+const SLICES_ACROSS: [usize; 8] = [8, 12, 16, 24, 32, 48, 64, 96];
+const MIN_SLICES_OF_SLAB: f64 = 12.0;
+
+/// Places of the sheets that are tried: evenly within a slice, and at so many peaks and gaps of the function.
+const N_EVEN_PLACES: usize = 64;
+const N_OTHER_PLACES: usize = 128;
+
+/// Whether a transfer function can change opacity or colour by a visible amount within a voxel, or has peaks and gaps that
+/// sheets can miss; of a coarser level, within one of the finest: its pictures are smaller, and a smooth function is as
+/// smooth on it.
 pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
     let thickness = slab_of_the_finest(grid, tf);
     let classifier = Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness);
-    classifier.variation(thickness) >= STEEP
+    varies(&classifier, thickness) || has_thin_parts(&classifier, grid, tf)
 }
 
-/// Whether opacity or colour can change by a visible amount from sheet to sheet. `slab_thickness`: in `opacity_unit`s.
-pub fn is_steep_in_slabs(visibility: &Visibility, grid: &Grid, tf: &TransferFunction, slab_thickness: f64) -> bool {
-    let varies = |thickness| visibility.variation(thickness) >= STEEP;
-    varies(slab_thickness) && (grid.coarseness() <= 1.0 || varies(slab_of_the_finest(grid, tf)))
+/// Whether opacity or colour of slabs of a thickness, in `opacity_unit`s, change by a visible amount.
+pub(super) fn varies(classifier: &Classifier, slab_thickness: f64) -> bool {
+    classifier.variation(slab_thickness) >= STEEP
+}
+
+/// Whether sheets can miss, or exaggerate, a visible amount of what is between them, be there one a slice, as of quality
+/// draft: so that the answer, and the way a picture is drawn, is the same at every quality.
+pub(super) fn has_thin_parts(classifier: &Classifier, grid: &Grid, tf: &TransferFunction) -> bool {
+    missed(classifier, 2.0 * slab_of_the_finest(grid, tf)) >= MISSED
 }
 
 /// Thickness of a slab of two sheets a slice, of a coarser level one of the finest, in `opacity_unit`s.
-fn slab_of_the_finest(grid: &Grid, tf: &TransferFunction) -> f64 {
+pub(super) fn slab_of_the_finest(grid: &Grid, tf: &TransferFunction) -> f64 {
     0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit())
+}
+
+/// How much opacity at most is missed, or is too much, where a slab gets the mean of what is on the sheets before and
+/// behind it in place of what is between them: of one slab, or of all on the way from the least density to the greatest.
+/// `slab_thickness`: in `opacity_unit`s.
+fn missed(classifier: &Classifier, slab_thickness: f64) -> f64 {
+    let [min, max] = classifier.range.map(f64::from);
+    if max <= min {
+        return 0.0;
+    }
+    let table = &classifier.segments;
+    let n = table.len() - 2;
+    let (lo, per_density) = (f64::from(classifier.lo), f64::from(classifier.per_density));
+    let density = |i: usize| lo + i as f64 / per_density;
+    // Integral and optical depth of a density.
+    let at = |density: f64| {
+        let position = (density - lo) * per_density;
+        let inside = position.clamp(0.0, n as f64);
+        let (k, t) = (inside as usize, inside.fract());
+        let between = |c: usize| f64::from(table[k][c]) + (f64::from(table[k + 1][c]) - f64::from(table[k][c])) * t;
+        let depth = between(3);
+        // Constant beyond the table.
+        [between(0) + (position - inside) / per_density * depth, depth]
+    };
+    let opacity = |depth: f64| -(-depth * slab_thickness).exp_m1();
+    // Optical depths by both sheets, and of what is between them.
+    let depths = |from: f64, step: f64| {
+        let ([before, near], [after, far]) = (at(from), at(from + step));
+        [0.5 * (near + far), (after - before) / step]
+    };
+    let of_slab = |from: f64, step: f64| {
+        let [sampled, whole] = depths(from, step);
+        (opacity(sampled) - opacity(whole)).abs()
+    };
+    let of_all = |place: f64, n_slices: usize| {
+        let step = (max - min) / n_slices as f64;
+        let begins = (0..n_slices).map(|k| min + (k as f64 + place) * step);
+        let slabs = begins.filter(|from| from + step <= max + 1e-6 * step).map(|from| depths(from, step));
+        let [sampled, whole] = slabs.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+        (opacity(sampled) - opacity(whole)).abs()
+    };
+    let is_within = |d: &f64| (min..=max).contains(d);
+    let step = (max - min) / MIN_SLICES_OF_SLAB;
+    let of_slabs = (0..=n).map(density).filter(is_within).map(|d| of_slab(d, step).max(of_slab(d - step, step)));
+    let turns = (1..n).filter(|i| (table[*i][3] - table[i - 1][3]) * (table[i + 1][3] - table[*i][3]) < 0.0);
+    let turns: Vec<f64> = turns.map(density).filter(is_within).take(N_OTHER_PLACES).collect();
+    let of_all = SLICES_ACROSS.iter().flat_map(|&n_slices| {
+        let even = (0..N_EVEN_PLACES).map(|k| k as f64 / N_EVEN_PLACES as f64);
+        let at_turns = turns.iter().map(move |d| ((d - min) / (max - min) * n_slices as f64).fract());
+        even.chain(at_turns).map(move |place| of_all(place, n_slices))
+    });
+    of_slabs.chain(of_all).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -50,7 +119,38 @@ mod tests {
         for grid in [&finest, &level] {
             assert!(!is_steep(grid, &soft) && is_steep(grid, &hard));
         }
+        // A peak that is thin beside the range of the data, however faint.
+        let thin = [(0.49, 0.0), (0.5, 0.1), (0.51, 0.0)].map(|(value, opacity)| OpacityNode { value, opacity });
+        let thin = TransferFunction::new(thin.to_vec(), vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None).unwrap();
+        assert!(is_steep(&finest, &thin) && is_steep(&level, &thin));
         // The same samples as a volume of their own have voxels four times as thick.
         assert!(is_steep(&grid(4.0), &curve([(0.0, 0.0), (1.0, 0.3)], Some(1.0))));
+    }
+
+    #[test]
+    fn sheets_miss_thin_peaks_gaps_and_steps_and_no_ramps() {
+        let missed = |nodes: &[(f64, f64)]| {
+            let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
+            let tf = TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None).unwrap();
+            super::missed(&Classifier::new(&tf, (0.0, 1.0), [0.0, 100.0], 0.5), 1.0)
+        };
+        let comb = |top: f64| {
+            let peak = |k: usize| [-0.1, 0.0, 0.1].map(|x| (10.0 * k as f64 + x, if x == 0.0 { top } else { 0.0 }));
+            (1..10).flat_map(peak).collect::<Vec<_>>()
+        };
+        for thin in [
+            &[(49.0, 0.0), (50.0, 0.1), (51.0, 0.0)][..],
+            &[(49.99, 0.0), (50.0, 0.1), (50.01, 0.0)],
+            &[(0.0, 0.1), (49.0, 0.1), (50.0, 0.0), (51.0, 0.1), (100.0, 0.1)],
+            &[(50.0, 0.0), (50.0, 0.1), (100.0, 0.1)],
+            &comb(0.03),
+        ] {
+            assert!(missed(thin) > 0.02, "{thin:?}: {}", missed(thin));
+        }
+        for wide in [&[(0.0, 0.0), (100.0, 0.2)][..], &[(30.0, 0.0), (60.0, 0.05), (100.0, 0.2)], &[(0.0, 0.9)]] {
+            assert!(missed(wide) < 0.008, "{wide:?}: {}", missed(wide));
+        }
+        // As little as there is of it.
+        assert!(missed(&[(49.0, 0.0), (50.0, 0.005), (51.0, 0.0)]) < 0.006);
     }
 }

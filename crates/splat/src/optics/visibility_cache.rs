@@ -7,9 +7,10 @@ use std::ops::Deref;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use wavesplat_core::{Result, TransferFunction};
+use wavesplat_core::{Grid, Result, TransferFunction};
 
 use crate::optics::classify::Classifier;
+use crate::optics::steepness::{has_thin_parts, slab_of_the_finest, varies};
 use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
@@ -22,8 +23,11 @@ pub struct Visibility {
     classifier: Classifier,
     /// Ranges that have an opacity, where that was asked for.
     visible_ranges: OnceLock<VisibleRanges>,
-    /// How much changes in slabs of as many thicknesses as were asked for, with these: one, and of a level one of the finest.
-    variations: Mutex<Vec<(f64, f32)>>,
+    /// Whether slabs of as many thicknesses as were asked for change visibly, with these: one, and of a level one of the
+    /// finest.
+    varying: Mutex<Vec<(f64, bool)>>,
+    /// Whether there are peaks or gaps that sheets can miss.
+    has_thin_parts: OnceLock<bool>,
     /// How open places are, by the radius and the other layers that were asked for last.
     openness: Mutex<Option<(OpennessKey, Field<'static>)>>,
     /// Its own number: none is used twice.
@@ -39,7 +43,8 @@ impl Visibility {
         Self {
             classifier,
             visible_ranges: OnceLock::new(),
-            variations: Mutex::default(),
+            varying: Mutex::default(),
+            has_thin_parts: OnceLock::new(),
             openness: Mutex::default(),
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
         }
@@ -50,15 +55,21 @@ impl Visibility {
         self.id
     }
 
-    /// As [`Classifier::variation`].
-    pub fn variation(&self, slab_thickness: f64) -> f32 {
-        let mut variations = self.variations.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, variation)) = variations.iter().find(|(of, _)| *of == slab_thickness) {
-            return *variation;
+    /// Whether slabs of a thickness, in `opacity_unit`s, need pre-integration; of a coarser level, those of the finest too.
+    /// `grid`, `tf`: of the slices and of this.
+    pub fn is_steep(&self, grid: &Grid, tf: &TransferFunction, slab_thickness: f64) -> bool {
+        (self.varies(slab_thickness) && (grid.coarseness() <= 1.0 || self.varies(slab_of_the_finest(grid, tf))))
+            || *self.has_thin_parts.get_or_init(|| has_thin_parts(&self.classifier, grid, tf))
+    }
+
+    fn varies(&self, slab_thickness: f64) -> bool {
+        let mut known = self.varying.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, varies)) = known.iter().find(|(of, _)| *of == slab_thickness) {
+            return *varies;
         }
-        let variation = self.classifier.variation(slab_thickness);
-        variations.push((slab_thickness, variation));
-        variation
+        let varies = varies(&self.classifier, slab_thickness);
+        known.push((slab_thickness, varies));
+        varies
     }
 
     /// The openness of places with a radius, beside other layers (their numbers): what `make` gives, or what it gave before.
@@ -160,9 +171,9 @@ mod tests {
         let visible_ranges = again.visible_ranges(slices.bricks().unwrap());
         assert_eq!(*visible_ranges, slices.bricks().unwrap().visible_ranges(|[lo, hi]| again.any_opacity(lo, hi)));
         for thickness in [1.0, 0.25, 1.0] {
-            assert_eq!(again.variation(thickness), again.classifier.variation(thickness));
+            assert_eq!(again.varies(thickness), varies(&again.classifier, thickness));
         }
-        assert_eq!(again.variations.lock().unwrap().len(), 2);
+        assert_eq!(again.varying.lock().unwrap().len(), 2);
         assert_eq!(again.visible_range(), first.visible_range());
     }
 }

@@ -5,6 +5,7 @@
 //! definitions; `standard` is standard splatting, sample by sample. None is on the fast path.
 
 pub mod ablation;
+mod medium;
 pub mod project;
 pub mod raycast;
 pub mod sampled_footprint;

@@ -1,7 +1,8 @@
 //! The converged picture: an image-order ray caster in double precision.
 //!
 //! Steps along each ray, evaluates the kernel at every step (8 samples for trilinear), classifies, shades and
-//! composites, with the exact curves of the transfer function. Model: emission and absorption, central differences
+//! composites, with the exact curves of the transfer function. Model: emission and absorption, where a node of opacity 1 is
+//! opaque to rays that stay at its value, and has no length for those that pass it; central differences
 //! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
 //! trilinearly interpolated central difference of the usual ray caster.
 
@@ -19,6 +20,7 @@ use crate::kernel::weights::{MAX_TAPS, fold, n_taps, taps};
 use crate::kernel::weights::{overshoot, radius};
 use crate::optics::labels::{Labels, own_depth};
 use crate::optics::shade::vanishing_gradient_squared;
+use crate::reference::medium::Medium;
 use crate::render::progress::ProgressCallback;
 use crate::source::slices::Slices;
 use crate::view::family::IndexRays;
@@ -441,15 +443,22 @@ impl<'a> RayCaster<'a> {
         let n_steps = ((t_out - t_in) / dt).ceil();
         let dt = (t_out - t_in) / n_steps;
         let length = dt * world.length();
+        let mixture_at = |t: f64| {
+            let mut mixture = Medium::NONE;
+            for (layer, _) in self.layers.iter().zip(&drawn).filter(|(_, [t_in, t_out])| *t_in <= t && t <= *t_out) {
+                let (origin, direction) = own_ray(layer);
+                mixture = mixture.and(&layer.medium(origin + direction * t, to_eye));
+            }
+            mixture
+        };
         let mut rgb = [0.0; 3];
         let mut transmittance = 1.0;
         for s in 0..n_steps as u64 {
             let t = t_in + (s as f64 + 0.5) * dt;
-            let media = self.layers.iter().zip(&drawn).filter(|(_, [t_in, t_out])| *t_in <= t && t <= *t_out);
-            let mut mixture = Medium::NONE;
-            for (layer, _) in media {
-                let (origin, direction) = own_ray(layer);
-                mixture = mixture.and(&layer.medium(origin + direction * t, to_eye));
+            let mut mixture = mixture_at(t);
+            if mixture.extinction.is_infinite() {
+                // A single value of opacity 1 is met at a point, which has no length; a range of them all around.
+                mixture = mixture_at(t - 0.25 * dt).mean(&mixture_at(t + 0.25 * dt));
             }
             if mixture.extinction <= 0.0 {
                 continue;
@@ -464,34 +473,6 @@ impl<'a> RayCaster<'a> {
             }
         }
         [rgb[0], rgb[1], rgb[2], 1.0 - transmittance]
-    }
-}
-
-/// What is at a point of a ray: extinction per world unit, and colour in the light.
-struct Medium {
-    extinction: f64,
-    color: [f64; 3],
-}
-
-impl Medium {
-    const NONE: Self = Self { extinction: 0.0, color: [0.0; 3] };
-
-    /// Together with another: extinctions add, colours mix by extinction. Of what is opaque at any thickness, infinite, the
-    /// first counts.
-    fn and(&self, other: &Self) -> Self {
-        let extinction = self.extinction + other.extinction;
-        if extinction <= 0.0 {
-            return Self::NONE;
-        }
-        let share = if self.extinction.is_infinite() {
-            if other.extinction.is_infinite() { 0.5 } else { 0.0 }
-        } else if other.extinction.is_infinite() {
-            1.0
-        } else {
-            other.extinction / extinction
-        };
-        let color = [0, 1, 2].map(|c| self.color[c] + (other.color[c] - self.color[c]) * share);
-        Self { extinction, color }
     }
 }
 

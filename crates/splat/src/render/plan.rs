@@ -18,7 +18,6 @@ use crate::optics::labels::LabelTerms;
 use crate::optics::modifiers::Modifiers;
 use crate::optics::occlusion::{ExtinctionGrid, LightTerms};
 use crate::optics::shade::Shader;
-use crate::optics::steepness::is_steep_in_slabs;
 use crate::optics::visibility_cache::Visibility;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
@@ -220,7 +219,7 @@ impl Plan {
                 let thickness = slab_length / plan.opacity_unit;
                 // A function of two dimensions has no integral along a slab.
                 layer.transfer_function.function_2d().is_none()
-                    && is_steep_in_slabs(&plan.tables, &plan.grid, layer.transfer_function, thickness)
+                    && plan.tables.is_steep(&plan.grid, layer.transfer_function, thickness)
             })
         };
         let first = layers[0];

@@ -34,6 +34,7 @@ use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_ta
 use crate::kernel::smoothed;
 use crate::kernel::weights::{fold, n_taps, taps};
 use crate::picture::base_picture::BasePicture;
+use crate::picture::edges::{Edges, Scaling};
 use crate::picture::supersampling::reads_per_axis;
 use crate::picture::warp::warp;
 use crate::render::plan::brightest;
@@ -43,6 +44,7 @@ use crate::source::slices::Slices;
 use crate::view::base_plane::{BasePlane, base_planes};
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Region;
+use crate::view::silhouette::Silhouette;
 
 /// One density per texel, row by row; NaN where a hole is reached.
 type SheetBuffer = Vec<f64>;
@@ -267,7 +269,15 @@ pub fn base_plane(
     validate_with(options, ablation)?;
     let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, options.shading.as_ref());
-    let literal = LiteralSplatting { volume, slices, sampler, region, ablation, options };
+    let literal = LiteralSplatting {
+        volume,
+        slices,
+        sampler,
+        silhouette: Silhouette::new([&region].into_iter()),
+        region,
+        ablation,
+        options,
+    };
     literal.draw(plane, &Progress::new(&(), literal.spacing(plane).n_slabs + 1))
 }
 
@@ -289,7 +299,15 @@ pub fn picture(
     parallel::with_threads(options.n_threads, || {
         let slices = Slices::new(volume, kernel);
         let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
-        let literal = LiteralSplatting { volume, slices: &slices, sampler, region, ablation, options };
+        let literal = LiteralSplatting {
+            volume,
+            slices: &slices,
+            sampler,
+            silhouette: Silhouette::new([&region].into_iter()),
+            region,
+            ablation,
+            options,
+        };
         let progress = Progress::new(monitor, planes.iter().map(|plane| literal.spacing(plane).n_slabs + 1).sum());
         let mut drawn = Vec::new();
         for plane in planes {
@@ -298,7 +316,9 @@ pub fn picture(
         }
         let peak = options.shading.as_ref().map_or(1.0, brightest);
         let reads = reads_per_axis(Composite::Over, options.oversampling);
-        let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false).rgba;
+        let silhouette = &literal.silhouette;
+        let edges = Edges { silhouette, scaling: Scaling::Opacity, is_projection: false };
+        let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false, Some(edges)).rgba;
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
         picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
@@ -324,6 +344,7 @@ struct LiteralSplatting<'a> {
     slices: &'a Slices<'a>,
     sampler: Sampler<'a>,
     region: Region,
+    silhouette: Silhouette,
     ablation: &'a Ablation,
     options: &'a RenderOptions,
 }
@@ -340,7 +361,7 @@ impl LiteralSplatting<'_> {
         let world_from_index = self.volume.grid().world_from_index().matrix3;
         let away = if plane.family.ascending { 1.0 } else { -1.0 };
         TexelPath {
-            drawn: self.region.texel_interval(plane, &ray),
+            drawn: self.region.drawn_interval(plane, &ray),
             slice_thickness: slice_length(world_from_index, axes, direction, self.ablation)
                 / self.sampler.opacity_unit(),
             to_eye: (world_from_index * direction).normalize() * -away,

@@ -269,15 +269,7 @@ pub fn base_plane(
     validate_with(options, ablation)?;
     let region = Region::new(volume.grid(), options)?;
     let sampler = Sampler::new(volume, slices, tf, camera, options.shading.as_ref());
-    let literal = LiteralSplatting {
-        volume,
-        slices,
-        sampler,
-        silhouette: Silhouette::new([&region].into_iter()),
-        region,
-        ablation,
-        options,
-    };
+    let literal = LiteralSplatting { volume, slices, sampler, region, ablation, options };
     literal.draw(plane, &Progress::new(&(), literal.spacing(plane).n_slabs + 1))
 }
 
@@ -296,18 +288,11 @@ pub fn picture(
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
     let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
+    let silhouette = Silhouette::new(std::iter::once(&region));
     parallel::with_threads(options.n_threads, || {
         let slices = Slices::new(volume, kernel);
         let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
-        let literal = LiteralSplatting {
-            volume,
-            slices: &slices,
-            sampler,
-            silhouette: Silhouette::new([&region].into_iter()),
-            region,
-            ablation,
-            options,
-        };
+        let literal = LiteralSplatting { volume, slices: &slices, sampler, region, ablation, options };
         let progress = Progress::new(monitor, planes.iter().map(|plane| literal.spacing(plane).n_slabs + 1).sum());
         let mut drawn = Vec::new();
         for plane in planes {
@@ -316,8 +301,7 @@ pub fn picture(
         }
         let peak = options.shading.as_ref().map_or(1.0, brightest);
         let reads = reads_per_axis(Composite::Over, options.oversampling);
-        let silhouette = &literal.silhouette;
-        let edges = Edges { silhouette, scaling: Scaling::Opacity, is_projection: false };
+        let edges = Edges { silhouette: &silhouette, scaling: Scaling::Opacity, is_projection: false };
         let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false, Some(edges)).rgba;
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
         picture.finish(options.shading.as_ref(), options.background);
@@ -344,7 +328,6 @@ struct LiteralSplatting<'a> {
     slices: &'a Slices<'a>,
     sampler: Sampler<'a>,
     region: Region,
-    silhouette: Silhouette,
     ablation: &'a Ablation,
     options: &'a RenderOptions,
 }

@@ -27,7 +27,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality random-functions looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -52,6 +52,9 @@ quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 1
 
 random-functions: $(STAMPS)/package ## draw N random transfer functions at every quality and compare with arithmetic; SEED=1 N=400 BALLS=3
 	python studies/random_functions/random_functions.py --seed $(SEED) --n $(N) --balls $(BALLS)
+
+edges: $(STAMPS)/package ## compare the outermost rows and columns of volumes with the rest; EDGES="--only ct" takes a minute
+	BENCH_DATA=$(BENCH_DATA) python studies/edges/edges.py $(EDGES)
 
 looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volumes, measure them, one sheet; LOOKS="--only ct,pet"
 	BENCH_DATA=$(BENCH_DATA) python studies/looks/looks.py --out $(OUT)/looks $(LOOKS)

@@ -69,7 +69,7 @@ fn check_beer_lambert(phantom: &Phantom, camera: &Camera, options: &RenderOption
         for (t, texel) in picture.texels().iter().enumerate() {
             let n_u = picture.plane.size[0];
             let ray = picture.plane.ray((t % n_u) as f64, (t / n_u) as f64);
-            let [lo, hi] = region.texel_interval(&picture.plane, &ray);
+            let [lo, hi] = region.drawn_interval(&picture.plane, &ray);
             let axes = picture.plane.family.axes;
             let columns = axes.map(|a| volume.grid().world_from_index().matrix3.col(a));
             let per_slice = columns[0] * ray.slope[0] + columns[1] * ray.slope[1] + columns[2];

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use glam::DVec2;
-use wavesplat_compute::simd::{LANES, Lanes, Math, ROUND, Rows, Simd};
+use wavesplat_compute::simd::{LANES, Lanes, Math, Plain, ROUND, Rows, Simd};
 
 use crate::picture::base_picture::{BasePicture, CELL, MARGIN};
 
@@ -227,6 +227,11 @@ fn cubic<S: Simd>(s: S, slope: f32, t: S::F) -> [S::F; 4] {
     let w1 = s.add(s.mul(s.mul(s.sub(s.mul(s.splat(slope + 2.0), t), s.splat(slope + 3.0)), t), t), one);
     let w3 = s.mul(s.mul(s.sub(a, s.mul(a, t)), t), t);
     [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
+}
+
+/// The same of one position.
+pub fn cubic_weights(t: f32) -> [f32; 4] {
+    cubic(Plain, CATMULL_ROM, [t; LANES]).map(|weights| weights[0])
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
 use wavesplat_compute::{filled, parallel};
 
 use crate::picture::base_picture::BasePicture;
+use crate::picture::edges::{EdgePass, Edges};
 use crate::picture::resample::{FAR, Quads, Resampler};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
@@ -22,7 +23,9 @@ pub struct Warped {
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture. `peak`: largest unassociated colour.
+/// Draws the picture. `peak`: largest unassociated colour. `edges`: where walls cut what is seen, if texels go on beyond
+/// them.
+#[expect(clippy::too_many_arguments, reason = "base planes, pixels, and how these are read")]
 pub fn warp(
     level: Level,
     pictures: &[BasePicture],
@@ -31,34 +34,24 @@ pub fn warp(
     reads_per_axis: usize,
     peak: f32,
     with_depth: bool,
+    edges: Option<Edges>,
 ) -> Warped {
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
-    let rgba = colors(level, &resamplers, rays, [width_px, height_px], reads_per_axis, peak);
+    let pass = edges.and_then(|edges| EdgePass::new(edges, &resamplers, rays, reads_per_axis, peak, level));
+    let warping = Warping { resamplers: &resamplers, rays, reads_per_axis, peak, edges: pass };
+    let rgba = filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
+        warping.draw_band(level, band * BAND, pixels, width_px);
+    });
     let parameters = with_depth.then(|| {
         let mut parameter = vec![f32::NAN; width_px * height_px];
         parallel::for_each_chunk(&mut parameter, width_px, |y, row| {
             for (x, parameter) in row.iter_mut().enumerate() {
-                *parameter = ray_parameter(&resamplers, rays, x as f64 + 0.5, y as f64 + 0.5);
+                *parameter = ray_parameter(&resamplers, rays, edges, x as f64 + 0.5, y as f64 + 0.5);
             }
         });
         parameter
     });
     Warped { rgba, ray_parameter: parameters }
-}
-
-/// The pixels' colours.
-pub(crate) fn colors(
-    level: Level,
-    resamplers: &[Resampler],
-    rays: &IndexRays,
-    [width_px, height_px]: [usize; 2],
-    reads_per_axis: usize,
-    peak: f32,
-) -> Vec<[f32; 4]> {
-    let warping = Warping { resamplers, rays, reads_per_axis, peak };
-    filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
-        warping.draw_band(level, band * BAND, pixels, width_px);
-    })
 }
 
 /// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
@@ -73,6 +66,8 @@ struct Warping<'a> {
     reads_per_axis: usize,
     /// Largest unassociated colour.
     peak: f32,
+    /// Draws pixels that walls pass through.
+    edges: Option<EdgePass<'a>>,
 }
 
 impl<'a> Warping<'a> {
@@ -85,22 +80,27 @@ impl<'a> Warping<'a> {
         };
         for x in (0..width_px).step_by(BAND) {
             let columns = x..(x + BAND).min(width_px);
-            let rectangle = Rectangle { columns, first_row, pixels, width_px };
-            if let Some((only, affine)) = &parallel {
-                self.draw_one(level, rectangle, only, affine);
+            let rectangle = Rectangle { columns: columns.clone(), first_row, pixels, width_px };
+            let is_drawn = if let Some((only, affine)) = &parallel {
+                self.draw_one(level, rectangle, only, affine)
             } else if let Some(family) = self.rays.family_of_all(&rectangle.corners()) {
-                if let Some(resampler) = self.resampler(family) {
+                self.resampler(family).is_some_and(|resampler| {
                     let slopes = Slopes { plane: &resampler.picture.plane, rays: self.rays };
-                    self.draw_one(level, rectangle, resampler, &slopes);
-                }
+                    self.draw_one(level, rectangle, resampler, &slopes)
+                })
             } else {
                 level.dispatch(Draw { warping: self, source: Mixed { warping: self }, rectangle });
+                true
+            };
+            if let Some(edges) = self.edges.as_ref().filter(|_| is_drawn) {
+                let size = [columns.len(), pixels.len() / width_px];
+                edges.draw([x, first_row], size, &mut pixels[x..], width_px);
             }
         }
     }
 
-    /// Draws pixels that one base plane serves, where anything of it can be seen.
-    fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) {
+    /// Draws pixels that one base plane serves; tells whether anything of it can be seen.
+    fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) -> bool {
         let [first, others @ ..] = rectangle.corners().map(|[x, y]| map.texel(x, y));
         let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
         let drawn = resampler.drawn_between(lo, hi);
@@ -108,6 +108,7 @@ impl<'a> Warping<'a> {
             let source = OnePlane { resampler, map, look: !drawn.is_full() };
             level.dispatch(Draw { warping: self, source, rectangle });
         }
+        !drawn.is_empty()
     }
 
     /// What serves a family, where it has anything.
@@ -368,11 +369,15 @@ fn snapped(texels: DVec2) -> DVec2 {
 }
 
 /// `t` of `origin + t · direction` at opacity ½.
-fn ray_parameter(resamplers: &[Resampler<'_>], rays: &IndexRays, x: f64, y: f64) -> f32 {
+fn ray_parameter(resamplers: &[Resampler<'_>], rays: &IndexRays, edges: Option<Edges>, x: f64, y: f64) -> f32 {
     let family = Family::of(rays.direction(x, y));
     let serving = resamplers.iter().find(|r| r.picture.plane.family == family);
     let Some(Resampler { picture, .. }) = serving else { return f32::NAN };
     let w = f64::from(picture.w_half(picture.plane.texel_from_pixel(rays, x, y)));
+    let is_parallel = picture.plane.eye_w().is_none();
+    if w.is_nan() || edges.is_some_and(|edges| !edges.silhouette.is_met(rays, is_parallel, [x, y])) {
+        return f32::NAN;
+    }
     let [_, _, origin_w] = picture.plane.family.uvw(rays.origin(x, y));
     let [_, _, direction_w] = picture.plane.family.uvw(rays.direction(x, y));
     ((w - origin_w) / direction_w) as f32

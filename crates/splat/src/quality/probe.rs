@@ -190,7 +190,7 @@ impl PilotTile {
             let first = center[axis] - (TILE[axis] / 4) as f64;
             (anchor[axis] + 6.0 * ((first - anchor[axis]) / 6.0).round()) as i64
         });
-        let plane = plane.window(first, 2, TILE);
+        let plane = plane.window(first, 2, 4, TILE);
         // A box around the pixels that the tile can serve, which are as many as its texels at most.
         let reach = TILE[0].max(TILE[1]);
         let columns = x.saturating_sub(reach)..(x + reach).min(frame.options.width_px);

@@ -127,7 +127,7 @@ struct ProjectionCaster<'a> {
 impl ProjectionCaster<'_> {
     /// The pieces of a ray, front to back, without those that reach a hole.
     fn pieces(&self, ray: &TexelRay) -> Vec<RayPiece> {
-        let [lo, hi] = self.region.texel_interval(self.plane, ray);
+        let [lo, hi] = self.region.drawn_interval(self.plane, ray);
         let family = self.plane.family;
         let spacing = SheetSpacing::new(self.volume.grid().size()[family.axes[2]], self.sheets_per_slice);
         let at = |w: f64| {

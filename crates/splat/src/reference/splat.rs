@@ -34,6 +34,7 @@ use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_ta
 use crate::kernel::smoothed;
 use crate::kernel::weights::{fold, n_taps, taps};
 use crate::picture::base_picture::BasePicture;
+use crate::picture::edges::{Edges, Scaling};
 use crate::picture::supersampling::reads_per_axis;
 use crate::picture::warp::warp;
 use crate::render::plan::brightest;
@@ -43,6 +44,7 @@ use crate::source::slices::Slices;
 use crate::view::base_plane::{BasePlane, base_planes};
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Region;
+use crate::view::silhouette::Silhouette;
 
 /// One density per texel, row by row; NaN where a hole is reached.
 type SheetBuffer = Vec<f64>;
@@ -286,6 +288,7 @@ pub fn picture(
     let size = [options.width_px, options.height_px];
     let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
     let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
+    let silhouette = Silhouette::new(std::iter::once(&region));
     parallel::with_threads(options.n_threads, || {
         let slices = Slices::new(volume, kernel);
         let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
@@ -298,7 +301,8 @@ pub fn picture(
         }
         let peak = options.shading.as_ref().map_or(1.0, brightest);
         let reads = reads_per_axis(Composite::Over, options.oversampling);
-        let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false).rgba;
+        let edges = Edges { silhouette: &silhouette, scaling: Scaling::Opacity, is_projection: false };
+        let rgba = warp(Level::best(), &drawn, &rays, size, reads, peak, false, Some(edges)).rgba;
         let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
         picture.finish(options.shading.as_ref(), options.background);
         Ok(picture)
@@ -340,7 +344,7 @@ impl LiteralSplatting<'_> {
         let world_from_index = self.volume.grid().world_from_index().matrix3;
         let away = if plane.family.ascending { 1.0 } else { -1.0 };
         TexelPath {
-            drawn: self.region.texel_interval(plane, &ray),
+            drawn: self.region.drawn_interval(plane, &ray),
             slice_thickness: slice_length(world_from_index, axes, direction, self.ablation)
                 / self.sampler.opacity_unit(),
             to_eye: (world_from_index * direction).normalize() * -away,

@@ -39,15 +39,22 @@ impl TileJob<'_> {
 }
 
 impl LayerJob<'_> {
-    /// Where texels `from..=to` lie among the samples on two sheets, along u and along v.
+    /// Where texels `from..=to` lie among the samples on two sheets, along u and along v. Those that are drawn beyond the
+    /// walls show the samples there.
     fn hulls(&self, w: [f64; 2]) -> [impl Fn([usize; 2]) -> [f64; 2]; 2] {
         let [a, b] = w.map(|w| self.geometry.sheet(w).0);
         [0, 1].map(|axis| {
             let ((a, da), (b, db)) = (a[axis], b[axis]);
+            let last = self.geometry.axes[axis].last();
+            let beyond = self.geometry.plane.beyond * da.abs().max(db.abs());
             move |[from, to]: [usize; 2]| {
                 let (from, to) = (from as f64, to as f64);
                 let [p, q, r, s] = [a + da * from, a + da * to, b + db * from, b + db * to];
-                [p.min(q).min(r.min(s)), p.max(q).max(r.max(s))]
+                let [lo, hi] = [p.min(q).min(r.min(s)), p.max(q).max(r.max(s))];
+                [
+                    if lo > last && lo - last <= beyond { last } else { lo },
+                    if hi < 0.0 && hi >= -beyond { 0.0 } else { hi },
+                ]
             }
         })
     }

@@ -4,15 +4,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Error, Picture, RenderOptions, Result, TransferFunction};
+use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, TransferFunction};
 
 use crate::optics::visibility_cache::VisibilityCache;
 use crate::picture::base_picture::BasePicture;
 use crate::picture::color_projection::color_projection;
+use crate::picture::edges::{Edges, Scaling};
 use crate::picture::warp::warp;
 use crate::render::layer::Layer;
 use crate::render::piece::draw_tile;
-use crate::render::plan::{FamilyPlan, Plan};
+use crate::render::plan::{FamilyPlan, Operator, Plan};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::report::Report;
 use crate::render::tile::{Piece, TileJob, Work, n_tiles};
@@ -153,7 +154,15 @@ pub(crate) fn warped(
     reads: usize,
     with_depth: bool,
 ) -> Picture {
-    let warped = warp(plan.simd, base_pictures, &plan.rays.part(first), size, reads, plan.peak, with_depth);
+    let scaling = match plan.operator {
+        Operator::Over { .. } => Scaling::Opacity,
+        Operator::Project { composite: Composite::Sum | Composite::XRay { .. }, .. } => Scaling::Sum,
+        _ => Scaling::None,
+    };
+    let is_projection = plan.operator.projection().is_some();
+    let edges = Edges { silhouette: &plan.silhouette, scaling, is_projection };
+    let warped =
+        warp(plan.simd, base_pictures, &plan.rays.part(first), size, reads, plan.peak, with_depth, Some(edges));
     let [width_px, height_px] = size;
     let mut picture = Picture { width_px, height_px, rgba: warped.rgba, depth: warped.ray_parameter, value: None };
     if let Some(composite) = plan.operator.projection() {

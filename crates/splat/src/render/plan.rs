@@ -33,6 +33,7 @@ use crate::view::depth_cue::DepthCue;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
 use crate::view::region::Region;
+use crate::view::silhouette::Silhouette;
 
 /// Early ray termination: a ray stops when less than this share of light comes through, a tenth of a grey level of 1024.
 const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
@@ -54,6 +55,8 @@ pub struct Plan {
     pub rays: IndexRays,
     /// What is drawn: half spaces.
     pub region: Region,
+    /// The regions of all layers, as rays meet them.
+    pub silhouette: Silhouette,
     /// How the sheets become one value per ray.
     pub operator: Operator,
     /// The volumes; one as a rule.
@@ -236,6 +239,7 @@ impl Plan {
                 _ => None,
             },
             grid,
+            silhouette: Silhouette::new(plans.iter().map(|layer| &layer.region)),
             region,
             fields,
             sheets_per_slice: options.sheets_per_slice,
@@ -358,6 +362,8 @@ impl FamilyPlan {
         RayGeometry {
             plane: &self.plane,
             region: &layer.region,
+            widened: layer.region.widened(&self.plane, self.plane.beyond),
+            silhouette: &plan.silhouette,
             world_from_index: plan.grid.world_from_index(),
             gradient_steps: layer.grid.world_from_index().matrix3,
             opacity_unit: layer.opacity_unit,

@@ -101,7 +101,8 @@ impl<'a> TileJob<'a> {
                 rays: family.ray_geometry(plan, layer),
             })
             .collect();
-        let rays = RayGeometry { region: &plan.region, ..family.ray_geometry(plan, &plan.layers[0]) };
+        let widened = plan.region.widened(plane, plane.beyond);
+        let rays = RayGeometry { region: &plan.region, widened, ..family.ray_geometry(plan, &plan.layers[0]) };
         let of_field = |field| SheetGeometry::of_field(plan.simd, plane, field, map);
         Self { family, layers, rays, level: plan.simd, fields: plan.fields.fields.iter().map(of_field).collect() }
     }

@@ -10,6 +10,7 @@ use crate::view::base_plane::BasePlane;
 use crate::view::depth_cue::DepthCue;
 use crate::view::index_frame::world_gradient_from_index;
 use crate::view::region::Region;
+use crate::view::silhouette::Silhouette;
 
 /// Rays of the texels of a tile, chunk by chunk.
 pub struct Rays {
@@ -40,6 +41,10 @@ pub struct RayGeometry<'a> {
     pub plane: &'a BasePlane,
     /// What is drawn.
     pub region: &'a Region,
+    /// The same for rays that miss everything: its walls stand further out ([`crate::view::silhouette`]).
+    pub widened: Region,
+    /// The regions of all layers.
+    pub silhouette: &'a Silhouette,
     /// World position of an index position.
     pub world_from_index: DAffine3,
     /// World steps of the samples that gradients are differences of.
@@ -69,7 +74,7 @@ impl Rays {
                     for row in 0..TILE_V.min(plane.size[1] - j0) {
                         let i = i0 + strip * LANES;
                         if i < plane.size[0] {
-                            let intervals = geometry.region.texel_intervals(plane, i as f64, (j0 + row) as f64);
+                            let intervals = geometry.intervals(i as f64, (j0 + row) as f64);
                             rays.set(Chunk { strip, row }, plane, intervals, plane.size[0] - i, &mut span);
                         }
                     }
@@ -213,6 +218,21 @@ pub struct DirectionForms {
 }
 
 impl RayGeometry<'_> {
+    /// The intervals of w that a run of texels from `(i, j)` on draws; empty where lo ≥ hi.
+    #[inline(always)]
+    fn intervals(&self, i: f64, j: f64) -> [[f64; LANES]; 2] {
+        let mut own = self.region.texel_intervals(self.plane, i, j);
+        let missed = self.silhouette.missed(self.plane, &own, i, j);
+        if missed.contains(&true) {
+            let beyond = self.widened.texel_intervals(self.plane, i, j);
+            for k in 0..LANES {
+                own[0][k] = if missed[k] { beyond[0][k] } else { own[0][k] };
+                own[1][k] = if missed[k] { beyond[1][k] } else { own[1][k] };
+            }
+        }
+        own
+    }
+
     /// The directions of all rays.
     pub fn direction_forms(&self) -> DirectionForms {
         let family = &self.plane.family;

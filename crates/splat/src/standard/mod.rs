@@ -158,7 +158,7 @@ pub fn render(
                 let rays = IndexRays::new(camera, slices.grid().index_from_world(), size[0], size[1]);
                 let pictures = scene.draw_base_planes(monitor, &mut report)?;
                 let reads_per_axis = options.oversampling.round().max(1.0) as usize;
-                warp(scene.level, &pictures, &rays, size, reads_per_axis, scene.peak, false).rgba
+                warp(scene.level, &pictures, &rays, size, reads_per_axis, scene.peak, false, None).rgba
             }
             Buffer::View => view::draw(&scene, monitor, &mut report)?,
         };

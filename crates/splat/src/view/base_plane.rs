@@ -32,6 +32,8 @@ pub struct BasePlane {
     pixel_from_base: DMat3,
     /// Size of the picture.
     size_px: DVec2,
+    /// Texels that miss what is drawn by so many at most are drawn as well, as if its walls stood further out.
+    pub beyond: f64,
 }
 
 /// A ray as lines over w: `u = u0 + du · w`, `v = v0 + dv · w`.
@@ -65,11 +67,11 @@ impl BasePlane {
     }
 
     /// A rectangle of it, from texel `first` on (which may lie beyond it), with `finer` times the texels along each axis;
-    /// every `finer`th texel is one of its own.
+    /// every `finer`th texel is one of its own. As much is drawn beyond walls as every `coarsest`th of its texels needs.
     #[must_use]
-    pub fn window(&self, first: [i64; 2], finer: usize, size: [usize; 2]) -> Self {
+    pub fn window(&self, first: [i64; 2], finer: usize, coarsest: usize, size: [usize; 2]) -> Self {
         let origin = self.origin + self.step * DVec2::from_array(first.map(|i| i as f64));
-        Self { origin, step: self.step / finer as f64, size, ..self.clone() }
+        Self { origin, step: self.step / finer as f64, size, beyond: BEYOND * coarsest as f64, ..self.clone() }
     }
 
     /// The same with every `k`th texel along u and along v, from the `first`th on.
@@ -77,7 +79,7 @@ impl BasePlane {
     pub fn every(&self, k: usize, first: usize) -> Self {
         let origin = self.origin + self.step * first as f64;
         let size = self.size.map(|n| n.saturating_sub(first).div_ceil(k));
-        Self { origin, step: self.step * k as f64, size, ..self.clone() }
+        Self { origin, step: self.step * k as f64, size, beyond: self.beyond / k as f64, ..self.clone() }
     }
 
     /// The eye's w, where the rays begin; `None` for parallel rays.
@@ -86,6 +88,18 @@ impl BasePlane {
             RayModel::Parallel { .. } => None,
             RayModel::Perspective { eye } => Some(eye[2]),
         }
+    }
+
+    /// Whether the eye lies between two slices.
+    pub fn eye_is_within(&self, [near, far]: [f64; 2]) -> bool {
+        self.eye_w().is_some_and(|w| near <= w && w <= far)
+    }
+
+    /// `normal · eye + offset`, in index coordinates; 0 for parallel rays.
+    pub fn eye_distance(&self, normal: DVec3, offset: f64) -> f64 {
+        let RayModel::Perspective { eye } = self.model else { return 0.0 };
+        let [u, v, w] = self.family.uvw(normal);
+        u * eye[0] + v * eye[1] + w * eye[2] + offset
     }
 
     /// Whether the picture may need any of the texels `from..=to`. A base plane is a box around what it needs: where the
@@ -125,6 +139,19 @@ impl BasePlane {
         texels
     }
 
+    /// Texels per pixel, at least, in the middle of what it serves; not more than there are along one axis.
+    pub fn texels_per_pixel(&self, rays: &IndexRays) -> f64 {
+        let middle = self.pixel_from_base * (self.origin + 0.5 * self.step * self.size_as_vector()).extend(1.0);
+        let [x, y] = (middle.truncate() / middle.z).to_array();
+        let [per_x, per_y] = self.model.base_per_pixel(&self.family, rays, x, y).map(|change| change / self.step);
+        let least = per_x.length().min(per_y.length());
+        if least.is_finite() { least } else { 1.0 }
+    }
+
+    fn size_as_vector(&self) -> DVec2 {
+        DVec2::new(self.size[0] as f64, self.size[1] as f64)
+    }
+
     /// Texel position of a pixel position, whichever family its ray belongs to.
     pub fn texel_from_pixel(&self, rays: &IndexRays, x_px: f64, y_px: f64) -> DVec2 {
         let base = self.model.base_from_pixel(&self.family, rays, x_px, y_px);
@@ -134,6 +161,9 @@ impl BasePlane {
 
 /// Texels beyond the outermost pixel centre, for the warp's filter.
 const MARGIN_TEXELS: f64 = 4.0;
+
+/// Texels beyond a wall that are read with those inside: by the cubic.
+const BEYOND: f64 = 2.0;
 
 /// Texels closer than this, in samples, would feel the lattice.
 const LEAST_STEP_ON_LATTICE: f64 = 1e-3;
@@ -188,7 +218,7 @@ pub fn base_planes(
         let size = [size.x as usize, size.y as usize];
         let pixel_from_base = model.pixel_from_base(&family, rays);
         let size_px = DVec2::new(width_px as f64, height_px as f64);
-        planes.push(BasePlane { family, model, origin, step, size, pixel_from_base, size_px });
+        planes.push(BasePlane { family, model, origin, step, size, pixel_from_base, size_px, beyond: BEYOND });
     }
     Ok(planes)
 }

@@ -8,3 +8,4 @@ pub mod index_frame;
 pub mod pixel_spacing;
 pub mod ray_model;
 pub mod region;
+pub mod silhouette;

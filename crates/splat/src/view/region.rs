@@ -9,12 +9,28 @@ use wavesplat_core::{Crop, Error, Grid, RenderOptions, Result};
 use crate::view::base_plane::{BasePlane, TexelRay};
 
 /// `normal · position + offset ≥ 0`, in index coordinates.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
     /// Points inside; of length 1.
     pub normal: DVec3,
     /// Distance of the origin inside, samples.
     pub offset: f64,
+}
+
+/// Where a ray enters and leaves a region.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// Ray parameters; the ray misses the region where the first is not less than the second.
+    pub ends: [f64; 2],
+    /// The half spaces that these are of; `usize::MAX` where the ray itself begins or ends.
+    pub walls: [usize; 2],
+}
+
+impl Passage {
+    /// Length inside, in units of the ray's direction; not positive where the ray misses the region.
+    pub fn length(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
 }
 
 /// What is drawn: an intersection of half spaces, and index-space bounds of it.
@@ -99,6 +115,42 @@ impl Region {
         [lo, hi]
     }
 
+    /// Where a ray from `start` on enters and leaves it, and through which walls.
+    pub fn passage(&self, origin: DVec3, direction: DVec3, start: f64) -> Passage {
+        let mut passage = Passage { ends: [start, f64::INFINITY], walls: [usize::MAX; 2] };
+        let [mut lo, mut hi] = passage.ends;
+        for (wall, h) in self.half_spaces.iter().enumerate() {
+            narrow(h.normal.dot(origin) + h.offset, h.normal.dot(direction), &mut lo, &mut hi);
+            for (k, end) in [lo, hi].into_iter().enumerate() {
+                if end != passage.ends[k] {
+                    passage.ends[k] = end;
+                    passage.walls[k] = wall;
+                }
+            }
+        }
+        passage
+    }
+
+    /// The same with every wall so many texels of a base plane further out along the plane; walls parallel to it stay.
+    #[must_use]
+    pub fn widened(&self, plane: &BasePlane, texels: f64) -> Self {
+        let [axis_u, axis_v, axis_w] = plane.family.axes;
+        let ahead = if plane.family.ascending { 1.0 } else { -1.0 };
+        let mut region = self.clone();
+        for h in &mut region.half_spaces {
+            let way = texels * (h.normal[axis_u].abs() * plane.step.x + h.normal[axis_v].abs() * plane.step.y);
+            match plane.eye_w() {
+                None => h.offset += way,
+                // Texels are further apart the further they are from the eye.
+                Some(eye_w) => {
+                    h.normal[axis_w] += ahead * way;
+                    h.offset -= ahead * way * eye_w;
+                }
+            }
+        }
+        region
+    }
+
     /// Interval of w of one texel's ray; empty where lo ≥ hi.
     pub fn texel_interval(&self, plane: &BasePlane, ray: &TexelRay) -> [f64; 2] {
         let [mut lo, mut hi] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -111,6 +163,12 @@ impl Region {
             narrow(at_zero, nu * ray.slope[0] + nv * ray.slope[1] + nw, &mut lo, &mut hi);
         }
         [lo, hi]
+    }
+
+    /// The same of a ray alone in its base plane: where it misses the region, as if the walls stood further out.
+    pub fn drawn_interval(&self, plane: &BasePlane, ray: &TexelRay) -> [f64; 2] {
+        let [lo, hi] = self.texel_interval(plane, ray);
+        if lo < hi { [lo, hi] } else { self.widened(plane, plane.beyond).texel_interval(plane, ray) }
     }
 
     /// Intervals of w of the rays of a run of texels that begins at `(i, j)`; empty where lo ≥ hi.

@@ -145,10 +145,10 @@ mod tests {
 
     #[test]
     fn sheets_miss_thin_peaks_gaps_and_steps_and_no_ramps() {
-        let missed = |nodes: &[(f64, f64)]| {
+        let missed_by = |nodes: &[(f64, f64)]| {
             let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
             let tf = TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None).unwrap();
-            super::missed(&Classifier::new(&tf, (0.0, 1.0), [0.0, 100.0], 0.5), 1.0)
+            missed(&Classifier::new(&tf, (0.0, 1.0), [0.0, 100.0], 0.5), 1.0)
         };
         let comb = |top: f64| {
             let peak = |k: usize| [-0.1, 0.0, 0.1].map(|x| (10.0 * k as f64 + x, if x == 0.0 { top } else { 0.0 }));
@@ -161,12 +161,12 @@ mod tests {
             &[(50.0, 0.0), (50.0, 0.1), (100.0, 0.1)],
             &comb(0.03),
         ] {
-            assert!(missed(thin) > 0.02, "{thin:?}: {}", missed(thin));
+            assert!(missed_by(thin) > 0.02, "{thin:?}: {}", missed_by(thin));
         }
         for wide in [&[(0.0, 0.0), (100.0, 0.2)][..], &[(30.0, 0.0), (60.0, 0.05), (100.0, 0.2)], &[(0.0, 0.9)]] {
-            assert!(missed(wide) < 0.008, "{wide:?}: {}", missed(wide));
+            assert!(missed_by(wide) < 0.008, "{wide:?}: {}", missed_by(wide));
         }
         // As little as there is of it.
-        assert!(missed(&[(49.0, 0.0), (50.0, 0.005), (51.0, 0.0)]) < 0.006);
+        assert!(missed_by(&[(49.0, 0.0), (50.0, 0.005), (51.0, 0.0)]) < 0.006);
     }
 }

@@ -114,11 +114,16 @@ impl Classifier {
         };
         // One entry more than cells, and one more so that the last cell has an upper end at its very end.
         let mut table: Vec<Entry> = (0..=n).chain([n]).map(entry).collect();
-        // Data that stay at a node of opacity 1 are opaque, also where the node is between two entries.
-        for node in tf.opacity_nodes().iter().filter(|node| node.opacity == 1.0 && tf.opacity(node.value) == 1.0) {
+        // Data that stay at a lone node of opacity 1 are opaque, also where the node is between two entries.
+        for around in tf.opacity_nodes().windows(3) {
+            let [before, node, after] = [around[0], around[1], around[2]];
+            let is_lone =
+                before.opacity < 1.0 && node.opacity == 1.0 && after.opacity < 1.0 && node.value < after.value;
             let at = (density(node.value) - lo) / step;
-            if (0.0..=n as f64).contains(&at) {
-                table[at.round() as usize][3] = OPAQUE_DEPTH as f32;
+            if is_lone && (0.0..=n as f64).contains(&at) {
+                // Nothing below a step is visible.
+                let at = if before.value == node.value { at.ceil() } else { at.round() };
+                table[at as usize][3] = OPAQUE_DEPTH as f32;
             }
         }
         table[n + 1] = table[n];

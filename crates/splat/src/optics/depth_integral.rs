@@ -12,13 +12,11 @@ use wavesplat_core::OpacityNode;
 /// Relative change of `1 − a` below which the closed form is mostly rounding, and Simpson's rule exact to it.
 const NEARLY_LEVEL: f64 = 1e-3;
 
-/// Optical depth that counts as opaque, and that of a slab beyond the outer nodes: a slab that ends there is opaque too if
-/// a sixteenth of it is beyond.
+/// Optical depth that counts as opaque.
 const OPAQUE_SLAB: f64 = 32.0;
-const OPAQUE_SLAB_BEYOND: f64 = 16.0 * OPAQUE_SLAB;
 
-/// What the infinite optical depth of opacity 1 is replaced with. Between the outer nodes it is no larger than it must be:
-/// the sums of all densities above it lose as much precision.
+/// What the infinite optical depth of opacity 1 is replaced with. It is no larger than it must be: the sums of all
+/// densities above it lose as much precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Opaque {
     /// Thickness of a typical slab, in `opacity_unit`s.
@@ -30,7 +28,7 @@ pub(super) struct Opaque {
 impl Opaque {
     /// Optical depth per `opacity_unit` beyond an outer node of opacity 1.
     pub fn beyond(&self) -> f64 {
-        OPAQUE_SLAB_BEYOND / self.slab_thickness
+        OPAQUE_SLAB / self.slab_thickness
     }
 
     /// The same in a range of values of opacity 1, so wide: the narrower, the larger, so that a slab that passes all of the
@@ -195,8 +193,8 @@ mod tests {
         let mut up_to = integral.in_turn();
         assert_eq!(up_to(60.0), 0.0);
         assert!((up_to(70.0) + 10.0 * 0.8_f64.ln()).abs() < 1e-9);
-        assert!(0.5 * (up_to(11.0) - up_to(10.0)) > 500.0 && 0.5 * (up_to(9.0) - up_to(8.0)) > 500.0);
-        assert!(0.5 * (up_to(91.0) - up_to(90.0)) > 500.0);
+        assert!(0.5 * (up_to(11.0) - up_to(10.0)) > 31.0 && 0.5 * (up_to(9.0) - up_to(8.0)) > 31.0);
+        assert!(0.5 * (up_to(91.0) - up_to(90.0)) > 31.0);
     }
 
     #[test]

@@ -8,17 +8,21 @@ use crate::optics::classify::Classifier;
 /// Change of a slab's opacity or colour, over all densities, from which slabs are pre-integrated.
 const STEEP: f32 = 0.35;
 
-/// Opacity that sheets may miss or exaggerate: two and a half of 255 grey levels.
+/// Opacity that sheets may miss or exaggerate: two and a half of 255 grey levels; on a coarser level, which has lost more
+/// than that itself, five.
 const MISSED: f64 = 0.01;
+const MISSED_ON_LEVELS: f64 = 0.02;
 
 /// Slices that densities are taken to need from the least to the greatest, on rays along which they grow evenly; and at
 /// least of a single slab: what changes faster is an edge, which few texels see.
 const SLICES_ACROSS: [usize; 8] = [8, 12, 16, 24, 32, 48, 64, 96];
-const MIN_SLICES_OF_SLAB: f64 = 12.0;
+const MIN_SLICES_OF_SLAB: f64 = 24.0;
 
-/// Places of the sheets that are tried: evenly within a slice, and at so many peaks and gaps of the function.
-const N_EVEN_PLACES: usize = 64;
-const N_OTHER_PLACES: usize = 128;
+/// Places of the sheets that are tried: even ones, of a single slab and within a slice, and the first tops and gaps of the
+/// function.
+const N_EVEN_DENSITIES: usize = 512;
+const N_EVEN_PLACES: usize = 32;
+const N_TURNS: usize = 64;
 
 /// Whether a transfer function can change opacity or colour by a visible amount within a voxel, or has peaks and gaps that
 /// sheets can miss; of a coarser level, within one of the finest: its pictures are smaller, and a smooth function is as
@@ -37,7 +41,8 @@ pub(super) fn varies(classifier: &Classifier, slab_thickness: f64) -> bool {
 /// Whether sheets can miss, or exaggerate, a visible amount of what is between them, be there one a slice, as of quality
 /// draft: so that the answer, and the way a picture is drawn, is the same at every quality.
 pub(super) fn has_thin_parts(classifier: &Classifier, grid: &Grid, tf: &TransferFunction) -> bool {
-    missed(classifier, 2.0 * slab_of_the_finest(grid, tf)) >= MISSED
+    let allowed = if grid.coarseness() > 1.0 { MISSED_ON_LEVELS } else { MISSED };
+    missed(classifier, 2.0 * slab_of_the_finest(grid, tf)) >= allowed
 }
 
 /// Thickness of a slab of two sheets a slice, of a coarser level one of the finest, in `opacity_unit`s.
@@ -86,9 +91,20 @@ fn missed(classifier: &Classifier, slab_thickness: f64) -> f64 {
     };
     let is_within = |d: &f64| (min..=max).contains(d);
     let step = (max - min) / MIN_SLICES_OF_SLAB;
-    let of_slabs = (0..=n).map(density).filter(is_within).map(|d| of_slab(d, step).max(of_slab(d - step, step)));
-    let turns = (1..n).filter(|i| (table[*i][3] - table[i - 1][3]) * (table[i + 1][3] - table[*i][3]) < 0.0);
-    let turns: Vec<f64> = turns.map(density).filter(is_within).take(N_OTHER_PLACES).collect();
+    // Where the function turns from rising to falling, or back: tops and gaps, however thin.
+    let mut turns = Vec::new();
+    let mut rises = None;
+    for i in 1..=n {
+        let change = table[i][3] - table[i - 1][3];
+        if change != 0.0 && rises.replace(change > 0.0) == Some(change < 0.0) {
+            turns.push(density(i - 1));
+        }
+    }
+    turns.retain(is_within);
+    turns.truncate(N_TURNS);
+    let even = (0..=N_EVEN_DENSITIES).map(|k| min + (max - min) * k as f64 / N_EVEN_DENSITIES as f64);
+    let ends = even.chain(turns.iter().copied());
+    let of_slabs = ends.map(|d| of_slab(d, step).max(of_slab(d - step, step)));
     let of_all = SLICES_ACROSS.iter().flat_map(|&n_slices| {
         let even = (0..N_EVEN_PLACES).map(|k| k as f64 / N_EVEN_PLACES as f64);
         let at_turns = turns.iter().map(move |d| ((d - min) / (max - min) * n_slices as f64).fract());
@@ -129,10 +145,10 @@ mod tests {
 
     #[test]
     fn sheets_miss_thin_peaks_gaps_and_steps_and_no_ramps() {
-        let missed = |nodes: &[(f64, f64)]| {
+        let missed_by = |nodes: &[(f64, f64)]| {
             let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
             let tf = TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None).unwrap();
-            super::missed(&Classifier::new(&tf, (0.0, 1.0), [0.0, 100.0], 0.5), 1.0)
+            missed(&Classifier::new(&tf, (0.0, 1.0), [0.0, 100.0], 0.5), 1.0)
         };
         let comb = |top: f64| {
             let peak = |k: usize| [-0.1, 0.0, 0.1].map(|x| (10.0 * k as f64 + x, if x == 0.0 { top } else { 0.0 }));
@@ -145,12 +161,12 @@ mod tests {
             &[(50.0, 0.0), (50.0, 0.1), (100.0, 0.1)],
             &comb(0.03),
         ] {
-            assert!(missed(thin) > 0.02, "{thin:?}: {}", missed(thin));
+            assert!(missed_by(thin) > 0.02, "{thin:?}: {}", missed_by(thin));
         }
         for wide in [&[(0.0, 0.0), (100.0, 0.2)][..], &[(30.0, 0.0), (60.0, 0.05), (100.0, 0.2)], &[(0.0, 0.9)]] {
-            assert!(missed(wide) < 0.008, "{wide:?}: {}", missed(wide));
+            assert!(missed_by(wide) < 0.008, "{wide:?}: {}", missed_by(wide));
         }
         // As little as there is of it.
-        assert!(missed(&[(49.0, 0.0), (50.0, 0.005), (51.0, 0.0)]) < 0.006);
+        assert!(missed_by(&[(49.0, 0.0), (50.0, 0.005), (51.0, 0.0)]) < 0.006);
     }
 }

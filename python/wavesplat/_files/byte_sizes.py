@@ -11,6 +11,8 @@ __all__ = ["byte_size", "bytes_of"]
 
 UNITS = {"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12, "kib": 1 << 10, "mib": 1 << 20, "gib": 1 << 30}
 UNITS |= {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12, "tib": 1 << 40}
+#: What addresses of 64 bits can tell apart; more is a slip.
+MOST_BYTES = 2**62
 AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:e[0-9]+)?)\s*([a-z]*)\s*", re.IGNORECASE)
 
 
@@ -28,7 +30,7 @@ def bytes_of(given: float | str, what: str = "memory") -> int:
             number = float(given)
         except (TypeError, ValueError, OverflowError):
             number = math.nan
-    if not (math.isfinite(number) and number >= 1):
+    if not (math.isfinite(number) and 1 <= number <= MOST_BYTES):
         raise ArgumentError(f'{what} is {given!r}; give an amount such as "2 GB" or "512 MiB", or a number of bytes')
     return int(number)
 

@@ -86,10 +86,11 @@ class Request:
     unit: str | None = None
     gaps: str = "fill"
     external_files: bool = False
-    #: Of volumes that are left in their files: bytes that are held at once, and whether what cannot be read is left
-    #: out.
+    #: Of volumes that are left in their files: bytes that are held at once, whether what cannot be read is left out,
+    #: and where surveys are kept.
     memory: float | str | None = None
     holes: bool = False
+    cache: bool | str | PathLike[str] = True
     #: What readers keep from one time point of a file to the next, such as a file that is read on.
     kept: dict[str, Any] | None = field(default=None, compare=False, repr=False)
 
@@ -113,7 +114,8 @@ class Request:
         return {
             f.name
             for f in fields(self)
-            if f.name not in ("path", "kept", "memory", "holes") and not _is_same(getattr(self, f.name), f.default)
+            if f.name not in ("path", "kept", "memory", "holes", "cache")
+            and not _is_same(getattr(self, f.name), f.default)
         }
 
 

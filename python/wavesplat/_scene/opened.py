@@ -51,6 +51,8 @@ def _first(options: dict[str, Any], what: str) -> Any:
         if name not in EXAMPLES:
             raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
         return _called(EXAMPLES[name], options, what)
+    if "cache" in options:
+        raise ArgumentError(f"{what}: a document cannot say where something is kept; leave out the field 'cache'")
     path = options.pop("path", None)
     if path is None:
         raise ArgumentError(

@@ -203,6 +203,11 @@ def _umask():
     return mask
 
 
+def test_other_distances_are_another_survey(own, tmp_path):
+    path = npy(tmp_path)
+    assert [looked(path)[0], looked(path, spacing=(1, 1, 5))[0], looked(path)[0]] == ["made", "made", "kept"]
+
+
 def test_a_folder_that_cannot_be_written_to_keeps_nothing_and_draws(own, tmp_path):
     path = npy(tmp_path)
     own.parent.parent.mkdir(parents=True)

@@ -19,7 +19,7 @@ from typing import BinaryIO
 
 __all__ = ["CacheFolder", "default_folder"]
 
-#: Bytes of all files together; the least recently used are removed first. A survey of 1024^3 samples takes 10 to 40 MB.
+#: Bytes of all files together; the least recently used are removed first. A survey of 256^3 samples takes 18 MB.
 MAX_BYTES = 2 << 30
 #: Seconds after its last use when a file is removed: samples of data that is not looked at any more should not stay.
 MAX_AGE = 30 * 24 * 3600.0

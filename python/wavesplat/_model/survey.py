@@ -139,7 +139,7 @@ def surveyed(
     if array.files is not None:
         # The files as they are before the first read; what is read later from files in another state is an error.
         array.files.begin()
-    place = _place_of(array, kernel, keep)
+    place = _place_of(array, world_from_index, kernel, keep)
     if place is not None and (known := _kept(place, array, kernel, steps, memory)) is not None:
         return known
     n_passes = 2 if kernel.startswith("bspline") else 1
@@ -175,7 +175,7 @@ def kept_survey(
     array: LazyArray, world_from_index: Matrix, kernel: str, memory: int, keep: bool | str | os.PathLike[str]
 ) -> Survey | None:
     """What was kept of a survey; None where there is nothing."""
-    place = _place_of(array, kernel, keep)
+    place = _place_of(array, world_from_index, kernel, keep)
     return None if place is None else _kept(place, array, kernel, strides(array.shape, world_from_index), memory)
 
 
@@ -239,20 +239,23 @@ def _read_prepared(
             _told(progress, (k + 1) / len(boxes))
 
 
-def _place_of(array: LazyArray, kernel: str, keep: bool | str | os.PathLike[str]) -> Place | None:
+def _place_of(
+    array: LazyArray, world_from_index: Matrix, kernel: str, keep: bool | str | os.PathLike[str]
+) -> Place | None:
     """Folder and name of a survey; None where it is not kept, or nothing tells the samples from others."""
     if keep is False or (keep is True and array.files is None) or (array.files is None and array.token is None):
         return None
     state = "by name" if array.files is None else array.files.fingerprint()
     if state is None:
         return None
+    is_ours = isinstance(keep, bool)
     try:
-        folder = CacheFolder(
-            *((default_folder("surveys"), True) if isinstance(keep, bool) else (expanded(keep), False))
-        )
+        folder = CacheFolder(default_folder("surveys") if isinstance(keep, bool) else expanded(keep), is_ours)
     except RuntimeError:  # no home
         return None
-    text = f"{FORMAT} {kernel} {array.shape} {array.dtype.str} {array.token} {state}"
+    # Samples for light, and what stands for missing ones, depend on distances in the world.
+    axes = world_from_index[:3, :3].tolist()
+    text = f"{FORMAT} {kernel} {array.shape} {array.dtype.str} {axes} {array.token} {state}"
     return folder, f"{hashlib.sha256(text.encode('utf-8', 'surrogateescape')).hexdigest()[:32]}.npz"
 
 

@@ -40,7 +40,7 @@ STEP_BYTES, MOST_KEPT_BYTES = 64 << 20, 1 << 28
 #: What reading a file that is damaged, or another one, ends in.
 DAMAGED: tuple[type[Exception], ...] = (
     *(OSError, EOFError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError),
-    *(zipfile.BadZipFile, zlib.error),
+    *(zipfile.BadZipFile, zlib.error, WavesplatError),
 )
 
 Shape = tuple[int, int, int]
@@ -286,7 +286,7 @@ def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memor
             if "prepared side" in parts.files:
                 prepared = _rebuilt(parts, "prepared", array.shape, kernel, steps[:1])
             bounds = math.prod(parts["samples bounds"].shape) * 4
-    except (*DAMAGED, WavesplatError):
+    except DAMAGED:
         return None
     # Bounds for a larger budget would not leave room for samples.
     return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps, is_kept=True)

@@ -53,6 +53,7 @@ class MadeUp:
         self.chunks = (chunk, chunk, chunk)
         self.is_in_memory, self.n_readers, self.name = False, 2, "made up"
         self.token: str | None = f"made up {shape}"
+        self.files = None
 
     def read(self, lo: Sequence[int], hi: Sequence[int]) -> NDArray[np.uint8]:
         """A box, cell by cell of its chunks: those that no wall crosses are empty."""
@@ -110,7 +111,7 @@ class Counting:
         self.counts: Counter[tuple[int, ...]] = Counter()
         self.seconds = 0.0
         self._lock = threading.Lock()
-        for name in ("shape", "dtype", "chunks", "is_in_memory", "n_readers", "name", "token"):
+        for name in ("shape", "dtype", "chunks", "is_in_memory", "n_readers", "name", "token", "files"):
             setattr(self, name, getattr(array, name))
 
     def read(self, lo: Sequence[int], hi: Sequence[int]) -> NDArray[Any]:
@@ -173,7 +174,8 @@ def told(begun: float, picture: ws.Picture | None = None, counting: Counting | N
     if picture is not None:
         facts["hash"] = hash(picture.rgba.tobytes()) & 0xFFFFFFFF
         facts["covered"] = round(float((picture.rgba[..., 3] > 0.01).mean()), 3)
-        facts |= {key: value for key, value in picture.report.get("lazy", {}).items() if key != "levels"}
+        left_out = ("levels", "surveys")
+        facts |= {key: value for key, value in picture.report.get("lazy", {}).items() if key not in left_out}
     if counting is not None and counting.counts:
         facts["chunks_read"] = len(counting.counts)
         facts["most_reads_of_a_chunk"] = max(counting.counts.values())

@@ -14,7 +14,7 @@ from wavesplat.errors import FileError
 class Chunked:
     """Samples of an array, read in chunks that divide nothing, and counted."""
 
-    is_in_memory, n_readers, reads_together, token = False, 4, False, None
+    is_in_memory, n_readers, reads_together, token, files = False, 4, False, None, None
 
     def __init__(self, samples, chunks=(17, 23, 29), name="chunked"):
         self.samples = samples

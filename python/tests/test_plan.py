@@ -16,7 +16,7 @@ import wavesplat as ws
 class Promised:
     """A shape and chunks; no sample can be read."""
 
-    is_in_memory, n_readers, reads_together, token, name = False, 4, False, None, "promised"
+    is_in_memory, n_readers, reads_together, token, files, name = False, 4, False, None, None, "promised"
 
     def __init__(self, shape, chunks, dtype=np.uint16):
         self.shape, self.chunks, self.dtype = shape, chunks, np.dtype(dtype)

@@ -78,10 +78,11 @@ class Choice:
 def describe(volume: Volume) -> dict[str, Any]:
     """Facts about a volume, ready for JSON."""
     if isinstance(volume, LazyVolume) and not volume.is_looked_through:
-        told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None}
+        told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
     else:
         told = {"value_range": list(volume.value_range), "percentiles": _percentiles(volume)}
         told["n_nonfinite"] = volume.n_nonfinite
+        told["is_from_cache"] = isinstance(volume, LazyVolume) and volume.is_from_cache
     return {
         **_place(volume),
         "dtype": str(volume.dtype),
@@ -167,6 +168,8 @@ def lines(facts: dict[str, Any]) -> list[str]:
         low, high = facts["value_range"]
         values = [f"values       {low:g} to {high:g}", f"percentiles  {percentiles}"]
         values.append(f"not finite   {facts['n_nonfinite']} samples")
+        if facts["is_from_cache"]:
+            values.append("             from what was kept of an earlier pass over the samples")
     return [
         f"name         {facts['name']}",
         f"samples      {x} x {y} x {z} (x, y, z), {facts['dtype']}, {facts['n_bytes'] / 2**20:.1f} MiB",

@@ -10,6 +10,7 @@ import typer
 from wavesplat.errors import ArgumentError
 
 __all__ = [
+    "cache_place",
     "choice",
     "color",
     "numbers",
@@ -29,6 +30,11 @@ MOST_PX = 2**31
 def choice(names: Sequence[str]) -> Any:
     """An option that takes one of these names; its help lists them."""
     return typer.Option(metavar="NAME", parser=one_of(names), help=f"{', '.join(names)}.")
+
+
+def cache_place(text: str | bool) -> str | bool:
+    """A folder, or False for "off"; the default, which is parsed too, stays what it is."""
+    return False if text == "off" else text
 
 
 def one_of(names: Sequence[str]) -> Callable[[str], str]:

@@ -83,6 +83,15 @@ class ReaderOptions:
     holes: Annotated[
         bool, typer.Option("--holes", help="With --memory: leave out samples that cannot be read, and say so.")
     ] = False
+    cache: Annotated[
+        Any,
+        typer.Option(
+            metavar="FOLDER",
+            parser=parsers.cache_place,
+            help="With --memory: keep range and bounds of the samples there, or nowhere: off.",
+            show_default=False,
+        ),
+    ] = True
 
 
 def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:

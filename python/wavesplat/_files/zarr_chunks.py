@@ -7,6 +7,7 @@ Header of Blosc: https://www.blosc.org/c-blosc2/format/chunk_format.html, the pa
 
 from __future__ import annotations
 
+import stat
 from collections.abc import Iterator, Sequence
 from itertools import product
 from pathlib import Path
@@ -16,13 +17,13 @@ import numpy as np
 
 from wavesplat.errors import FileError
 
-__all__ = ["check_chunks"]
+__all__ = ["check_chunks", "chunk_numbers"]
 
 BLOSC_HEADER = 16
 
 
 def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> None:
-    """A `FileError` that names the first chunk that is cut short, of those that hold the picked samples.
+    """A `FileError` that names the first chunk that is cut short or no file, of those that hold the picked samples.
 
     Of stores that are no folders, and of zarr 2, nothing is checked.
     """
@@ -44,6 +45,14 @@ def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Pat
     if root is None or encode is None:
         return
     folder = Path(root) / getattr(place, "path", "")
+    for number in chunk_numbers(array, picked):
+        name = str(encode(number))
+        if _is_there(folder, name):
+            yield name, folder / name
+
+
+def chunk_numbers(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[int, ...]]:
+    """Numbers along each axis of the chunks, or shards, that hold the picked samples."""
     sizes = _file_chunks(array)
     numbers = [
         range((part.start or 0) // size, -(-(n if part.stop is None else part.stop) // size))
@@ -51,10 +60,43 @@ def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Pat
         else (part // size,)
         for n, size, part in zip(array.shape, sizes, picked, strict=True)
     ]
-    for number in product(*numbers):
-        name = str(encode(number))
-        if (folder / name).is_file():
-            yield name, folder / name
+    return product(*numbers)
+
+
+def _is_there(folder: Path, name: str) -> bool:
+    """Whether a chunk has a file; a `FileError` where something else has its name, which zarr takes for no chunk."""
+    place = folder / name
+    try:
+        mode = place.stat().st_mode
+    except FileNotFoundError:
+        _check_links(folder, place, name)
+        return False
+    except NotADirectoryError:
+        raise FileError(
+            f"chunk {name!r} cannot be there, since a file has the name of its folder; copy or export the array again: "
+            f"{folder}"
+        ) from None
+    except OSError as error:
+        raise FileError(
+            f"cannot read chunk {name!r}: {error.strerror}; check its permissions, or copy the array again: {folder}"
+        ) from None
+    if not stat.S_ISREG(mode):
+        what = "a folder" if stat.S_ISDIR(mode) else "a device, a pipe or a socket"
+        raise FileError(f"chunk {name!r} is {what} and no file; copy or export the array again: {folder}")
+    return True
+
+
+def _check_links(folder: Path, place: Path, name: str) -> None:
+    """A `FileError` where a link on the way to a chunk leads nowhere, as those of git-annex do before files are got."""
+    while place != folder:
+        if place.is_symlink():
+            raise FileError(
+                f"chunk {name!r} is behind a link to what is not there; get the linked files, or copy the array with "
+                f"them: {place}"
+            )
+        if place.exists():
+            return
+        place = place.parent
 
 
 def _file_chunks(array: Any) -> tuple[int, ...]:

@@ -7,7 +7,6 @@ another process are sent by the name of their file, and opened there.
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,12 +18,16 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.file_states import FileChangedError, Origin, StoredFiles
 from wavesplat._files.libraries import library
 from wavesplat._files.zarr_chunks import check_chunks
+from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.argument_types import VOLUME, described
 from wavesplat._model.facts import Facts
+from wavesplat._model.hdf5_files import files_of_dataset, is_own_file, open_hdf5
 from wavesplat._model.hdf5_place import place_of
 from wavesplat._model.labelled_array import in_order, is_labelled
+from wavesplat._model.lazy_checks import checked_chunks, checked_shape, checked_type, converted, renderable_type
 from wavesplat._model.taken import check_shape
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
@@ -33,25 +36,18 @@ __all__ = [
     "LazyArray",
     "LazyTaken",
     "SlicedArray",
-    "file_token",
     "lazy_array",
-    "renderable_type",
-    "zarr_token",
 ]
 
 Shape = tuple[int, int, int]
 Box = tuple[Shape, Shape]
 
-#: Types that the renderer reads as they are.
-NATIVE = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
 #: Threads that read at once, where that helps.
 N_READERS = 4
 #: Chunks of an array in memory, for plans.
 SIDE_IN_MEMORY = 32
 #: Chunks that are read one by one to find the one that cannot be.
 MOST_LOOKED_THROUGH = 512
-#: Chunk files of a Zarr array that are looked at to tell whether it has changed.
-N_FILES_LOOKED_AT = 64
 
 
 class LazyArray(Protocol):
@@ -87,7 +83,15 @@ class LazyArray(Protocol):
 
     @property
     def token(self) -> str | None:
-        """What tells these samples from all others; None if nothing does."""
+        """A name for these samples among those of the same files, or, without files, of all; None if they have none.
+
+        A name says nothing of content: by a name alone (of Dask, of an address) something is only kept in a folder
+        that the user has given.
+        """
+
+    @property
+    def files(self) -> Origin | None:
+        """The files that all samples are read from; None where they are from elsewhere, or may be."""
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         """The samples of the box from `lo` to before `hi`; a `FileError` names what cannot be read."""
@@ -112,6 +116,7 @@ class SlicedArray:
     array : the array, or None where `opened` gives it, in each process once.
     order : which axes of the array are z, y, x.
     picked : of every axis the place that is taken, None of z, y and x.
+    token : a name for the array; `files`, where given, tell its content.
     """
 
     def __init__(
@@ -128,13 +133,14 @@ class SlicedArray:
         shape: Shape | None = None,
         n_readers: int = N_READERS,
         token: str | None = None,
+        files: Origin | None = None,
         check: Callable[[Any, Sequence[int | slice]], None] | None = None,
     ) -> None:
         self._array, self._opened = array, opened
         self._process = os.getpid()
         self._order, self._picked = order, tuple(picked)
         self._convert, self._check = convert, check
-        self.name, self.token, self.n_readers = name, token, n_readers
+        self.name, self.n_readers, self.files = name, n_readers, files
         own = self._source if shape is None or dtype is None else None
         full = tuple(int(n) for n in own.shape) if own is not None else ()
         self.shape = shape if shape is not None else (full[order[0]], full[order[1]], full[order[2]])
@@ -142,6 +148,7 @@ class SlicedArray:
         self.dtype = renderable_type(self._stored if dtype is None else dtype, name)
         z, y, x = (max(1, min(int(n), size)) for n, size in zip(chunks, self.shape, strict=True))
         self.chunks = (z, y, x)
+        self.token = None if token is None else f"{token} {self._stored.str} {order} {self._picked}"
         self.is_in_memory = isinstance(array, np.ndarray) and not isinstance(array, np.memmap)
         self.reads_together = False
 
@@ -161,24 +168,32 @@ class SlicedArray:
     def _made(self, part: Any) -> NDArray[Any]:
         """What was read, in our order and type."""
         kept = sorted(self._order)
-        samples = np.transpose(np.asarray(part), [kept.index(axis) for axis in self._order])
+        samples = np.transpose(np.asanyarray(part), [kept.index(axis) for axis in self._order])
         if self._convert is not None:
             samples = self._convert(samples)
-        if isinstance(samples, np.ma.MaskedArray):
-            samples = np.ma.filled(samples.astype(np.result_type(samples.dtype, np.float32)), np.nan)
-        return np.ascontiguousarray(samples, self.dtype)
+        return converted(samples, self.dtype, self._stored, self.name)
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         """The samples of a box."""
         try:
             samples = self._read(lo, hi)
+        except FileChangedError:
+            raise
         except Exception as error:
+            # What cannot be read may be so because the file is another one now.
+            self._check_files(lo, hi)
             place, told = self._first_unreadable(lo, hi, error)
             raise self._unreadable(*place, told) from error
         wanted = tuple(b - a for a, b in zip(lo, hi, strict=True))
         if samples.shape != wanted:
             raise self._unreadable(lo, hi, ValueError(f"the shape is {samples.shape} instead of {wanted}"))
+        self._check_files(lo, hi)
         return samples
+
+    def _check_files(self, lo: Shape, hi: Shape) -> None:
+        """A `FileChangedError` if the files of a box that was just read are not those that were looked at before."""
+        if self.files is not None:
+            self.files.check_read(self._index(lo, hi))
 
     def _read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         index = self._index(lo, hi)
@@ -323,22 +338,6 @@ def _is_in_worker() -> bool:
     return True
 
 
-def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
-    """The type that samples are read in; an `ArgumentError` for those that cannot be converted box by box."""
-    own = dtype.newbyteorder("=")
-    if own.str[1:] in NATIVE:
-        return own
-    if own.kind == "b":
-        return np.dtype(np.uint8)
-    if own.kind == "f":
-        return np.dtype(np.float32 if own.itemsize == 2 else np.float64)
-    if own.kind in "iu":
-        # Which narrower type would do is known once all are read; this holds whole numbers up to 2^53.
-        return np.dtype(np.float64)
-    hint = "take .real, .imag or abs" if own.kind == "c" else "store them as numbers"
-    raise ArgumentError(f"volume {name!r}: samples are {dtype}, not real numbers; {hint}")
-
-
 def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
     """What is read box by box of an object of another library, or of a list of them: levels, the finest first."""
     if isinstance(thing, list | tuple) and thing:
@@ -347,7 +346,7 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
         levels = [level for one in found for level in one.levels]
         known = [place[0] for place in places if place is not None]
         return LazyTaken(levels, known if len(known) == len(levels) else None, found[0].facts, found[0].name)
-    if hasattr(thing, "read") and hasattr(thing, "chunks") and hasattr(thing, "token"):
+    if hasattr(thing, "read") and hasattr(thing, "read_many") and hasattr(thing, "token"):
         return LazyTaken([thing], name=thing.name)
     if is_labelled(thing):
         return _of_labelled(thing)
@@ -360,30 +359,31 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
             f"xarray, a memory map), or a list of levels; what is in memory is {VOLUME}"
         )
     name = _name_of(thing)
-    order, picked = _spatial(thing.shape, name)
+    order, picked = _spatial(checked_shape(thing, name), name)
+    checked_type(thing, name)
     if hasattr(thing, "compute") and hasattr(thing, "dask"):
-        chunks = [max(sizes) for sizes in thing.chunks]
-        token = str(thing.name)
+        chunks = checked_chunks(thing, name)
         array: LazyArray = ComputedArray(
-            thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked, token=f"dask {token}"
+            thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked, token=f"dask {thing.name}"
         )
         return LazyTaken([array])
     if "zarr" in libraries:
         chunks = list(thing.shards or thing.chunks) if getattr(thing, "shards", None) else list(thing.chunks)
+        files = chunk_files(thing, picked)
         made = SlicedArray(
             thing,
             name=name,
             chunks=[chunks[a] for a in order],
             order=order,
             picked=picked,
-            token=zarr_token(thing),
+            token=None if files is None else f"Zarr {thing.store_path}",
+            files=files,
             check=partial(_check_zarr, name),
         )
         return LazyTaken([made], name=name)
     if isinstance(thing, np.ndarray):
         return LazyTaken([_of_numpy(thing, name, order, picked)])
-    chunks = list(getattr(thing, "chunks", None) or [SIDE_IN_MEMORY] * len(thing.shape))
-    chunks = [max(one) if isinstance(one, tuple) else int(one) for one in chunks]
+    chunks = checked_chunks(thing, name)
     return LazyTaken(
         [SlicedArray(thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked)], name=name
     )
@@ -415,15 +415,18 @@ def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int
         return SlicedArray(array, name=name, chunks=side, order=order, picked=picked)
     rows = [1, array.shape[order[1]], array.shape[order[2]]]
     file = None if array.filename is None else Path(array.filename)
-    # A view of a map does not know where it begins.
-    is_whole = file is not None and type(array.base).__name__ == "mmap"
-    opened = None
-    if is_whole:
+    # A view of a map does not know where it begins, and what is written to a copy is in no file.
+    is_whole = file is not None and type(array.base).__name__ == "mmap" and array.mode != "c"
+    opened = token = None
+    if is_whole and file is not None:
         layout = "F" if array.flags.f_contiguous and not array.flags.c_contiguous else "C"
         opened = partial(np.memmap, file, array.dtype, "r", array.offset, array.shape, layout)
         if layout == "F":
             rows = [array.shape[order[0]], array.shape[order[1]], 1]
-    token = file_token(file, array.offset, array.shape, array.dtype.str) if is_whole and file is not None else None
+        # A name alone: a map goes on when its file is replaced, and writing through it does not change the file's time
+        # at once, so that the state of the file does not tell the samples.
+        state = StoredFiles([file]).fingerprint()
+        token = None if state is None else f"map {state} {array.offset} {array.shape} {layout}"
     return SlicedArray(array, name=name, chunks=rows, order=order, picked=picked, opened=opened, token=token)
 
 
@@ -432,26 +435,20 @@ def _of_hdf5(dataset: Any) -> LazyTaken:
     order, picked = _spatial(dataset.shape, name)
     zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
     chunks = dataset.chunks or [1, *dataset.shape[1:]]
-    file = Path(dataset.file.filename)
+    path, is_own = Path(dataset.file.filename), is_own_file(dataset)
     array = SlicedArray(
         dataset,
         name=name,
         chunks=[chunks[axis] for axis in zyx],
         order=zyx,
         picked=picked,
-        opened=partial(open_hdf5, str(file), str(dataset.name)) if file.is_file() else None,
+        opened=partial(open_hdf5, str(path), str(dataset.name)) if path.is_file() else None,
         # The library has one lock for all.
         n_readers=1,
-        token=file_token(file, dataset.name) if file.is_file() else None,
+        token=f"HDF5 {path} {dataset.name}" if is_own else None,
+        files=files_of_dataset(dataset) if is_own else None,
     )
     return LazyTaken([array], [place.world_from_index], place.facts, name)
-
-
-def open_hdf5(file: str, name: str) -> Any:
-    """A dataset of a file."""
-    import h5py
-
-    return h5py.File(file, "r")[name]
 
 
 class _Labelled:
@@ -475,40 +472,3 @@ def _of_labelled(array: Any) -> LazyTaken:
         level.name = found.name or level.name
     places = None if found.world_from_index is None else [found.world_from_index]
     return replace(inner, world_from_index=places, facts=found.facts, name=found.name)
-
-
-def file_token(file: Path, *more: object) -> str | None:
-    """What tells the content of a file from others: its place, size and time of change."""
-    try:
-        found = file.stat()
-    except OSError:
-        return None
-    return f"{file.absolute()} {found.st_size} {found.st_mtime_ns} {more}"
-
-
-def zarr_token(array: Any) -> str | None:
-    """The same of a Zarr array in a folder: its metadata, and some of its chunks; None of other stores."""
-    place = getattr(array, "store_path", None)
-    root = getattr(getattr(place, "store", None), "root", None)
-    encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
-    if root is None or encode is None:
-        return None
-    folder = Path(root) / getattr(place, "path", "")
-    metadata = [file_token(folder / name) for name in ("zarr.json", ".zarray") if (folder / name).is_file()]
-    if not metadata:
-        return None
-    sizes = getattr(array, "shards", None) or array.chunks
-    n = [-(-size // chunk) for size, chunk in zip(array.shape, sizes, strict=True)]
-    looked_at = []
-    whole = math.prod(n)
-    for k in range(0, whole, max(1, whole // N_FILES_LOOKED_AT)):
-        number, rest = [], k
-        for size in reversed(n):
-            number.append(rest % size)
-            rest //= size
-        try:
-            found = (folder / encode(tuple(reversed(number)))).stat()
-            looked_at.append((found.st_size, found.st_mtime_ns))
-        except OSError:
-            looked_at.append((0, 0))
-    return f"{metadata} {looked_at}"

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.byte_sizes import byte_size, bytes_of
+from wavesplat._files.file_states import Origin
 from wavesplat._files.memory import free_bytes
 from wavesplat._model import affine
 from wavesplat._model.argument_types import described, is_number_below
@@ -26,6 +27,7 @@ from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_array import LazyArray, lazy_array
+from wavesplat._model.lazy_changes import look_again
 from wavesplat._model.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -98,7 +100,7 @@ class LazyVolume(Volume):
     True
     """
 
-    __slots__ = ("_at", "_holes", "_keep", "_levels", "_memory", "_ready", "_surveys")
+    __slots__ = ("_at", "_holes", "_keep", "_levels", "_memory", "_n_changes", "_ready", "_surveys")
 
     _levels: list[Level]
     #: The level that is drawn; None: whichever a picture needs.
@@ -106,6 +108,8 @@ class LazyVolume(Volume):
     _memory: int
     _keep: bool | str | PathLike[str]
     _holes: bool
+    #: How often samples were found changed in their files when surveys were begun.
+    _n_changes: int
     #: Surveys by level and kernel, and what was made of them: the latest last.
     _surveys: dict[tuple[int, str], Survey]
     _ready: dict[Any, Any]
@@ -134,6 +138,7 @@ class LazyVolume(Volume):
         volume._keep = keep
         volume._holes = holes
         volume._at = None
+        volume._n_changes = volume.n_changes_of_files()
         volume._surveys = {}
         volume._ready = {}
         volume._source = None
@@ -164,10 +169,44 @@ class LazyVolume(Volume):
         self._refuse("this")
 
     def changed(self) -> None:
-        """Say that the samples are others now: what is known of them is made anew."""
+        """Say that the samples are others now: what is known of them is made anew.
+
+        Chunks of Zarr arrays in folders that were written to are noticed without, at the next picture, and so are other
+        files, which must be opened again. Of memory maps, Dask, web servers and other arrays nobody else can know.
+        """
+        self._forget()
+        self._source = None
+
+    def _forget(self) -> None:
         self._surveys.clear()
         self._ready.clear()
-        self._source = None
+        # Scenes know by the list of levels what looks were chosen for.
+        self._levels = list(self._levels)
+
+    def notice_changes(self) -> None:
+        """Forget what is known of the samples if their files have changed since; in a picture only at its start.
+
+        Raises
+        ------
+        FileError
+            If a file has changed that must be opened again.
+        """
+        for files in self._files():
+            look_again(files)
+        n_changes = self.n_changes_of_files()
+        if n_changes != self._n_changes:
+            self._n_changes = n_changes
+            self._forget()
+
+    def _files(self) -> list[Origin]:
+        """The files of all levels."""
+        return [level.array.files for level in self._levels if level.array.files is not None]
+
+    def n_changes_of_files(self, *, now: bool = False) -> int:
+        """How often samples were found changed, by anybody; `now`: files are looked at before."""
+        for files in self._files() if now else ():
+            files.look_again()
+        return sum(files.n_changes for files in self._files())
 
     def _renew(self) -> None:
         self._ready.clear()
@@ -211,11 +250,18 @@ class LazyVolume(Volume):
         return self.survey(self._told_by(), "linear").n_nonfinite
 
     @property
+    def is_from_cache(self) -> bool:
+        """Whether range and values come from a cache folder, by an earlier pass over the samples."""
+        return self.survey(self._told_by(), "linear").is_kept
+
+    @property
     def is_looked_through(self) -> bool:
         """Whether range and values are known, or soon told: samples were looked through before, or are few."""
         level = self._told_by()
-        few = math.prod(self._levels[level].array.shape) <= SMALL
-        return few or (level, "linear") in self._surveys or self.known_survey(level, "linear") is not None
+        if math.prod(self._levels[level].array.shape) <= SMALL:
+            return True
+        self.notice_changes()
+        return (level, "linear") in self._surveys or self.known_survey(level, "linear") is not None
 
     def _told_by(self) -> int:
         """The level that tells of values: the finest that is small, and takes a small part of the bytes of all."""
@@ -264,7 +310,7 @@ class LazyVolume(Volume):
         made = LazyVolume._made(
             self._levels, self.name, self.facts, memory=self._memory, keep=self._keep, holes=self._holes
         )
-        made._at, made._source = self._at, self._source
+        made._at, made._source, made._n_changes = self._at, self._source, self._n_changes
         made._surveys, made._ready = self._surveys, self._ready
         return made
 
@@ -292,6 +338,7 @@ class LazyVolume(Volume):
         """
         from wavesplat._model.lazy_parts import part_of
 
+        self.notice_changes()
         chosen = self._levels[self._checked(level)]
         return part_of(self, chosen, crop)
 
@@ -315,6 +362,7 @@ class LazyVolume(Volume):
 
     def survey(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> Survey:
         """What one pass over the samples of a level tells, made once."""
+        self.notice_changes()
         found = self._surveys.get((level, kernel))
         if found is None:
             own = self._levels[level]
@@ -332,6 +380,7 @@ class LazyVolume(Volume):
 
     def known_survey(self, level: int, kernel: str) -> Survey | None:
         """What is known of a level without reading its samples, bounds included; None where nothing is."""
+        self.notice_changes()
         found = self._surveys.get((level, kernel))
         if found is None or not found.core.has_bounds:
             found = kept_survey(
@@ -375,11 +424,14 @@ class LazyVolume(Volume):
         found: NDArray[Any] | None = self._ready.get(("overview", level))
         if found is None:
             array = self._levels[level].array
+            if array.files is not None:
+                array.files.begin()
             found = self._ready["overview", level] = read_box(array, ((0, 0, 0), array.shape))
         return found
 
     def ready(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
         """What the compiled module plans with."""
+        self.notice_changes()
         key = level, kernel
         core: _native.LazyVolume | None = self._ready.pop(key, None)
         if core is None:

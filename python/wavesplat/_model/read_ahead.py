@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat.errors import FileError
 
@@ -83,6 +84,8 @@ class BoxReader:
         array = self._arrays[which]
         try:
             parts = array.read_many(boxes)
+        except FileChangedError:
+            raise
         except FileError:
             if self._holes is None:
                 raise
@@ -103,6 +106,8 @@ class BoxReader:
                     "mend what gives them"
                 )
             samples[place] = part
+        except FileChangedError:
+            raise  # no hole: nothing that is known of the samples holds any more
         except FileError as error:
             if self._holes is None:
                 raise

@@ -1,8 +1,9 @@
 """One pass over the samples of a lazy volume: range, bounds of bricks, and every n-th sample; and where that is kept.
 
 A frame is planned with it before a sample is read: the range scales tables, bounds tell which chunks show nothing, and
-a part of the samples is enough for looks, cameras and light. It is kept in a cache folder by what tells the samples
-from others (`LazyArray.token`), so that it is made once for all programs; or beside the data, where that is wanted.
+a part of the samples is enough for looks, cameras and light. It is kept in a cache folder by the states of all files
+that the samples lie in (`LazyArray.files`), so that it is made once for all programs. What has no files (Dask, web
+servers, object stores) is kept by a name, and only in a folder that the user gives.
 """
 
 from __future__ import annotations
@@ -14,29 +15,37 @@ import zipfile
 import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.output import write_atomically
+from wavesplat._files.cache_folder import CacheFolder, default_folder
+from wavesplat._files.places import expanded
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import Box, BoxReader, cells
-from wavesplat.errors import ArgumentError, CancelledError, FileError
+from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
-__all__ = ["Survey", "cache_folder", "kept_survey", "strides", "surveyed"]
+__all__ = ["Survey", "kept_survey", "strides", "surveyed"]
 
 #: Version of what is kept.
-FORMAT = 2
+FORMAT = 3
 #: Numbers of samples that looks, kinds of data and cameras are found by (`_looks.histogram`, `_looks.kinds`,
 #: `_render.framing`): those of every n-th along each axis are kept.
 LOOKED_AT = (2_000_000, 250_000, 150_000, 20_000)
 #: Bytes that are read at once, and most bytes of bounds that are kept in a file.
 STEP_BYTES, MOST_KEPT_BYTES = 64 << 20, 1 << 28
 
+#: What reading a file that is damaged, or another one, ends in.
+DAMAGED: tuple[type[Exception], ...] = (
+    *(OSError, EOFError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError),
+    *(zipfile.BadZipFile, zlib.error, WavesplatError),
+)
+
 Shape = tuple[int, int, int]
+#: A folder, and the name of a file in it.
+Place = tuple[CacheFolder, str]
 Matrix = NDArray[np.float64]
 
 
@@ -59,8 +68,12 @@ class Survey:
         prepared: _native.Survey | None,
         kernel: str,
         steps: Sequence[Shape],
+        *,
+        is_kept: bool = False,
     ) -> None:
         self.shape = shape
+        #: Whether it comes from a cache folder: no sample was read for it.
+        self.is_kept = is_kept
         self.core = core
         self.prepared = prepared
         self.kernel = kernel
@@ -85,7 +98,7 @@ class Survey:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = {name: (core.parts(), core.statistics) for name, core in self._cores()}
-        return _unpacked, (self.shape, self.kernel, self.steps, parts)
+        return _unpacked, (self.shape, self.kernel, self.steps, parts, self.is_kept)
 
     def _cores(self) -> list[tuple[str, _native.Survey]]:
         pairs = (("samples", self.core), ("prepared", self.prepared))
@@ -98,12 +111,12 @@ class Survey:
         return self.core.strided(self.steps.index(wanted)) if wanted in self.steps else None
 
 
-def _unpacked(shape: Shape, kernel: str, steps: list[Shape], parts: dict[str, Any]) -> Survey:
+def _unpacked(shape: Shape, kernel: str, steps: list[Shape], parts: dict[str, Any], is_kept: bool) -> Survey:
     made = {}
     for name, ((side, bounds, strided), statistics) in parts.items():
         own = list(zip(steps[: len(strided)], strided, strict=True))
         made[name] = _native.Survey.from_parts(shape, kernel, side, statistics, bounds, own)
-    return Survey(shape, made["samples"], made.get("prepared"), kernel, steps)
+    return Survey(shape, made["samples"], made.get("prepared"), kernel, steps, is_kept=is_kept)
 
 
 def surveyed(
@@ -123,8 +136,11 @@ def surveyed(
     holes : samples that cannot be read count as those that have no value; nothing is kept then.
     """
     shape, steps = array.shape, strides(array.shape, world_from_index)
-    file = _file_of(array, kernel, keep)
-    if file is not None and (known := _kept(file, array, kernel, steps, memory)) is not None:
+    if array.files is not None:
+        # The files as they are before the first read; what is read later from files in another state is an error.
+        array.files.begin()
+    place = _place_of(array, world_from_index, kernel, keep)
+    if place is not None and (known := _kept(place, array, kernel, steps, memory)) is not None:
         return known
     n_passes = 2 if kernel.startswith("bspline") else 1
     core = _native.Survey(shape, kernel, memory // 4, steps)
@@ -149,9 +165,9 @@ def surveyed(
         told = _part_of(progress, n_passes - 1, n_passes)
         _read_prepared(array, memory, around, add, holes=holes, progress=told)
     survey = Survey(shape, core, prepared, kernel, steps)
-    if file is not None and not n_missing:
-        with suppress(FileError, OSError):  # a full disk must not keep a picture from being drawn
-            _keep(file, survey)
+    if place is not None and not n_missing:
+        with suppress(OSError):  # a full disk must not keep a picture from being drawn
+            _keep(place, survey)
     return survey
 
 
@@ -159,8 +175,8 @@ def kept_survey(
     array: LazyArray, world_from_index: Matrix, kernel: str, memory: int, keep: bool | str | os.PathLike[str]
 ) -> Survey | None:
     """What was kept of a survey; None where there is nothing."""
-    file = _file_of(array, kernel, keep)
-    return None if file is None else _kept(file, array, kernel, strides(array.shape, world_from_index), memory)
+    place = _place_of(array, world_from_index, kernel, keep)
+    return None if place is None else _kept(place, array, kernel, strides(array.shape, world_from_index), memory)
 
 
 def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:
@@ -223,66 +239,63 @@ def _read_prepared(
             _told(progress, (k + 1) / len(boxes))
 
 
-def cache_folder() -> Path:
-    """Where surveys are kept: `$XDG_CACHE_HOME/wavesplat`, or what the system has for caches."""
-    if os.name == "nt":
-        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
-    else:
-        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "wavesplat" / "surveys"
-
-
-def _file_of(array: LazyArray, kernel: str, keep: bool | str | os.PathLike[str]) -> Path | None:
-    """The file of a survey; None where it is not kept, or nothing tells the samples from others."""
-    token = array.token
-    if token is None or keep is False:
+def _place_of(
+    array: LazyArray, world_from_index: Matrix, kernel: str, keep: bool | str | os.PathLike[str]
+) -> Place | None:
+    """Folder and name of a survey; None where it is not kept, or nothing tells the samples from others."""
+    if keep is False or (keep is True and array.files is None) or (array.files is None and array.token is None):
         return None
+    state = "by name" if array.files is None else array.files.fingerprint()
+    if state is None:
+        return None
+    is_ours = isinstance(keep, bool)
     try:
-        folder = cache_folder() if keep is True else Path(keep)
+        folder = CacheFolder(default_folder("surveys") if isinstance(keep, bool) else expanded(keep), is_ours)
     except RuntimeError:  # no home
         return None
-    text = f"{FORMAT} {kernel} {array.shape} {array.dtype.str} {token}"
-    return folder / f"{hashlib.sha256(text.encode('utf-8', 'surrogateescape')).hexdigest()[:32]}.npz"
+    # Samples for light, and what stands for missing ones, depend on distances in the world.
+    axes = world_from_index[:3, :3].tolist()
+    text = f"{FORMAT} {kernel} {array.shape} {array.dtype.str} {axes} {array.token} {state}"
+    return folder, f"{hashlib.sha256(text.encode('utf-8', 'surrogateescape')).hexdigest()[:32]}.npz"
 
 
-def _keep(file: Path, survey: Survey) -> None:
+def _keep(place: Place, survey: Survey) -> None:
     parts: dict[str, NDArray[Any]] = {"format": np.array([FORMAT])}
-    for name, core in (("samples", survey.core), ("prepared", survey.prepared)):
+    for part, core in (("samples", survey.core), ("prepared", survey.prepared)):
         if core is not None:
             side, bounds, strided = core.parts()
             if bounds.nbytes > MOST_KEPT_BYTES:
                 return
-            parts |= {f"{name} side": np.array([side]), f"{name} bounds": bounds}
-            parts[f"{name} statistics"] = np.array(core.statistics, np.float64)
-            parts |= {f"{name} strided {k}": own for k, own in enumerate(strided)}
-    file.parent.mkdir(parents=True, exist_ok=True)
-
-    def write(part: Path) -> None:
-        with part.open("wb") as out:
-            np.savez_compressed(out, allow_pickle=False, **parts)
-
-    write_atomically(file, write)
+            parts |= {f"{part} side": np.array([side]), f"{part} bounds": bounds}
+            parts[f"{part} statistics"] = np.array(core.statistics, np.float64)
+            parts |= {f"{part} strided {k}": own for k, own in enumerate(strided)}
+    folder, name = place
+    folder.write(name, lambda file: np.savez_compressed(file, allow_pickle=False, **parts))
 
 
-def _kept(file: Path, array: LazyArray, kernel: str, steps: list[Shape], memory: int) -> Survey | None:
+def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memory: int) -> Survey | None:
     """What was kept; None where there is nothing, it is damaged, or it takes more memory than there may be."""
-    if not file.is_file():
+    folder, name = place
+    file = folder.open(name)
+    if file is None:
         return None
     try:
-        with file.open("rb") as opened, np.load(opened, allow_pickle=False) as parts:
+        with file, np.load(file, allow_pickle=False) as parts:
             core = _rebuilt(parts, "samples", array.shape, kernel, steps)
             prepared = None
             if "prepared side" in parts.files:
                 prepared = _rebuilt(parts, "prepared", array.shape, kernel, steps[:1])
             bounds = math.prod(parts["samples bounds"].shape) * 4
-    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error):
+    except DAMAGED:
         return None
     # Bounds for a larger budget would not leave room for samples.
-    return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps)
+    return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps, is_kept=True)
 
 
 def _rebuilt(parts: Any, name: str, shape: Shape, kernel: str, steps: list[Shape]) -> _native.Survey:
     low, high, n_nonfinite = parts[f"{name} statistics"].tolist()
+    if parts["format"].tolist() != [FORMAT] or not -math.inf < low <= high < math.inf:
+        raise ValueError("a survey of another kind")
     strided = [(step, parts[f"{name} strided {k}"]) for k, step in enumerate(steps)]
     side = int(parts[f"{name} side"][0])
     bounds = parts[f"{name} bounds"]

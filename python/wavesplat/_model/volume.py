@@ -149,7 +149,8 @@ class Volume(Grid):
             Draw this level, whatever the picture; 0 is the finest.
         cache : bool or path, default True
             Where to keep what one pass over the samples told (their range, and bounds of bricks, by which what shows
-            nothing is not read again): the user's cache folder, a folder of that name, or nowhere.
+            nothing is not read again): the user's cache folder, a folder of that name, or nowhere. What has no files to
+            tell its content by (Dask, web servers) is only kept in a folder that you name. See docs/large_volumes.md.
         holes : bool, default False
             Samples that cannot be read are drawn as the least there is, and told in `Picture.report["holes"]`, instead
             of an error that names the chunk.

@@ -11,6 +11,7 @@ from wavesplat._files import payload
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.vtk_arrays import other_grid
@@ -27,9 +28,7 @@ MOST_STEPS = 100
 
 def read(request: Request) -> Grid:
     """The samples of a dataset in an HDF5 file."""
-    import h5py
-
-    with reading("HDF5", request.path), h5py.File(request.file, "r") as file:
+    with reading("HDF5", request.path), read_hdf5(request.file) as file:
         dataset = chosen_dataset(file, request)
         index = index_unnamed_axes(dataset.shape, request)
         shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape

@@ -17,11 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
 from wavesplat._files.silence import silenced
+from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts
-from wavesplat._model.lazy_array import LazyArray, SlicedArray, file_token, open_hdf5, zarr_token
+from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
+from wavesplat._model.lazy_array import LazyArray, SlicedArray
 from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw, vtk_legacy
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
@@ -51,8 +54,13 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
             f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
             f"{request.path}"
         )
+    # The file that was described must be the one whose state was taken meanwhile.
+    before = None if request.is_url or request.file.is_dir() else StoredFiles([request.file])
     with reading(NAMES.get(family, family), request.path):
-        return read(request)
+        grid = read(request)
+    if before is not None:
+        before.look_again()
+    return grid
 
 
 def _one_stream(path: object, what: str) -> FileError:
@@ -212,9 +220,7 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
 
 
 def _of_hdf5(request: Request) -> LazyGrid:
-    import h5py
-
-    with h5py.File(request.file, "r") as file:
+    with read_hdf5(request.file) as file:
         dataset = hdf5.chosen_dataset(file, request)
         if not (dataset.external or dataset.is_virtual):
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
@@ -234,7 +240,8 @@ def _of_hdf5(request: Request) -> LazyGrid:
             dtype=dataset.dtype,
             shape=(dataset.shape[zyx[0]], dataset.shape[zyx[1]], dataset.shape[zyx[2]]),
             n_readers=1,
-            token=file_token(request.file, dataset.name, tuple(picked)),
+            token=f"HDF5 {request.file} {dataset.name}",
+            files=files_of_dataset(dataset),
         )
         facts = replace(hdf5.facts_of(file, place), n_times=n_times_of(dataset.shape, request))
         return LazyGrid([array], [place.world_from_index], facts)
@@ -244,7 +251,10 @@ def _of_zarr(request: Request) -> LazyGrid:
     levels = []
     for level in ome_zarr.levels_of(request):
         chunks = getattr(level.array, "shards", None) or level.array.chunks
-        token = zarr_token(level.array) or _token_of_url(request, level.path)
+        files = chunk_files(level.array, level.picked)
+        token = None if files is None else f"Zarr {level.array.store_path}"
+        if files is None and not isinstance(request.cache, bool):
+            token = _token_of_url(request, level.path)  # only then is anything kept by what a server says
         array = SlicedArray(
             level.array,
             name=f"{request.name}/{level.path}" if level.path else request.name,
@@ -252,7 +262,8 @@ def _of_zarr(request: Request) -> LazyGrid:
             order=level.order,
             picked=level.picked,
             n_readers=8 if request.is_url else 4,
-            token=None if token is None else f"{token} {level.picked}",
+            token=token,
+            files=files,
             check=partial(ome_zarr.check_part, request.path),
         )
         levels.append((array, level.world_from_index, level.facts))

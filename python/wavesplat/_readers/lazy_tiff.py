@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.file_states import StoredFiles
 from wavesplat._model.facts import Facts
-from wavesplat._model.lazy_array import SlicedArray, file_token
+from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers import tiff
 from wavesplat._readers.request import Request, quiet
 from wavesplat._readers.stored_samples import stored_samples
@@ -52,7 +53,8 @@ def _of_file(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]
         request,
         (wanted.size, *(n for n, part in zip(keyframe, inside, strict=True) if isinstance(part, slice))),
         described.dtype.newbyteorder("="),
-        file_token(path, described.picked),
+        token=f"TIFF {path} {described.picked}",
+        files=StoredFiles([path, *described.others]),
         turned=turned,
     )
     return array, described.world_from_index, described.facts
@@ -71,19 +73,26 @@ def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Fact
     folder = request.file
     files = tiff.files_in(folder)
     first = tiff.slice_of(tifffile.imread(files[0]), files[0], request)
-    changed = max(file.stat().st_mtime_ns for file in files)
     array = _stack(
         partial(_FolderPages, [str(file) for file in files], request, first.shape, first.dtype),
         request,
         (len(files), *first.shape),
         first.dtype,
-        f"{folder.absolute()} {len(files)} {changed} {sum(file.stat().st_size for file in files)} {request.channel}",
+        token=f"TIFF folder {folder} {request.channel}",
+        files=StoredFiles(files, axis=0),
     )
     return array, np.eye(4), tiff.FACTS_OF_FOLDER
 
 
 def _stack(
-    opened: Any, request: Request, shape: Sequence[int], dtype: Any, token: str | None, *, turned: bool = False
+    opened: Any,
+    request: Request,
+    shape: Sequence[int],
+    dtype: Any,
+    *,
+    token: str,
+    files: StoredFiles,
+    turned: bool = False,
 ) -> SlicedArray:
     z, y, x = (int(shape[0]), int(shape[2]), int(shape[1])) if turned else (int(n) for n in shape)
     return SlicedArray(
@@ -95,6 +104,7 @@ def _stack(
         shape=(z, y, x),
         n_readers=2,
         token=token,
+        files=files,
     )
 
 

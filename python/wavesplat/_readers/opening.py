@@ -113,6 +113,7 @@ def open(
     external_files: bool = False,
     memory: float | str | None = None,
     holes: bool = False,
+    cache: bool | str | PathLike[str] = True,
 ) -> Volume:
     """The volume in a file or folder, in the RAS world frame if the format has one.
 
@@ -156,6 +157,9 @@ def open(
         compressed as one stream, and of DICOM.
     holes : bool, default False
         With `memory`: samples that cannot be read are left out and reported, instead of an error.
+    cache : bool or path, default True
+        With `memory`: where range and bounds of the samples are kept, as for `Volume.lazy`: the user's cache folder, a
+        folder of that name, or nowhere.
 
     Returns
     -------
@@ -207,6 +211,7 @@ def open(
         external_files=external_files,
         memory=memory,
         holes=holes,
+        cache=cache,
     )
     return opened(request, stacklevel=4)
 
@@ -273,7 +278,7 @@ def _lazily(request: Request, family: str) -> LazyVolume:
         first = affine.with_spacing(places[0], request.spacing)
         places = [first @ np.linalg.inv(places[0]) @ place for place in places]
     name, facts = request.name, _facts(grid.facts, (), request)
-    volume = lazily(grid.levels, places, name, facts, memory=request.memory, holes=request.holes)
+    volume = lazily(grid.levels, places, name, facts, memory=request.memory, keep=request.cache, holes=request.holes)
     options = {name: getattr(request, name) for name in (*request.given(), "memory") if name != "holes"}
     volume._source = sources.of_file(request.path, {k: v for k, v in options.items() if v is not None})
     return volume

@@ -89,10 +89,11 @@ class Request:
     unit: str | None = None
     gaps: str = "fill"
     external_files: bool = False
-    #: Of volumes that are left in their files: bytes that are held at once, and whether what cannot be read is left
-    #: out.
+    #: Of volumes that are left in their files: bytes that are held at once, whether what cannot be read is left out,
+    #: and where surveys are kept.
     memory: float | str | None = None
     holes: bool = False
+    cache: bool | str | PathLike[str] = True
     #: The folder of the document that names the file, which must lie in it; None where the user does.
     within: Path | None = None
     #: What readers keep from one time point of a file to the next, such as a file that is read on.
@@ -120,7 +121,7 @@ class Request:
         return {
             f.name
             for f in fields(self)
-            if f.name not in ("path", "kept", "memory", "holes", "within")
+            if f.name not in ("path", "kept", "memory", "holes", "within", "cache")
             and not _is_same(getattr(self, f.name), f.default)
         }
 

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from wavesplat._files import payload
+from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.stored_array import StoredArray
-from wavesplat._model.lazy_array import SlicedArray, file_token
+from wavesplat._model.lazy_array import SlicedArray
 
 __all__ = ["stored_samples"]
 
@@ -43,5 +44,6 @@ def stored_samples(
         convert=convert,
         dtype=made if made is not None else dtype,
         shape=(z, y, x),
-        token=file_token(path, dtype.str, offset, tuple(shape), tuple(picked)),
+        token=f"stored {path} {dtype.str} {offset} {tuple(shape)} {getattr(convert, 'keywords', None)}",
+        files=StoredFiles([path]),
     )

@@ -66,6 +66,8 @@ class Described:
     order: list[int]
     world_from_index: NDArray[np.float64]
     facts: Facts
+    #: Other files of the same image that OME metadata name.
+    others: tuple[Path, ...] = ()
 
 
 def described(path: Path, request: Request) -> Described:
@@ -73,7 +75,8 @@ def described(path: Path, request: Request) -> Described:
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        return _described(tiff, path, request, in_memory=False)
+        found = _described(tiff, path, request, in_memory=False)
+        return replace(found, others=tuple(path.parent / name for name in dict.fromkeys(_named_files(tiff))))
 
 
 def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> Described:
@@ -122,14 +125,19 @@ def _n_times(series: Any) -> int:
 
 def _check_named_files(tiff: TiffFile, path: Path, request: Request) -> None:
     """A `FileError` if the OME metadata name files in other folders."""
+    for name in _named_files(tiff):
+        check_named_file(name, path, anywhere=request.external_files, within=request.within)
+
+
+def _named_files(tiff: TiffFile) -> list[str]:
+    """Names of files in the OME metadata."""
     text = (tiff.ome_metadata or "") if tiff.is_ome else ""
     try:
         root = ET.fromstring(text)  # noqa: S314 - as tifffile does
         names = [part.get(attribute, "") for part in root.iter() for attribute in NAMES_OF_FILES]
     except ET.ParseError:  # some releases of tifffile mend it
         names = re.findall(rf"(?:{'|'.join(NAMES_OF_FILES)})\s*=\s*[\"']([^\"']*)", text)
-    for name in filter(None, names):
-        check_named_file(name, path, anywhere=request.external_files, within=request.within)
+    return [name for name in names if name]
 
 
 def _read_folder(folder: Path, request: Request) -> Grid:

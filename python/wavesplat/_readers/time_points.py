@@ -45,6 +45,7 @@ def open_series(
     external_files: bool = False,
     memory: float | str | None = None,
     holes: bool = False,
+    cache: bool | str | PathLike[str] = True,
 ) -> Series:
     """The time points of a file, or files of one time point each, read when they are asked for.
 
@@ -56,7 +57,7 @@ def open_series(
         each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
         numbers in their names (t2 before t10). A file of one volume is a series of one.
     series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory,
-    holes :
+    holes, cache :
         optional. As of `wavesplat.open`, for every time point.
 
     Returns
@@ -94,6 +95,7 @@ def open_series(
         "external_files": external_files,
         "memory": memory,
         "holes": holes,
+        "cache": cache,
     }
     paths = _files(path)
     if len(paths) == 1 and isinstance(path, str | PathLike):

@@ -23,6 +23,7 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
 from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
 from wavesplat._model.forked import drawing
+from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.options import BY_VIEW, Kernel, Quality
 from wavesplat._model.sampling import Sampling, checked_quality
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -40,7 +41,7 @@ from wavesplat._render.devices import chosen_device
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._scene.lazy_layers import Elsewhere, FrameSpec, LazyLayers
 from wavesplat._scene.reporting import facts_of
-from wavesplat._scene.shown import Curves, Shown, ShownLayer, shown_layers
+from wavesplat._scene.shown import Curves, Shown, ShownLayer, drawn_volumes, shown_layers
 from wavesplat._scene.telling import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
@@ -105,6 +106,11 @@ class _Frame:
 
 def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture:
     """See `wavesplat.render`."""
+    with comparing_once(drawn_volumes(scene)):
+        return _drawn_scene(scene, camera, options)
+
+
+def _drawn_scene(scene: Scene, camera: Camera | str | None, options: Options) -> Picture:
     size = checked_size(options.size)
     sampling = checked_quality(options.quality)
     if options.psnr is not None and (sampling.sheets_per_slice is not None or sampling.oversampling is not None):
@@ -141,10 +147,11 @@ def camera_of(scene: Scene, camera: Camera | str | None, options: Options) -> Ca
     """The camera that `draw` takes."""
     size = checked_size(options.size)
     asked = checked_operator(options.composite)
-    shown = shown_layers(scene, None if asked is None else name_of(asked))
-    clipping = _clipping_of(scene, shown)
-    parts = [(layer.seen, layer.look) for layer in shown.layers]
-    return chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
+    with comparing_once(drawn_volumes(scene)):
+        shown = shown_layers(scene, None if asked is None else name_of(asked))
+        clipping = _clipping_of(scene, shown)
+        parts = [(layer.seen, layer.look) for layer in shown.layers]
+        return chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
 
 
 def _clipping_of(scene: Scene, shown: Shown) -> Clipping:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from wavesplat import _native
+from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.camera import Camera
 from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
@@ -26,10 +27,14 @@ if TYPE_CHECKING:
     from wavesplat._scene.drawing import Options
     from wavesplat._scene.shown import Curves, ShownLayer
 
-__all__ = ["Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
+__all__ = ["KEPT", "Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
 
 #: What draws a frame instead of this process, and gives its stream with all blocks, and what was read.
 Elsewhere: TypeAlias = "Callable[[FrameSpec], tuple[_native.Stream, ReadCounts]]"
+
+
+#: Where range and bounds are from, in reports, if no sample was read for them: a cache folder.
+KEPT = "from what was kept"
 
 
 @dataclass
@@ -39,6 +44,8 @@ class LazyLayers:
     volumes: list[LazyVolume]
     levels: list[int]
     options: Options
+    #: How often samples of each volume were found changed before.
+    n_changes: list[int]
 
     @classmethod
     def of(
@@ -56,7 +63,7 @@ class LazyLayers:
             )
         lazy = [_lazily(volume) for volume in volumes]
         levels = [volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy]
-        return cls(lazy, levels, options)
+        return cls(lazy, levels, options, [volume.n_changes_of_files() for volume in lazy])
 
     @property
     def cores(self) -> list[_native.LazyVolume]:
@@ -64,6 +71,22 @@ class LazyLayers:
         kernel = self.options.kernel
         pairs = zip(self.volumes, self.levels, strict=True)
         return [volume.ready(level, kernel) for volume, level in pairs]
+
+    def _check_unchanged(self) -> None:
+        """A `FileError` if samples have changed since bounds were taken, as another thread or other machines found."""
+        is_read_elsewhere = self.options.elsewhere is not None
+        for volume, n_before in zip(self.volumes, self.n_changes, strict=True):
+            if volume.n_changes_of_files(now=is_read_elsewhere) != n_before:
+                raise FileChangedError(
+                    f"{volume.name!r}: samples were written to while they were drawn; draw again once nobody writes "
+                    "to them"
+                )
+
+    def _where_surveys_are_from(self) -> list[str]:
+        """Where range and bounds of each layer are from."""
+        kernel = self.options.kernel
+        surveys = [volume.survey(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
+        return [KEPT if survey.is_kept else "from all samples" for survey in surveys]
 
     @property
     def arrays(self) -> list[LazyArray]:
@@ -91,9 +114,11 @@ class LazyLayers:
             stream = spec.stream()
             reading = Reading(spec.arrays, spec.least, self.options.progress)
             counts = streamed(stream, reading, self.options.after_block)
+        self._check_unchanged()
         result = stream.picture()
         result["report"]["lazy"] = {
             "levels": list(self.levels),
+            "surveys": self._where_surveys_are_from(),
             "bytes_read": counts.n_bytes,
             "blocks": stream.n_blocks,
             "seconds": round(counts.seconds, 3),

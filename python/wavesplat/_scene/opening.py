@@ -67,6 +67,7 @@ def open_scene(
     external_files: bool = False,
     memory: float | str | None = None,
     holes: bool = False,
+    cache: bool | str | PathLike[str] = True,
 ) -> Scene:
     """A scene of all channels in a file, in the file's colours and windows.
 
@@ -82,8 +83,8 @@ def open_scene(
         Which time point, if the file holds several. The scene keeps all of them: `scene.at_time(3)`.
     composite : str, default "over"
         Operator that several channels are shown with: "over", or "maximum", whose colours add up.
-    series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes :
-        optional. As of `wavesplat.open`.
+    series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes, cache
+        : optional. As of `wavesplat.open`.
 
     Returns
     -------
@@ -130,6 +131,7 @@ def open_scene(
         "external_files": external_files,
         "memory": memory,
         "holes": holes,
+        "cache": cache,
     }
     source = _Source(path, options, time)
     wanted = _all_of(source) if channels is None else [_wanted(one, source) for one in channels]

@@ -18,6 +18,7 @@ from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.cutting import Boxes, in_samples_of
+from wavesplat._model.lazy_changes import compare
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite
 from wavesplat._model.volume import Volume
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Curves", "Shown", "ShownLayer", "operator_name", "seen_parts", "shown_layers"]
+__all__ = ["Curves", "Shown", "ShownLayer", "drawn_volumes", "operator_name", "seen_parts", "shown_layers"]
 
 Rgb = tuple[float, float, float]
 Curves: TypeAlias = TransferFunction | TransferFunction2D
@@ -103,6 +104,11 @@ def identity_of(volume: Volume | WaveletVolume) -> object:
     return volume._core if isinstance(volume, Volume) else volume
 
 
+def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:
+    """The volumes of the layers that are seen."""
+    return [layer.drawn for layer in scene.layers if layer.is_shown]
+
+
 def operator_name(looks: Sequence[Look]) -> Composite:
     """The operator that looks have in common: "over" if one of them has it."""
     names = list(dict.fromkeys(look.composite for look in looks))
@@ -145,6 +151,8 @@ def shown_layers(scene: Scene, composite: Composite | None) -> Shown:
         if layer.is_shown or (number == 0 and scene.labels is not None)
     ]
     volumes = [layer.drawn for layer in layers]
+    # Before looks are taken that were chosen for the samples as they were.
+    compare(volumes)
     first = volumes[0] if layers and layers[0] is scene.layers[0] else scene.layers[0].drawn
     check_units(volumes)
     looks = [_kept_look(scene, layer, composite) for layer in layers]

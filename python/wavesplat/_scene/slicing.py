@@ -15,6 +15,7 @@ from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.lazy_changes import compare
 from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report_facts import shown_layer
@@ -142,6 +143,7 @@ def slice(
     """
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
     first, *others = scene.layers
+    compare(layer.drawn for layer in scene.layers)
     check_units([layer.drawn for layer in scene.layers])
     if window is None and clim is None and transfer_function is None:
         clim = scene._kept.found_out(

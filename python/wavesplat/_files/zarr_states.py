@@ -1,0 +1,224 @@
+"""States of all chunk files of a Zarr array in a folder, from one pass over the folder.
+
+Writers rename chunks into place (zarr-python) or write into them (others), so folders' times are not enough: every
+file is asked for its state. 10,000 chunks take 0.1 s of one core, half of it in the system (measured on ext4 in a
+virtual machine, November 2026); opening an array costs nothing, the pass is made for its first picture.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.file_states import FileChangedError, state_of, wait_for_next_tick
+from wavesplat._files.zarr_chunks import chunk_numbers
+
+__all__ = ["ChunkFiles", "chunk_files"]
+
+#: Names of the files that describe an array.
+METADATA = ("zarr.json", ".zarray")
+#: A pass that takes longer, in seconds, is not made for every picture: at most a 20th of the time goes into them.
+#: Between passes the folders alone are looked at, whose times tell of chunks that were renamed into place.
+LONG_PASS, SHARE = 0.25, 20
+
+
+class _Pass:
+    """What a pass found: numbers of chunks, their states, and times of the folders that hold them."""
+
+    def __init__(self, folder: Path, grid: Sequence[int], picked: Sequence[int | None]) -> None:
+        begun = time.monotonic()
+        self._grid, self._picked = grid, picked
+        self._numbers: list[int] = []
+        self._states: list[int] = []
+        self.folders: dict[str, int] = {}
+        self.written_ns = 0
+        self._root = str(folder)
+        self._look_into(self._root, ())
+        order = np.argsort(np.array(self._numbers, np.int64), kind="stable")
+        self.numbers: NDArray[np.int64] = np.array(self._numbers, np.int64)[order]
+        self.states: NDArray[np.int64] = np.array(self._states, np.int64)[order]
+        del self._numbers, self._states
+        self.ended = time.monotonic()
+        self.seconds = self.ended - begun
+
+    def _look_into(self, place: str, before: tuple[int, ...]) -> None:
+        """Adds the chunks below a folder that stands for the first numbers of their places, at picked places only.
+
+        The names are `c/1/2/3`, `1/2/3`, or the same with dots; other names are no chunks.
+        """
+        self.folders[place] = Path(place).stat().st_mtime_ns
+        is_last = len(before) == len(self._grid) - 1
+        with os.scandir(place) as entries:
+            for entry in entries:
+                name = entry.name
+                if is_last and name.isdecimal():  # most names are such, so they take the short way
+                    self._add((*before, int(name)), entry)
+                    continue
+                parts = name.split(".")
+                if place == self._root and parts[0] == "c":
+                    del parts[0]
+                if not all(part.isdecimal() for part in parts):
+                    continue
+                own = (*before, *map(int, parts))
+                if len(own) == len(self._grid):
+                    self._add(own, entry)
+                elif len(own) < len(self._grid) and self._is_wanted(own) and entry.is_dir():
+                    self._look_into(entry.path, own)
+
+    def _is_wanted(self, own: tuple[int, ...]) -> bool:
+        return all(want is None or want == k for want, k in zip(self._picked, own, strict=False))
+
+    def _add(self, own: tuple[int, ...], entry: os.DirEntry[str]) -> None:
+        number = 0
+        for k, n, want in zip(own, self._grid, self._picked, strict=True):
+            if k >= n or (want is not None and want != k):
+                return
+            number = number * n + k
+        try:
+            # Windows keeps old times in the entries of a folder.
+            found = Path(entry.path).stat() if os.name == "nt" else entry.stat()
+        except FileNotFoundError:
+            return  # removed meanwhile, or a link to nothing, which is an error where it is read
+        state = state_of(found)
+        self.written_ns = max(self.written_ns, state[1])
+        self._numbers.append(number)
+        # 64 bits tell a changed state from the one before with certainty enough, and take 8 bytes a chunk.
+        self._states.append(hash(state))
+
+    def is_same(self, other: _Pass) -> bool:
+        """Whether all chunks have the states that they had."""
+        return np.array_equal(self.numbers, other.numbers) and np.array_equal(self.states, other.states)
+
+    def state(self, number: int) -> int | None:
+        """The state of a chunk; None of one that was not there."""
+        at = int(np.searchsorted(self.numbers, number))
+        return int(self.states[at]) if at < len(self.numbers) and self.numbers[at] == number else None
+
+
+def _number(place: Sequence[int], grid: Sequence[int]) -> int:
+    """The place of a chunk in the order of C."""
+    number = 0
+    for k, n in zip(place, grid, strict=True):
+        number = number * n + k
+    return number
+
+
+class ChunkFiles:
+    """Chunks of a Zarr array at a picked place of the axes beside z, y, x."""
+
+    def __init__(self, array: Any, folder: Path, picked: Sequence[int | None]) -> None:
+        self._array, self._folder = array, folder
+        sizes = [int(n) for n in (getattr(array, "shards", None) or array.chunks)]
+        self._grid = [-(-int(n) // size) for n, size in zip(array.shape, sizes, strict=True)]
+        self._picked = [None if one is None else one // size for one, size in zip(picked, sizes, strict=True)]
+        self._metadata = _metadata(folder)
+        self._seen: _Pass | None = None
+        #: How often a pass found other states than the one before.
+        self.n_changes = 0
+
+    def begin(self) -> None:
+        """The first pass over the files."""
+        if self._seen is None:
+            self._seen = self._passed()
+
+    def _passed(self) -> _Pass:
+        try:
+            return _Pass(self._folder, self._grid, self._picked)
+        except OSError as error:
+            raise FileChangedError(
+                f"the chunks cannot be looked at ({error.strerror}); draw again once nobody writes to the array: "
+                f"{error.filename or self._folder}"
+            ) from None
+
+    def fingerprint(self) -> str | None:
+        """A hash of all states, and of the metadata; None where a chunk was written just now, in whole seconds."""
+        self.begin()
+        seen = self._seen
+        assert seen is not None
+        if not wait_for_next_tick(seen.written_ns):
+            return None
+        told = hashlib.sha256(f"{self._folder.absolute()}\n{self._metadata}\n".encode("utf-8", "surrogateescape"))
+        told.update(seen.numbers.tobytes())
+        told.update(seen.states.tobytes())
+        return told.hexdigest()
+
+    def check_read(self, index: Sequence[int | slice]) -> None:
+        """A `FileChangedError` if a chunk that was read is another than the one that was looked at."""
+        seen = self._seen
+        if seen is None:
+            return
+        encode = self._array.metadata.encode_chunk_key
+        for place in chunk_numbers(self._array, index):
+            name = str(encode(place))
+            try:
+                now: int | None = hash(state_of((self._folder / name).stat()))
+            except OSError:
+                now = None
+            if now != seen.state(_number(place, self._grid)):
+                raise FileChangedError(
+                    f"chunk {name!r} was written to while it was drawn; draw again once nobody writes to the array: "
+                    f"{self._folder}"
+                )
+
+    def look_again(self) -> None:
+        """Count a change if a chunk was changed, added or removed since the last pass; nothing before the first."""
+        seen = self._seen
+        if seen is None:
+            return
+        if _metadata(self._folder) != self._metadata:
+            raise FileChangedError(f"the array was written anew since it was opened; open it again: {self._folder}")
+        if seen.seconds > LONG_PASS and time.monotonic() < seen.ended + SHARE * seen.seconds and _are(seen.folders):
+            return
+        self._seen = self._passed()
+        self.n_changes += not self._seen.is_same(seen)
+
+    def __getstate__(self) -> dict[str, object]:
+        # States have 16 bytes a chunk, and are the business of the process that sends the array.
+        return {**self.__dict__, "_seen": None}
+
+
+def _are(folders: dict[str, int]) -> bool:
+    """Whether folders have the times that they had."""
+    try:
+        return all(Path(folder).stat().st_mtime_ns == written for folder, written in folders.items())
+    except OSError:
+        return False
+
+
+def _metadata(folder: Path) -> str:
+    """Hash of what describes an array, but for its attributes, which say nothing of samples."""
+    told = hashlib.sha256()
+    for name in METADATA:
+        with suppress(OSError):
+            text = (folder / name).read_bytes()
+            with suppress(ValueError, AttributeError):
+                fields = json.loads(text)
+                fields.pop("attributes", None)
+                text = json.dumps(fields, sort_keys=True).encode()
+            told.update(text)
+    return told.hexdigest()
+
+
+def chunk_files(array: Any, picked: Sequence[int | None]) -> ChunkFiles | None:
+    """The chunk files of an array in a folder; None of other stores, and of zarr 2."""
+    place = getattr(array, "store_path", None)
+    root = getattr(getattr(place, "store", None), "root", None)
+    encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
+    if not isinstance(root, Path) or encode is None or array.ndim < 1:
+        return None
+    folder = root / getattr(place, "path", "")
+    # Only of names that a pass finds.
+    name = str(encode(tuple(range(1, array.ndim + 1))))
+    numbers = ".".join(map(str, range(1, array.ndim + 1)))
+    if name.replace("/", ".") not in (numbers, f"c.{numbers}"):
+        return None
+    return ChunkFiles(array, folder, picked) if any((folder / one).is_file() for one in METADATA) else None

@@ -1,0 +1,113 @@
+"""Which files the samples of an HDF5 dataset lie in: its own, those of external storage, and sources of virtual ones.
+
+Where a relative name starts depends on the kind (external storage: the working folder; virtual sources: the folder of
+the file, then the working folder), on the library's version and on the environment, so all places where a file could be
+are looked at.
+Sources: https://support.hdfgroup.org/documentation, H5Pset_external, H5Pset_virtual_prefix.
+"""
+
+from __future__ import annotations
+
+import os
+import weakref
+from contextlib import suppress
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wavesplat._files.file_states import StoredFiles
+
+if TYPE_CHECKING:
+    import h5py
+
+__all__ = ["files_of_dataset", "is_own_file", "open_hdf5", "read_hdf5"]
+
+#: Virtual datasets of virtual datasets, at most.
+MOST_DEPTH = 8
+#: What moves the places of other files.
+PREFIXES = ("HDF5_EXTFILE_PREFIX", "HDF5_VDS_PREFIX")
+
+
+#: Datasets that lazy arrays of this process hold open, and their files, by a number. Without a lock, which a fork could
+#: leave locked: single steps of a dict are whole.
+_HELD: dict[int, tuple[weakref.ref[Any], StoredFiles]] = {}
+_NUMBERS = count()
+
+
+def open_hdf5(file: str, name: str) -> Any:
+    """A dataset of a file, which stays open."""
+    dataset = read_hdf5(Path(file))[name]
+    _HELD[next(_NUMBERS)] = weakref.ref(dataset), files_of_dataset(dataset)
+    return dataset
+
+
+def read_hdf5(path: Path) -> h5py.File:
+    """A file to read, as it is now.
+
+    The library shares what it has read of a file among all that have it open in this process, also of the sources of
+    virtual datasets. So those datasets are closed whose files have changed; reading from them is an error as it is.
+    """
+    import h5py
+
+    for number, (ref, files) in list(_HELD.items()):
+        dataset = ref()
+        if dataset is None:
+            _HELD.pop(number, None)
+        elif files.are_others() and _HELD.pop(number, None) is not None:
+            dataset.file.close()
+    return h5py.File(path, "r")
+
+
+def is_own_file(dataset: h5py.Dataset) -> bool:
+    """Whether the file of an open dataset is only read, and is still the one that has its name."""
+    file = dataset.file
+    try:
+        there = Path(file.filename).stat()
+        return bool(file.mode == "r") and os.path.samestat(os.fstat(file.id.get_vfd_handle()), there)
+    except (OSError, ValueError, TypeError, NotImplementedError, RuntimeError):  # in memory, or removed
+        return False
+
+
+def files_of_dataset(dataset: h5py.Dataset) -> StoredFiles:
+    """All files that samples of a dataset lie in."""
+    places = _Places()
+    places.add(dataset, 0)
+    is_moved = any(os.environ.get(name) for name in PREFIXES)
+    return StoredFiles(places.files, is_complete=places.is_complete and not is_moved)
+
+
+class _Places:
+    """Where samples of a dataset may lie, found by following virtual datasets; whether that is all."""
+
+    def __init__(self) -> None:
+        self.files: dict[Path, None] = {}
+        self.is_complete = True
+        self._followed: set[tuple[Path, str]] = set()
+
+    def add(self, dataset: h5py.Dataset, depth: int) -> None:
+        """The places of a dataset's samples."""
+        own = Path(dataset.file.filename).absolute()
+        self.files[own] = None
+        folders = {own.parent, Path.cwd()}
+        for name, _, _ in dataset.external or ():
+            self.files.update((folder / os.fsdecode(name), None) for folder in folders)
+        if not dataset.is_virtual:
+            return
+        for file_name, inner in {(source.file_name, source.dset_name) for source in dataset.virtual_sources()}:
+            if "%" in file_name or "%" in inner or depth == MOST_DEPTH:  # a name for each block
+                self.is_complete = False
+                continue
+            for place in [own] if file_name == "." else [folder / file_name for folder in folders]:
+                self.files[place] = None
+                if (place, inner) not in self._followed and place.is_file():
+                    self._followed.add((place, inner))
+                    self._follow(place, inner, depth)
+
+    def _follow(self, place: Path, inner: str, depth: int) -> None:
+        import h5py
+
+        # What is no HDF5 file is read as fill values until it is one, which its state tells.
+        with suppress(OSError), read_hdf5(place) as file:
+            other = file.get(inner)
+            if isinstance(other, h5py.Dataset):
+                self.add(other, depth + 1)

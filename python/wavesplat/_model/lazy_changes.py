@@ -1,0 +1,62 @@
+"""When the files of lazy volumes are looked at again: at the start of a picture, so that all of it is of one state.
+
+Outside of pictures they are looked at before each answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Protocol, runtime_checkable
+
+from wavesplat._files.file_states import Origin
+
+__all__ = ["compare", "comparing_once", "look_again"]
+
+#: Identities of the files that were looked at for the picture that is being made; None where none is.
+_LOOKED_AT: ContextVar[set[int] | None] = ContextVar("looked_at", default=None)
+
+
+@runtime_checkable
+class _OfFiles(Protocol):
+    def notice_changes(self) -> None:
+        """Forget what is known of samples that have changed."""
+
+
+@contextmanager
+def comparing_once(volumes: Iterable[object]) -> Iterator[None]:
+    """While a picture of some volumes is made, which are compared with their files now.
+
+    Raises
+    ------
+    FileError
+        If a file has changed that must be opened again.
+    """
+    if _LOOKED_AT.get() is not None:
+        compare(volumes)
+        yield
+        return
+    token = _LOOKED_AT.set(set())
+    try:
+        compare(volumes)
+        yield
+    finally:
+        _LOOKED_AT.reset(token)
+
+
+def compare(volumes: Iterable[object]) -> None:
+    """Compare the lazy ones of some volumes with their files, but for files that this picture has looked at."""
+    for volume in volumes:
+        if isinstance(volume, _OfFiles):
+            volume.notice_changes()
+
+
+def look_again(files: Origin) -> None:
+    """Look whether files have changed, if that was not done for this picture."""
+    looked_at = _LOOKED_AT.get()
+    if looked_at is not None:
+        if id(files) in looked_at:
+            return
+        looked_at.add(id(files))
+    files.look_again()

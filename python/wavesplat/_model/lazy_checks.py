@@ -1,0 +1,134 @@
+"""Whether an array can be read box by box as a volume: its shape, chunks and type, and the samples that it gives."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.argument_types import described
+from wavesplat.errors import ArgumentError
+
+__all__ = ["checked_chunks", "checked_shape", "checked_type", "converted", "renderable_type"]
+
+#: Types that the renderer reads as they are.
+NATIVE = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
+#: Samples along each axis of a chunk, for plans, of arrays that say nothing of chunks.
+DEFAULT_SIDE = 32
+
+
+def checked_shape(array: Any, name: str) -> tuple[int, ...]:
+    """The shape of an array; an `ArgumentError` where it is none, or not known."""
+    given = array.shape
+    try:
+        sizes = list(given)
+    except TypeError:
+        sizes = []
+    if any(isinstance(size, float | np.floating) and math.isnan(size) for size in sizes):
+        raise ArgumentError(
+            f"volume {name!r}: the sizes of its chunks depend on the samples and are not known (shape {given}); "
+            "call compute_chunk_sizes() on the Dask array first, and give it a shape of three axes"
+        )
+    try:
+        shape = tuple(operator.index(size) for size in sizes)
+    except TypeError:
+        shape = ()
+    if not shape or min(shape) < 0:
+        raise ArgumentError(
+            f"volume {name!r}: its shape is {described(given)}; give whole numbers of samples (z, y, x)"
+        )
+    return shape
+
+
+def checked_type(array: Any, name: str) -> np.dtype[Any]:
+    """The type of an array's samples; an `ArgumentError` where it is none."""
+    try:
+        dtype: np.dtype[Any] = np.dtype(array.dtype)
+        return dtype
+    except (TypeError, ValueError):
+        # TensorStore has types of its own.
+        own = getattr(array.dtype, "numpy_dtype", None)
+        if isinstance(own, np.dtype):
+            return own
+        raise ArgumentError(
+            f"volume {name!r}: its dtype is {described(array.dtype)}; give a type of NumPy, such as uint16"
+        ) from None
+
+
+def checked_chunks(array: Any, name: str) -> list[int]:
+    """Samples along each axis that are read at once, the most where chunks differ; an `ArgumentError` for others."""
+    given = getattr(array, "chunks", None)
+    if given is None:
+        return [DEFAULT_SIDE] * len(array.shape)
+    try:
+        sizes = [max(operator.index(n) for n in one) if isinstance(one, tuple | list) else one for one in given]
+        chunks = [operator.index(size) for size in sizes]
+    except (TypeError, ValueError):
+        chunks = []
+    if len(chunks) != len(array.shape) or min(chunks, default=0) < 1:
+        raise ArgumentError(
+            f"volume {name!r}: its chunks are {described(given)}; give a whole number from 1 for each of the "
+            f"{len(array.shape)} axes, or None"
+        )
+    return chunks
+
+
+def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
+    """The type that samples are read in; an `ArgumentError` for those that cannot be converted box by box."""
+    own = dtype.newbyteorder("=")
+    if own.str[1:] in NATIVE:
+        return own
+    if own.kind == "b":
+        return np.dtype(np.uint8)
+    if own.kind == "f":
+        return np.dtype(np.float32 if own.itemsize == 2 else np.float64)
+    if own.kind in "iu":
+        # Which narrower type would do is known once all are read; this holds whole numbers up to 2^53.
+        return np.dtype(np.float64)
+    hint = "take .real, .imag or abs" if own.kind == "c" else "store them as numbers"
+    raise ArgumentError(f"volume {name!r}: samples are {dtype}, not real numbers; {hint}")
+
+
+def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
+    """Samples that were read, in the renderer's type; an `ArgumentError` where their values would be lost.
+
+    said : the type that the array says to have.
+    """
+    if samples.dtype.kind not in "biuf":
+        hint = "take .real, .imag or abs" if samples.dtype.kind == "c" else "store them as numbers"
+        raise ArgumentError(f"volume {name!r}: samples came as {samples.dtype}, not as real numbers; {hint}")
+    if isinstance(samples, np.ma.MaskedArray):
+        samples = _filled(samples, dtype, said, name)
+    with np.errstate(invalid="ignore", over="ignore"):
+        made = np.ascontiguousarray(samples, dtype)
+    if samples.dtype != said and not _is_kept(samples.dtype, dtype) and not _is_same(made, samples):
+        raise ArgumentError(
+            f"volume {name!r}: samples came as {samples.dtype}, with values that the array's dtype, {said}, cannot "
+            "hold; mend its dtype"
+        )
+    return made
+
+
+def _filled(samples: Any, dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
+    """Masked samples as NaN, as in memory; whole numbers have none."""
+    if not np.ma.is_masked(samples):
+        return np.ma.getdata(samples)
+    if dtype.kind != "f":
+        raise ArgumentError(
+            f"volume {name!r}: some samples are masked, and {said} has no value for what is missing; give them as "
+            "float32, or without the mask"
+        )
+    filled: NDArray[Any] = np.ma.filled(samples.astype(dtype), np.nan)
+    return filled
+
+
+def _is_kept(given: np.dtype[Any], dtype: np.dtype[Any]) -> bool:
+    """Whether values of a type keep their meaning in another: nothing but digits of floating point may be lost."""
+    return np.can_cast(given, dtype, "same_kind" if given.kind == dtype.kind == "f" else "safe")
+
+
+def _is_same(made: NDArray[Any], samples: NDArray[Any]) -> bool:
+    return bool(np.array_equal(made, samples, equal_nan=samples.dtype.kind == "f"))

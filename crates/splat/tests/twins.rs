@@ -151,7 +151,7 @@ fn the_original_form_draws_the_same_scene() {
             early_ray_termination: false,
             ..RenderOptions::default()
         };
-        let literal = splat::image(&volume, Kernel::Linear, &tf, &camera, &options).unwrap();
+        let literal = original::image(&volume, Kernel::Linear, &tf, &camera, &options, &()).unwrap();
         let slices = Slices::new(&volume, Kernel::Linear);
         let (fast, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
         let psnr = psnr_db(&fast.rgba, &literal.rgba);

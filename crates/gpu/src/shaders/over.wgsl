@@ -5,7 +5,7 @@
 struct Sheet {
     place: Place,
     density: f32,
-    is_hole: bool,
+    missing: f32,
     gradient: vec3<f32>,
     has_gradient: bool,
     fields: FieldValues,
@@ -16,7 +16,7 @@ fn sheet_at(ray: Ray, sheet: u32) -> Sheet {
     var made: Sheet;
     made.place = place_0(ray.texel, sheet);
     made.density = value_0(made.place, vec3<f32>(0.0f));
-    made.is_hole = is_hole_0(made.place);
+    made.missing = missing_0(made.place);
     made.has_gradient = false;
     made.has_fields = false;
     if HAS_MATTER {
@@ -61,11 +61,11 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
     var sheet = sheet_at(ray, number);
     let sees_scan = is_visible(0u, sheet.density, sheet.density);
     let sees_matter = HAS_MATTER && sheet.fields.matter.x > 0.0f;
-    if !(sees_scan || sees_matter) || sheet.is_hole {
+    if !(sees_scan || sees_matter) {
         return;
     }
     let part = extent(ray.interval, begin, end);
-    let length = part.y * thickness(0u, ray);
+    let length = part.y * thickness(0u, ray) * known_share(sheet.missing);
     if length <= 0.0f {
         return;
     }
@@ -108,7 +108,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let hi = max((*front).density, (*back).density);
     let sees_scan = is_visible(0u, lo, hi);
     let sees_matter = HAS_MATTER && max((*front).fields.matter.x, (*back).fields.matter.x) > 0.0f;
-    if !(sees_scan || sees_matter) || (*front).is_hole || (*back).is_hole {
+    if !(sees_scan || sees_matter) {
         return;
     }
     let s_front = s_of(number);
@@ -125,23 +125,26 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let begin = (part.x - s_front) * per_s;
     let share = part.y * per_s;
     let end = begin + share;
-    let whole_length = part.y * thickness(0u, ray);
+    let missing = (*front).missing;
+    let more_missing = (*back).missing - missing;
+    let full_length = part.y * thickness(0u, ray);
+    // The share is linear: its mean over a part is that in the middle.
+    let whole_length = full_length * known_share(missing + (begin + 0.5f * share) * more_missing);
     let eye = to_eye(0u, ray);
     var color = vec4<f32>(0.0f);
     var visible = part;
     if sees_scan {
         let passage = preintegrate(0u, (*front).density + begin * change, (*front).density + end * change);
-        var length = whole_length;
+        let visible_middle = begin + (passage.first + passage.last) * 0.5f * share;
+        var length = full_length * known_share(missing + visible_middle * more_missing);
         with_gradient(front);
         with_gradient(back);
         if BY_GRADIENT_0 == BY_FACTOR {
             // What holds in the middle of what is visible.
-            let middle = begin + (passage.first + passage.last) * 0.5f * share;
-            length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, middle));
+            length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, visible_middle));
         }
         if HAS_SCAN {
-            let middle = begin + (passage.first + passage.last) * 0.5f * share;
-            length *= between_fields((*front).fields, (*back).fields, middle).scan;
+            length *= between_fields((*front).fields, (*back).fields, visible_middle).scan;
         }
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part, the
         // front of an opaque one.

@@ -26,6 +26,7 @@ use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
+use crate::source::nonfinite::known_share;
 
 /// Emission and absorption. `EXTRA`: with what few pictures have; a constant, so that the others do not pay for it.
 pub struct Over<'a, const EXTRA: bool> {
@@ -81,11 +82,11 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             slab.first.prepare_gradient(which, chunks[0].block());
         }
         let sheet = if which == 0 { &slab.first.front } else { &slab.first.back };
-        let (from, mut extent) = extent(w, chunks, rays, [from, to]);
+        let (from, extent) = extent(w, chunks, rays, [from, to]);
+        let mut length = w.mul(extent, rays.thickness(w, chunks));
         if geometry.slices.has_mask() {
-            extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
+            length = w.mul(length, known_share(w, sheet.missing(w, chunks)));
         }
-        let length = w.mul(extent, rays.thickness(w, chunks));
         let mut classified = self.classifier.look_up(w, density);
         let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
         let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
@@ -136,11 +137,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             slab.first.prepare_gradient(0, chunks[0].block());
             slab.first.prepare_gradient(1, chunks[0].block());
         }
-        let (from, mut extent) = extent(w, chunks, rays, slab.s);
-        if geometry.slices.has_mask() {
-            let hole = w.or(slab.first.front.hole(w, chunks), slab.first.back.hole(w, chunks));
-            extent = w.select(hole, w.splat(0.0), extent);
-        }
+        let (from, extent) = extent(w, chunks, rays, slab.s);
         // The densities where the drawn part begins and ends.
         let per_s = w.splat(1.0 / (s_back - s_front));
         let change = w.sub(back, front);
@@ -149,8 +146,19 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let passage = self.classifier.preintegrate(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
         // the front of an opaque one.
-        let whole_length = w.mul(extent, rays.thickness(w, chunks));
+        let mut whole_length = w.mul(extent, rays.thickness(w, chunks));
         let mut length = whole_length;
+        if geometry.slices.has_mask() {
+            let missing = [&slab.first.front, &slab.first.back].map(|sheet| sheet.missing(w, chunks));
+            // The share is linear: its mean over a part is that in the middle, of what is visible, and of all for the
+            // labels' own matter.
+            let [of_scan, of_all] = [w.add(passage.first, passage.last), w.splat(1.0)].map(|twice| {
+                let at = w.add_mul(begin, w.mul(twice, w.splat(0.5)), w.mul(extent, per_s));
+                known_share(w, w.add_mul(missing[0], at, w.sub(missing[1], missing[0])))
+            });
+            length = w.mul(length, of_scan);
+            whole_length = w.mul(whole_length, of_all);
+        }
         if EXTRA {
             // What holds in the middle of what is visible.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));

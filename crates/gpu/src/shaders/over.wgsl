@@ -41,19 +41,22 @@ fn with_fields(sheet: ptr<function, Sheet>, ray: Ray, number: u32) {
     }
 }
 
-// Mixes the labels' own matter into what the scan has in the same space: colour and opacity.
+// Mixes the labels' own matter into what the scan has in the same space: colour and opacity; `scan_depth`: its optical
+// depth. Colours mix by extinction: where both are opaque, opacities would say half and half.
 fn with_matter(
     scan: vec4<f32>,
+    scan_depth: f32,
     fields: FieldValues,
     gradient: vec3<f32>,
     length: f32,
     eye: vec3<f32>,
 ) -> vec4<f32> {
-    let own = one_minus_exp_neg(max(fields.matter.x, 0.0f) * length);
+    let own_depth = max(fields.matter.x, 0.0f) * length;
+    let own = one_minus_exp_neg(own_depth);
     let color = matter_color(fields, gradient, eye);
-    let sum = scan.w + own;
-    let share = select(0.0f, own / max(sum, 1e-30f), sum > 0.0f);
-    return vec4<f32>(scan.xyz + share * (color - scan.xyz), sum - scan.w * own);
+    let sum = scan_depth + own_depth;
+    let share = select(0.0f, own_depth / max(sum, 1e-30f), sum > 0.0f);
+    return vec4<f32>(scan.xyz + share * (color - scan.xyz), scan.w + own - scan.w * own);
 }
 
 // Composites a sheet as it is from one position to another.
@@ -81,13 +84,14 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
         }
         color.w *= select(1.0f, sheet.fields.scan, HAS_SCAN);
     }
-    color.w = one_minus_exp_neg(color.w * length);
+    let scan_depth = color.w * length;
+    color.w = one_minus_exp_neg(scan_depth);
     let eye = to_eye(0u, ray);
     if sees_scan && (color.w > 0.0f || sees_matter) {
         color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye), color.w);
     }
     if sees_matter {
-        color = with_matter(color, sheet.fields, matter_gradient(ray.texel, number), length, eye);
+        color = with_matter(color, scan_depth, sheet.fields, matter_gradient(ray.texel, number), length, eye);
     }
     add_fragment(color.xyz, color.w, part.x, part.y);
 }
@@ -133,6 +137,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let eye = to_eye(0u, ray);
     var color = vec4<f32>(0.0f);
     var visible = part;
+    var scan_depth = 0.0f;
     if sees_scan {
         let passage = preintegrate(0u, (*front).density + begin * change, (*front).density + end * change);
         let visible_middle = begin + (passage.first + passage.last) * 0.5f * share;
@@ -155,6 +160,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
             let own = (1.0f - alpha) * one_minus_exp_neg(depth);
             moment += own * (f32(k) + 1.0f / (2.0f + 0.75f * depth)) * 0.5f;
             alpha += own;
+            scan_depth += depth;
         }
         let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
         let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
@@ -175,7 +181,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         let fields = between_fields((*front).fields, (*back).fields, middle);
         let on_front = matter_gradient(ray.texel, number);
         let gradient = mix3(on_front, matter_gradient(ray.texel, number + 1u), middle);
-        color = with_matter(color, fields, gradient, whole_length, eye);
+        color = with_matter(color, scan_depth, fields, gradient, whole_length, eye);
         visible = part;
     }
     add_fragment(color.xyz, color.w, visible.x, visible.y);

@@ -102,7 +102,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             depth = w.mul(depth, if scan_ahead { self.extras.scan_share(w, &point) } else { w.splat(0.0) });
         }
-        let mut alpha = one_minus_exp_neg(w, w.mul(depth, length));
+        let scan_depth = w.mul(depth, length);
+        let mut alpha = one_minus_exp_neg(w, scan_depth);
         let to_eye = rays.to_eye(w, chunks);
         let mut rgb = [w.splat(0.0); 3];
         if !EXTRA || scan_ahead {
@@ -112,7 +113,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             && matter_ahead
             && let Some(matter) = self.extras.matter(w, &point)
         {
-            (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
+            (rgb, alpha) = self.add_matter(w, (rgb, alpha, scan_depth), matter, length, to_eye, &point);
         }
         self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
@@ -172,9 +173,12 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
                 if scan_ahead { self.extras.scan_share(w, &FieldPoint::between(&self.here, at)) } else { w.splat(0.0) };
             length = w.mul(length, share);
         }
-        let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
+        let [mut alpha, mut moment, mut scan_depth] = [w.splat(0.0); 3];
         for (k, depth) in passage.depths.into_iter().enumerate() {
             let depth = w.mul(depth, length);
+            if EXTRA {
+                scan_depth = w.add(scan_depth, depth);
+            }
             let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
             let mean = w.div(w.splat(1.0), w.add_mul(w.splat(2.0), w.splat(0.75), depth));
             moment = w.add_mul(moment, share, w.mul(w.add(w.splat(k as f32), mean), w.splat(1.0 / N_PARTS as f32)));
@@ -205,7 +209,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
             let point = FieldPoint::between(&self.here, middle);
             if matter_ahead && let Some(matter) = self.extras.matter(w, &point) {
-                (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, to_eye, &point);
+                (rgb, alpha) = self.add_matter(w, (rgb, alpha, scan_depth), matter, whole_length, to_eye, &point);
                 visible = (from, extent);
             }
         }
@@ -272,27 +276,29 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
     }
 
-    /// Mixes the labels' own matter into what the scan has in the same space.
+    /// Mixes the labels' own matter into what the scan has in the same space: colour, opacity and optical depth. Colours
+    /// mix by extinction: where both are opaque, opacities would say half and half.
     #[inline(always)]
     fn add_matter<W: Wide>(
         &self,
         w: W,
-        (rgb, alpha): ([W::F; 3], W::F),
+        (rgb, alpha, scan_depth): ([W::F; 3], W::F, W::F),
         (depth, color): (W::F, [W::F; 3]),
         length: W::F,
         to_eye: [W::F; 3],
         point: &FieldPoint<W>,
     ) -> ([W::F; 3], W::F) {
-        let own = one_minus_exp_neg(w, w.mul(depth, length));
+        let own_depth = w.mul(depth, length);
+        let own = one_minus_exp_neg(w, own_depth);
         let shader = self.extras.label_shader.as_ref().zip(Some(point.gradient(w)));
         let color = lit(w, color, shader, to_eye, self.extras.light(w, point));
-        let sum = w.add(alpha, own);
-        let share = w.select(w.lt(w.splat(0.0), sum), w.div(own, sum), w.splat(0.0));
+        let sum = w.add(scan_depth, own_depth);
+        let share = w.select(w.lt(w.splat(0.0), sum), w.div(own_depth, sum), w.splat(0.0));
         let mut mixed = rgb;
         for c in 0..3 {
             mixed[c] = w.add_mul(rgb[c], share, w.sub(color[c], rgb[c]));
         }
-        (mixed, w.sub(sum, w.mul(alpha, own)))
+        (mixed, w.sub(w.add(alpha, own), w.mul(alpha, own)))
     }
 
     /// Whether any ray of each chunk that is not done can see something of densities from the first to the second.

@@ -6,6 +6,8 @@ OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
 FUZZ_SECONDS ?= 60
+SEED ?= 1
+N ?= 100
 WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
 ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
@@ -24,7 +26,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -46,6 +48,9 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
+
+random-scenes: $(STAMPS)/package ## draw N random scenes of a SEED and compare them with the reference; seconds a scene
+	python studies/scenes/random_scenes.py --seed $(SEED) --n $(N)
 
 looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volumes, measure them, one sheet; LOOKS="--only ct,pet"
 	BENCH_DATA=$(BENCH_DATA) python studies/looks/looks.py --out $(OUT)/looks $(LOOKS)

@@ -10,7 +10,7 @@ use wavesplat_core::{
 };
 use wavesplat_splat::reference::ablation::Ablation;
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
-use wavesplat_splat::reference::{project, splat};
+use wavesplat_splat::reference::{original, project, splat};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};

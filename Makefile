@@ -7,7 +7,7 @@ BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
 FUZZ_SECONDS ?= 60
 SEED ?= 1
-N ?= 400
+N ?= 100
 BALLS ?= 3
 WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
@@ -27,7 +27,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -50,8 +50,11 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
 
-random-functions: $(STAMPS)/package ## draw N random transfer functions at every quality and compare with arithmetic; SEED=1 N=400 BALLS=3
+random-functions: $(STAMPS)/package ## draw N random transfer functions of a SEED at every quality and compare with arithmetic; N=400 BALLS=3
 	python studies/random_functions/random_functions.py --seed $(SEED) --n $(N) --balls $(BALLS)
+
+random-scenes: $(STAMPS)/package ## draw N random scenes of a SEED and compare them with the reference; seconds a scene
+	python studies/scenes/random_scenes.py --seed $(SEED) --n $(N)
 
 edges: $(STAMPS)/package ## compare the outermost rows and columns of volumes with the rest; EDGES="--only ct" takes a minute
 	BENCH_DATA=$(BENCH_DATA) python studies/edges/edges.py $(EDGES)

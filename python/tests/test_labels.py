@@ -134,3 +134,20 @@ def test_the_command_line_draws_labels_and_light(tmp_path, scan):
     assert plain.read_bytes() != shown.read_bytes()
     assert run("-o", failed, "--shadow", 0.5, "--no-shading").exit_code != 0
     assert not failed.exists()
+
+
+@pytest.mark.parametrize("scan_opacity", [0.3, 0.99, 1.0])
+@pytest.mark.parametrize("layers", [1, 2])
+def test_scan_and_matter_mix_by_extinction(scan_opacity, layers):
+    """In even matter of both, the colour is the mean by extinction, however opaque they are."""
+    scan = ws.Volume(np.full((12, 12, 12), 5.0, np.float32))
+    red = ws.TransferFunction([(0, scan_opacity)], [(0, 1, 0, 0)], opacity_unit=1.0)
+    looks = {1: ws.Label((0, 1, 0), 0.9, scan=1.0)}
+    labels = ws.Labels(np.ones(scan.shape, np.uint8), looks)
+    clear = ws.Layer(scan, ws.TransferFunction([(0, 0)], [(0, 1, 1, 1)]))
+    scene = ws.Scene([ws.Layer(scan, red), clear][:layers], labels=labels, shading=None)
+    picture = ws.render(scene, camera="anterior", size=(24, 24), device="cpu").rgba[12, 12]
+    with np.errstate(divide="ignore"):
+        depths = -np.log1p(-np.array([scan_opacity, 0.9]))
+    share = 0.0 if scan_opacity == 1 else depths[1] / depths.sum()
+    np.testing.assert_allclose(picture, [1 - share, share, 0, 1], atol=2e-3)

@@ -83,3 +83,31 @@ def test_ctrl_c_stops_a_frame(threads):
     # The whole frame takes minutes.
     assert time.monotonic() - begin < 30
     assert ws.render(scan, size=(8, 8), threads=threads).rgba.any()
+
+
+#: Slow ones: the rays and the sheets of a picture of this size take minutes.
+SLOW = {
+    "raycast": lambda scan: ws.reference.raycast(scan, size=(600, 600), rays_per_pixel=16, kernel="bspline3"),
+    "splat_literal": lambda scan: ws.reference.splat_literal(scan, size=(1600, 1600), kernel="bspline3"),
+    "study.splat": lambda scan: ws.study.splat(scan, size=(1000, 1000), sheets_per_slice=4),
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+@pytest.mark.usefixtures("interruptible")
+@pytest.mark.parametrize("what", SLOW)
+def test_ctrl_c_stops_the_slow_renderers(what):
+    scan = ws.examples.ct_pelvis()
+    sent = []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+
+    timer = threading.Timer(1.0, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        SLOW[what](scan)
+    timer.cancel()
+    # Two seconds on a machine that does nothing else.
+    assert time.monotonic() - sent[0] < 10

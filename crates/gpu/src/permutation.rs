@@ -8,7 +8,7 @@ use std::fmt::Write;
 use wavesplat_core::Kernel;
 use wavesplat_splat::optics::preintegrate::LEVEL;
 use wavesplat_splat::ray::local_maximum::ROUNDING;
-use wavesplat_splat::sheet::buffer::LEAST_HOLE_WEIGHT;
+use wavesplat_splat::source::nonfinite::{LEAST_KNOWN, MISSING};
 
 use crate::layout::FIRST_TEXTURE;
 
@@ -196,13 +196,14 @@ impl Permutation {
         text.push_str(include_str!("shaders/frame.wgsl"));
         text.push_str(include_str!("shaders/axes.wgsl"));
         text.push_str(include_str!("shaders/kernel.wgsl"));
+        text.push_str(include_str!("shaders/known.wgsl"));
         for (k, source) in self.sources.iter().enumerate() {
             text.push_str(&source_constants(k, source));
             let mut parts = include_str!("shaders/samples.wgsl").to_owned();
             if source.has_holes {
                 parts.push_str(include_str!("shaders/holes.wgsl"));
             } else {
-                parts.push_str("fn is_hole_SOURCE(place: Place) -> bool { return false; }\n");
+                parts.push_str("fn missing_SOURCE(place: Place) -> f32 { return 0.0f; }\n");
             }
             parts.push_str(include_str!("shaders/reconstruct.wgsl"));
             if source.format == Format::Four {
@@ -276,7 +277,8 @@ impl Permutation {
             add(name, "u32", &format!("{k}u"));
         }
         add("LEVEL", "f32", &format!("{LEVEL:?}f"));
-        add("LEAST_HOLE_WEIGHT", "f32", &format!("{LEAST_HOLE_WEIGHT:?}f"));
+        add("MISSING", "f32", &format!("{MISSING:?}f"));
+        add("LEAST_KNOWN", "f32", &format!("{LEAST_KNOWN:?}f"));
         add("ROUNDING", "f32", &format!("{ROUNDING:?}f"));
         for (k, layer) in self.layers.iter().enumerate() {
             add(&format!("IS_SHADED_{k}"), "bool", &layer.is_shaded);
@@ -375,6 +377,7 @@ fn source_constants(k: usize, source: &SourceKind) -> String {
         Format::Float | Format::Four => (2, "0.0f"),
     };
     add("FORMAT", "u32", &format!("{format}u"));
+    add("HAS_HOLES", "bool", &source.has_holes);
     add("BIAS", "f32", &bias);
     let (gradient, n, before) = match source.gradient {
         GradientTaps::Nothing => (0, 0, 0),

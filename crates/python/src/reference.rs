@@ -94,7 +94,9 @@ pub fn splat_literal<'py>(
     };
     let picture = volume.with_volume(py, |v| {
         let (tf, camera) = (&transfer_function.0, &camera.0);
-        py.detach(|| reference::splat::image(v, kernel, tf, camera, &options)).map_err(to_py)
+        let progress = PyProgress::new(None);
+        let draw = || reference::original::image(v, kernel, tf, camera, &options, &progress);
+        progress.watch(py, draw)?.map_err(to_py)
     })?;
     image(py, picture)
 }

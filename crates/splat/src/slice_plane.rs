@@ -2,8 +2,8 @@
 //!
 //! A pixel is a point: the kernel reconstructs the value there from the samples around it, as `Σ weight · sample`, and
 //! nothing is averaged over the pixel's area. A slab keeps the largest, the smallest or the mean value of its planes;
-//! the mean is the trapezoidal rule, so its outer planes count half. What is outside the volume, or reaches a hole, is
-//! NaN, and a slab leaves it out.
+//! the mean is the trapezoidal rule, so its outer planes count half. What is outside the volume, or missing
+//! ([`crate::source::nonfinite`]), is NaN, and a slab leaves it out.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -174,6 +174,8 @@ fn point_taps(kernel: Kernel, grid: &Grid, position: DVec3) -> Option<PointTaps>
             point.index[axis][t] = fold(kernel, first + t as i64, n);
         }
         point.weight[axis] = weight;
+        let (first, weights) = taps(Kernel::Linear, x.clamp(0.0, (n - 1) as f64));
+        point.cell[axis] = [0, 1].map(|t| (fold(Kernel::Linear, first + t as i64, n), weights[t]));
     }
     Some(point)
 }

@@ -10,7 +10,7 @@ use wavesplat_core::{
 };
 use wavesplat_splat::reference::ablation::Ablation;
 use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
-use wavesplat_splat::reference::{project, splat};
+use wavesplat_splat::reference::{original, project, splat};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{render, render_base_planes, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
@@ -151,7 +151,7 @@ fn the_original_form_draws_the_same_scene() {
             early_ray_termination: false,
             ..RenderOptions::default()
         };
-        let literal = splat::image(&volume, Kernel::Linear, &tf, &camera, &options).unwrap();
+        let literal = original::image(&volume, Kernel::Linear, &tf, &camera, &options, &()).unwrap();
         let slices = Slices::new(&volume, Kernel::Linear);
         let (fast, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
         let psnr = psnr_db(&fast.rgba, &literal.rgba);

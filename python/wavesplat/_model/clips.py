@@ -67,8 +67,8 @@ class CutOut:
     ----------
     crop : Crop
         The box, such as `Crop.corner(volume, "left anterior superior")`. Samples whose centres are inside of it are
-        drawn as empty, so on axes that are oblique to the box its faces are stairs of samples. Labels are taken out
-        with them.
+        missing, and matter fades out over the cell before the first of them; on axes that are oblique to the box its
+        faces are stairs of samples. Labels are taken out with them.
 
     Raises
     ------

@@ -53,7 +53,7 @@ class Volume(Grid):
         A C-contiguous array of these types is shared, not copied, and `samples` is a read-only view of it. After
         writing to your own array call `changed`: what was prepared for earlier pictures would make wrong ones.
         Do not write to it while a picture is drawn. Any other array is copied.
-        NaN and infinity are drawn as empty.
+        NaN and infinity are missing: each takes one cell of matter out of the picture, whatever the kernel.
     spacing : three numbers (x, y, z), optional
         Distances between neighbouring samples, in world units.
         Sample (0, 0, 0) is then at the world origin. Default 1.

@@ -8,7 +8,7 @@ fn march_ray(ray: Ray, block: u32) {
     // Each sheet is made once: behind a slab, then in front of the next.
     var in_front = 0xffffffffu;
     var front = 0.0f;
-    var front_hole = false;
+    var front_missing = 0.0f;
     var front_place: Place;
     for (var word = first / 32u; word * 32u < end + 1u; word++) {
         let around = sheets_around(0u, block, word, first, end);
@@ -19,15 +19,16 @@ fn march_ray(ray: Ray, block: u32) {
             let number = word * 32u + bit;
             let back_place = place_0(ray.texel, number);
             let back = value_0(back_place, vec3<f32>(0.0f));
-            let back_hole = is_hole_0(back_place);
+            let back_missing = missing_0(back_place);
             let a = front - iso;
             let b = back - iso;
             let is_slab = ((around.y >> bit) & 1u) == 1u && in_front + 1u == number;
-            if is_slab && (a < 0.0f) != (b < 0.0f) && !front_hole && !back_hole {
+            if is_slab && (a < 0.0f) != (b < 0.0f) {
                 let s_front = s_of(number - 1u);
                 let at = a / (a - b);
                 let place = s_front + (s_of(number) - s_front) * at;
-                if place >= ray.interval.x && place <= ray.interval.y {
+                let is_known = front_missing + (back_missing - front_missing) * at < MISSING;
+                if is_known && place >= ray.interval.x && place <= ray.interval.y {
                     var rgb = parameters.frame.color.xyz;
                     if IS_SHADED_0 {
                         let on_front = gradient_0(front_place);
@@ -40,7 +41,7 @@ fn march_ray(ray: Ray, block: u32) {
                 }
             }
             front = back;
-            front_hole = back_hole;
+            front_missing = back_missing;
             front_place = back_place;
             in_front = number;
         }

@@ -32,8 +32,8 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
     }
     let place = place_LAYER(ray.texel, sheet);
     let density = value_LAYER(place, vec3<f32>(0.0f));
-    let length = extent(own, begin, end).y * thickness(LAYERu, ray);
-    if length <= 0.0f || is_hole_LAYER(place) {
+    let length = extent(own, begin, end).y * thickness(LAYERu, ray) * known_share(missing_LAYER(place));
+    if length <= 0.0f {
         return false;
     }
     let eye = to_eye(LAYERu, ray);
@@ -88,7 +88,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
     let s_front = s_of(slab);
     let way = s_of(slab + 1u) - s_front;
     let part = extent(own, s_front, s_front + way);
-    if part.y <= 0.0f || is_hole_LAYER(front_place) || is_hole_LAYER(back_place) {
+    if part.y <= 0.0f {
         return;
     }
     // The shares of the way between which the layer is drawn, and the parts of these.
@@ -96,6 +96,8 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
     let end = begin + part.y / way;
     let cuts = vec3<f32>(begin, clamp(0.5f, begin, end), end);
     let whole_length = way * thickness(LAYERu, ray);
+    let missing = missing_LAYER(front_place);
+    let more_missing = missing_LAYER(back_place) - missing;
     let eye = to_eye(LAYERu, ray);
     var front_fields: FieldValues;
     var back_fields: FieldValues;
@@ -122,7 +124,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         }
         // What holds in the middle of what is visible.
         let middle = (passage.first + passage.last) * 0.5f;
-        var length = whole_length;
+        var length = whole_length * known_share(missing + middle * more_missing);
         if IS_FIRST_LAYER && HAS_SCAN {
             length *= between_fields(front_fields, back_fields, middle).scan;
         }
@@ -155,7 +157,8 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         let fields = between_fields(front_fields, back_fields, middle);
         let on_front = matter_gradient(ray.texel, slab);
         let gradient = mix3(on_front, matter_gradient(ray.texel, slab + 1u), middle);
-        let lengths = (cuts.yz - cuts.xy) * (max(fields.matter.x, 0.0f) * whole_length);
+        let known = known_share(missing + middle * more_missing);
+        let lengths = (cuts.yz - cuts.xy) * (max(fields.matter.x, 0.0f) * whole_length * known);
         let rgb = matter_color(fields, gradient, eye);
         (*mixture).near = with_medium((*mixture).near, rgb, lengths.x);
         (*mixture).far = with_medium((*mixture).far, rgb, lengths.y);

@@ -5,7 +5,7 @@
 struct Sheet {
     place: Place,
     density: f32,
-    is_hole: bool,
+    missing: f32,
     gradient: vec3<f32>,
     has_gradient: bool,
     fields: FieldValues,
@@ -16,7 +16,7 @@ fn sheet_at(ray: Ray, sheet: u32) -> Sheet {
     var made: Sheet;
     made.place = place_0(ray.texel, sheet);
     made.density = value_0(made.place, vec3<f32>(0.0f));
-    made.is_hole = is_hole_0(made.place);
+    made.missing = missing_0(made.place);
     made.has_gradient = false;
     made.has_fields = false;
     if HAS_MATTER {
@@ -41,19 +41,22 @@ fn with_fields(sheet: ptr<function, Sheet>, ray: Ray, number: u32) {
     }
 }
 
-// Mixes the labels' own matter into what the scan has in the same space: colour and opacity.
+// Mixes the labels' own matter into what the scan has in the same space: colour and opacity; `scan_depth`: its optical
+// depth. Colours mix by extinction: where both are opaque, opacities would say half and half.
 fn with_matter(
     scan: vec4<f32>,
+    scan_depth: f32,
     fields: FieldValues,
     gradient: vec3<f32>,
     length: f32,
     eye: vec3<f32>,
 ) -> vec4<f32> {
-    let own = one_minus_exp_neg(max(fields.matter.x, 0.0f) * length);
+    let own_depth = max(fields.matter.x, 0.0f) * length;
+    let own = one_minus_exp_neg(own_depth);
     let color = matter_color(fields, gradient, eye);
-    let sum = scan.w + own;
-    let share = select(0.0f, own / max(sum, 1e-30f), sum > 0.0f);
-    return vec4<f32>(scan.xyz + share * (color - scan.xyz), sum - scan.w * own);
+    let sum = scan_depth + own_depth;
+    let share = select(0.0f, own_depth / max(sum, 1e-30f), sum > 0.0f);
+    return vec4<f32>(scan.xyz + share * (color - scan.xyz), scan.w + own - scan.w * own);
 }
 
 // Composites a sheet as it is from one position to another.
@@ -61,11 +64,11 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
     var sheet = sheet_at(ray, number);
     let sees_scan = is_visible(0u, sheet.density, sheet.density);
     let sees_matter = HAS_MATTER && sheet.fields.matter.x > 0.0f;
-    if !(sees_scan || sees_matter) || sheet.is_hole {
+    if !(sees_scan || sees_matter) {
         return;
     }
     let part = extent(ray.interval, begin, end);
-    let length = part.y * thickness(0u, ray);
+    let length = part.y * thickness(0u, ray) * known_share(sheet.missing);
     if length <= 0.0f {
         return;
     }
@@ -81,13 +84,14 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
         }
         color.w *= select(1.0f, sheet.fields.scan, HAS_SCAN);
     }
-    color.w = one_minus_exp_neg(color.w * length);
+    let scan_depth = color.w * length;
+    color.w = one_minus_exp_neg(scan_depth);
     let eye = to_eye(0u, ray);
     if sees_scan && (color.w > 0.0f || sees_matter) {
         color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye), color.w);
     }
     if sees_matter {
-        color = with_matter(color, sheet.fields, matter_gradient(ray.texel, number), length, eye);
+        color = with_matter(color, scan_depth, sheet.fields, matter_gradient(ray.texel, number), length, eye);
     }
     add_fragment(color.xyz, color.w, part.x, part.y);
 }
@@ -108,7 +112,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let hi = max((*front).density, (*back).density);
     let sees_scan = is_visible(0u, lo, hi);
     let sees_matter = HAS_MATTER && max((*front).fields.matter.x, (*back).fields.matter.x) > 0.0f;
-    if !(sees_scan || sees_matter) || (*front).is_hole || (*back).is_hole {
+    if !(sees_scan || sees_matter) {
         return;
     }
     let s_front = s_of(number);
@@ -125,23 +129,27 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let begin = (part.x - s_front) * per_s;
     let share = part.y * per_s;
     let end = begin + share;
-    let whole_length = part.y * thickness(0u, ray);
+    let missing = (*front).missing;
+    let more_missing = (*back).missing - missing;
+    let full_length = part.y * thickness(0u, ray);
+    // The share is linear: its mean over a part is that in the middle.
+    let whole_length = full_length * known_share(missing + (begin + 0.5f * share) * more_missing);
     let eye = to_eye(0u, ray);
     var color = vec4<f32>(0.0f);
     var visible = part;
+    var scan_depth = 0.0f;
     if sees_scan {
         let passage = preintegrate(0u, (*front).density + begin * change, (*front).density + end * change);
-        var length = whole_length;
+        let visible_middle = begin + (passage.first + passage.last) * 0.5f * share;
+        var length = full_length * known_share(missing + visible_middle * more_missing);
         with_gradient(front);
         with_gradient(back);
         if BY_GRADIENT_0 == BY_FACTOR {
             // What holds in the middle of what is visible.
-            let middle = begin + (passage.first + passage.last) * 0.5f * share;
-            length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, middle));
+            length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, visible_middle));
         }
         if HAS_SCAN {
-            let middle = begin + (passage.first + passage.last) * 0.5f * share;
-            length *= between_fields((*front).fields, (*back).fields, middle).scan;
+            length *= between_fields((*front).fields, (*back).fields, visible_middle).scan;
         }
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part, the
         // front of an opaque one.
@@ -152,6 +160,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
             let own = (1.0f - alpha) * one_minus_exp_neg(depth);
             moment += own * (f32(k) + 1.0f / (2.0f + 0.75f * depth)) * 0.5f;
             alpha += own;
+            scan_depth += depth;
         }
         let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
         let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
@@ -172,7 +181,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         let fields = between_fields((*front).fields, (*back).fields, middle);
         let on_front = matter_gradient(ray.texel, number);
         let gradient = mix3(on_front, matter_gradient(ray.texel, number + 1u), middle);
-        color = with_matter(color, fields, gradient, whole_length, eye);
+        color = with_matter(color, scan_depth, fields, gradient, whole_length, eye);
         visible = part;
     }
     add_fragment(color.xyz, color.w, visible.x, visible.y);

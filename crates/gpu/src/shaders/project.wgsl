@@ -1,16 +1,35 @@
 // Projections: one density per ray, by maximum, minimum or integral, of a density that is linear between sheets. Twin of
 // crates/splat/src/ray/project.rs and local_maximum.rs.
 
-// The densities where the drawn part of a slab begins and ends, and its length; 0 where nothing is drawn.
-fn segment(ray: Ray, front: f32, back: f32, s_front: f32, s_back: f32, is_whole: bool) -> vec3<f32> {
+// The drawn part of a slab.
+struct Segment {
+    // Densities where it begins and ends.
+    near: f32,
+    far: f32,
+    // Positions there.
+    s_near: f32,
+    s_far: f32,
+    // 0 where nothing is drawn.
+    length: f32,
+}
+
+// `missing`: the missing shares on both sheets.
+fn segment(ray: Ray, front: f32, back: f32, s_front: f32, s_back: f32, missing: vec2<f32>) -> Segment {
     let way = s_back - s_front;
-    let begin = max((ray.interval.x - s_front) / way, 0.0f);
-    let end = min((ray.interval.y - s_front) / way, 1.0f);
+    let known = known_part(missing.x, missing.y);
+    let begin = max(max((ray.interval.x - s_front) / way, 0.0f), known.x);
+    let end = min(min((ray.interval.y - s_front) / way, 1.0f), known.y);
     let slope = back - front;
     let near = front + begin * slope;
     let far = select(front + end * slope, back, end == 1.0f);
-    let is_drawn = end > begin && is_whole;
-    return vec3<f32>(near, far, select(0.0f, (end - begin) * way * thickness(0u, ray), is_drawn));
+    var s_near = max(ray.interval.x, s_front);
+    var s_far = min(ray.interval.y, s_back);
+    if HAS_HOLES_0 {
+        s_near = s_front + begin * way;
+        s_far = s_front + end * way;
+    }
+    let length = select(0.0f, (end - begin) * way * thickness(0u, ray), end > begin);
+    return Segment(near, far, s_near, s_far, length);
 }
 
 // What is above a level, times a factor.
@@ -40,39 +59,39 @@ fn climb(density: f32) {
     gathered.x = max(gathered.x, density);
 }
 
-fn add_segment(ray: Ray, part: vec3<f32>, s_front: f32, s_back: f32) {
-    if part.z <= 0.0f {
+fn add_segment(ray: Ray, part: Segment) {
+    if part.length <= 0.0f {
         return;
     }
     let level = parameters.frame.number.x;
     switch PROJECTION {
         case MAXIMUM: {
-            gathered.x = max(gathered.x, max(part.x, part.y));
+            gathered.x = max(gathered.x, max(part.near, part.far));
         }
         case MINIMUM: {
-            gathered.x = min(gathered.x, min(part.x, part.y));
+            gathered.x = min(gathered.x, min(part.near, part.far));
         }
         case DEPTH_SHADED: {
             let texel = vec3<f32>(1.0f, vec2<f32>(ray.texel));
             let at_zero = dot(parameters.frame.fade[0].xyz, texel);
             let per_s = dot(parameters.frame.fade[1].xyz, texel);
-            let near = dimmed(part.x, level, at_zero + per_s * max(ray.interval.x, s_front));
-            let far = dimmed(part.y, level, at_zero + per_s * min(ray.interval.y, s_back));
+            let near = dimmed(part.near, level, at_zero + per_s * part.s_near);
+            let far = dimmed(part.far, level, at_zero + per_s * part.s_far);
             gathered.x = max(gathered.x, max(near, far));
         }
         case X_RAY: {
-            gathered.x += mean_above(part.x - level, part.y - level) * part.z;
+            gathered.x += mean_above(part.near - level, part.far - level) * part.length;
         }
         case LOCAL_MAXIMUM: {
-            climb(part.x);
-            climb(part.y);
+            climb(part.near);
+            climb(part.far);
         }
         default: {
-            gathered.x += 0.5f * (part.x + part.y) * part.z;
+            gathered.x += 0.5f * (part.near + part.far) * part.length;
         }
     }
     if PROJECTION != LOCAL_MAXIMUM {
-        gathered.y += part.z;
+        gathered.y += part.length;
     }
 }
 
@@ -82,7 +101,7 @@ fn march_ray(ray: Ray, block: u32) {
     // Each sheet is made once: behind a slab, then in front of the next.
     var in_front = 0xffffffffu;
     var front = 0.0f;
-    var front_hole = false;
+    var front_missing = 0.0f;
     for (var word = first / 32u; word * 32u < end + 1u; word++) {
         let around = sheets_around(0u, block, word, first, end);
         var sheets = around.x;
@@ -92,18 +111,18 @@ fn march_ray(ray: Ray, block: u32) {
             let number = word * 32u + bit;
             let place = place_0(ray.texel, number);
             let back = value_0(place, vec3<f32>(0.0f));
-            let back_hole = is_hole_0(place);
+            let back_missing = missing_0(place);
             if ((around.y >> bit) & 1u) == 1u && in_front + 1u == number {
                 let s_front = s_of(number - 1u);
                 let s_back = s_of(number);
-                let part = segment(ray, front, back, s_front, s_back, !front_hole && !back_hole);
-                add_segment(ray, part, s_front, s_back);
+                let part = segment(ray, front, back, s_front, s_back, vec2<f32>(front_missing, back_missing));
+                add_segment(ray, part);
                 if is_done() {
                     return;
                 }
             }
             front = back;
-            front_hole = back_hole;
+            front_missing = back_missing;
             in_front = number;
         }
     }

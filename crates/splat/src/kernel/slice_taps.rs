@@ -14,15 +14,6 @@ pub struct SliceTaps {
     pub(super) n: usize,
 }
 
-impl SliceTaps {
-    /// The same slices with the weights' magnitudes.
-    #[must_use]
-    pub fn magnitudes(mut self) -> Self {
-        self.taps.iter_mut().for_each(|(_, weight)| *weight = weight.abs());
-        self
-    }
-}
-
 impl Deref for SliceTaps {
     type Target = [SliceTap];
 

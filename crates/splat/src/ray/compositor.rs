@@ -27,14 +27,14 @@ pub struct Slab<'a, 'b> {
     pub field_panels: &'a FieldSlices,
 }
 
-/// Densities of a chunk on both sheets, and where neither reaches a hole.
+/// Densities of a chunk on both sheets.
 pub struct Ends {
     /// On the sheet in front.
     pub front: [f32; LANES],
     /// On the sheet behind.
     pub back: [f32; LANES],
-    /// Lanes that reach no hole, as bits.
-    pub whole: u16,
+    /// Missing shares on both, of volumes with missing samples.
+    pub missing: Option<[[f32; LANES]; 2]>,
 }
 
 impl Ends {
@@ -44,12 +44,13 @@ impl Ends {
         let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
         s.store(slab.first.front.density(s, [chunk; 2]), &mut front);
         s.store(slab.first.back.density(s, [chunk; 2]), &mut back);
-        let whole = if slab.first.geometry.slices.has_mask() {
-            !s.bits(s.or(slab.first.front.hole(s, [chunk; 2]), slab.first.back.hole(s, [chunk; 2])))
-        } else {
-            u16::MAX
-        };
-        Self { front, back, whole }
+        let missing = slab.first.geometry.slices.has_mask().then(|| {
+            let mut shares = [[0.0; LANES]; 2];
+            s.store(slab.first.front.missing(s, [chunk; 2]), &mut shares[0]);
+            s.store(slab.first.back.missing(s, [chunk; 2]), &mut shares[1]);
+            shares
+        });
+        Self { front, back, missing }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::ray::compositor::{Compositor, Ends, Texels};
 use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
+use crate::source::nonfinite::MISSING;
 
 /// The first surface of one density.
 pub struct FirstHit<'a> {
@@ -46,7 +47,7 @@ impl Compositor for FirstHit<'_> {
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let [s_front, s_back] = slab.s;
-        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
+        let Ends { front, back, missing } = Ends::new(s, chunk, slab);
         let [lo, hi] = rays.lanes(chunk);
         let mut at = [0.0; LANES];
         let mut new = 0;
@@ -57,9 +58,10 @@ impl Compositor for FirstHit<'_> {
             at[i] = a / (a - b);
             let place = s_front + (s_back - s_front) * at[i];
             let inside = place >= lo.0[i] && place <= hi.0[i];
-            new |= u16::from(crosses && inside) << i;
+            let known = missing.as_ref().is_none_or(|[front, back]| front[i] + (back[i] - front[i]) * at[i] < MISSING);
+            new |= u16::from(crosses && inside && known) << i;
         }
-        new &= whole & !self.hit[chunk.index()] & !rays.missed(chunk);
+        new &= !self.hit[chunk.index()] & !rays.missed(chunk);
         if new == 0 {
             return;
         }

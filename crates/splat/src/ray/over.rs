@@ -26,6 +26,7 @@ use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
+use crate::source::nonfinite::known_share;
 
 /// Emission and absorption. `EXTRA`: with what few pictures have; a constant, so that the others do not pay for it.
 pub struct Over<'a, const EXTRA: bool> {
@@ -81,11 +82,11 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             slab.first.prepare_gradient(which, chunks[0].block());
         }
         let sheet = if which == 0 { &slab.first.front } else { &slab.first.back };
-        let (from, mut extent) = extent(w, chunks, rays, [from, to]);
+        let (from, extent) = extent(w, chunks, rays, [from, to]);
+        let mut length = w.mul(extent, rays.thickness(w, chunks));
         if geometry.slices.has_mask() {
-            extent = w.select(sheet.hole(w, chunks), w.splat(0.0), extent);
+            length = w.mul(length, known_share(w, sheet.missing(w, chunks)));
         }
-        let length = w.mul(extent, rays.thickness(w, chunks));
         let mut classified = self.classifier.look_up(w, density);
         let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
         let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
@@ -101,7 +102,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         if EXTRA {
             depth = w.mul(depth, if scan_ahead { self.extras.scan_share(w, &point) } else { w.splat(0.0) });
         }
-        let mut alpha = one_minus_exp_neg(w, w.mul(depth, length));
+        let scan_depth = w.mul(depth, length);
+        let mut alpha = one_minus_exp_neg(w, scan_depth);
         let to_eye = rays.to_eye(w, chunks);
         let mut rgb = [w.splat(0.0); 3];
         if !EXTRA || scan_ahead {
@@ -111,7 +113,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             && matter_ahead
             && let Some(matter) = self.extras.matter(w, &point)
         {
-            (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, length, to_eye, &point);
+            (rgb, alpha) = self.add_matter(w, (rgb, alpha, scan_depth), matter, length, to_eye, &point);
         }
         self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
@@ -136,11 +138,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             slab.first.prepare_gradient(0, chunks[0].block());
             slab.first.prepare_gradient(1, chunks[0].block());
         }
-        let (from, mut extent) = extent(w, chunks, rays, slab.s);
-        if geometry.slices.has_mask() {
-            let hole = w.or(slab.first.front.hole(w, chunks), slab.first.back.hole(w, chunks));
-            extent = w.select(hole, w.splat(0.0), extent);
-        }
+        let (from, extent) = extent(w, chunks, rays, slab.s);
         // The densities where the drawn part begins and ends.
         let per_s = w.splat(1.0 / (s_back - s_front));
         let change = w.sub(back, front);
@@ -149,8 +147,19 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let passage = self.classifier.preintegrate(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
         // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
         // the front of an opaque one.
-        let whole_length = w.mul(extent, rays.thickness(w, chunks));
+        let mut whole_length = w.mul(extent, rays.thickness(w, chunks));
         let mut length = whole_length;
+        if geometry.slices.has_mask() {
+            let missing = [&slab.first.front, &slab.first.back].map(|sheet| sheet.missing(w, chunks));
+            // The share is linear: its mean over a part is that in the middle, of what is visible, and of all for the
+            // labels' own matter.
+            let [of_scan, of_all] = [w.add(passage.first, passage.last), w.splat(1.0)].map(|twice| {
+                let at = w.add_mul(begin, w.mul(twice, w.splat(0.5)), w.mul(extent, per_s));
+                known_share(w, w.add_mul(missing[0], at, w.sub(missing[1], missing[0])))
+            });
+            length = w.mul(length, of_scan);
+            whole_length = w.mul(whole_length, of_all);
+        }
         if EXTRA {
             // What holds in the middle of what is visible.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
@@ -164,9 +173,12 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
                 if scan_ahead { self.extras.scan_share(w, &FieldPoint::between(&self.here, at)) } else { w.splat(0.0) };
             length = w.mul(length, share);
         }
-        let (mut alpha, mut moment) = (w.splat(0.0), w.splat(0.0));
+        let [mut alpha, mut moment, mut scan_depth] = [w.splat(0.0); 3];
         for (k, depth) in passage.depths.into_iter().enumerate() {
             let depth = w.mul(depth, length);
+            if EXTRA {
+                scan_depth = w.add(scan_depth, depth);
+            }
             let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
             let mean = w.div(w.splat(1.0), w.add_mul(w.splat(2.0), w.splat(0.75), depth));
             moment = w.add_mul(moment, share, w.mul(w.add(w.splat(k as f32), mean), w.splat(1.0 / N_PARTS as f32)));
@@ -197,7 +209,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
             let point = FieldPoint::between(&self.here, middle);
             if matter_ahead && let Some(matter) = self.extras.matter(w, &point) {
-                (rgb, alpha) = self.add_matter(w, (rgb, alpha), matter, whole_length, to_eye, &point);
+                (rgb, alpha) = self.add_matter(w, (rgb, alpha, scan_depth), matter, whole_length, to_eye, &point);
                 visible = (from, extent);
             }
         }
@@ -264,27 +276,29 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
     }
 
-    /// Mixes the labels' own matter into what the scan has in the same space.
+    /// Mixes the labels' own matter into what the scan has in the same space: colour, opacity and optical depth. Colours
+    /// mix by extinction: where both are opaque, opacities would say half and half.
     #[inline(always)]
     fn add_matter<W: Wide>(
         &self,
         w: W,
-        (rgb, alpha): ([W::F; 3], W::F),
+        (rgb, alpha, scan_depth): ([W::F; 3], W::F, W::F),
         (depth, color): (W::F, [W::F; 3]),
         length: W::F,
         to_eye: [W::F; 3],
         point: &FieldPoint<W>,
     ) -> ([W::F; 3], W::F) {
-        let own = one_minus_exp_neg(w, w.mul(depth, length));
+        let own_depth = w.mul(depth, length);
+        let own = one_minus_exp_neg(w, own_depth);
         let shader = self.extras.label_shader.as_ref().zip(Some(point.gradient(w)));
         let color = lit(w, color, shader, to_eye, self.extras.light(w, point));
-        let sum = w.add(alpha, own);
-        let share = w.select(w.lt(w.splat(0.0), sum), w.div(own, sum), w.splat(0.0));
+        let sum = w.add(scan_depth, own_depth);
+        let share = w.select(w.lt(w.splat(0.0), sum), w.div(own_depth, sum), w.splat(0.0));
         let mut mixed = rgb;
         for c in 0..3 {
             mixed[c] = w.add_mul(rgb[c], share, w.sub(color[c], rgb[c]));
         }
-        (mixed, w.sub(sum, w.mul(alpha, own)))
+        (mixed, w.sub(w.add(alpha, own), w.mul(alpha, own)))
     }
 
     /// Whether any ray of each chunk that is not done can see something of densities from the first to the second.

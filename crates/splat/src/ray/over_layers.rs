@@ -22,6 +22,7 @@ use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::layer_sheets::LayerSheets;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
+use crate::source::nonfinite::known_share;
 
 /// What a layer makes of densities.
 #[derive(Clone, Copy)]
@@ -163,12 +164,12 @@ impl<'a> OverLayers<'a> {
             let medium = self.media[layer];
             let density = own.sheet(which).density(w, chunks);
             let is_seen = self.see(w, chunks, rays, &medium, [density; 2]);
-            let (_, mut length) = extent(w, chunks, own_rays, ends);
+            let (_, length) = extent(w, chunks, own_rays, ends);
             let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
+            let mut length = w.mul(length, thickness);
             if own.geometry.slices.has_mask() {
-                length = w.select(own.sheet(which).hole(w, chunks), w.splat(0.0), length);
+                length = w.mul(length, known_share(w, own.sheet(which).missing(w, chunks)));
             }
-            let length = w.mul(length, thickness);
             if is_seen {
                 let mut gradient = None;
                 if medium.shader.is_some() || medium.modifiers.by_gradient.is_some() {
@@ -226,11 +227,15 @@ impl<'a> OverLayers<'a> {
             let medium = self.media[layer];
             let (front, back) = (own.front.density(w, chunks), own.back.density(w, chunks));
             let is_seen = self.see(w, chunks, rays, &medium, [w.min(front, back), w.max(front, back)]);
-            let (from, mut extent) = extent(w, chunks, own_rays, [s_front, s_back]);
+            let (from, extent) = extent(w, chunks, own_rays, [s_front, s_back]);
             let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
-            if own.geometry.slices.has_mask() {
-                extent = w.select(w.or(own.front.hole(w, chunks), own.back.hole(w, chunks)), zero, extent);
-            }
+            let missing =
+                own.geometry.slices.has_mask().then(|| [own.front.missing(w, chunks), own.back.missing(w, chunks)]);
+            // The share is linear: its mean over a part of the way is that in the middle of it.
+            let known = |at: W::F| match missing {
+                Some([front, back]) => known_share(w, w.add_mul(front, at, w.sub(back, front))),
+                None => one,
+            };
             // The shares of the way between which the layer is drawn, and the parts of these.
             let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
             let end = w.add_mul(begin, extent, per_s);
@@ -258,8 +263,8 @@ impl<'a> OverLayers<'a> {
                 };
                 // What holds in the middle of what is visible.
                 let middle = w.mul(w.add(first, last), half);
-                let mut length =
-                    w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
+                let mut length = w.mul(length, known(middle));
+                length = w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
                 if let (None, Some((by_gradient, [g_front, g_back]))) =
                     (joint, medium.modifiers.by_gradient.as_ref().zip(gradients))
                 {
@@ -296,6 +301,7 @@ impl<'a> OverLayers<'a> {
                     }
                     let middle = w.mul(w.add(begin, end), w.splat(0.5));
                     let point = FieldPoint::between(&self.here, middle);
+                    let length = w.mul(length, known(middle));
                     if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
                         for k in 0..N_PARTS {
                             let share = w.sub(cuts[k + 1], cuts[k]);

@@ -11,6 +11,7 @@ use crate::ray::compositor::{Compositor, Ends, Texels};
 use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
+use crate::source::nonfinite::known_part;
 
 /// The part of a slab that each ray of a chunk draws.
 pub struct DrawnSegment {
@@ -18,20 +19,22 @@ pub struct DrawnSegment {
     pub near: [f32; LANES],
     /// Densities where it ends.
     pub far: [f32; LANES],
-    /// Its length, in the unit of the rays' thickness; 0 where nothing is drawn, or a hole is reached.
+    /// Its length, in the unit of the rays' thickness; 0 where nothing is drawn.
     pub length: [f32; LANES],
+    /// The shares of the way through the slab where it begins and ends, of volumes with missing samples.
+    part: Option<[[f32; LANES]; 2]>,
 }
 
 impl DrawnSegment {
     /// Of a slab in which densities are ready.
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) -> Self {
-        let Ends { front, back, whole } = Ends::new(s, chunk, slab);
+        let Ends { front, back, missing } = Ends::new(s, chunk, slab);
         let thickness = &rays.directions(chunk).thickness.0;
         let [s_front, s_back] = slab.s;
-        let mut segment = Self { near: front, far: back, length: [0.0; LANES] };
+        let mut segment = Self { near: front, far: back, length: [0.0; LANES], part: None };
         // Most of them.
-        if whole == u16::MAX && rays.all_draw(chunk, s_front, s_back) {
+        if missing.is_none() && rays.all_draw(chunk, s_front, s_back) {
             for i in 0..LANES {
                 segment.length[i] = (s_back - s_front) * thickness[i];
             }
@@ -40,14 +43,19 @@ impl DrawnSegment {
         let [lo, hi] = rays.lanes(chunk);
         let per_s = 1.0 / (s_back - s_front);
         for i in 0..LANES {
-            let from = ((lo.0[i] - s_front) * per_s).max(0.0);
-            let to = ((hi.0[i] - s_front) * per_s).min(1.0);
+            let mut from = ((lo.0[i] - s_front) * per_s).max(0.0);
+            let mut to = ((hi.0[i] - s_front) * per_s).min(1.0);
+            if let Some([of_front, of_back]) = &missing {
+                let [first, last] = known_part(of_front[i], of_back[i]);
+                (from, to) = (from.max(first), to.min(last));
+                let [starts, ends] = segment.part.get_or_insert_default();
+                (starts[i], ends[i]) = (from, to);
+            }
             let slope = back[i] - front[i];
             segment.near[i] = front[i] + from * slope;
             // The back sheet to the bit where all is drawn.
             segment.far[i] = if to == 1.0 { back[i] } else { front[i] + to * slope };
-            let drawn = to > from && whole >> i & 1 == 1;
-            segment.length[i] = if drawn { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
+            segment.length[i] = if to > from { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
         }
         segment
     }
@@ -111,7 +119,7 @@ impl Compositor for Project {
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let segment = DrawnSegment::new(s, chunk, rays, slab);
         let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
-        let DrawnSegment { near, far, length: extent } = &segment;
+        let DrawnSegment { near, far, length: extent, part } = &segment;
         let level = self.level;
         // One loop per operator, so that none of them branches inside.
         let mut new = *value;
@@ -129,7 +137,11 @@ impl Compositor for Project {
             Composite::DepthShadedMaximum { .. } => {
                 let ([at_zero, per_s], [lo, hi]) = (rays.fade(chunk), rays.lanes(chunk));
                 for i in 0..LANES {
-                    let [s_near, s_far] = [lo.0[i].max(slab.s[0]), hi.0[i].min(slab.s[1])];
+                    let [mut s_near, mut s_far] = [lo.0[i].max(slab.s[0]), hi.0[i].min(slab.s[1])];
+                    if let Some([starts, ends]) = part {
+                        let way = slab.s[1] - slab.s[0];
+                        (s_near, s_far) = (slab.s[0] + starts[i] * way, slab.s[0] + ends[i] * way);
+                    }
                     let near = dimmed(near[i], level, at_zero.0[i] + per_s.0[i] * s_near);
                     let far = dimmed(far[i], level, at_zero.0[i] + per_s.0[i] * s_far);
                     new[i] = new[i].max(near.max(far));

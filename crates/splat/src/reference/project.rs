@@ -125,7 +125,8 @@ struct ProjectionCaster<'a> {
 }
 
 impl ProjectionCaster<'_> {
-    /// The pieces of a ray, front to back, without those that reach a hole.
+    /// The pieces of a ray, front to back, without what is missing: where linear weights of missing samples, linear between
+    /// sheets too, come to half or more.
     fn pieces(&self, ray: &TexelRay) -> Vec<RayPiece> {
         let [lo, hi] = self.region.drawn_interval(self.plane, ray);
         let family = self.plane.family;
@@ -137,14 +138,24 @@ impl ProjectionCaster<'_> {
             index
         };
         let (offset, scale) = self.volume.grid().density_from_sample();
-        let value = |w: f64| self.sampler.density(at(w)).map(|density| density / scale + offset);
+        let value = |w: f64| self.sampler.density(at(w)) / scale + offset;
         let mut pieces = Vec::new();
         for k in 0..spacing.n_slabs {
             let sheets = [spacing.w(k), spacing.w(k + 1)];
-            let ends = [sheets[0].max(lo), sheets[1].min(hi)];
-            let (true, Some(first), Some(last)) = (ends[0] < ends[1], value(sheets[0]), value(sheets[1])) else {
+            let mut ends = [sheets[0].max(lo), sheets[1].min(hi)];
+            let missing = sheets.map(|w| self.sampler.missing(at(w)));
+            if missing[0].max(missing[1]) >= 0.5 {
+                let half = sheets[0] + (sheets[1] - sheets[0]) * (0.5 - missing[0]) / (missing[1] - missing[0]);
+                match missing.map(|share| share < 0.5) {
+                    [true, _] => ends[1] = ends[1].min(half),
+                    [_, true] => ends[0] = ends[0].max(half),
+                    _ => continue,
+                }
+            }
+            if ends[0] >= ends[1] {
                 continue;
-            };
+            }
+            let [first, last] = sheets.map(value);
             let between = |w: f64| first + (last - first) * (w - sheets[0]) / (sheets[1] - sheets[0]);
             let world = |w: f64| self.volume.grid().world_from_index().transform_point3(at(w));
             let mut piece = RayPiece { values: ends.map(between), ends: ends.map(world) };

@@ -6,22 +6,21 @@
 //! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
 //! trilinearly interpolated central difference of the usual ray caster.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::parallel;
 use wavesplat_core::{
     Camera, Crop, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
 };
 
+use super::active_blocks::ActiveBlocks;
 use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
 use crate::kernel::smoothed;
 use crate::kernel::weights::{MAX_TAPS, fold, n_taps, taps};
-use crate::kernel::weights::{overshoot, radius};
 use crate::optics::labels::{Labels, own_depth};
 use crate::optics::shade::vanishing_gradient_squared;
 use crate::reference::medium::Medium;
-use crate::render::progress::ProgressCallback;
+use crate::render::progress::{Progress, ProgressCallback};
+use crate::source::nonfinite::LEAST_KNOWN;
 use crate::source::slices::Slices;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
@@ -41,8 +40,8 @@ pub struct RaycastOptions {
 /// Rays stop below this transmittance.
 const TRANSPARENT: f64 = 1e-7;
 
-/// Cells per side of the blocks that are skipped where nothing in them is visible.
-const BLOCK: usize = 4;
+/// Pixels that a thread draws at a time: few, so that nobody waits long for the last ones when the picture is cancelled.
+const N_PIXELS: usize = 8;
 
 /// A volume as the ray caster draws it, beside others or alone.
 #[derive(Clone, Copy)]
@@ -97,13 +96,14 @@ pub fn raycast_layers(
         let slices: Vec<Slices> = layers.iter().map(|layer| Slices::new(layer.volume, sampling.kernel)).collect();
         let caster = RayCaster::new(layers, &slices, camera, options, sampling.step)?;
         let rays = IndexRays::new(camera, first.volume.grid().index_from_world(), options.width_px, options.height_px);
-        let stopped = AtomicBool::new(false);
-        let n_done = AtomicUsize::new(0);
-        let rows = parallel::map(options.height_px, |y| {
-            if stopped.load(Ordering::Relaxed) {
-                return Vec::new();
-            }
-            let pixel = |x: usize| {
+        let (width_px, n_pixels) = (options.width_px, options.width_px * options.height_px);
+        let progress = Progress::new(monitor, n_pixels.div_ceil(N_PIXELS));
+        let parts = parallel::map(n_pixels.div_ceil(N_PIXELS), |k| {
+            let pixel = |i: usize| {
+                if progress.ask() {
+                    return [0.0; 4];
+                }
+                let (x, y) = (i % width_px, i / width_px);
                 let mut sum = [0.0; 4];
                 for s in 0..sampling.rays_per_pixel {
                     let offset = |k: usize| (k as f64 + 0.5) / per_axis as f64;
@@ -113,18 +113,15 @@ pub fn raycast_layers(
                 }
                 sum.map(|c| c as f32)
             };
-            let row = (0..options.width_px).map(pixel).collect::<Vec<_>>();
-            let fraction = (n_done.fetch_add(1, Ordering::Relaxed) + 1) as f32 / options.height_px as f32;
-            if monitor.progress(fraction).is_break() {
-                stopped.store(true, Ordering::Relaxed);
-            }
-            row
+            let part = (k * N_PIXELS..((k + 1) * N_PIXELS).min(n_pixels)).map(pixel).collect::<Vec<_>>();
+            progress.tile_done();
+            part
         });
-        if stopped.load(Ordering::Relaxed) {
+        if progress.is_stopped() {
             return Err(Error::Cancelled);
         }
         let (width_px, height_px) = (options.width_px, options.height_px);
-        let mut picture = Picture { width_px, height_px, rgba: rows.concat(), depth: None, value: None };
+        let mut picture = Picture { width_px, height_px, rgba: parts.concat(), depth: None, value: None };
         picture.finish(layers.iter().find_map(|layer| layer.shading), options.background);
         Ok(picture)
     })
@@ -132,10 +129,10 @@ pub fn raycast_layers(
 
 /// Colour and opacity of one sample of a ray, exact: shared with the literal splatter.
 pub struct Sampler<'a> {
-    slices: &'a Slices<'a>,
+    pub(super) slices: &'a Slices<'a>,
     size: [usize; 3],
-    tf: &'a TransferFunction,
-    density_map: (f64, f64),
+    pub(super) tf: &'a TransferFunction,
+    pub(super) density_map: (f64, f64),
     shading: Option<&'a Shading>,
     lights: Vec<(DVec3, [f64; 3])>,
     gradient_from_index: DMat3,
@@ -167,16 +164,29 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Density at an index position, clamped to the volume; `None` where a hole is reached.
-    pub fn density(&self, position: DVec3) -> Option<f64> {
-        let mut sum = Some(0.0);
-        for_each_tap(self.slices.kernel(), self.size, position, |at, weight| {
-            if weight != 0.0 && self.slices.is_hole(at) {
-                sum = None;
-            }
-            sum = sum.map(|sum| sum + weight * self.slices.at(at));
-        });
+    /// Density at an index position, clamped to the volume; missing samples are what they were filled with.
+    pub fn density(&self, position: DVec3) -> f64 {
+        let mut sum = 0.0;
+        for_each_tap(self.slices.kernel(), self.size, position, |at, weight| sum += weight * self.slices.at(at));
         sum
+    }
+
+    /// The missing share at an index position: the weight that the linear kernel gives to missing samples there, whatever
+    /// the kernel of the densities ([`crate::source::nonfinite`]).
+    pub fn missing(&self, position: DVec3) -> f64 {
+        let mut sum = 0.0;
+        if self.slices.has_mask() {
+            for_each_tap(Kernel::Linear, self.size, position, |at, weight| {
+                sum += if self.slices.is_hole(at) { weight } else { 0.0 };
+            });
+        }
+        sum
+    }
+
+    /// 1 less the missing share, or 0.
+    pub fn known(&self, position: DVec3) -> f64 {
+        let known = 1.0 - self.missing(position);
+        if known < f64::from(LEAST_KNOWN) { 0.0 } else { known }
     }
 
     /// Index-space gradient; differences stop at the faces, and holes count as filled.
@@ -190,8 +200,8 @@ impl<'a> Sampler<'a> {
             let mut ends = [position; 2];
             ends[0][axis] = position[axis] - offset;
             ends[1][axis] = position[axis] + offset;
-            let [lo, hi] = ends.map(|p| self.density(p).unwrap_or(f64::NAN));
-            gradient[axis] = if lo.is_nan() || hi.is_nan() { 0.0 } else { (hi - lo) / (2.0 * offset) };
+            let [lo, hi] = ends.map(|p| self.density(p));
+            gradient[axis] = (hi - lo) / (2.0 * offset);
         }
         gradient
     }
@@ -485,7 +495,11 @@ impl CastVolume<'_> {
         if own == 0.0 && !self.blocks.is_active(position) {
             return Medium::NONE;
         }
-        let Some(density) = sampler.density(position) else { return Medium::NONE };
+        let known = sampler.known(position);
+        if known == 0.0 {
+            return Medium::NONE;
+        }
+        let density = sampler.density(position);
         if own == 0.0 && !sampler.may_be_seen(density) {
             return Medium::NONE;
         }
@@ -499,7 +513,7 @@ impl CastVolume<'_> {
                 rgb = [0, 1, 2].map(|c| rgb[c] * (1.0 - tint / scan) + tint_rgb[c] / scan);
             }
         }
-        let per_unit = 1.0 / sampler.opacity_unit();
+        let per_unit = known / sampler.opacity_unit();
         let color = if depth > 0.0 { sampler.light(rgb, gradient, to_eye, sampler.vanishing) } else { [0.0; 3] };
         let scan = Medium { extinction: depth * per_unit, color };
         let Some(mixture) = mixture.filter(|_| own > 0.0) else { return scan };
@@ -523,57 +537,4 @@ impl CastVolume<'_> {
 fn index_box(lo: DVec3, hi: DVec3) -> Vec<HalfSpace> {
     let sides = (0..3).flat_map(|a| [(DVec3::AXES[a], -lo[a]), (-DVec3::AXES[a], hi[a])]);
     sides.map(|(normal, offset)| HalfSpace { normal, offset }).collect()
-}
-
-/// Which blocks of cells can hold a visible density: exact, since kernels with non-negative weights stay inside the
-/// range of the samples they reach; for Catmull-Rom the range is widened by its largest overshoot in 3-D.
-struct ActiveBlocks {
-    active: Vec<bool>,
-    n: [usize; 3],
-}
-
-impl ActiveBlocks {
-    fn new(sampler: &Sampler, size: [usize; 3]) -> Self {
-        let n = size.map(|s| (s - 1).div_ceil(BLOCK).max(1));
-        let reach = radius(sampler.slices.kernel()).ceil() as i64 - 1;
-        let planes = parallel::map(n[2], |bz| {
-            let mut plane = Vec::with_capacity(n[0] * n[1]);
-            for by in 0..n[1] {
-                for bx in 0..n[0] {
-                    plane.push(Self::block_is_active(sampler, size, [bx, by, bz], reach));
-                }
-            }
-            plane
-        });
-        Self { active: planes.concat(), n }
-    }
-
-    fn block_is_active(sampler: &Sampler, size: [usize; 3], block: [usize; 3], reach: i64) -> bool {
-        let span = |axis: usize| {
-            let lo = (block[axis] * BLOCK) as i64 - reach;
-            let hi = ((block[axis] + 1) * BLOCK) as i64 + reach;
-            (lo..=hi).map(move |i| fold(sampler.slices.kernel(), i, size[axis]))
-        };
-        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for z in span(2) {
-            for y in span(1) {
-                for x in span(0) {
-                    let d = sampler.slices.at([x, y, z]);
-                    lo = lo.min(d);
-                    hi = hi.max(d);
-                }
-            }
-        }
-        let over = f64::from(overshoot(sampler.slices.kernel())) * (hi - lo);
-        let (offset, scale) = sampler.density_map;
-        let [lo, hi] = [lo - over, hi + over].map(|d| d / scale + offset);
-        // A piecewise-linear curve is 0 over an interval if it is 0 at its ends and at the nodes inside.
-        let inside = sampler.tf.opacity_nodes().iter().filter(|n| n.value >= lo && n.value <= hi);
-        sampler.tf.opacity(lo) > 0.0 || sampler.tf.opacity(hi) > 0.0 || inside.into_iter().any(|n| n.opacity > 0.0)
-    }
-
-    fn is_active(&self, position: DVec3) -> bool {
-        let block = |axis: usize| ((position[axis].max(0.0) / BLOCK as f64) as usize).min(self.n[axis] - 1);
-        self.active[block(0) + self.n[0] * (block(1) + self.n[1] * block(2))]
-    }
 }

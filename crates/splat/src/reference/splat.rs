@@ -17,9 +17,8 @@
 //!
 //! Two forms. [`base_plane`] has the texels of the fast path (those of each sheet on the same rays) and takes the
 //! gradient from difference footprints, or from the texels and sheet buffers beside each, with any [`Ablation`]: without
-//! one the fast path must equal it to rounding. [`picture`] warps it as the fast path does. [`image`] is the original: one
-//! buffer layout for all sheets, the gradient from three consecutive sheet buffers, and every sheet resampled on its way
-//! to the picture as a texture on its polygon. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
+//! one the fast path must equal it to rounding. [`picture`] warps it as the fast path does. [`super::original`]
+//! has the method as it was published. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 use glam::{DMat3, DVec3};
 use wavesplat_compute::parallel;
@@ -42,19 +41,19 @@ use crate::render::progress::{Progress, ProgressCallback};
 use crate::sheet::spacing::SheetSpacing;
 use crate::source::slices::Slices;
 use crate::view::base_plane::{BasePlane, base_planes};
-use crate::view::family::{Family, IndexRays};
+use crate::view::family::IndexRays;
 use crate::view::region::Region;
 use crate::view::silhouette::Silhouette;
 
-/// One density per texel, row by row; NaN where a hole is reached.
-type SheetBuffer = Vec<f64>;
+/// One density per texel, row by row.
+pub(super) type SheetBuffer = Vec<f64>;
 
 /// Where the texels of a sheet lie: index coordinate of texel 0 and change per texel, along u and v.
-type Layout = [(f64, f64); 2];
+pub(super) type Layout = [(f64, f64); 2];
 
 /// Which footprint is splatted along one axis.
 #[derive(Clone, Copy, PartialEq)]
-enum LiteralFootprint {
+pub(super) enum LiteralFootprint {
     /// h(x − l)
     Value,
     /// [h(x + b − l) − h(x + a − l)] / (b − a)
@@ -69,20 +68,21 @@ use LiteralFootprint::{Difference, Smooth, SmoothSlope, Value};
 
 /// The texels of a sheet buffer.
 #[derive(Clone, Copy)]
-struct BufferTexels<'a> {
-    layout: Layout,
-    size: [usize; 2],
+pub(super) struct BufferTexels<'a> {
+    pub(super) layout: Layout,
+    pub(super) size: [usize; 2],
     /// Tells the noise of this sheet from that of others.
-    sheet: i64,
+    pub(super) sheet: i64,
     /// Those that are wanted; `None`: all.
-    wanted: Option<&'a [bool]>,
+    pub(super) wanted: Option<&'a [bool]>,
 }
 
-struct Splatter<'a> {
-    slices: &'a Slices<'a>,
-    size: [usize; 3],
-    axes: [usize; 3],
-    ablation: Ablation,
+pub(super) struct Splatter<'a> {
+    pub(super) slices: &'a Slices<'a>,
+    pub(super) size: [usize; 3],
+    pub(super) axes: [usize; 3],
+    pub(super) ablation: Ablation,
+    pub(super) progress: &'a Progress<'a>,
 }
 
 impl Splatter<'_> {
@@ -121,9 +121,9 @@ impl Splatter<'_> {
         }
     }
 
-    /// The slices that reach the sheet at `w`, weighted and added: rows of samples along u. Holes are what they were
-    /// filled with, or NaN.
-    fn sliced(&self, w: f64, footprint: LiteralFootprint, keep_holes: bool) -> Vec<f64> {
+    /// The slices that reach the sheet at `w`, weighted and added: rows of samples along u. Missing samples are what they
+    /// were filled with.
+    pub(super) fn sliced(&self, w: f64, footprint: LiteralFootprint) -> Vec<f64> {
         let [u, v, through] = self.axes;
         let slices = self.weights(through, w, footprint);
         let row = |sample_v: usize| {
@@ -131,8 +131,7 @@ impl Splatter<'_> {
                 let of_slice = |&(slice, weight): &(usize, f64)| {
                     let mut index = [0; 3];
                     (index[u], index[v], index[through]) = (sample_u, sample_v, slice);
-                    let is_hole = keep_holes && self.slices.is_hole(index);
-                    if is_hole { f64::NAN } else { weight * self.slices.at(index) }
+                    weight * self.slices.at(index)
                 };
                 slices.iter().filter(|(_, weight)| *weight != 0.0).map(of_slice).sum::<f64>()
             };
@@ -142,13 +141,21 @@ impl Splatter<'_> {
     }
 
     /// Clears a buffer and splats the samples of the [`Splatter::sliced`] slices. Texels that are not wanted stay 0.
-    fn splat(&self, samples: &[f64], texels: BufferTexels, footprints: [LiteralFootprint; 2]) -> SheetBuffer {
+    pub(super) fn splat(
+        &self,
+        samples: &[f64],
+        texels: BufferTexels,
+        footprints: [LiteralFootprint; 2],
+    ) -> SheetBuffer {
         let [u, v, _] = self.axes;
         let n_samples_u = self.size[u];
         let at = |c: usize, i: usize| texels.layout[c].0 + texels.layout[c].1 * i as f64;
         let along_u: Vec<_> = (0..texels.size[0]).map(|i| self.weights(u, at(0, i), footprints[0])).collect();
         let mut buffer = vec![0.0; texels.size[0] * texels.size[1]];
         parallel::for_each_chunk(&mut buffer, texels.size[0], |j, row| {
+            if self.progress.ask() {
+                return;
+            }
             let wanted = texels.wanted.map(|wanted| &wanted[j * row.len()..][..row.len()]);
             let along_v = self.weights(v, at(1, j), footprints[1]);
             for (i, texel) in row.iter_mut().enumerate().filter(|(i, _)| wanted.is_none_or(|wanted| wanted[*i])) {
@@ -170,11 +177,11 @@ impl Splatter<'_> {
     }
 
     fn smoothed_gradient(&self, texels: BufferTexels, w: f64, deviation: f64) -> [SheetBuffer; 3] {
-        let smooth = self.sliced(w, Smooth(deviation), false);
+        let smooth = self.sliced(w, Smooth(deviation));
         std::array::from_fn(|c| {
             let mut footprints = [Smooth(deviation); 2];
             if c == 2 {
-                return self.splat(&self.sliced(w, SmoothSlope(deviation), false), texels, footprints);
+                return self.splat(&self.sliced(w, SmoothSlope(deviation)), texels, footprints);
             }
             footprints[c] = SmoothSlope(deviation);
             self.splat(&smooth, texels, footprints)
@@ -215,7 +222,7 @@ impl Splatter<'_> {
         std::array::from_fn(|c| {
             let [a, b] = scheme.ends(offset, if c < 2 { texels.layout[c].1 } else { step });
             if c == 2 && (is_noisy || !scheme.is_of_sheets()) {
-                let difference = self.sliced(w, Difference([a, b]), false);
+                let difference = self.sliced(w, Difference([a, b]));
                 return self.splat(&difference, texels, [Value; 2]);
             }
             if !scheme.is_of_sheets() && !is_noisy {
@@ -226,7 +233,7 @@ impl Splatter<'_> {
             // The buffer as its texels lie when moved along an axis: the same one some texels on, or another sheet's.
             let moved = |by: f64| {
                 if c == 2 {
-                    return self.splat(&self.sliced(w + by, Value, false), texels, [Value; 2]);
+                    return self.splat(&self.sliced(w + by, Value), texels, [Value; 2]);
                 }
                 let mut moved = texels;
                 moved.layout[c].0 += by;
@@ -237,8 +244,12 @@ impl Splatter<'_> {
     }
 }
 
+pub(super) fn sheet_spacing(volume: &Volume, plane: &BasePlane, options: &RenderOptions) -> SheetSpacing {
+    SheetSpacing::new(volume.grid().size()[plane.family.axes[2]], options.sheets_per_slice)
+}
+
 /// World length that a slab one slice distance thick stands for, where rays go `along` per slice.
-fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, ablation: &Ablation) -> f64 {
+pub(super) fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, ablation: &Ablation) -> f64 {
     if ablation.view_angle_correction {
         return (world_from_index * along).length();
     }
@@ -334,7 +345,7 @@ struct LiteralSplatting<'a> {
 
 impl LiteralSplatting<'_> {
     fn spacing(&self, plane: &BasePlane) -> SheetSpacing {
-        SheetSpacing::new(self.volume.grid().size()[plane.family.axes[2]], self.options.sheets_per_slice)
+        sheet_spacing(self.volume, plane, self.options)
     }
 
     fn path(&self, plane: &BasePlane, t: usize) -> TexelPath {
@@ -355,15 +366,21 @@ impl LiteralSplatting<'_> {
     fn draw(&self, plane: &BasePlane, progress: &Progress) -> Result<Vec<[f64; 4]>> {
         let Self { volume, slices, sampler, ablation, .. } = self;
         let axes = plane.family.axes;
-        let splatter = Splatter { slices, size: volume.grid().size(), axes, ablation: **ablation };
+        let splatter = Splatter { slices, size: volume.grid().size(), axes, ablation: **ablation, progress };
         let spacing = self.spacing(plane);
         let n_texels = plane.size[0] * plane.size[1];
         let paths: Vec<TexelPath> = parallel::map(plane.size[1], |j| {
+            if progress.ask() {
+                return Vec::new();
+            }
             (0..plane.size[0]).map(|i| self.path(plane, j * plane.size[0] + i)).collect::<Vec<_>>()
         })
         .into_iter()
         .flatten()
         .collect();
+        if progress.is_stopped() {
+            return Err(Error::Cancelled);
+        }
         let mut image = vec![[0.0; 4]; n_texels];
         for k in 0..=spacing.n_slabs {
             let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
@@ -375,23 +392,29 @@ impl LiteralSplatting<'_> {
             let is_drawn: Vec<bool> =
                 paths.iter().zip(&image).map(|(path, pixel)| extent(path) > 0.0 && pixel[3] < 1.0).collect();
             if is_drawn.contains(&true) {
-                let filled = splatter.sliced(w, Value, false);
-                let own = if slices.has_mask() { &splatter.sliced(w, Value, true) } else { &filled };
+                let samples = splatter.sliced(w, Value);
                 let sheet = sheet_number(w);
                 let texels = BufferTexels { layout: plane.sheet(w), size: plane.size, sheet, wanted: Some(&is_drawn) };
-                let density = splatter.splat(own, texels, [Value; 2]);
-                let may_be_seen = |density: f64| !density.is_nan() && sampler.may_be_seen(density);
+                let density = splatter.splat(&samples, texels, [Value; 2]);
                 let is_seen: Vec<bool> =
-                    is_drawn.iter().zip(&density).map(|(drawn, d)| *drawn && may_be_seen(*d)).collect();
+                    is_drawn.iter().zip(&density).map(|(drawn, d)| *drawn && sampler.may_be_seen(*d)).collect();
                 let texels = BufferTexels { wanted: Some(&is_seen), ..texels };
                 let gradient =
-                    wanted_gradient(sampler).map(|how| splatter.gradient(&filled, texels, w, how, spacing.step));
+                    wanted_gradient(sampler).map(|how| splatter.gradient(&samples, texels, w, how, spacing.step));
                 parallel::for_each_chunk(&mut image, plane.size[0], |j, row| {
+                    if progress.ask() {
+                        return;
+                    }
                     for (t, pixel) in (j * plane.size[0]..).zip(row).filter(|(t, _)| is_seen[*t]) {
                         let path = &paths[t];
                         let gradient =
                             gradient.as_ref().map_or(DVec3::ZERO, |g| from_uvw(axes, std::array::from_fn(|c| g[c][t])));
-                        let thickness = extent(path) * path.slice_thickness;
+                        let [u, v] = [(0, t % plane.size[0]), (1, t / plane.size[0])].map(|(c, i)| {
+                            let (first, step) = texels.layout[c];
+                            first + step * i as f64
+                        });
+                        let known = sampler.known(from_uvw(axes, [u, v, w]));
+                        let thickness = extent(path) * path.slice_thickness * known;
                         over(pixel, sampler, density[t], thickness, gradient, path.to_eye);
                     }
                 });
@@ -402,154 +425,6 @@ impl LiteralSplatting<'_> {
             }
         }
         Ok(image)
-    }
-}
-
-/// The method's original form, for parallel rays: three sheet buffers, and every sheet warped as a texture.
-///
-/// Sheet buffers have `options.oversampling` texels per pixel. Perspective cameras, crop and clip planes are drawn as
-/// well, each pixel composited from the sheets of its own ray.
-pub fn image(
-    volume: &Volume,
-    kernel: Kernel,
-    tf: &TransferFunction,
-    camera: &Camera,
-    options: &RenderOptions,
-) -> Result<Picture> {
-    options.validate()?;
-    let region = Region::new(volume.grid(), options)?;
-    let size = [options.width_px, options.height_px];
-    let rays = IndexRays::new(camera, volume.grid().index_from_world(), size[0], size[1]);
-    let planes = base_planes(camera, &rays, size, options.oversampling, region.bounds)?;
-    parallel::with_threads(options.n_threads, || {
-        let slices = Slices::new(volume, kernel);
-        let sampler = Sampler::new(volume, &slices, tf, camera, options.shading.as_ref());
-        let mut image = vec![[0.0; 4]; size[0] * size[1]];
-        for plane in &planes {
-            draw_family(volume, &slices, &sampler, &region, &rays, plane, options, &mut image);
-        }
-        let rgba = image.iter().map(|p| p.map(|c| c as f32)).collect();
-        let mut picture = Picture { width_px: size[0], height_px: size[1], rgba, depth: None, value: None };
-        picture.finish(options.shading.as_ref(), options.background);
-        Ok(picture)
-    })
-}
-
-#[expect(clippy::too_many_arguments, reason = "one literal loop over what image() prepared")]
-fn draw_family(
-    volume: &Volume,
-    slices: &Slices,
-    sampler: &Sampler,
-    region: &Region,
-    rays: &IndexRays,
-    plane: &BasePlane,
-    options: &RenderOptions,
-    image: &mut [[f64; 4]],
-) {
-    let family = plane.family;
-    let splatter = Splatter { slices, size: volume.grid().size(), axes: family.axes, ablation: Ablation::NONE };
-    let spacing = SheetSpacing::new(volume.grid().size()[family.axes[2]], options.sheets_per_slice);
-    // One layout for all sheets: the whole slice, as dense as the base plane is where it is densest.
-    let last = family.uvw(volume.grid().last_index());
-    let nearest = (0..=spacing.n_slabs).map(|k| plane.sheet(spacing.w(k))).fold([f64::INFINITY; 2], |s, sheet| {
-        [s[0].min(sheet[0].1.abs().max(0.05)), s[1].min(sheet[1].1.abs().max(0.05))]
-    });
-    let size: [usize; 2] = std::array::from_fn(|c| (last[c] / nearest[c]).ceil() as usize + 1);
-    let layout: Layout = std::array::from_fn(|c| (0.0, last[c] / (size[c] - 1) as f64));
-    let order = |k: usize| if family.ascending { k } else { spacing.n_slabs - k };
-    // All sheet buffers that shading can ask for: the pseudo-code runs one sheet ahead and keeps three.
-    let splat = |k: usize| {
-        let w = spacing.w(order(k));
-        splatter.splat(
-            &splatter.sliced(w, Value, false),
-            BufferTexels { layout, size, sheet: 0, wanted: None },
-            [Value; 2],
-        )
-    };
-    let mut buffers: [Option<SheetBuffer>; 3] = [None, Some(splat(0)), None];
-    for k in 0..=spacing.n_slabs {
-        buffers[2] = (k < spacing.n_slabs).then(|| splat(k + 1));
-        let w = spacing.w(order(k));
-        let neighbours = if family.ascending { [&buffers[0], &buffers[2]] } else { [&buffers[2], &buffers[0]] };
-        let Some(sheet) = &buffers[1] else { return };
-        let shaded = ShadedSheet { sheet, neighbours, layout, size, spacing, axes: family.axes };
-        let rows = parallel::map(options.height_px, |y| {
-            let mut row = image[y * options.width_px..][..options.width_px].to_vec();
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
-                if Family::of(rays.direction(px, py)) == family {
-                    let texel = plane.texel_from_pixel(rays, px, py);
-                    let ray = plane.ray(texel.x, texel.y);
-                    let [lo, hi] = region.texel_interval(plane, &ray);
-                    let half = 0.5 * spacing.step;
-                    let extent = ((w + half).min(hi) - (w - half).max(lo)).max(0.0);
-                    let direction = from_uvw(family.axes, [ray.slope[0], ray.slope[1], 1.0]);
-                    let world_from_index = volume.grid().world_from_index().matrix3;
-                    let to_eye = (world_from_index * direction).normalize() * if family.ascending { -1.0 } else { 1.0 };
-                    let length = slice_length(world_from_index, family.axes, direction, &Ablation::NONE);
-                    let thickness = extent * length / sampler.opacity_unit();
-                    let at = [ray.at_zero[0] + ray.slope[0] * w, ray.at_zero[1] + ray.slope[1] * w];
-                    shaded.composite(pixel, sampler, at, thickness, to_eye);
-                }
-            }
-            row
-        });
-        image.copy_from_slice(&rows.concat());
-        buffers.rotate_left(1);
-    }
-}
-
-/// A sheet buffer with its neighbours, classified and shaded where the texture is read.
-struct ShadedSheet<'a> {
-    sheet: &'a SheetBuffer,
-    neighbours: [&'a Option<SheetBuffer>; 2],
-    layout: Layout,
-    size: [usize; 2],
-    spacing: SheetSpacing,
-    axes: [usize; 3],
-}
-
-impl ShadedSheet<'_> {
-    /// Composites the bilinear mean of the four shaded texels around an index position.
-    fn composite(&self, pixel: &mut [f64; 4], sampler: &Sampler, at: [f64; 2], thickness: f64, to_eye: DVec3) {
-        if thickness <= 0.0 {
-            return;
-        }
-        let position: [f64; 2] = std::array::from_fn(|c| {
-            ((at[c] - self.layout[c].0) / self.layout[c].1).clamp(0.0, (self.size[c] - 1) as f64)
-        });
-        let first = position.map(|p| p.floor() as usize);
-        let mut texture = [0.0; 4];
-        for (dj, di) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let (i, j) = ((first[0] + di).min(self.size[0] - 1), (first[1] + dj).min(self.size[1] - 1));
-            let weight = |c: usize, d: usize| {
-                let t = position[c] - first[c] as f64;
-                if d == 0 { 1.0 - t } else { t }
-            };
-            let mut texel = [0.0; 4];
-            let density = self.sheet[j * self.size[0] + i];
-            over(&mut texel, sampler, density, thickness, self.gradient(i, j), to_eye);
-            for c in 0..4 {
-                texture[c] += weight(0, di) * weight(1, dj) * texel[c];
-            }
-        }
-        let through = 1.0 - pixel[3];
-        (0..4).for_each(|c| pixel[c] += through * texture[c]);
-    }
-
-    /// x and y from neighbouring texels, z from the sheets before and after, all scaled to index steps.
-    fn gradient(&self, i: usize, j: usize) -> DVec3 {
-        let at = |buffer: &[f64], i: usize, j: usize| buffer[j * self.size[0] + i];
-        let [iu, jv] = self.size;
-        let (i0, i1) = (i.saturating_sub(1), (i + 1).min(iu - 1));
-        let (j0, j1) = (j.saturating_sub(1), (j + 1).min(jv - 1));
-        let along_u = (at(self.sheet, i1, j) - at(self.sheet, i0, j)) / ((i1 - i0) as f64 * self.layout[0].1);
-        let along_v = (at(self.sheet, i, j1) - at(self.sheet, i, j0)) / ((j1 - j0) as f64 * self.layout[1].1);
-        let [before, after] = self.neighbours;
-        let n_steps = usize::from(before.is_some()) + usize::from(after.is_some());
-        let value = |buffer: &Option<SheetBuffer>| at(buffer.as_ref().unwrap_or(self.sheet), i, j);
-        let through = (value(after) - value(before)) / (n_steps.max(1) as f64 * self.spacing.step);
-        from_uvw(self.axes, [along_u, along_v, through])
     }
 }
 
@@ -572,13 +447,20 @@ fn validate_with(options: &RenderOptions, ablation: &Ablation) -> Result<()> {
     Ok(())
 }
 
-fn from_uvw(axes: [usize; 3], uvw: [f64; 3]) -> DVec3 {
+pub(super) fn from_uvw(axes: [usize; 3], uvw: [f64; 3]) -> DVec3 {
     let mut v = DVec3::ZERO;
     (0..3).for_each(|c| v[axes[c]] = uvw[c]);
     v
 }
 
-fn over(pixel: &mut [f64; 4], sampler: &Sampler, density: f64, thickness: f64, gradient: DVec3, to_eye: DVec3) {
+pub(super) fn over(
+    pixel: &mut [f64; 4],
+    sampler: &Sampler,
+    density: f64,
+    thickness: f64,
+    gradient: DVec3,
+    to_eye: DVec3,
+) {
     let depth = sampler.optical_depth(density, gradient);
     if depth <= 0.0 || thickness <= 0.0 {
         return;

@@ -36,6 +36,16 @@ impl<'a> Progress<'a> {
         self.stopped.load(Ordering::Relaxed)
     }
 
+    /// Asks the callback in the middle of a tile that takes long; whether it asked to stop.
+    #[cfg(feature = "reference")]
+    pub(crate) fn ask(&self) -> bool {
+        let done = self.n_done.load(Ordering::Relaxed);
+        if self.callback.progress(done as f32 / self.n_all as f32).is_break() {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+        self.is_stopped()
+    }
+
     /// One more is done.
     pub(crate) fn tile_done(&self) {
         let done = self.n_done.fetch_add(1, Ordering::Relaxed) + 1;

@@ -9,10 +9,11 @@
 //! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
 
 use std::ops::Range;
-use wavesplat_compute::simd::{LANES, Lanes, Math, Simd, Wide};
+use wavesplat_compute::simd::{LANES, Lanes, Simd, Wide};
 
 use crate::kernel::footprint::{AxisFootprints, MAX_DIFFERENCE_TAPS};
 use crate::kernel::footprint_table::Footprint;
+use crate::sheet::missing::MissingShares;
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
 use crate::sheet::upsample::Upsample;
 use crate::source::geometry::SheetGeometry;
@@ -20,10 +21,7 @@ use crate::source::transposed::TransposedSlices;
 use crate::source::window::Window;
 
 /// Numbers that combined slices are padded with, so that whole vectors can be read from any sample on.
-const PADDING: usize = LANES + 12;
-
-/// Weights of holes that count as none: a texel that lies on a sample, but for rounding, has nothing of its neighbours.
-pub const LEAST_HOLE_WEIGHT: f32 = 1e-6;
+pub(super) const PADDING: usize = LANES + 12;
 
 /// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
 #[derive(Default)]
@@ -35,18 +33,18 @@ pub struct Sheet {
     part: Option<SampleRectangle>,
     pub(super) stride: usize,
     pub(super) n_v: usize,
-    /// Combined slices at sample resolution: density, derivative through the sheet, density for smoothed gradients, holes.
+    /// Combined slices at sample resolution: density, derivative through the sheet, density for smoothed gradients.
     pub(super) density: Vec<f32>,
     pub(super) through: Vec<f32>,
     pub(super) smooth: Vec<f32>,
-    pub(super) holes: Vec<f32>,
     pub(super) has_through: bool,
     /// The same upsampled along u, strip by strip, and the derivative along u.
     pub(super) density_u: Vec<Lanes>,
     pub(super) along_u: Vec<Lanes>,
     pub(super) through_u: Vec<Lanes>,
     pub(super) smooth_u: Vec<Lanes>,
-    pub(super) holes_u: Vec<Lanes>,
+    /// Of volumes with missing samples.
+    missing: MissingShares,
     /// Which of those rows every row of texels is made of, for values, for derivatives along v, and across smoothed ones.
     rows: Vec<RowTaps>,
     difference_rows: Vec<RowTaps>,
@@ -147,9 +145,9 @@ impl Sheet {
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
         // Positions rise or fall with the texel.
-        let columns = strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
-        let rows = rows.flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]);
-        let part = SampleRectangle { u: reached(&self.u, columns), v: reached(&self.v, rows) };
+        let columns = strips.clone().flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
+        let rows_of_texels = rows.clone().flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]);
+        let part = SampleRectangle { u: reached(&self.u, columns), v: reached(&self.v, rows_of_texels) };
         let taps = axis_w.slice_taps(w);
         let axes = geometry.plane.family.axes;
         let (first, window) = self.place(&part);
@@ -159,11 +157,8 @@ impl Sheet {
             geometry.slices.combine(geometry.level, axes, &taps, soon, window, density, self.stride);
         }
         if geometry.slices.has_mask() {
-            self.holes.resize(self.stride * self.n_v, 0.0);
-            self.holes_u.resize(N_STRIPS * self.n_v, Lanes::default());
-            // A hole counts wherever it has a weight, of either sign.
-            let taps = taps.magnitudes();
-            geometry.slices.combine_mask(geometry.level, axes, &taps, window, &mut self.holes[first..], self.stride);
+            let places = [[u0 + du * i0 as f64, du], [v0 + dv * j0 as f64, dv]];
+            self.missing.combine(geometry, places, w, strips, rows);
         }
         self.part = Some(part);
         self.blocks = blocks;
@@ -186,7 +181,10 @@ impl Sheet {
             return;
         }
         self.has_density |= blocks;
-        geometry.level.dispatch(Upsample::<false> { sheet: self, geometry, blocks });
+        geometry.level.dispatch(Upsample::<false> { sheet: self, blocks });
+        if geometry.slices.has_mask() {
+            self.missing.prepare(geometry, blocks);
+        }
     }
 
     /// Makes the gradient of a block ready. After [`Sheet::prepare`].
@@ -216,7 +214,7 @@ impl Sheet {
                 RowTaps::fill(&mut self.smooth_rows, &self.v.smooth, self.blocks);
             }
         }
-        geometry.level.dispatch(Upsample::<true> { sheet: self, geometry, blocks });
+        geometry.level.dispatch(Upsample::<true> { sheet: self, blocks });
     }
 
     /// Whether gradients have footprints of their own across the derivatives.
@@ -230,19 +228,10 @@ impl Sheet {
         blend_rows(w, &self.density_u[chunks[0].strip * self.n_v..], (&self.rows, self.v.value.n_taps), chunks)
     }
 
-    /// Where chunks reach a hole. After [`Sheet::prepare`].
+    /// Missing shares of one chunk or two, of volumes with missing samples. After [`Sheet::prepare`].
     #[inline(always)]
-    pub fn hole<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::M {
-        let s = w.one();
-        let [mut first, mut second] = [s.splat(0.0); 2];
-        let rows = &self.holes_u[chunks[0].strip * self.n_v..];
-        for t in 0..self.v.value.n_taps {
-            for (sum, chunk) in [(&mut first, chunks[0]), (&mut second, chunks[1])] {
-                let weight = s.splat(self.v.value.weight(chunk.row, t).abs());
-                *sum = s.add_mul(*sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
-            }
-        }
-        w.lt(w.splat(LEAST_HOLE_WEIGHT), w.join(first, second))
+    pub fn missing<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
+        self.missing.share(w, chunks)
     }
 
     /// Derivatives of one chunk or two along u, v, w per index step, where the geometry has a gradient. After
@@ -285,7 +274,7 @@ impl Sheet {
 }
 
 /// Samples that the value and the difference of any of the positions reach.
-fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Range<usize> {
+pub(super) fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Range<usize> {
     let (mut start, mut end) = (usize::MAX, 0);
     for i in positions {
         let reached = axis.reached(i);

@@ -3,6 +3,7 @@
 pub mod buffer;
 pub mod field_sheets;
 pub mod layer_sheets;
+mod missing;
 pub mod spacing;
 pub mod tile_layout;
 pub mod tile_rays;

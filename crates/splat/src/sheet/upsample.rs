@@ -5,18 +5,12 @@ use std::ops::Range;
 use crate::kernel::footprint_table::{Footprint, Group, Span, bits};
 use crate::sheet::buffer::Sheet;
 use crate::sheet::tile_layout::{Block, BlockMask};
-use crate::source::geometry::SheetGeometry;
 use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
 
 impl Sheet {
     /// `N_VECTORS`: of samples that hold those of a tap for a chunk; 0 if more than two.
     #[inline(always)]
-    fn upsample<S: Simd, const N_VECTORS: usize, const GRADIENT: bool>(
-        &mut self,
-        s: S,
-        geometry: &SheetGeometry,
-        block: Block,
-    ) {
+    fn upsample<S: Simd, const N_VECTORS: usize, const GRADIENT: bool>(&mut self, s: S, block: Block) {
         let strip = block.strip;
         let of_value = self.u.value.group(strip);
         let mut rows = reached_by(&self.v.value, block.rows());
@@ -59,21 +53,16 @@ impl Sheet {
             if !self.has_density_u[place] {
                 self.has_density_u[place] = true;
                 let samples = r * self.stride..(r + 1) * self.stride;
-                let density = upsample::<S, N_VECTORS>(s, &self.density[samples.clone()], &of_value);
+                let density = upsample::<S, N_VECTORS>(s, &self.density[samples], &of_value);
                 s.store(density, &mut self.density_u[place].0);
-                if geometry.slices.has_mask() {
-                    let holes = upsample_magnitude(s, &self.holes[samples], &of_value);
-                    s.store(holes, &mut self.holes_u[place].0);
-                }
             }
         }
     }
 }
 
-/// Upsamples the sample rows of blocks along u, where that is not done yet: densities and holes, or what gradients need.
+/// Upsamples the sample rows of blocks along u, where that is not done yet: densities, or what gradients need.
 pub struct Upsample<'a, const GRADIENT: bool> {
     pub sheet: &'a mut Sheet,
-    pub geometry: &'a SheetGeometry<'a>,
     pub blocks: BlockMask,
 }
 
@@ -82,16 +71,16 @@ impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Self { sheet, geometry, blocks } = self;
+        let Self { sheet, blocks } = self;
         for block in bits(blocks).map(Block::new) {
             let footprints = &sheet.u;
             let span = footprints.value.group(block.strip).span;
             let is_alike = !GRADIENT || footprints.difference.group(block.strip).span == span;
             // One loop per span, so that nothing is asked per tap.
             match span {
-                Span::One if is_alike => sheet.upsample::<S, 1, GRADIENT>(s, geometry, block),
-                Span::Two if is_alike => sheet.upsample::<S, 2, GRADIENT>(s, geometry, block),
-                _ => sheet.upsample::<S, 0, GRADIENT>(s, geometry, block),
+                Span::One if is_alike => sheet.upsample::<S, 1, GRADIENT>(s, block),
+                Span::Two if is_alike => sheet.upsample::<S, 2, GRADIENT>(s, block),
+                _ => sheet.upsample::<S, 0, GRADIENT>(s, block),
             }
         }
     }
@@ -99,7 +88,7 @@ impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
 
 /// A row of samples becomes a chunk.
 #[inline(always)]
-fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Group) -> S::F {
+pub(super) fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Group) -> S::F {
     let mut sum = s.splat(0.0);
     for (t, weights) in group.weights.iter().enumerate() {
         let samples = &samples[group.base + t..];
@@ -109,17 +98,6 @@ fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Grou
             _ => take_one_by_one(s, samples, group),
         };
         sum = s.add_mul(sum, s.load(&weights.0), taken);
-    }
-    sum
-}
-
-/// The same with the weights' magnitudes.
-#[inline(always)]
-fn upsample_magnitude<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
-    let mut sum = s.splat(0.0);
-    for (t, weights) in group.weights.iter().enumerate() {
-        let samples = take_one_by_one(s, &samples[group.base + t..], group);
-        sum = s.add_mul(sum, s.abs(s.load(&weights.0)), samples);
     }
     sum
 }
@@ -151,7 +129,7 @@ fn take_one_by_one<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
 
 /// Sample rows that the texel rows reach.
 #[inline(always)]
-fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usize> {
+pub(super) fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usize> {
     // Positions rise or fall with the row.
     let (a, b) = (footprint.first(rows.start), footprint.first(rows.end - 1));
     a.min(b)..a.max(b) + footprint.n_taps

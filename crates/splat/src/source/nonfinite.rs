@@ -1,51 +1,113 @@
-//! NaN and infinity: samples that are not finite are filled from their neighbours, and drawn as empty.
+//! Missing samples: NaN and infinity are filled from their neighbours, and their share of every point is left out.
 //!
-//! Where nothing is known nothing is drawn: what a masked sample reaches has no opacity. The fill only keeps gradients
-//! and spline coefficients of the surroundings honest, so it need not go further than the widest kernel and gradient reach:
-//! it is a function of a bounded neighbourhood ([`REACH`]), and a box of a volume gives the bits of the whole.
+//! The *missing share* m of a point is the weight that the linear kernel gives to missing samples there, whatever the
+//! kernel of the densities. Matter is drawn with its extinction times the *known share* 1 − m, so that a lone missing
+//! sample takes away one cell of matter: the linear kernel integrates to 1. What is no more than a sample away from every
+//! known sample has m = 1 and is empty. The share is continuous, and linear between sheets, so any number of sheets, and
+//! any step of a ray caster, comes to the same hole. The densities' own kernel would not do: reaches differ from kernel to
+//! kernel, and weights of either sign, or the tails of a prefilter, mean nothing as shares. What needs a yes or no
+//! (projections, first hits, slices) takes a point for missing where m is at least [`MISSING`].
+//!
+//! The densities of such points come from the fill: each missing sample takes the nearest known density along one of the
+//! axes. So what is drawn beside a hole goes on evenly into it, and wide kernels, gradients and the prefilter of B-splines
+//! see no edge there, which would ring. The fill is a function of a bounded neighbourhood ([`REACH`]), further than any
+//! kernel and gradient reach, and a box of a volume gives the bits of the whole.
 
 use wavesplat_compute::parallel;
+use wavesplat_compute::simd::Wide;
 
-/// Samples along each axis beyond which no fill is looked for.
-pub const REACH: usize = 16;
+/// Missing share from which a point counts as missing.
+pub const MISSING: f32 = 0.5;
 
-/// Replaces what is not finite by the nearest finite density of its row within [`REACH`]; then, where there is none, of
-/// its column; then of its line through the slices; then by `otherwise`.
-pub fn fill_holes(grid: &mut [f32], [nx, ny, nz]: [usize; 3], otherwise: f32) {
-    parallel::for_each_chunk(grid, nx * ny, |_, slice| {
-        for y in 0..ny {
-            fill_line(slice, y * nx, 1, nx);
-        }
-        for x in 0..nx {
-            fill_line(slice, x, nx, ny);
-        }
-    });
-    for i in 0..nx * ny {
-        fill_line(grid, i, nx * ny, nz);
-    }
-    parallel::for_each_chunk(grid, nx * ny, |_, slice| {
-        slice.iter_mut().filter(|density| !density.is_finite()).for_each(|density| *density = otherwise);
-    });
+/// Known shares below this are none: what rounding leaves of 1 − m times the extinction of opacity 1 would be opaque.
+pub const LEAST_KNOWN: f32 = 1e-3;
+
+/// 1 − m, or 0.
+#[inline(always)]
+pub fn known_share<W: Wide>(w: W, missing: W::F) -> W::F {
+    let known = w.sub(w.splat(1.0), missing);
+    w.select(w.lt(known, w.splat(LEAST_KNOWN)), w.splat(0.0), known)
 }
 
-fn fill_line(grid: &mut [f32], start: usize, stride: usize, n: usize) {
+/// The shares of the way between two sheets between which points are known, by the missing shares on both, linear in
+/// between; the first is not below the second where none is.
+#[inline(always)]
+pub fn known_part(front: f32, back: f32) -> [f32; 2] {
+    let crossing = (MISSING - front) / (back - front);
+    match (front < MISSING, back < MISSING) {
+        (true, true) => [0.0, 1.0],
+        (true, false) => [0.0, crossing],
+        (false, true) => [crossing, 1.0],
+        (false, false) => [1.0, 0.0],
+    }
+}
+
+/// Samples along an axis beyond which no fill is looked for.
+const STEP: usize = 8;
+
+/// Samples along each axis that the fill of one depends on: it may come from a sample that was filled itself.
+pub const REACH: usize = 2 * STEP;
+
+/// How a sample got its density: 0 it is known, else one more than the distance to the known sample it was taken from.
+type Origin = u8;
+
+const KNOWN: Origin = 0;
+const UNFILLED: Origin = u8::MAX;
+
+/// Replaces what is not finite by the nearest finite density along x, y or z within [`STEP`], of equally near ones along
+/// the first of these axes; then, where there is none, by what was filled so in its column, or its line through the
+/// slices; then by `otherwise`.
+pub fn fill_holes(grid: &mut [f32], [nx, ny, nz]: [usize; 3], otherwise: f32) {
+    let mut origins: Vec<Origin> =
+        grid.iter().map(|density| if density.is_finite() { KNOWN } else { UNFILLED }).collect();
+    let is_known = |origin| origin == KNOWN;
+    let is_filled = |origin| origin < UNFILLED;
+    let in_slices = |grid: &mut [f32], origins: &mut [Origin], work: &(dyn Fn(&mut [f32], &mut [Origin]) + Sync)| {
+        let mut slices: Vec<_> = grid.chunks_mut(nx * ny).zip(origins.chunks_mut(nx * ny)).collect();
+        parallel::for_each_chunk(&mut slices, 1, |_, slices| slices.iter_mut().for_each(|(g, o)| work(g, o)));
+    };
+    in_slices(grid, &mut origins, &|grid, origins| {
+        (0..ny).for_each(|y| fill_line(grid, origins, (y * nx, 1, nx), is_known));
+        (0..nx).for_each(|x| fill_line(grid, origins, (x, nx, ny), is_known));
+    });
+    (0..nx * ny).for_each(|i| fill_line(grid, &mut origins, (i, nx * ny, nz), is_known));
+    in_slices(grid, &mut origins, &|grid, origins| {
+        (0..nx).for_each(|x| fill_line(grid, origins, (x, nx, ny), is_filled));
+    });
+    (0..nx * ny).for_each(|i| fill_line(grid, &mut origins, (i, nx * ny, nz), is_filled));
+    for (density, origin) in grid.iter_mut().zip(origins) {
+        *density = if origin == UNFILLED { otherwise } else { *density };
+    }
+}
+
+/// Fills the samples of a line that are not sources from the nearest of these, if they have nothing nearer. The line: its
+/// first sample, the distance between samples, and how many there are.
+fn fill_line(
+    grid: &mut [f32],
+    origins: &mut [Origin],
+    (start, stride, n): (usize, usize, usize),
+    is_source: impl Fn(Origin) -> bool,
+) {
+    let place = |k: usize| start + k * stride;
     let mut before: Option<usize> = None;
     let mut i = 0;
     while i < n {
-        if grid[start + i * stride].is_finite() {
+        if is_source(origins[place(i)]) {
             before = Some(i);
             i += 1;
             continue;
         }
-        let after = (i..n).find(|&k| grid[start + k * stride].is_finite());
+        let after = (i..n).find(|&k| is_source(origins[place(k)]));
         let end = after.unwrap_or(n);
         for k in i..end {
             let source = match (before, after) {
                 (Some(b), Some(a)) => Some(if k - b <= a - k { b } else { a }),
                 (b, a) => b.or(a),
             };
-            if let Some(source) = source.filter(|source| source.abs_diff(k) <= REACH) {
-                grid[start + k * stride] = grid[start + source * stride];
+            let Some(source) = source.filter(|source| source.abs_diff(k) <= STEP) else { continue };
+            let origin = 1 + source.abs_diff(k) as Origin;
+            if origin < origins[place(k)] {
+                (grid[place(k)], origins[place(k)]) = (grid[place(source)], origin);
             }
         }
         i = end;
@@ -57,11 +119,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn known_parts_end_where_half_is_missing() {
+        assert_eq!(known_part(0.0, 0.25), [0.0, 1.0]);
+        assert_eq!(known_part(0.0, 1.0), [0.0, 0.5]);
+        assert_eq!(known_part(1.0, 0.25), [2.0 / 3.0, 1.0]);
+        let [from, to] = known_part(0.5, 1.0);
+        assert!(from >= to, "{from} {to}");
+    }
+
+    #[test]
     fn holes_take_their_nearest_neighbour() {
         let nan = f32::NAN;
         let mut grid = vec![1.0, nan, nan, 4.0, nan, nan, nan, nan, 5.0, 6.0, 7.0, f32::INFINITY];
         fill_holes(&mut grid, [4, 1, 3], 9.0);
-        assert_eq!(grid, [1.0, 1.0, 4.0, 4.0, 1.0, 1.0, 4.0, 4.0, 5.0, 6.0, 7.0, 7.0]);
+        assert_eq!(grid, [1.0, 1.0, 4.0, 4.0, 1.0, 6.0, 7.0, 4.0, 5.0, 6.0, 7.0, 7.0]);
     }
 
     #[test]
@@ -69,6 +140,39 @@ mod tests {
         let mut line = vec![f32::NAN; 60];
         line[0] = 2.0;
         fill_holes(&mut line, [60, 1, 1], 0.5);
-        assert!(line[..=REACH].iter().all(|d| *d == 2.0) && line[REACH + 1..].iter().all(|d| *d == 0.5));
+        assert!(line[..=STEP].iter().all(|d| *d == 2.0) && line[STEP + 1..].iter().all(|d| *d == 0.5));
+    }
+
+    #[test]
+    fn a_box_with_its_margin_is_filled_as_the_whole() {
+        let size = [40, 38, 36];
+        let mut whole: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
+        for (i, density) in whole.iter_mut().enumerate() {
+            // A plane of holes wider than a step, and many lone ones.
+            if (i / 40) % 38 > 9 && (i / 40) % 38 < 30 || i % 3 == 0 {
+                *density = f32::NAN;
+            }
+        }
+        let samples = whole.clone();
+        fill_holes(&mut whole, size, -1.0);
+        let at = |[x, y, z]: [usize; 3]| x + size[0] * (y + size[1] * z);
+        let wanted = [18..21, 17..20, 16..19];
+        let held = [0, 1, 2].map(|a| wanted[a].start - REACH..(wanted[a].end + REACH).min(size[a]));
+        let mut part = Vec::new();
+        for z in held[2].clone() {
+            for y in held[1].clone() {
+                part.extend(held[0].clone().map(|x| samples[at([x, y, z])]));
+            }
+        }
+        fill_holes(&mut part, [0, 1, 2].map(|a| held[a].len()), -1.0);
+        for z in wanted[2].clone() {
+            for y in wanted[1].clone() {
+                for x in wanted[0].clone() {
+                    let [i, j, k] = [x - held[0].start, y - held[1].start, z - held[2].start];
+                    let got = part[i + held[0].len() * (j + held[1].len() * k)];
+                    assert_eq!(got, whole[at([x, y, z])], "{x} {y} {z}");
+                }
+            }
+        }
     }
 }

@@ -9,6 +9,8 @@ pub struct PointTaps {
     pub index: [[usize; MAX_TAPS]; 3],
     /// 0 beyond the taps that the kernel has.
     pub weight: [[f64; MAX_TAPS]; 3],
+    /// The samples at both ends of the cell, and the weights that the linear kernel gives them.
+    pub cell: [[(usize, f64); 2]; 3],
 }
 
 /// Sums over the taps of points, from a grid or a box of it.
@@ -30,10 +32,30 @@ impl PointSums {
     }
 
     pub(super) fn write<T: Copy>(&self, grid: &[T], points: &[PointTaps], out: &mut [f64], sample: impl Fn(T) -> f64) {
+        self.write_at(points, out, |i| sample(grid[i]));
+    }
+
+    /// As [`PointSums::write`], of samples by their places in the grid.
+    pub(super) fn write_at(&self, points: &[PointTaps], out: &mut [f64], sample: impl Fn(usize) -> f64) {
         for (point, out) in points.iter().zip(out) {
             let mut sum = 0.0;
-            self.for_each_tap(point, |i, weight| sum += weight * sample(grid[i]));
+            self.for_each_tap(point, |i, weight| sum += weight * sample(i));
             *out = sum;
+        }
+    }
+
+    /// Place in the grid and linear weight of each corner of a cell that counts.
+    pub(super) fn for_each_cell_tap(&self, point: &PointTaps, mut work: impl FnMut(usize, f64)) {
+        let [nx, ny, _] = self.size;
+        let taps = |axis: usize| {
+            let lo = self.lo[axis];
+            point.cell[axis].iter().filter(|(_, weight)| *weight != 0.0).map(move |(i, weight)| (i - lo, *weight))
+        };
+        for (z, weight_z) in taps(2) {
+            for (y, weight_y) in taps(1) {
+                let row = (z * ny + y) * nx;
+                taps(0).for_each(|(x, weight_x)| work(row + x, weight_x * weight_y * weight_z));
+            }
         }
     }
 

@@ -2,8 +2,7 @@
 //!
 //! Narrow samples stay in their own type and are converted in the innermost loop. Two cases need a float copy: the
 //! B-spline kernels (their coefficients are not the samples), and float data with NaN or infinity. There the holes
-//! are filled from their neighbours, so that the surroundings keep an honest gradient, and a mask says where they
-//! are: what a masked sample reaches is drawn as empty.
+//! are filled from their neighbours, and a mask says where they are ([`crate::source::nonfinite`]).
 //!
 //! Volumes that are decoded become such a float copy where it fits into the memory they may take. Where it does not
 //! ([`crate::source::block_cache`]), a box of them is loaded first, then it is the same.
@@ -21,7 +20,7 @@ use crate::kernel::slice_taps::SliceTap;
 use crate::kernel::weights::{fold, n_taps};
 use crate::source::block_cache::{Blocks, DensityBox, all_densities, bytes_of_all};
 use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MOST_BYTES, widen};
-use crate::source::nonfinite::{self, fill_holes};
+use crate::source::nonfinite::{self, MISSING, fill_holes};
 use crate::source::point_sampling::{PointSums, PointTaps};
 use crate::source::strided::StridedSamples;
 use crate::source::window::{SliceRectangle, Turn, Window};
@@ -332,7 +331,8 @@ impl<'a> Slices<'a> {
         self.prepared.mask.as_ref().is_some_and(|m| m[self.linear_index(index)])
     }
 
-    /// `out[i] = Σ weight · sample`, in sample units, at each point; NaN where a hole is reached.
+    /// `out[i] = Σ weight · sample`, in sample units, at each point; NaN where missing samples make up half of
+    /// the linear kernel's weight, or more.
     ///
     /// Of a volume that is decoded, the box around all points is loaded.
     pub fn sums(&self, points: &[PointTaps], out: &mut [f64]) {
@@ -344,9 +344,14 @@ impl<'a> Slices<'a> {
             (Some(coefficients), _) if prefilter::pole(kernel).is_some() => {
                 whole.write(coefficients, points, out, sample);
             }
-            (_, SampleSource::Samples(samples)) => {
-                with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64));
-            }
+            // Samples in their own type; those that are missing as they were filled.
+            (filled, SampleSource::Samples(samples)) => match (filled, &self.prepared.mask) {
+                (Some(filled), Some(mask)) => {
+                    let at = |i: usize, own: f64| if mask[i] { sample(filled[i]) } else { own };
+                    with_samples!(*samples, s => whole.write_at(points, out, |i| at(i, s[i].to_f64())));
+                }
+                _ => with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64)),
+            },
             (Some(densities), _) => whole.write(densities, points, out, sample),
             (None, SampleSource::Surveyed(_)) => out.fill(f64::NAN),
             (None, SampleSource::Decoded(blocks)) => {
@@ -359,9 +364,9 @@ impl<'a> Slices<'a> {
         }
         if let Some(mask) = &self.prepared.mask {
             for (point, out) in points.iter().zip(out) {
-                let mut is_hole = false;
-                whole.for_each_tap(point, |i, _| is_hole |= mask[i]);
-                *out = if is_hole { f64::NAN } else { *out };
+                let mut missing = 0.0;
+                whole.for_each_cell_tap(point, |i, weight| missing += if mask[i] { weight } else { 0.0 });
+                *out = if missing >= f64::from(MISSING) { f64::NAN } else { *out };
             }
         }
     }
@@ -486,7 +491,7 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// As [`Slices::combine`] for the mask: above 0 where a hole is reached.
+    /// As [`Slices::combine`] for the mask: what missing samples have of the weights.
     pub fn combine_mask(
         &self,
         level: Level,

@@ -33,7 +33,7 @@ from tables import as_text
 QUALITIES = ("draft", "normal", "high")
 
 #: Largest errors of opacity and of colour on ramps, grey levels.
-LIMITS: dict[str, tuple[float, float]] = {"draft": (4.0, 12.0), "normal": (3.0, 8.0), "high": (2.0, 5.0)}
+LIMITS: dict[str, tuple[float, float]] = {"draft": (4.0, 16.0), "normal": (3.0, 8.0), "high": (2.0, 5.0)}
 
 #: How much larger the error of a better quality may be, grey levels, and by how much its PSNR may be lower on balls.
 MARGIN = 1.0

@@ -1,9 +1,11 @@
 //! Pixels through which a wall of what is drawn passes, against a ray caster with sixteen rays a pixel.
 
 use glam::{DAffine3, DVec3};
-use wavesplat_core::{Camera, ClipPlane, Crop, Kernel, Picture, Projection, RenderOptions, TransferFunction};
-use wavesplat_splat::reference::raycast::{RaycastOptions, raycast};
-use wavesplat_splat::render;
+use wavesplat_core::{
+    Camera, ClipPlane, Composite, Crop, Kernel, Picture, Projection, RenderOptions, TransferFunction,
+};
+use wavesplat_splat::optics::visibility_cache::VisibilityCache;
+use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast, raycast_layers};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::view::family::IndexRays;
 use wavesplat_splat::view::region::Region;

@@ -87,8 +87,8 @@ fn check_twin(
             ..RenderOptions::default()
         };
         let (pictures, _) = render_base_planes(&slices, tf, &camera, &options, &()).unwrap();
-        // Two texels beyond a wall are many samples where texels are sparse; rays there run through the volume's corners.
-        let near = if oversampling < 1.0 { 2e-4 } else { 1e-4 };
+        // Two texels beyond a wall are many samples where texels are sparse, and sums of more terms.
+        let near = if phantom.size[0] > 50 { 2e-4 } else { 1e-4 };
         for picture in &pictures {
             let plane = &picture.plane;
             let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &Ablation::NONE, plane).unwrap();
@@ -259,10 +259,10 @@ fn every_processor_gives_the_same_bits() {
     let orthographic = Projection::Orthographic { parallel_scale: 5.0 };
     let mut wrong = Vec::new();
     for (name, kernel, nodes, shading, projection, want) in [
-        ("soft", Kernel::Linear, soft, None, orthographic, 0x2d91_badb_8d7f_669b),
-        ("hard", Kernel::Linear, hard, None, PERSPECTIVE, 0x43e9_28fd_7fa4_e7b5),
-        ("soft shaded", Kernel::CatmullRom, soft, shaded(), PERSPECTIVE, 0x19dd_cdb5_1e61_8582),
-        ("hard shaded", Kernel::Bspline3, hard, shaded(), orthographic, 0x9bf7_a384_b0e2_5ea2),
+        ("soft", Kernel::Linear, soft, None, orthographic, 0x9ed3_16c3_c356_53e4),
+        ("hard", Kernel::Linear, hard, None, PERSPECTIVE, 0x4dbe_b3bf_88bd_fc9b),
+        ("soft shaded", Kernel::CatmullRom, soft, shaded(), PERSPECTIVE, 0xb267_48ef_9649_7c40),
+        ("hard shaded", Kernel::Bspline3, hard, shaded(), orthographic, 0x53f1_d286_82cb_49e3),
     ] {
         let camera = camera_towards(phantom.centre(), DVec3::new(0.6, -1.0, -0.5), 20.0, projection);
         let options =

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import wavesplat as ws
 from wavesplat._scene import scene_json
 from wavesplat._viewer.patches import patched
-from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
+from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices, is_same
 from wavesplat.errors import ArgumentError
 
 SCHEMA = Path(__file__).parents[2] / "web" / "schema"
@@ -168,3 +168,29 @@ PATHS = st.sampled_from(
 def test_whatever_comes_is_taken_or_refused(state, path, value, kind):
     with contextlib.suppress(ArgumentError):
         state.patched([{"op": kind, "path": path, "value": value}])
+
+
+JSON_VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers(-2, 2) | st.sampled_from([0.0, -0.0, 1.0, 0.5, "", "1"]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from("ab"), inner, max_size=2),
+    max_leaves=8,
+)
+
+
+@given(JSON_VALUES, JSON_VALUES)
+def test_values_are_the_same_where_their_texts_are(one, other):
+    def text(value):
+        return json.dumps(value, sort_keys=True)
+
+    assert is_same(one, other) == (text(one) == text(other))
+    assert is_same(one, json.loads(text(one)))
+
+
+def test_what_a_patch_leaves_alone_is_not_looked_into():
+    class Untouchable(dict):
+        def keys(self):
+            raise AssertionError("looked into")
+
+    table = Untouchable()
+    assert is_same({"opacity": 1.0, "look": table}, {"opacity": 1.0, "look": table})
+    assert not is_same({"opacity": 1.0, "look": table}, {"opacity": 0.5, "look": table})

@@ -28,7 +28,7 @@ from wavesplat._viewer.patches import patched
 from wavesplat._viewer.previews import has_lazy, preview_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["ViewerState", "changes_picture", "changes_slices"]
+__all__ = ["ViewerState", "changes_picture", "changes_slices", "is_same"]
 
 WHAT = scene_json.WHAT
 #: Pixels of the picture that finds out what is not given: looks, operator, camera.
@@ -197,12 +197,25 @@ def _same(document: Mapping[str, Any], before: Mapping[str, Any], name: str) -> 
     """Whether a field is as before, mostly told by its being the same object."""
     if name not in before:
         return False
-    return _is(document[name], before[name])
+    return is_same(document[name], before[name])
 
 
-def _is(one: Any, other: Any) -> bool:
-    """Whether two JSON values are one; 1, 1.0 and true, which are equal in Python, are not."""
-    return one is other or json.dumps(one) == json.dumps(other)
+def is_same(one: Any, other: Any) -> bool:
+    """Whether two JSON values are the same; 1, 1.0 and true, which are equal in Python, are not.
+
+    A patch leaves most objects of a document in place, and an object is compared no further with itself: a layer with a
+    table of thousands of numbers costs nothing where its opacity was patched.
+    """
+    if one is other:
+        return True
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, Mapping):
+        return one.keys() == other.keys() and all(is_same(one[name], other[name]) for name in one)
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(is_same, one, other))
+    # As text, since 0.0 and -0.0 are equal in Python.
+    return repr(one) == repr(other)
 
 
 def _check_document(document: Any) -> None:
@@ -240,7 +253,7 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
     layers = []
     for number, (new, layer) in enumerate(zip(fields, scene.layers, strict=True)):
         old = None if before is None else before[number]
-        if old is not None and _is(new, old):
+        if old is not None and is_same(new, old):
             layers.append(layer)
             continue
         what = f"{WHAT}: layers[{number}]"
@@ -251,7 +264,7 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
                 f"{what}: field 'volume' cannot be changed here; open another file with `wavesplat view`"
             )
         made = scene_json.layer_of(new, what, layer.volume)
-        if old is not None and "look" in new and _is(new["look"], old["look"]):
+        if old is not None and "look" in new and is_same(new["look"], old["look"]):
             # Kept for what is known of it.
             made = replace(made, look=layer.look)
         if made.look is None or isinstance(made.look, str):

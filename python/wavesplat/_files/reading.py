@@ -33,8 +33,8 @@ NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocat
 OF_BYTES = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGzipFile, struct.error)
 #: How messages tell of them.
 SAYS_BYTES = re.compile(
-    r"truncate|truncati[no]|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt|damaged"
-    r"|got only|but received|not enough (?:data|bytes)|no data left|is cut",
+    r"truncate|truncati[no]|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt"
+    r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut",
     re.IGNORECASE,
 )
 #: Packages that only some files need -> the extra that brings them.

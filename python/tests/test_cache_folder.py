@@ -221,6 +221,6 @@ def test_scenes_neither_say_nor_choose_where_something_is_kept(tmp_path):
     assert "kept" not in scene.to_json()
     document = json.loads(scene.to_json())
     document["layers"][0]["volume"]["cache"] = str(tmp_path / "elsewhere")
-    with pytest.raises(ws.errors.ArgumentError, match="cannot say where something is kept"):
+    with pytest.raises(ws.errors.ArgumentError, match="where files are written is not a document"):
         ws.Scene.from_json(json.dumps(document))
     assert not (tmp_path / "elsewhere").exists()

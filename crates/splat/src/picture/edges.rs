@@ -227,16 +227,22 @@ impl<'a> EdgePass<'a> {
         let mut taps = Taps::default();
         for row in 0..4 {
             let j = first[1] + row as i64;
-            for column in 0..4 {
+            // Four texels of a row lie in one strip, or in two.
+            let mut column = 0;
+            while column < 4 {
                 let i = first[0] + column as i64;
-                let strip = strips.get(read.plane, [i.div_euclid(LANES as i64), j], || {
-                    Strip::new(&self.planes[read.plane], picture, self.edges.scaling, [i.div_euclid(LANES as i64), j])
+                let (place, lane) = ([i.div_euclid(LANES as i64), j], i.rem_euclid(LANES as i64) as usize);
+                let strip = strips.get(read.plane, place, || {
+                    Strip::new(&self.planes[read.plane], picture, self.edges.scaling, place)
                 });
-                let lane = i.rem_euclid(LANES as i64) as usize;
-                let k = 4 * row + column;
-                taps.rgba[k] = strip.rgba[lane];
-                taps.weight[k] = along_u[column] * along_v[row];
-                taps.set(k, strip, lane, &read.met, self.edges.scaling);
+                let n_here = (4 - column).min(LANES - lane);
+                for (column, lane) in (column..column + n_here).zip(lane..) {
+                    let k = 4 * row + column;
+                    taps.rgba[k] = strip.rgba[lane];
+                    taps.weight[k] = along_u[column] * along_v[row];
+                    taps.set(k, strip, lane, &read.met, self.edges.scaling);
+                }
+                column += n_here;
             }
         }
         let is_plain = taps.is_plain;

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use glam::DVec2;
-use wavesplat_compute::simd::{LANES, Lanes, Math, Plain, ROUND, Rows, Simd};
+use wavesplat_compute::simd::{LANES, Lanes, Math, ROUND, Rows, Simd};
 
 use crate::picture::base_picture::{BasePicture, CELL, MARGIN};
 
@@ -229,15 +229,20 @@ fn cubic<S: Simd>(s: S, slope: f32, t: S::F) -> [S::F; 4] {
     [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
 }
 
-/// The same of one position.
+/// The same of one position, by the same operations in the same order.
+#[inline(always)]
 pub fn cubic_weights(t: f32) -> [f32; 4] {
-    cubic(Plain, CATMULL_ROM, [t; LANES]).map(|weights| weights[0])
+    let a = CATMULL_ROM;
+    let w0 = ((a * t + -2.0 * a) * t + a) * t;
+    let w1 = ((a + 2.0) * t - (a + 3.0)) * t * t + 1.0;
+    let w3 = (a - a * t) * t * t;
+    [w0, w1, 1.0 - w0 - w1 - w3, w3]
 }
 
 #[cfg(test)]
 mod tests {
     use glam::{DAffine3, DVec3};
-    use wavesplat_compute::simd::{Level, VectorKernel};
+    use wavesplat_compute::simd::{Level, Plain, VectorKernel};
     use wavesplat_core::{Camera, Projection};
 
     use super::*;
@@ -411,6 +416,14 @@ mod tests {
                 let (pixels, _) = level.dispatch(Read(&picture, base, positions, 1.0));
                 assert!(pixels == [[0.0; 4]; LANES], "{level:?} {base:?} {u} {v}");
             }
+        }
+    }
+
+    #[test]
+    fn weights_of_one_position_are_those_of_sixteen_to_the_bit() {
+        for k in 0..1000 {
+            let t = k as f32 / 999.0;
+            assert_eq!(cubic_weights(t), cubic(Plain, CATMULL_ROM, [t; LANES]).map(|weights| weights[0]), "{t}");
         }
     }
 }

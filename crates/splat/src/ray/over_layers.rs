@@ -22,7 +22,7 @@ use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::layer_sheets::LayerSheets;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
-use crate::source::nonfinite::known_share;
+use crate::source::nonfinite::{known_between, known_share};
 
 /// What a layer makes of densities.
 #[derive(Clone, Copy)]
@@ -231,11 +231,6 @@ impl<'a> OverLayers<'a> {
             let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
             let missing =
                 own.geometry.slices.has_mask().then(|| [own.front.missing(w, chunks), own.back.missing(w, chunks)]);
-            // The share is linear: its mean over a part of the way is that in the middle of it.
-            let known = |at: W::F| match missing {
-                Some([front, back]) => known_share(w, w.add_mul(front, at, w.sub(back, front))),
-                None => one,
-            };
             // The shares of the way between which the layer is drawn, and the parts of these.
             let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
             let end = w.add_mul(begin, extent, per_s);
@@ -263,7 +258,7 @@ impl<'a> OverLayers<'a> {
                 };
                 // What holds in the middle of what is visible.
                 let middle = w.mul(w.add(first, last), half);
-                let mut length = w.mul(length, known(middle));
+                let mut length = w.mul(length, known_between(w, missing, middle));
                 length = w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
                 if let (None, Some((by_gradient, [g_front, g_back]))) =
                     (joint, medium.modifiers.by_gradient.as_ref().zip(gradients))
@@ -301,7 +296,7 @@ impl<'a> OverLayers<'a> {
                     }
                     let middle = w.mul(w.add(begin, end), w.splat(0.5));
                     let point = FieldPoint::between(&self.here, middle);
-                    let length = w.mul(length, known(middle));
+                    let length = w.mul(length, known_between(w, missing, middle));
                     if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
                         for k in 0..N_PARTS {
                             let share = w.sub(cuts[k + 1], cuts[k]);

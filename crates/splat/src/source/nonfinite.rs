@@ -29,6 +29,17 @@ pub fn known_share<W: Wide>(w: W, missing: W::F) -> W::F {
     w.select(w.lt(known, w.splat(LEAST_KNOWN)), w.splat(0.0), known)
 }
 
+/// The known share at a part of the way between two sheets, by the missing shares on both; 1 where no sample is missing.
+///
+/// The share is linear between sheets, so its mean over a part of the way is that in the middle of the part.
+#[inline(always)]
+pub fn known_between<W: Wide>(w: W, missing: Option<[W::F; 2]>, at: W::F) -> W::F {
+    match missing {
+        Some([front, back]) => known_share(w, w.add_mul(front, at, w.sub(back, front))),
+        None => w.splat(1.0),
+    }
+}
+
 /// The shares of the way between two sheets between which points are known, by the missing shares on both, linear in
 /// between; the first is not below the second where none is.
 #[inline(always)]

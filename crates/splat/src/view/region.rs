@@ -119,6 +119,9 @@ impl Region {
     pub fn passage(&self, origin: DVec3, direction: DVec3, start: f64) -> Passage {
         let mut passage = Passage { ends: [start, f64::INFINITY], walls: [usize::MAX; 2] };
         let [mut lo, mut hi] = passage.ends;
+        // Of length about 1, whatever the unit of lengths, so that what counts as parallel to a wall depends on it no more.
+        let scale = direction.abs().max_element();
+        let direction = direction / scale;
         for (wall, h) in self.half_spaces.iter().enumerate() {
             narrow(h.normal.dot(origin) + h.offset, h.normal.dot(direction), &mut lo, &mut hi);
             for (k, end) in [lo, hi].into_iter().enumerate() {
@@ -128,6 +131,7 @@ impl Region {
                 }
             }
         }
+        passage.ends = passage.ends.map(|end| end / scale);
         passage
     }
 

@@ -157,7 +157,7 @@ fn projections_are_covered_by_shares() {
     for (k, value) in values.iter().enumerate() {
         let [x, y] = [k % 30, k / 30];
         let column = |i: usize, j: usize| (0..22).map(move |z| i + 30 * (j + 26 * z));
-        let highest = |i: usize, j: usize| column(i, j).map(|at| f32::from(square.samples[at])).fold(0.0, f32::max);
+        let highest = |i: usize, j: usize| column(i, j).map(|at| square.samples[at]).fold(0.0, f32::max);
         // The camera's up decides how the axes lie; one of the four ways is the picture's.
         let found = [[x, y], [29 - x, y], [x, 25 - y], [29 - x, 25 - y]].map(|[i, j]| highest(i, j));
         assert!(found.contains(value), "{x} {y}: {value} is none of {found:?}");

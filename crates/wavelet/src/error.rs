@@ -107,7 +107,7 @@ mod tests {
                 "the offset is inf, which is not a finite number; pass 0",
             ),
             (
-                WaveletError::PsnrOutOfReach { psnr_db: 60.0, reached_db: 45.82, lo: 1e6, hi: 1000003.5 },
+                WaveletError::PsnrOutOfReach { psnr_db: 60.0, reached_db: 45.82, lo: 1e6, hi: 1_000_003.5 },
                 "60 dB is more than the 45.8 dB that samples from 1000000 to 1000003.5 have in float32; ask for less",
             ),
         ];

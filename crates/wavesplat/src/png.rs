@@ -39,8 +39,8 @@ pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBit
             ));
         }
     }
-    // Compared by division: the product of two sides can exceed an integer.
-    if rgba.len() % 4 != 0 || rgba.len() / 4 % width_px != 0 || rgba.len() / 4 / width_px != height_px {
+    // The product of two sides can exceed an integer.
+    if width_px.checked_mul(height_px).and_then(|n_pixels| n_pixels.checked_mul(4)) != Some(rgba.len()) {
         return Err(Error::out_of_range(
             format!("the length of RGBA of {width_px} x {height_px} pixels"),
             rgba.len(),
@@ -51,9 +51,10 @@ pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBit
     let is_eight = bits == PngBits::Eight;
     let data = if is_eight { straight_bytes(rgba) } else { straight_words(rgba) };
     let mut bytes = Vec::new();
-    write(&mut bytes, &data, [width_px, height_px], is_eight)
-        .expect("the size was checked, and writing to memory does not fail");
-    Ok(bytes)
+    match write(&mut bytes, &data, [width_px, height_px], is_eight) {
+        Ok(()) => Ok(bytes),
+        Err(_) => unreachable!("the size was checked, and writing to memory does not fail"),
+    }
 }
 
 /// The longest side of a PNG picture (PNG specification, section 11.2.1).

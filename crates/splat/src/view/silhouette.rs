@@ -58,7 +58,11 @@ impl Silhouette {
     /// which is the only one as a rule.
     #[inline(always)]
     pub fn missed(&self, plane: &BasePlane, own: &[[f64; LANES]; 2], i: f64, j: f64) -> [bool; LANES] {
-        let misses = |[lo, hi]: &[[f64; LANES]; 2]| -> [bool; LANES] { std::array::from_fn(|k| !(lo[k] < hi[k])) };
+        let misses = |[lo, hi]: &[[f64; LANES]; 2]| -> [bool; LANES] {
+            // An end that is not a number is a miss as well.
+            let meets: [bool; LANES] = std::array::from_fn(|k| lo[k] < hi[k]);
+            meets.map(|meets| !meets)
+        };
         if !self.is_mixed() {
             return misses(own);
         }

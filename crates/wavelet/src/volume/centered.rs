@@ -43,7 +43,9 @@ impl From<Vec<f32>> for CenteredSamples {
         let range = [min, max];
         let offset = offset_of(range);
         if offset != 0.0 {
-            values.iter_mut().for_each(|value| *value = (f64::from(*value) - f64::from(offset)) as f32);
+            for value in &mut values {
+                *value = (f64::from(*value) - f64::from(offset)) as f32;
+            }
         }
         Self { values, offset, range }
     }

@@ -182,7 +182,9 @@ impl WaveletVolume {
         synthesise(&self.plan, &mut samples);
         let offset = self.weighted_offset(weights);
         if offset != 0.0 {
-            samples.iter_mut().for_each(|sample| *sample += offset);
+            for sample in &mut samples {
+                *sample += offset;
+            }
         }
         samples
     }

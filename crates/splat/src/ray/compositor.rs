@@ -44,12 +44,14 @@ impl Ends {
         let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
         s.store(slab.first.front.density(s, [chunk; 2]), &mut front);
         s.store(slab.first.back.density(s, [chunk; 2]), &mut back);
-        let missing = slab.first.geometry.slices.has_mask().then(|| {
+        // A closure would not be inlined, and call every vector instruction.
+        let mut missing = None;
+        if slab.first.geometry.slices.has_mask() {
             let mut shares = [[0.0; LANES]; 2];
             s.store(slab.first.front.missing(s, [chunk; 2]), &mut shares[0]);
             s.store(slab.first.back.missing(s, [chunk; 2]), &mut shares[1]);
-            shares
-        });
+            missing = Some(shares);
+        }
         Self { front, back, missing }
     }
 }

@@ -229,8 +229,10 @@ impl<'a> OverLayers<'a> {
             let is_seen = self.see(w, chunks, rays, &medium, [w.min(front, back), w.max(front, back)]);
             let (from, extent) = extent(w, chunks, own_rays, [s_front, s_back]);
             let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
-            let missing =
-                own.geometry.slices.has_mask().then(|| [own.front.missing(w, chunks), own.back.missing(w, chunks)]);
+            let mut missing = None;
+            if own.geometry.slices.has_mask() {
+                missing = Some([own.front.missing(w, chunks), own.back.missing(w, chunks)]);
+            }
             // The shares of the way between which the layer is drawn, and the parts of these.
             let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
             let end = w.add_mul(begin, extent, per_s);

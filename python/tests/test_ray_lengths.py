@@ -96,8 +96,7 @@ def _check_fog(affine, eye_name, cut_name, *, wrong=1.0):
     error = np.abs(got - want)
     assert error[plain].max() < 1e-5
     middle_way = length(scene, eye, SIZE)[0][..., 0] * wrong
-    # Beside a wall, texels beyond it are read as well; they are as long as if all walls stood further out.
-    np.testing.assert_allclose(lengths[full], middle_way[full], rtol=1e-3)
+    np.testing.assert_allclose(lengths[full], middle_way[full], rtol=1e-5)
     # An edge of the box runs through the cells of a quarter of a pixel's reads or fewer; each is wrong by half of what
     # there is around it at most.
     around = np.ptp(_neighbourhood(alpha), axis=2)

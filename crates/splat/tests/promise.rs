@@ -124,9 +124,7 @@ fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
                 }
                 let options = RenderOptions { width_px: 160, height_px: 144, ..RenderOptions::default() };
                 let case = Case { slices: &slices, tf: &tf, camera: camera(&phantom, at), options };
-                // Walls along the rays cover shares of pixels, which are counted in sixteenths by 4 x 4 reads, as many
-                // as rays of the reference: against 8 x 8 reads this alone is 40 dB.
-                let finest = case.fixed(24.0, if at.0.abs().max_element() == 1.0 { 4.0 } else { 8.0 });
+                let finest = case.fixed(24.0, 8.0);
                 for wanted_db in [30.0, 40.0, 50.0] {
                     let (picture, told) = case.wanted(Wanted { psnr_db: wanted_db, like: None });
                     of_picture(&format!("{name} {function} view {view}"), wanted_db, psnr_db(&picture, &finest), &told);

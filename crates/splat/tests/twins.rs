@@ -87,8 +87,6 @@ fn check_twin(
             ..RenderOptions::default()
         };
         let (pictures, _) = render_base_planes(&slices, tf, &camera, &options, &()).unwrap();
-        // Two texels beyond a wall are many samples where texels are sparse, and sums of more terms.
-        let near = if phantom.size[0] > 50 { 2e-4 } else { 1e-4 };
         for picture in &pictures {
             let plane = &picture.plane;
             let want = splat::base_plane(&volume, &slices, tf, &camera, &options, &Ablation::NONE, plane).unwrap();
@@ -101,7 +99,7 @@ fn check_twin(
                 }
                 for c in 0..4 {
                     let (got, want) = (f64::from(texel[c]), want[c]);
-                    assert!((got - want).abs() < near, "{kernel:?} {from} texel {t}: {got} for {want}");
+                    assert!((got - want).abs() < 1e-4, "{kernel:?} {from} texel {t}: {got} for {want}");
                 }
                 n_compared += usize::from(want[3] > 0.1);
             }

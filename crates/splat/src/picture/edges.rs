@@ -40,7 +40,8 @@ pub struct Edges<'a> {
     pub is_projection: bool,
 }
 
-/// Reads of a pixel with an edge along x and along y, at least; they lie on a regular grid.
+/// Reads of a pixel with an edge along x and along y, on a regular grid: as many as rays of the reference, at every quality,
+/// so that a pixel that a wall covers in part has the same share of it in all of them.
 const READS_PER_AXIS: usize = 4;
 
 /// Pixels per side of the squares in which edges are looked for.
@@ -52,8 +53,8 @@ const SHORT: f64 = 0.1;
 /// A sliver of a ray, in slices, of which nothing is known.
 const SLIVER: f64 = 0.02;
 
-/// Lengths that differ by less count as the same.
-const SAME: f64 = 1e-3;
+/// Lengths that differ by less, relatively, count as the same: about what float32 tells apart.
+const SAME: f64 = 1e-6;
 
 /// The pass over a warped picture.
 pub struct EdgePass<'a> {
@@ -62,7 +63,6 @@ pub struct EdgePass<'a> {
     /// As each base plane sees them.
     planes: Vec<PlaneSilhouette<'a>>,
     rays: &'a IndexRays,
-    reads_per_axis: usize,
     peak: f32,
     level: Level,
     is_parallel: bool,
@@ -78,7 +78,6 @@ impl<'a> EdgePass<'a> {
         edges: Edges<'a>,
         resamplers: &'a [Resampler<'a>],
         rays: &'a IndexRays,
-        reads_per_axis: usize,
         peak: f32,
         level: Level,
     ) -> Option<Self> {
@@ -88,7 +87,7 @@ impl<'a> EdgePass<'a> {
         let narrow = resamplers.iter().any(|r| edges.silhouette.has_narrow_walls(&r.picture.plane));
         let aside_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
         let is_parallel = first.eye_w().is_none();
-        Some(Self { edges, resamplers, planes, rays, reads_per_axis, peak, level, is_parallel, reach_px, aside_px })
+        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reach_px, aside_px })
     }
 
     /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: from that pixel on,
@@ -180,13 +179,14 @@ impl<'a> EdgePass<'a> {
     #[inline(always)]
     fn pixel(&self, [x, y]: [usize; 2], before: [f32; 4], strips: &mut Strips) -> [f32; 4] {
         let [x, y] = [x as f64, y as f64];
-        let reads = READS_PER_AXIS.max(self.reads_per_axis);
-        let n = reads * reads;
+        let n = READS_PER_AXIS * READS_PER_AXIS;
         let (mut sum, mut n_met) = ([0.0; 4], 0);
         let middle = if self.edges.is_projection { self.met([x + 0.5, y + 0.5]) } else { None };
         for k in 0..n {
-            let within = |k: usize| (k as f64 + 0.5) / reads as f64;
-            let Some(read) = self.met([x + within(k % reads), y + within(k / reads)]) else { continue };
+            let within = |k: usize| (k as f64 + 0.5) / READS_PER_AXIS as f64;
+            let Some(read) = self.met([x + within(k % READS_PER_AXIS), y + within(k / READS_PER_AXIS)]) else {
+                continue;
+            };
             n_met += 1;
             if middle.is_none() {
                 let rgba = self.read(&read, strips).0;

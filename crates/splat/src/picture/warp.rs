@@ -37,7 +37,7 @@ pub fn warp(
     edges: Option<Edges>,
 ) -> Warped {
     let resamplers: Vec<_> = pictures.iter().map(Resampler::new).collect();
-    let pass = edges.and_then(|edges| EdgePass::new(edges, &resamplers, rays, reads_per_axis, peak, level));
+    let pass = edges.and_then(|edges| EdgePass::new(edges, &resamplers, rays, peak, level));
     let warping = Warping { resamplers: &resamplers, rays, reads_per_axis, peak, edges: pass };
     let rgba = filled::in_chunks(width_px * height_px, BAND * width_px, |band, pixels| {
         warping.draw_band(level, band * BAND, pixels, width_px);

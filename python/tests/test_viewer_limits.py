@@ -1,13 +1,16 @@
 """What other programs of the machine cannot do to the viewer: use it up, fill its log, or read its link."""
 
 import http.client
+import logging
 import os
 import re
 import socket
 import stat
 import subprocess
 import sys
+import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -28,7 +31,7 @@ def server():
 
 
 def half_a_request(server):
-    connection = socket.create_connection(("127.0.0.1", server.port), timeout=5)
+    connection = socket.create_connection(("127.0.0.1", server.port), timeout=60)
     connection.sendall(b"GET / HT")
     return connection
 
@@ -43,7 +46,7 @@ def is_closed(connection):
         return True
 
 
-def wait_for(condition, seconds=5.0):
+def wait_for(condition, seconds=60.0):
     until = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < until
@@ -51,7 +54,7 @@ def wait_for(condition, seconds=5.0):
 
 
 def status_of(server):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=5)
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
     try:
         connection.request("GET", "/", headers={"Connection": "close"})
         return connection.getresponse().status
@@ -89,47 +92,88 @@ def test_without_descriptors_it_waits_and_says_so_once(tmp_path):
     # A process of its own: the limit is for all that it opens.
     code = """
 import os, resource, socket, sys, time
+from wavesplat._viewer.connections import Listener
 from wavesplat._viewer.server import Server
 server = Server()
 address = ("127.0.0.1", server.port)
 waiting = [socket.socket() for _ in range(4)]
 resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/dev/fd"))) + 1, 4096))
-began = time.process_time()
+calls = []
+accept = Listener.accept
+Listener.accept = lambda listener: calls.append(1) or accept(listener)
 for one in waiting:
-    one.settimeout(10)
+    one.settimeout(60)
     one.connect(address)
     one.sendall(b"GET / HTTP/1.1\\r\\nHost: 127.0.0.1:%d\\r\\nConnection: close\\r\\n\\r\\n" % server.port)
 time.sleep(2.5)
-print("cpu", time.process_time() - began)
+print(len(calls))
 resource.setrlimit(resource.RLIMIT_NOFILE, (1024, 4096))
 print([one.recv(15)[9:12].decode() for one in waiting])
 server.close()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
-    cpu, statuses = done.stdout.splitlines()
+    n_accepts, statuses = done.stdout.splitlines()
     assert statuses == str(["200"] * 4)
-    assert float(cpu.split()[1]) < 0.5
+    # A connection that waits keeps the socket readable: without the pause there are thousands of tries a second.
+    assert 1 <= int(n_accepts) < 50
     lines = done.stderr.splitlines()
     assert len(lines) == 1, done.stderr
     assert "cannot accept a connection" in lines[0]
 
 
-def test_each_kind_of_trouble_is_one_line(server, monkeypatch, capfd):
+def test_our_own_failures_are_logged_each_time_with_their_traceback(server, monkeypatch, caplog):
     def fail(*_):
         raise RuntimeError("it broke")
 
     monkeypatch.setattr(server, "is_own", fail)
-    for _ in range(5):
+    for n in range(1, 4):
         assert status_of(server) == 500
-    said = [line for line in capfd.readouterr().err.splitlines() if line]
-    assert len(said) <= 1
-    assert all("RuntimeError: it broke" in line for line in said)
+        said = [record for record in caplog.records if record.name == "tornado.application"]
+        assert len(said) == n
+        assert str(said[-1].exc_info[1]) == "it broke"
+
+
+def log_in_loop(server, *calls):
+    """Log from the thread of the server, as its libraries do."""
+    done = threading.Event()
+
+    def log():
+        for call in calls:
+            call()
+        done.set()
+
+    server._later(log)
+    assert done.wait(60)
+
+
+@pytest.mark.parametrize("name", connections.QuietLog.LOGGERS)
+def test_trouble_with_connections_is_one_line_a_minute(server, caplog, monkeypatch, name):
+    now = [1000.0]
+    monkeypatch.setattr(connections, "monotonic", lambda: now[0])
+    logger = logging.getLogger(name)
+
+    def trouble(n):
+        try:
+            raise OSError(f"socket {n}")
+        except OSError:
+            logger.exception("accept failed\nsocket: %s", n)
+
+    log_in_loop(server, *[partial(trouble, n) for n in range(5)])
+    now[0] += connections.LINE_S - 1
+    log_in_loop(server, lambda: trouble(5), lambda: logger.warning("something else"))
+    now[0] += 1
+    log_in_loop(server, lambda: trouble(6))
+    # The first counts for a minute, and what is of another kind is not held back by it.
+    assert [record.getMessage() for record in caplog.records] == [
+        "accept failed: OSError: socket 0",
+        "something else",
+        "accept failed: OSError: socket 6",
+    ]
+    assert not any(record.exc_info for record in caplog.records)
 
 
 def test_other_loggers_are_left_as_they_are(server, caplog):
-    import logging
-
     for _ in range(2):
         logging.getLogger("tornado.general").warning("of a notebook")
     assert [record.getMessage() for record in caplog.records] == ["of a notebook"] * 2

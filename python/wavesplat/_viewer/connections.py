@@ -6,8 +6,10 @@ Any program of this machine can connect, so none may take all descriptors of the
 from __future__ import annotations
 
 import logging
+import math
 import socket
 import threading
+from time import monotonic
 from typing import Any
 
 import tornado.httpserver
@@ -24,6 +26,8 @@ HEADER_S = 10.0
 ANSWER_S = 30.0
 #: Seconds without accepting anybody after the process has no descriptor or no memory left.
 PAUSE_S = 1.0
+#: Seconds between two lines of one kind of trouble in the log.
+LINE_S = 60.0
 
 log = logging.getLogger("tornado.general")
 
@@ -72,17 +76,19 @@ class BoundedServer(tornado.httpserver.HTTPServer):
 
 
 class QuietLog(logging.Filter):
-    """One line for each kind of trouble of the thread that makes it; nothing changes for other threads.
+    """At most one line a minute for each kind of trouble with connections, of the thread that makes it.
 
-    A notebook's own server logs to the same loggers.
+    What clients do wrong goes to the loggers below. Our own failures go to "tornado.application": all of them are
+    written, with their tracebacks. A notebook's own server, in another thread, logs to the same loggers as before.
     """
 
-    LOGGERS = ("tornado.general", "tornado.application", "tornado.access", "asyncio")
+    LOGGERS = ("tornado.general", "asyncio")
 
     def __init__(self) -> None:
         super().__init__()
         self._thread = threading.get_ident()
-        self._seen: set[tuple[str, str]] = set()
+        #: When a line of each kind was written last, by the monotonic clock.
+        self._written: dict[tuple[str, str, str], float] = {}
 
     def __enter__(self) -> None:
         for name in self.LOGGERS:
@@ -93,14 +99,16 @@ class QuietLog(logging.Filter):
             logging.getLogger(name).removeFilter(self)
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Whether to write a record; its traceback becomes the last line of it."""
+        """Whether to write a record; its traceback is left out, but for the error."""
         if record.thread != self._thread:
             return True
         error = record.exc_info[1] if record.exc_info else None
-        kind = (str(record.msg), type(error).__name__)
-        if kind in self._seen:
+        # Further lines name sockets and addresses, which differ each time.
+        kind = (record.name, str(record.msg).partition("\n")[0], type(error).__name__)
+        now = monotonic()
+        if now - self._written.get(kind, -math.inf) < LINE_S:
             return False
-        self._seen.add(kind)
+        self._written[kind] = now
         text = record.getMessage().partition("\n")[0]
         record.msg = text if error is None else f"{text}: {type(error).__name__}: {error}"
         record.args, record.exc_info, record.exc_text = (), None, None

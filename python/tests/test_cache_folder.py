@@ -40,7 +40,7 @@ def npy(tmp_path, seed=1):
 def looked(path, **options):
     """Whether the survey of a file is made, or comes from the cache; and the range."""
     volume = ws.open(path, memory="50 MB", **options)
-    return ("kept" if volume.survey(0, "linear").is_kept else "made"), volume.value_range
+    return ("kept" if volume.survey(0, "linear").is_from_cache else "made"), volume.value_range
 
 
 @ON_POSIX
@@ -216,7 +216,7 @@ def test_a_folder_that_cannot_be_written_to_keeps_nothing_and_draws(own, tmp_pat
     assert looked(path)[0] == "made"
 
 
-def test_scenes_neither_say_nor_choose_where_something_is_kept(tmp_path):
+def test_scenes_neither_say_nor_choose_where_something_is_from_cache(tmp_path):
     scene = ws.Scene(ws.open(npy(tmp_path), memory="50 MB", cache=tmp_path / "kept"))
     assert "kept" not in scene.to_json()
     document = json.loads(scene.to_json())

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._cli import describe
 from wavesplat._files import zarr_states
+from wavesplat._model import lazy_volume
 from wavesplat._scene import lazy_layers
 
 zarr = pytest.importorskip("zarr", minversion="3")
@@ -384,27 +386,66 @@ def test_what_did_not_change_is_drawn_from_what_was_kept_after_one_pass(tmp_path
     chunked(tmp_path, "v3")
     path = tmp_path / "a.zarr"
     first = ws.render(ws.open(path, memory="50 MB"), LOOK, size=(32, 32))
-    assert first.report["lazy"]["surveys"] == ["from all samples"]
+    assert first.report["lazy"]["surveys"] == ["computed"]
     passes = _passes(monkeypatch)
     volume = ws.open(path, memory="50 MB")
     assert not passes, "opening costs nothing"
     again = ws.render(volume, LOOK, size=(32, 32))
     assert len(passes) == 1
-    assert again.report["lazy"]["surveys"] == ["from what was kept"]
+    assert again.report["lazy"]["surveys"] == ["from the cache"]
     assert again.report["lazy"]["bytes_read"] == 0, "nothing shows"
     ws.render(volume, LOOK, size=(32, 32))
     assert len(passes) == 2, "one for every picture"
     done = wavesplat("render", path, "--memory", "50MB", "--size", "32", "-o", tmp_path / "a.png")
-    assert "from what was kept" in done.stderr
+    assert "from the cache" in done.stderr
     done = wavesplat("render", path, "--memory", "50MB", "--cache", "off", "--size", "32", "-o", tmp_path / "a.png")
-    assert "from what was kept" not in done.stderr
-    assert "from what was kept" in wavesplat("info", path, "--memory", "50MB").stdout
+    assert "from the cache" not in done.stderr
+    assert "from the cache" in wavesplat("info", path, "--memory", "50MB").stdout
+
+
+def test_info_looks_at_the_files_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(lazy_volume, "SMALL", 1000)
+    chunked(tmp_path, "v3")
+    passes = _passes(monkeypatch)
+    for is_from_cache in (False, True):
+        volume = ws.open(tmp_path / "a.zarr", memory="50 MB")
+        if not is_from_cache:
+            assert describe.describe(volume)["value_range"] is None, "not looked through yet"
+            assert volume.value_range == (0, 1)
+        passes.clear()
+        facts = describe.describe(volume)
+        assert len(passes) == 1
+        assert (facts["is_from_cache"], facts["value_range"]) == (is_from_cache, [0, 1])
+
+
+def test_volumes_of_one_file_find_a_change_once(tmp_path, monkeypatch):
+    array = chunked(tmp_path, "v3")
+    whole = ws.open(tmp_path / "a.zarr", memory="50 MB")
+    finest = whole.at_level(0)
+    assert finest.value_range == whole.value_range == (0.0, 1.0)
+    surveys = []
+    computed = lazy_volume.surveyed
+    monkeypatch.setattr(lazy_volume, "surveyed", lambda *a, **k: surveys.append(1) or computed(*a, **k))
+    array[1, 2, 3] = BRIGHT
+    assert finest.value_range == whole.value_range == finest.value_range == (0.0, BRIGHT)
+    assert len(surveys) == 1
+
+
+def test_a_look_is_chosen_again_once_samples_are_said_to_have_changed():
+    samples = np.arange(32**3).reshape(32, 32, 32).astype(np.uint16)
+    volume = ws.Volume.lazy(samples, memory="50 MB")
+    scene = ws.Scene(volume)
+    scene.render(size=(24, 24))
+    samples[:] = samples[::-1].copy() // 100
+    volume.changed()
+    whole = ws.Scene(ws.Volume(samples.copy())).render(size=(24, 24), device="cpu")
+    assert np.array_equal(scene.render(size=(24, 24)).rgba, whole.rgba)
 
 
 def test_files_that_did_not_change_are_kept_too(tmp_path):
     for name, write in FILES.items():
         options = write(tmp_path / name, dim())
-        for known in ("from all samples", "from what was kept"):
+        for known in ("computed", "from the cache"):
             picture = ws.render(ws.open(tmp_path / name, memory="50 MB", **options), LOOK, size=(32, 32))
             assert picture.report["lazy"]["surveys"] == [known], name
 

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
@@ -18,10 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["Choice", "describe", "describe_wavelets", "lines", "wavelet_lines"]
 
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
-#: Samples that the percentiles are taken from, at most.
+#: Samples that the percentiles are taken from, at most; of lazy volumes those that their surveys keep.
 N_SAMPLES_MAX = 10_000_000
-#: Of those that are read as they are drawn: as many as are known of each.
-N_SAMPLES_MAX_LAZY = 2_000_000
 #: Facts that are told as they are.
 OF_FILE = (
     "modality",
@@ -76,7 +76,12 @@ class Choice:
 
 
 def describe(volume: Volume) -> dict[str, Any]:
-    """Facts about a volume, ready for JSON."""
+    """Facts about a volume, ready for JSON, all of one state of its files."""
+    with comparing_once([volume]):
+        return _described(volume)
+
+
+def _described(volume: Volume) -> dict[str, Any]:
     if isinstance(volume, LazyVolume) and not volume.is_looked_through:
         told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
     else:
@@ -169,7 +174,7 @@ def lines(facts: dict[str, Any]) -> list[str]:
         values = [f"values       {low:g} to {high:g}", f"percentiles  {percentiles}"]
         values.append(f"not finite   {facts['n_nonfinite']} samples")
         if facts["is_from_cache"]:
-            values.append("             from what was kept of an earlier pass over the samples")
+            values.append("             from the cache")
     return [
         f"name         {facts['name']}",
         f"samples      {x} x {y} x {z} (x, y, z), {facts['dtype']}, {facts['n_bytes'] / 2**20:.1f} MiB",
@@ -226,8 +231,8 @@ def _channel_text(channel: dict[str, Any]) -> str:
 
 
 def _percentiles(volume: Volume) -> dict[str, float]:
-    most = N_SAMPLES_MAX_LAZY if isinstance(volume, LazyVolume) else N_SAMPLES_MAX
-    values = volume._every(max(1, math.ceil((math.prod(volume.shape) / most) ** (1 / 3)))).ravel()
+    most = HISTOGRAM_SAMPLES if isinstance(volume, LazyVolume) else N_SAMPLES_MAX
+    values = volume._every(step_for(math.prod(volume.shape), most)).ravel()
     if values.dtype.kind == "f":
         values = values[np.isfinite(values)]
     if values.size == 0:

@@ -95,12 +95,12 @@ def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
 
 def print_notes(picture: Picture) -> None:
     """Say what the report of a picture notes, such as why it is black."""
-    from wavesplat._scene.lazy_layers import KEPT
+    from wavesplat._scene.lazy_layers import FROM_CACHE
 
     for note in picture.report.get("notes", ()):
         message(f"note: {note}")
-    if KEPT in picture.report.get("lazy", {}).get("surveys", ()):
-        message(f"note: range and bounds of the samples are {KEPT} of an earlier pass over them")
+    if FROM_CACHE in picture.report.get("lazy", {}).get("surveys", ()):
+        message(f"note: range and bounds of the samples are {FROM_CACHE}")
 
 
 def is_terminal() -> bool:

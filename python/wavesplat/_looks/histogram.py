@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.kinds import looks_like_hounsfield
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -37,8 +38,6 @@ __all__ = [
     "signed",
 ]
 
-#: Samples looked at, at most: enough for steady percentiles, and a fraction of a second on any volume.
-N_SAMPLES_MAX = 2_000_000
 N_BINS = 512
 #: Percentiles that count as the smallest and largest value.
 ROBUST = (0.1, 99.9)
@@ -126,7 +125,7 @@ def robust_range_of(values: NDArray[np.float64]) -> tuple[float, float]:
 
 def _subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
     """Every n-th sample along each axis, [z, y, x]."""
-    return volume._every(max(1, int(np.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))))
+    return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
 
 
 def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -27,10 +28,6 @@ Kind: TypeAlias = Literal[
     "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
 ]
 
-#: Samples looked at, at most, each with its neighbours along the three axes.
-N_SAMPLES_MAX = 150_000
-#: And for what every picture tells.
-N_SAMPLES_QUICK = 20_000
 #: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
 MODALITIES: dict[str, Kind] = {
     "MR": "MR",
@@ -108,8 +105,7 @@ def unit_of_values(volume: Volume | WaveletVolume) -> str:
     """What the values are measured in: "HU" of a CT, "" where nobody says it. Quick: for every picture."""
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
-    step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_QUICK) ** (1 / 3)))
-    some = volume._every(step)
+    some = volume._every(step_for(math.prod(volume.shape), UNIT_SAMPLES))
     return "HU" if looks_like_hounsfield(some.astype(np.float64)) else ""
 
 
@@ -177,7 +173,7 @@ Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
 
 def _looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
     """Samples evenly through the volume, and their two neighbours along each axis that has any, all flat."""
-    step = max(1, math.ceil((math.prod(volume.shape) / N_SAMPLES_MAX) ** (1 / 3)))
+    step = step_for(math.prod(volume.shape), KIND_SAMPLES)
     if isinstance(volume, WaveletVolume | LazyVolume):
         return _with_neighbours(volume._every(step), 1)
     return _with_neighbours(volume.samples, step)

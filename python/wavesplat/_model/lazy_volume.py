@@ -69,6 +69,27 @@ class Level:
         return x, y, z
 
 
+class Known:
+    """What is known of the samples of lazy volumes that read the same levels with the same budget.
+
+    n_changes : how often samples were found changed in their files before.
+    """
+
+    def __init__(self, n_changes: int) -> None:
+        self.n_changes = n_changes
+        #: How often all was forgotten since samples had changed: scenes tell by it whether their looks still fit.
+        self.generation = 0
+        #: Surveys by level and kernel, and what was made of them: the latest last.
+        self.surveys: dict[tuple[int, str], Survey] = {}
+        self.ready: dict[Any, Any] = {}
+
+    def forget(self) -> None:
+        """Forget all, since the samples have changed."""
+        self.surveys.clear()
+        self.ready.clear()
+        self.generation += 1
+
+
 def default_memory() -> int:
     """Bytes of samples that are held where nothing is said: a quarter of what is free, at most 4 GB."""
     free = free_bytes()
@@ -100,7 +121,7 @@ class LazyVolume(Volume):
     True
     """
 
-    __slots__ = ("_at", "_holes", "_keep", "_levels", "_memory", "_n_changes", "_ready", "_surveys")
+    __slots__ = ("_at", "_holes", "_keep", "_known", "_levels", "_memory")
 
     _levels: list[Level]
     #: The level that is drawn; None: whichever a picture needs.
@@ -108,11 +129,8 @@ class LazyVolume(Volume):
     _memory: int
     _keep: bool | str | PathLike[str]
     _holes: bool
-    #: How often samples were found changed in their files when surveys were begun.
-    _n_changes: int
-    #: Surveys by level and kernel, and what was made of them: the latest last.
-    _surveys: dict[tuple[int, str], Survey]
-    _ready: dict[Any, Any]
+    #: Shared by the volumes that `at_level` makes.
+    _known: Known
 
     @classmethod
     def _made(
@@ -138,9 +156,7 @@ class LazyVolume(Volume):
         volume._keep = keep
         volume._holes = holes
         volume._at = None
-        volume._n_changes = volume.n_changes_of_files()
-        volume._surveys = {}
-        volume._ready = {}
+        volume._known = Known(volume.n_changes_of_files())
         volume._source = None
         volume._cut = None
         volume._resampled = None
@@ -171,17 +187,17 @@ class LazyVolume(Volume):
     def changed(self) -> None:
         """Say that the samples are others now: what is known of them is made anew.
 
-        Chunks of Zarr arrays in folders that were written to are noticed without, at the next picture, and so are other
-        files, which must be opened again. Of memory maps, Dask, web servers and other arrays nobody else can know.
+        Call it after changing a memory map, a Dask array or data on a server: those are not checked. Chunks of Zarr
+        arrays in folders that were written to are noticed without, at the next picture, and so are other files, which
+        must be opened again.
         """
-        self._forget()
+        self._known.forget()
         self._source = None
 
-    def _forget(self) -> None:
-        self._surveys.clear()
-        self._ready.clear()
-        # Scenes know by the list of levels what looks were chosen for.
-        self._levels = list(self._levels)
+    @property
+    def _identity(self) -> tuple[object, int]:
+        """Equal for the same samples; another one after a change."""
+        return self._known, self._known.generation
 
     def notice_changes(self) -> None:
         """Forget what is known of the samples if their files have changed since; in a picture only at its start.
@@ -194,9 +210,9 @@ class LazyVolume(Volume):
         for files in self._files():
             look_again(files)
         n_changes = self.n_changes_of_files()
-        if n_changes != self._n_changes:
-            self._n_changes = n_changes
-            self._forget()
+        if n_changes != self._known.n_changes:
+            self._known.n_changes = n_changes
+            self._known.forget()
 
     def _files(self) -> list[Origin]:
         """The files of all levels."""
@@ -209,7 +225,7 @@ class LazyVolume(Volume):
         return sum(files.n_changes for files in self._files())
 
     def _renew(self) -> None:
-        self._ready.clear()
+        self._known.ready.clear()
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         """The samples, all of them."""
@@ -252,7 +268,7 @@ class LazyVolume(Volume):
     @property
     def is_from_cache(self) -> bool:
         """Whether range and values come from a cache folder, by an earlier pass over the samples."""
-        return self.survey(self._told_by(), "linear").is_kept
+        return self.survey(self._told_by(), "linear").is_from_cache
 
     @property
     def is_looked_through(self) -> bool:
@@ -260,8 +276,7 @@ class LazyVolume(Volume):
         level = self._told_by()
         if math.prod(self._levels[level].array.shape) <= SMALL:
             return True
-        self.notice_changes()
-        return (level, "linear") in self._surveys or self.known_survey(level, "linear") is not None
+        return self.known_survey(level, "linear") is not None or (level, "linear") in self._known.surveys
 
     def _told_by(self) -> int:
         """The level that tells of values: the finest that is small, and takes a small part of the bytes of all."""
@@ -302,16 +317,15 @@ class LazyVolume(Volume):
         """
         other = self._copy()
         other._memory = bytes_of(memory)
-        other._surveys = {}
-        other._ready = {}
+        # Bounds are as fine as the budget allows.
+        other._known = Known(self._known.n_changes)
         return other
 
     def _copy(self) -> LazyVolume:
         made = LazyVolume._made(
             self._levels, self.name, self.facts, memory=self._memory, keep=self._keep, holes=self._holes
         )
-        made._at, made._source, made._n_changes = self._at, self._source, self._n_changes
-        made._surveys, made._ready = self._surveys, self._ready
+        made._at, made._source, made._known = self._at, self._source, self._known
         return made
 
     def read(self, crop: Crop | None = None, *, level: int | None = None) -> Volume:
@@ -353,9 +367,9 @@ class LazyVolume(Volume):
         """A coarse copy in memory, of some millions of samples at most, for pictures that must come at once."""
         from wavesplat._model.lazy_parts import preview_of
 
-        found: Volume | None = self._ready.get("preview")
+        found: Volume | None = self._known.ready.get("preview")
         if found is None:
-            found = self._ready["preview"] = preview_of(self, self._told_by())
+            found = self._known.ready["preview"] = preview_of(self, self._told_by())
         return found
 
     # What pictures need.
@@ -363,7 +377,7 @@ class LazyVolume(Volume):
     def survey(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> Survey:
         """What one pass over the samples of a level tells, made once."""
         self.notice_changes()
-        found = self._surveys.get((level, kernel))
+        found = self._known.surveys.get((level, kernel))
         if found is None:
             own = self._levels[level]
             found = surveyed(
@@ -375,13 +389,13 @@ class LazyVolume(Volume):
                 holes=self._holes,
                 progress=progress,
             )
-            self._surveys[level, kernel] = found
+            self._known.surveys[level, kernel] = found
         return found
 
     def known_survey(self, level: int, kernel: str) -> Survey | None:
         """What is known of a level without reading its samples, bounds included; None where nothing is."""
         self.notice_changes()
-        found = self._surveys.get((level, kernel))
+        found = self._known.surveys.get((level, kernel))
         if found is None or not found.core.has_bounds:
             found = kept_survey(
                 self._levels[level].array, self._levels[level].world_from_index, kernel, self._memory, self._keep
@@ -394,7 +408,7 @@ class LazyVolume(Volume):
         for own in {kernel, "linear"} if level > 0 else {kernel}:
             survey = self.survey(level, own)
             if not survey.core.has_bounds:
-                self._surveys.pop((level, own))
+                self._known.surveys.pop((level, own))
                 survey = self.survey(level, own)
             found[level, own] = survey
         return pickle.dumps(found)
@@ -402,8 +416,8 @@ class LazyVolume(Volume):
     def take_surveys(self, packed: bytes) -> None:
         """Know what `packed_surveys` told."""
         for key, survey in pickle.loads(packed).items():  # noqa: S301 - from our own process
-            if key not in self._surveys:
-                self._surveys[key] = survey
+            if key not in self._known.surveys:
+                self._known.surveys[key] = survey
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]; of a pyramid the samples of a coarser level next to these."""
@@ -421,25 +435,25 @@ class LazyVolume(Volume):
         """All samples of a small level."""
         from wavesplat._model.lazy_parts import read_box
 
-        found: NDArray[Any] | None = self._ready.get(("overview", level))
+        found: NDArray[Any] | None = self._known.ready.get(("overview", level))
         if found is None:
             array = self._levels[level].array
             if array.files is not None:
                 array.files.begin()
-            found = self._ready["overview", level] = read_box(array, ((0, 0, 0), array.shape))
+            found = self._known.ready["overview", level] = read_box(array, ((0, 0, 0), array.shape))
         return found
 
     def ready(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
         """What the compiled module plans with."""
         self.notice_changes()
         key = level, kernel
-        core: _native.LazyVolume | None = self._ready.pop(key, None)
+        core: _native.LazyVolume | None = self._known.ready.pop(key, None)
         if core is None:
             from wavesplat._model.lazy_parts import place_of_level
 
             own, survey = self._levels[level], self.survey(level, kernel, progress)
             if not survey.core.has_bounds:  # they went to what was drawn before
-                self._surveys.pop((level, kernel))
+                self._known.surveys.pop((level, kernel))
                 survey = self.survey(level, kernel, progress)
             core = _native.LazyVolume(
                 self.name,
@@ -455,9 +469,9 @@ class LazyVolume(Volume):
                 level=place_of_level(self, level),
             )
             survey.forget_bounds()
-        self._ready[key] = core
-        while len(self._ready) > MOST_READY:
-            self._ready.pop(next(iter(self._ready)), None)
+        self._known.ready[key] = core
+        while len(self._known.ready) > MOST_READY:
+            self._known.ready.pop(next(iter(self._known.ready)), None)
         return core
 
     def level_for(self, pixel: Callable[[Level], float]) -> int:
@@ -478,9 +492,9 @@ class LazyVolume(Volume):
         n_bytes = math.prod(array.shape) * array.dtype.itemsize
         if level == 0 or array.is_in_memory or n_bytes > self._memory // COPY_SHARE:
             return array
-        copy: LazyArray | None = self._ready.get(("copy", level))
+        copy: LazyArray | None = self._known.ready.get(("copy", level))
         if copy is None:
-            copy = self._ready["copy", level] = lazy_array(self._overview(level)).levels[0]
+            copy = self._known.ready["copy", level] = lazy_array(self._overview(level)).levels[0]
         return copy
 
     @property

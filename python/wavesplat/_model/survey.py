@@ -25,15 +25,13 @@ from wavesplat._files.cache_folder import CacheFolder, default_folder
 from wavesplat._files.places import expanded
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import Box, BoxReader, cells
+from wavesplat._model.thinning import HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
 __all__ = ["Survey", "kept_survey", "strides", "surveyed"]
 
 #: Version of what is kept.
-FORMAT = 3
-#: Numbers of samples that looks, kinds of data and cameras are found by (`_looks.histogram`, `_looks.kinds`,
-#: `_render.framing`): those of every n-th along each axis are kept.
-LOOKED_AT = (2_000_000, 250_000, 150_000, 20_000)
+FORMAT = 4
 #: Bytes that are read at once, and most bytes of bounds that are kept in a file.
 STEP_BYTES, MOST_KEPT_BYTES = 64 << 20, 1 << 28
 
@@ -52,8 +50,8 @@ Matrix = NDArray[np.float64]
 def strides(shape: Shape, world_from_index: Matrix) -> list[Shape]:
     """Steps between the samples that are kept: those for light first."""
     steps = [_native.light_step(shape, world_from_index)]
-    for most in LOOKED_AT:
-        step = max(1, math.ceil((math.prod(shape) / most) ** (1 / 3)))
+    for most in (HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES):
+        step = step_for(math.prod(shape), most)
         steps.append((step, step, step))
     return list(dict.fromkeys(steps))
 
@@ -69,11 +67,11 @@ class Survey:
         kernel: str,
         steps: Sequence[Shape],
         *,
-        is_kept: bool = False,
+        is_from_cache: bool = False,
     ) -> None:
         self.shape = shape
         #: Whether it comes from a cache folder: no sample was read for it.
-        self.is_kept = is_kept
+        self.is_from_cache = is_from_cache
         self.core = core
         self.prepared = prepared
         self.kernel = kernel
@@ -98,7 +96,7 @@ class Survey:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = {name: (core.parts(), core.statistics) for name, core in self._cores()}
-        return _unpacked, (self.shape, self.kernel, self.steps, parts, self.is_kept)
+        return _unpacked, (self.shape, self.kernel, self.steps, parts, self.is_from_cache)
 
     def _cores(self) -> list[tuple[str, _native.Survey]]:
         pairs = (("samples", self.core), ("prepared", self.prepared))
@@ -111,12 +109,12 @@ class Survey:
         return self.core.strided(self.steps.index(wanted)) if wanted in self.steps else None
 
 
-def _unpacked(shape: Shape, kernel: str, steps: list[Shape], parts: dict[str, Any], is_kept: bool) -> Survey:
+def _unpacked(shape: Shape, kernel: str, steps: list[Shape], parts: dict[str, Any], is_from_cache: bool) -> Survey:
     made = {}
     for name, ((side, bounds, strided), statistics) in parts.items():
         own = list(zip(steps[: len(strided)], strided, strict=True))
         made[name] = _native.Survey.from_parts(shape, kernel, side, statistics, bounds, own)
-    return Survey(shape, made["samples"], made.get("prepared"), kernel, steps, is_kept=is_kept)
+    return Survey(shape, made["samples"], made.get("prepared"), kernel, steps, is_from_cache=is_from_cache)
 
 
 def surveyed(
@@ -289,7 +287,7 @@ def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memor
     except DAMAGED:
         return None
     # Bounds for a larger budget would not leave room for samples.
-    return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps, is_kept=True)
+    return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps, is_from_cache=True)
 
 
 def _rebuilt(parts: Any, name: str, shape: Shape, kernel: str, steps: list[Shape]) -> _native.Survey:

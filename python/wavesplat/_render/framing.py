@@ -19,6 +19,7 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS
+from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -37,8 +38,8 @@ EVERYTHING = Clipping()
 FILLED = 0.92
 #: A volume is a thin stack where its thinnest side is so much shorter than the second one; it is seen along that side.
 THIN = 0.3
-#: Samples looked at, at most, and those they are picked from, a number that is kept of lazy volumes (`_model.survey`).
-N_SAMPLES_MAX, N_PICKED_FROM = 500_000, 2_000_000
+#: Samples looked at, at most.
+N_SAMPLES_MAX = 500_000
 #: A sample is seen where its opacity is at least this share of the largest one, and a voxel at least so opaque.
 LEAST_SHARE, LEAST_OPACITY = 0.02, 2e-4
 #: Samples beyond these percentiles do not count: specks of noise far from the object.
@@ -159,9 +160,9 @@ def _left(
     clipping: Clipping,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Some finite samples in the box and on the kept side of the planes: index (x, y, z), value, and their distance."""
-    fine = _step(math.prod(volume.shape), N_PICKED_FROM)
+    fine = step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES)
     samples = volume._every(fine)
-    coarse = _step(samples.size, N_SAMPLES_MAX)
+    coarse = step_for(samples.size, N_SAMPLES_MAX)
     inside = zip(samples.shape, reversed(box[0]), reversed(box[1]), strict=True)
     picked = [
         place[(place * fine >= math.ceil(low)) & (place * fine <= high)]
@@ -182,11 +183,6 @@ def _ends_of_rows(index: NDArray[np.float64]) -> NDArray[np.float64]:
     starts = np.flatnonzero((index[1:, 1:] != index[:-1, 1:]).any(axis=1)) + 1
     ends = np.unique(np.concatenate([[0], starts, starts - 1, [len(index) - 1]]))
     return np.asarray(index[ends])
-
-
-def _step(n_samples: int, most: int) -> int:
-    """From one sample to the next along each axis, where at most so many are looked at."""
-    return max(1, math.ceil(float((n_samples / most) ** (1 / 3))))
 
 
 def _from_both_ends(n: int, step: int) -> NDArray[np.intp]:

@@ -389,8 +389,7 @@ class _Memory:
         if not self._is_wanted or self._key not in self._kept.measured:
             return None
         shown, told = self._kept.measured[self._key]
-        same = all(a is b for a, b in zip(shown[0], self._shown[0], strict=True)) and shown[1:] == self._shown[1:]
-        measured: dict[str, Any] | None = told if same else None
+        measured: dict[str, Any] | None = told if shown == self._shown else None
         return measured
 
     def remember(self, report: dict[str, Any]) -> None:

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from wavesplat._scene.drawing import Options
     from wavesplat._scene.shown import Curves, ShownLayer
 
-__all__ = ["KEPT", "Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
+__all__ = ["FROM_CACHE", "Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
 
 #: What draws a frame instead of this process, and gives its stream with all blocks, and what was read.
 Elsewhere: TypeAlias = "Callable[[FrameSpec], tuple[_native.Stream, ReadCounts]]"
 
 
-#: Where range and bounds are from, in reports, if no sample was read for them: a cache folder.
-KEPT = "from what was kept"
+#: How the report says that range and bounds were read from a cache folder, without a pass over the samples.
+FROM_CACHE = "from the cache"
 
 
 @dataclass
@@ -86,7 +86,7 @@ class LazyLayers:
         """Where range and bounds of each layer are from."""
         kernel = self.options.kernel
         surveys = [volume.survey(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
-        return [KEPT if survey.is_kept else "from all samples" for survey in surveys]
+        return [FROM_CACHE if survey.is_from_cache else "computed" for survey in surveys]
 
     @property
     def arrays(self) -> list[LazyArray]:

@@ -57,7 +57,7 @@ class Kept:
         Whatever is kept holds samples, so that only a few are.
         """
         found = self.looks.get(key)
-        if found is None or found[0] is not identity:
+        if found is None or found[0] != identity:
             if len(self.looks) >= MOST_KEPT:
                 self.looks.clear()
             found = self.looks[key] = identity, find()

@@ -97,11 +97,11 @@ class ShownLayer:
         return TransferFunction(nodes, function.color, function.opacity_unit, function.gradient_opacity)
 
 
-def identity_of(volume: Volume | WaveletVolume) -> object:
-    """What is another one when the samples are: `Volume.changed` makes the core anew."""
+def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
+    """Equal for the same samples; another one after a change: `Volume.changed` makes the core anew."""
     if isinstance(volume, LazyVolume):
-        return volume._levels
-    return volume._core if isinstance(volume, Volume) else volume
+        return volume._identity
+    return (volume._core if isinstance(volume, Volume) else volume), 0
 
 
 def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:

@@ -153,7 +153,11 @@ NAN_AFFINE[0, 0] = np.nan
 @pytest.mark.parametrize(
     ("name", "wrong", "message"),
     [
-        ("format", np.array(["wavesplat wavelets", "2", "cdf97", "x"]), "version 2; this program reads .* version 1"),
+        (
+            "format",
+            np.array(["wavesplat wavelets", "3", "cdf97", "x"]),
+            "version 3; this program reads .* version 1 and 2",
+        ),
         ("format", np.array(["other", "1", "cdf97", "x"]), "this is 'other'"),
         ("format", np.array(["wavesplat wavelets", "1", "db4", "x"]), "no such family"),
         ("format", np.array("x"), "damaged"),
@@ -254,7 +258,7 @@ def test_parts_at_random_are_drawn_or_refused(damage):
         volume = ws.Volume(rng.normal(0, 10, shape).astype(np.float32))
         wavelets = ws.WaveletVolume.from_volume(volume, family, keep=rng.uniform(0, 0.5))
         parts = dict(zip(("has_block", "masks", "values", "value_range"), wavelets._core.parts(), strict=True))
-        parts |= {"shape": shape, "family": family, "levels": wavelets.n_levels, "threshold": 1.0}
+        parts |= {"shape": shape, "family": family, "levels": wavelets.n_levels, "threshold": 1.0, "offset": 0.0}
         damage(parts, rng)
         try:
             drawn = ws.WaveletVolume(_native.WaveletVolume.from_parts(**parts), "parts", np.eye(4), family)

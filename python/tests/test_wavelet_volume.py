@@ -216,6 +216,26 @@ def test_samples_far_from_zero_reach_the_psnr(family, offset, psnr, tmp_path):
     assert wavelets.kept_fraction < 1
 
 
+@pytest.mark.parametrize(("offset", "version"), [(0, "1"), (1e4, "2")])
+def test_files_say_whether_readers_must_know_the_offset(offset, version, tmp_path):
+    samples = np.random.default_rng(5).normal(size=(8, 9, 10)) + offset
+    wavelets = ws.WaveletVolume.from_volume(samples)
+    wavelets.save(tmp_path / "w.wavelets")
+    with np.load(tmp_path / "w.wavelets") as parts:
+        assert parts["format"][1] == version
+        assert (parts["offset"][0] != 0) == (version == "2")
+    back = ws.WaveletVolume.load(tmp_path / "w.wavelets").to_volume().samples
+    np.testing.assert_array_equal(back, wavelets.to_volume().samples)
+
+
+def test_pickles_and_parts_keep_the_psnr_that_was_reached():
+    wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(16), psnr=50)
+    assert wavelets.psnr >= 50
+    for part in (wavelets, wavelets.level(1), wavelets.bands([1])):
+        assert part.psnr == wavelets.psnr
+        assert pickle.loads(pickle.dumps(part)).psnr == wavelets.psnr  # noqa: S301 - our own bytes
+
+
 def test_a_psnr_beyond_float32_is_refused():
     samples = np.random.default_rng(4).random((8, 9, 10)) + 1e6
     with pytest.raises(

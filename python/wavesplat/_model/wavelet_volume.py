@@ -41,7 +41,7 @@ NORMALISATIONS = ("l2", "peak")
 CACHE_BYTES = 1 << 29
 
 #: Levels and bands that are kept at a time, if so many fit into the cache.
-MOST_DECODED = 6
+MAX_DECODED = 6
 
 #: None of them takes more than this part of the cache.
 LARGEST_SHARE = 2
@@ -49,8 +49,9 @@ LARGEST_SHARE = 2
 #: Samples may not be larger: sums of a few hundred of them must not leave float32.
 LARGEST = 1e35
 
-#: What a file of coefficients says of itself.
-FORMAT, FORMAT_VERSION = "wavesplat wavelets", 1
+#: The head of a file of coefficients. Version 2 adds an offset to the decoded samples, which readers of version 1 would
+#: leave out in silence; so it is written only where there is one.
+FORMAT, FORMAT_VERSIONS = "wavesplat wavelets", ("1", "2")
 
 
 @public
@@ -69,7 +70,7 @@ class WaveletVolume(Grid):
     20.0
     """
 
-    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_left_out", "_source", "_weights")
+    __slots__ = ("_cache_bytes", "_core", "_decoded_levels", "_family", "_left_out", "_psnr", "_source", "_weights")
 
     def __init__(
         self,
@@ -85,6 +86,7 @@ class WaveletVolume(Grid):
         #: A factor for each level's details, and for the coarsest samples.
         self._weights = (1.0,) * (core.n_levels + 1)
         self._left_out = 0
+        self._psnr = core.psnr
         #: Where they come from, None if that cannot be told (`_model.sources`).
         self._source: Source | None = None
         self._cache_bytes = CACHE_BYTES
@@ -182,9 +184,9 @@ class WaveletVolume(Grid):
     def psnr(self) -> float | None:
         """PSNR of all coefficients' samples, in dB, that was reached where `from_volume` was given one; else None.
 
-        Infinite where the samples come back exactly, as those of a constant do. It is not kept in files.
+        Infinite where the samples come back exactly, as those of a constant do. Pickles keep it, files do not.
         """
-        return self._core.psnr
+        return self._psnr
 
     @property
     def kept_by_level(self) -> tuple[int, ...]:
@@ -327,7 +329,7 @@ class WaveletVolume(Grid):
     def _copy(self) -> WaveletVolume:
         """The same, with what was decoded in common."""
         copy = WaveletVolume(self._core, self._name, self._world_from_index, self._family, self._facts)
-        copy._left_out = self._left_out
+        copy._left_out, copy._psnr = self._left_out, self._psnr
         copy._source = self._source
         copy._weights = self._weights
         copy._cache_bytes = self._cache_bytes
@@ -349,7 +351,7 @@ class WaveletVolume(Grid):
         check_output(path, "wavelet coefficients")
         has_block, masks, values, _ = self._core.parts()
         arrays: dict[str, Any] = {
-            "format": np.array([FORMAT, str(FORMAT_VERSION), self._family, self._name]),
+            "format": np.array([FORMAT, FORMAT_VERSIONS[self._core.offset != 0], self._family, self._name]),
             "shape": np.array(self._shape),
             "levels_and_threshold": np.array([self.n_levels, self.threshold]),
             "offset": np.array([self._core.offset], np.float32),
@@ -402,9 +404,10 @@ class WaveletVolume(Grid):
     def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
         """What `save` put into the archive; raises nearly anything where that does not fit together."""
         kind, version, family, name = (str(text) for text in arrays["format"])
-        if (kind, version) != (FORMAT, str(FORMAT_VERSION)):
+        if kind != FORMAT or version not in FORMAT_VERSIONS:
             raise FileError(
-                f"this is {kind!r} version {version}; this program reads {FORMAT!r} version {FORMAT_VERSION}: {path}"
+                f"this is {kind!r} version {version}; this program reads {FORMAT!r} version "
+                f"{' and '.join(FORMAT_VERSIONS)}: {path}"
             )
         levels, threshold = arrays["levels_and_threshold"]
         n_z, n_y, n_x = (int(n) for n in arrays["shape"])
@@ -458,7 +461,7 @@ class WaveletVolume(Grid):
         latest = list(self._decoded_levels.items())[::-1]
         taken = list(accumulate(level.cache_bytes for _, level in latest))
         for k, (oldest, _) in enumerate(latest):
-            if k >= MOST_DECODED or taken[k] > self._cache_bytes:
+            if k >= MAX_DECODED or taken[k] > self._cache_bytes:
                 self._decoded_levels.pop(oldest, None)
         return decoded
 
@@ -466,22 +469,22 @@ class WaveletVolume(Grid):
         core = self._core
         how = self._shape, self._family, self.n_levels, core.threshold, core.offset, *core.parts()
         place = self._name, self._world_from_index, self._facts
-        return self._rebuild, (how, place, (self._weights, self._left_out, self._source), self._cache_bytes)
+        return self._rebuild, (how, place, (self._weights, self._left_out, self._psnr, self._source), self._cache_bytes)
 
     @classmethod
     def _rebuild(
         cls,
         how: tuple[Any, ...],
         place: tuple[str, NDArray[np.float64], Facts],
-        shown: tuple[Sequence[float], int, Source | None],
+        shown: tuple[Sequence[float], int, float | None, Source | None],
         cache_bytes: int,
     ) -> WaveletVolume:
         name, world_from_index, facts = place
-        weights, left_out, source = shown
+        weights, left_out, psnr, source = shown
         made = cls(_native.WaveletVolume.from_parts(*how), name, world_from_index, how[1], facts)
         rebuilt = made.bands(weights).level(left_out)
         rebuilt.cache_bytes = cache_bytes
-        rebuilt._source = source
+        rebuilt._psnr, rebuilt._source = psnr, source
         return rebuilt
 
     def __repr__(self) -> str:

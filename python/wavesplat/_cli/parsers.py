@@ -7,6 +7,7 @@ from typing import Any
 
 import typer
 
+from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat.errors import ArgumentError
 
 __all__ = [
@@ -22,9 +23,6 @@ __all__ = [
     "whole_numbers",
     "window",
 ]
-
-#: Of what the renderer is asked, which knows the true limit.
-MOST_PX = 2**31
 
 
 def choice(names: Sequence[str]) -> Any:
@@ -55,8 +53,8 @@ def size(text: str) -> tuple[int, int]:
         width, height = parts if len(parts) > 1 else parts * 2
     except ValueError:
         raise typer.BadParameter(f"{text!r} is not WIDTHxHEIGHT, such as 800x600, or 800") from None
-    if max(width, height) > MOST_PX:
-        raise typer.BadParameter(f"{text[:60]!r} is too large; give at most 16384 pixels a side")
+    if max(width, height) > MAX_SIDE_PX:
+        raise typer.BadParameter(f"{text[:60]!r} is too large; give at most {MAX_SIDE_PX} pixels a side")
     return width, height
 
 

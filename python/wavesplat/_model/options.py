@@ -1,4 +1,4 @@
-"""Names of the kernels, operators, qualities, views and planes."""
+"""Names of the kernels, operators, qualities, views and planes, and the largest side of a picture."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 __all__ = [
     "BY_VIEW",
     "COMPOSITE_SYNONYMS",
+    "MAX_SIDE_PX",
     "PLANES",
     "VIEWS",
     "Buffer",
@@ -16,6 +17,9 @@ __all__ = [
     "Quality",
     "Slab",
 ]
+
+#: Pixels along a side of a picture, at most: `MAX_SIDE_PX` of the compiled module.
+MAX_SIDE_PX = 16384
 
 Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]

@@ -22,7 +22,7 @@ from wavesplat._model.camera import Camera, check_place, check_view
 from wavesplat._model.clips import Clipping
 from wavesplat._model.cutting import Boxes, without
 from wavesplat._model.grid import Grid
-from wavesplat._model.options import VIEWS, Composite
+from wavesplat._model.options import MAX_SIDE_PX, VIEWS, Composite
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render import framing
@@ -47,8 +47,6 @@ DEFAULT_SHADING = Shading()
 #: Of studies, which compare with the light of other renderers.
 HEADLIGHT = Shading.headlight()
 
-#: Of what the compiled module is asked, which knows the true limit.
-LARGEST_SIDE = 2**31
 #: Of threads, more than any machine has processors, and each one is made; of rays in a pixel.
 MOST_COUNT = 4096
 
@@ -153,13 +151,13 @@ def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVo
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:
-    """Width and height as plain integers, 0 or more."""
+    """Width and height as plain integers, 0 to `MAX_SIDE_PX`."""
     try:
         width, height = (index(number) for number in size)
     except (TypeError, ValueError):
         raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels") from None
-    if max(width, height) > LARGEST_SIDE:
-        raise ArgumentError(f"size is {described((width, height))}; give at most 16384 pixels a side")
+    if max(width, height) > MAX_SIDE_PX:
+        raise ArgumentError(f"size is {described((width, height))}; give at most {MAX_SIDE_PX} pixels a side")
     if width < 0 or height < 0:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     return width, height

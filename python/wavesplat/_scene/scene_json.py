@@ -34,6 +34,7 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, ClipPlane, CutOut
 from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, Operator, XRay, checked_operator
 from wavesplat._model.crop import Crop
+from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat._model.sampling import Sampling
 from wavesplat._scene.document_paths import Reach
 from wavesplat._scene.layer import Layer
@@ -58,8 +59,6 @@ __all__ = [
 T = TypeVar("T")
 
 KIND, VERSION = "scene", 1
-#: Pixels along a side of a picture, at most.
-MOST_PX = 16384
 WHAT = "scene"
 LABELS = ("volume", "labels", "smooth")
 LAYER = ("volume", "name", "look", "visible", "opacity", "time")
@@ -337,9 +336,9 @@ def options_of(render: Any) -> dict[str, Any]:
         size = options["size"]
         if not (isinstance(size, list) and len(size) == 2 and all(type(n) is int for n in size)):
             raise ArgumentError(f"{what}: field 'size' is {described(size)}; it must be [width, height]")
-        if not all(1 <= n <= MOST_PX for n in size):
+        if not all(1 <= n <= MAX_SIDE_PX for n in size):
             raise ArgumentError(
-                f"{what}: field 'size' is {described(tuple(size))}; width and height must be 1 to {MOST_PX} pixels"
+                f"{what}: field 'size' is {described(tuple(size))}; width and height must be 1 to {MAX_SIDE_PX} pixels"
             )
         options["size"] = tuple(size)
     quality = options.get("quality")

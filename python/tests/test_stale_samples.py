@@ -372,13 +372,13 @@ def test_maps_and_open_files_that_are_written_to_are_not_kept(tmp_path):
 def _passes(monkeypatch):
     """Counts passes over chunk files."""
     passes = []
-    made = zarr_states._Pass.__init__
+    made = zarr_states._ChunkScan.__init__
 
     def counted(self, *args):
         passes.append(args)
         made(self, *args)
 
-    monkeypatch.setattr(zarr_states._Pass, "__init__", counted)
+    monkeypatch.setattr(zarr_states._ChunkScan, "__init__", counted)
     return passes
 
 

@@ -19,7 +19,7 @@ from typing import Protocol
 
 from wavesplat.errors import FileError
 
-__all__ = ["FileChangedError", "Origin", "State", "StoredFiles", "state_of", "wait_for_next_tick"]
+__all__ = ["FileChangedError", "SourceFiles", "State", "StoredFiles", "state_of", "wait_for_next_tick"]
 
 #: Size, and times in nanoseconds of writing and of status change (on Windows: the inode).
 State = tuple[int, int, int]
@@ -34,7 +34,7 @@ class FileChangedError(FileError):
     """A file is another than the one that was opened or looked through."""
 
 
-class Origin(Protocol):
+class SourceFiles(Protocol):
     """The files that an array is read from."""
 
     def fingerprint(self) -> str | None:
@@ -116,7 +116,7 @@ class StoredFiles:
         for number in range(len(self._paths)):
             self._check(number)
 
-    def are_others(self) -> bool:
+    def have_changed(self) -> bool:
         """Whether a file has changed."""
         try:
             self.look_again()

@@ -7,7 +7,7 @@ from typing import Any
 
 from wavesplat.errors import LibraryError
 
-__all__ = ["library"]
+__all__ = ["how_to_install", "library"]
 
 
 def library(name: str, *, extra: str) -> Any:
@@ -16,6 +16,9 @@ def library(name: str, *, extra: str) -> Any:
         return import_module(name)
     except ImportError as error:
         missing = (error.name or name).partition(".")[0]
-        raise LibraryError(
-            f'{missing} is not installed; in the checkout of Wavesplat, run: pip install ".[{extra}]"'
-        ) from error
+        raise LibraryError(f"{missing} is not installed; {how_to_install(extra)}") from error
+
+
+def how_to_install(extra: str) -> str:
+    """The end of a message about a package that is missing: which extra brings it."""
+    return f'in the checkout of Wavesplat, run: pip install ".[{extra}]"'

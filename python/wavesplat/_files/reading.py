@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from wavesplat._files.libraries import how_to_install
 from wavesplat._files.memory import free_bytes
 from wavesplat.errors import FileError, LimitError, WavesplatError
 
@@ -30,9 +31,9 @@ ITK_FILE = re.compile(r": \S.* for reading$")
 NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate|[Mm]emory allocation failed")
 
 #: Errors of bytes that are missing or wrong.
-OF_BYTES = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGzipFile, struct.error)
+TRUNCATION_ERRORS = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGzipFile, struct.error)
 #: How messages tell of them.
-SAYS_BYTES = re.compile(
+TRUNCATION_WORDS = re.compile(
     r"truncate|truncati[no]|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt"
     r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut",
     re.IGNORECASE,
@@ -64,7 +65,7 @@ def _advice(error: Exception) -> str:
     """The end of a message: bytes are called missing or wrong only where the error says so."""
     if isinstance(error, ImportError):
         extra = next((extra for name, extra in EXTRAS.items() if name in str(error)), None)
-        how = f'in the checkout of Wavesplat, run: pip install ".[{extra}]"' if extra else "install it with pip"
+        how = how_to_install(extra) if extra else "install it with pip"
         return f"a package is missing; {how}"
     if isinstance(error, FileNotFoundError):
         return "it is not there; check the name"
@@ -72,7 +73,7 @@ def _advice(error: Exception) -> str:
         return "check its permissions"
     if isinstance(error, ConnectionError | TimeoutError) or type(error).__module__.startswith("aiohttp"):
         return "the server does not answer, or refuses; check the address, and try again"
-    if isinstance(error, OF_BYTES) or SAYS_BYTES.search(str(error)):
+    if isinstance(error, TRUNCATION_ERRORS) or TRUNCATION_WORDS.search(str(error)):
         return "the file is truncated or damaged; copy or export it again"
     return "the file is damaged, or of a form that wavesplat does not read; export it again, or in another format"
 

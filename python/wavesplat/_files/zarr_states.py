@@ -1,8 +1,8 @@
 """States of all chunk files of a Zarr array in a folder, from one pass over the folder.
 
 Writers rename chunks into place (zarr-python) or write into them (others), so folders' times are not enough: every
-file is asked for its state. 10,000 chunks take 0.1 s of one core, half of it in the system (measured on ext4 in a
-virtual machine, November 2026); opening an array costs nothing, the pass is made for its first picture.
+file is asked for its state (`python benches/surveys.py` measures how long that takes). Opening an array costs nothing:
+the pass is made for its first picture.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ METADATA = ("zarr.json", ".zarray")
 LONG_PASS, SHARE = 0.25, 20
 
 
-class _Pass:
-    """What a pass found: numbers of chunks, their states, and times of the folders that hold them."""
+class _ChunkScan:
+    """One pass over the chunk files: numbers of chunks, their states, and times of the folders that hold them."""
 
     def __init__(self, folder: Path, grid: Sequence[int], picked: Sequence[int | None]) -> None:
         begun = time.monotonic()
@@ -78,11 +78,9 @@ class _Pass:
         return all(want is None or want == k for want, k in zip(self._picked, own, strict=False))
 
     def _add(self, own: tuple[int, ...], entry: os.DirEntry[str]) -> None:
-        number = 0
         for k, n, want in zip(own, self._grid, self._picked, strict=True):
             if k >= n or (want is not None and want != k):
                 return
-            number = number * n + k
         try:
             # Windows keeps old times in the entries of a folder.
             found = Path(entry.path).stat() if os.name == "nt" else entry.stat()
@@ -90,11 +88,11 @@ class _Pass:
             return  # removed meanwhile, or a link to nothing, which is an error where it is read
         state = state_of(found)
         self.written_ns = max(self.written_ns, state[1])
-        self._numbers.append(number)
+        self._numbers.append(_number(own, self._grid))
         # 64 bits tell a changed state from the one before with certainty enough, and take 8 bytes a chunk.
         self._states.append(hash(state))
 
-    def is_same(self, other: _Pass) -> bool:
+    def is_same(self, other: _ChunkScan) -> bool:
         """Whether all chunks have the states that they had."""
         return np.array_equal(self.numbers, other.numbers) and np.array_equal(self.states, other.states)
 
@@ -105,7 +103,10 @@ class _Pass:
 
 
 def _number(place: Sequence[int], grid: Sequence[int]) -> int:
-    """The place of a chunk in the order of C."""
+    """The place of a chunk in the order of C.
+
+    Python's integers, since NumPy's ravel_multi_index refuses grids of 2^63 places, which metadata may claim.
+    """
     number = 0
     for k, n in zip(place, grid, strict=True):
         number = number * n + k
@@ -121,7 +122,7 @@ class ChunkFiles:
         self._grid = [-(-int(n) // size) for n, size in zip(array.shape, sizes, strict=True)]
         self._picked = [None if one is None else one // size for one, size in zip(picked, sizes, strict=True)]
         self._metadata = _metadata(folder)
-        self._seen: _Pass | None = None
+        self._seen: _ChunkScan | None = None
         #: How often a pass found other states than the one before.
         self.n_changes = 0
 
@@ -130,9 +131,9 @@ class ChunkFiles:
         if self._seen is None:
             self._seen = self._passed()
 
-    def _passed(self) -> _Pass:
+    def _passed(self) -> _ChunkScan:
         try:
-            return _Pass(self._folder, self._grid, self._picked)
+            return _ChunkScan(self._folder, self._grid, self._picked)
         except OSError as error:
             raise FileChangedError(
                 f"the chunks cannot be looked at ({error.strerror}); draw again once nobody writes to the array: "
@@ -176,7 +177,11 @@ class ChunkFiles:
             return
         if _metadata(self._folder) != self._metadata:
             raise FileChangedError(f"the array was written anew since it was opened; open it again: {self._folder}")
-        if seen.seconds > LONG_PASS and time.monotonic() < seen.ended + SHARE * seen.seconds and _are(seen.folders):
+        if (
+            seen.seconds > LONG_PASS
+            and time.monotonic() < seen.ended + SHARE * seen.seconds
+            and _have_same_mtimes(seen.folders)
+        ):
             return
         self._seen = self._passed()
         self.n_changes += not self._seen.is_same(seen)
@@ -186,8 +191,8 @@ class ChunkFiles:
         return {**self.__dict__, "_seen": None}
 
 
-def _are(folders: dict[str, int]) -> bool:
-    """Whether folders have the times that they had."""
+def _have_same_mtimes(folders: dict[str, int]) -> bool:
+    """Whether no folder's modification time has changed."""
     try:
         return all(Path(folder).stat().st_mtime_ns == written for folder, written in folders.items())
     except OSError:

@@ -53,7 +53,7 @@ def read_hdf5(path: Path) -> h5py.File:
         dataset = ref()
         if dataset is None:
             _HELD.pop(number, None)
-        elif files.are_others() and _HELD.pop(number, None) is not None:
+        elif files.have_changed() and _HELD.pop(number, None) is not None:
             dataset.file.close()
     return h5py.File(path, "r")
 

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.file_states import FileChangedError, Origin, StoredFiles
+from wavesplat._files.file_states import FileChangedError, SourceFiles, StoredFiles
 from wavesplat._files.libraries import library
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_states import chunk_files
@@ -27,7 +27,14 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, is_own_file, open_hdf5
 from wavesplat._model.hdf5_place import place_of
 from wavesplat._model.labelled_array import in_order, is_labelled
-from wavesplat._model.lazy_checks import checked_chunks, checked_shape, checked_type, converted, renderable_type
+from wavesplat._model.lazy_checks import (
+    DEFAULT_SIDE,
+    checked_chunks,
+    checked_shape,
+    checked_type,
+    converted,
+    renderable_type,
+)
 from wavesplat._model.taken import check_shape
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
@@ -44,8 +51,6 @@ Box = tuple[Shape, Shape]
 
 #: Threads that read at once, where that helps.
 N_READERS = 4
-#: Chunks of an array in memory, for plans.
-SIDE_IN_MEMORY = 32
 #: Chunks that are read one by one to find the one that cannot be.
 MOST_LOOKED_THROUGH = 512
 
@@ -90,7 +95,7 @@ class LazyArray(Protocol):
         """
 
     @property
-    def files(self) -> Origin | None:
+    def files(self) -> SourceFiles | None:
         """The files that all samples are read from; None where they are from elsewhere, or may be."""
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
@@ -133,7 +138,7 @@ class SlicedArray:
         shape: Shape | None = None,
         n_readers: int = N_READERS,
         token: str | None = None,
-        files: Origin | None = None,
+        files: SourceFiles | None = None,
         check: Callable[[Any, Sequence[int | slice]], None] | None = None,
     ) -> None:
         self._array, self._opened = array, opened
@@ -411,7 +416,7 @@ def _check_zarr(name: str, array: Any, index: Sequence[int | slice]) -> None:
 
 def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int | None]) -> SlicedArray:
     if not isinstance(array, np.memmap):
-        side = [SIDE_IN_MEMORY] * 3
+        side = [DEFAULT_SIDE] * 3
         return SlicedArray(array, name=name, chunks=side, order=order, picked=picked)
     rows = [1, array.shape[order[1]], array.shape[order[2]]]
     file = None if array.filename is None else Path(array.filename)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Protocol, runtime_checkable
 
-from wavesplat._files.file_states import Origin
+from wavesplat._files.file_states import SourceFiles
 
 __all__ = ["compare", "comparing_once", "look_again"]
 
@@ -52,7 +52,7 @@ def compare(volumes: Iterable[object]) -> None:
             volume.notice_changes()
 
 
-def look_again(files: Origin) -> None:
+def look_again(files: SourceFiles) -> None:
     """Look whether files have changed, if that was not done for this picture."""
     looked_at = _LOOKED_AT.get()
     if looked_at is not None:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["checked_chunks", "checked_shape", "checked_type", "converted", "renderable_type"]
+__all__ = ["DEFAULT_SIDE", "NATIVE", "checked_chunks", "checked_shape", "checked_type", "converted", "renderable_type"]
 
 #: Types that the renderer reads as they are.
-NATIVE = ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8")
-#: Samples along each axis of a chunk, for plans, of arrays that say nothing of chunks.
+NATIVE = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
+#: Samples along each axis of a chunk, for plans, of arrays in memory and of those that say nothing of chunks.
 DEFAULT_SIDE = 32
 
 
@@ -79,7 +79,7 @@ def checked_chunks(array: Any, name: str) -> list[int]:
 def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
     """The type that samples are read in; an `ArgumentError` for those that cannot be converted box by box."""
     own = dtype.newbyteorder("=")
-    if own.str[1:] in NATIVE:
+    if own in NATIVE:
         return own
     if own.kind == "b":
         return np.dtype(np.uint8)
@@ -88,8 +88,11 @@ def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
     if own.kind in "iu":
         # Which narrower type would do is known once all are read; this holds whole numbers up to 2^53.
         return np.dtype(np.float64)
-    hint = "take .real, .imag or abs" if own.kind == "c" else "store them as numbers"
-    raise ArgumentError(f"volume {name!r}: samples are {dtype}, not real numbers; {hint}")
+    raise ArgumentError(f"volume {name!r}: samples are {dtype}, not real numbers; {_hint(dtype)}")
+
+
+def _hint(dtype: np.dtype[Any]) -> str:
+    return "take np.abs, .real or .imag" if dtype.kind == "c" else "convert them to numbers"
 
 
 def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
@@ -98,8 +101,9 @@ def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], 
     said : the type that the array says to have.
     """
     if samples.dtype.kind not in "biuf":
-        hint = "take .real, .imag or abs" if samples.dtype.kind == "c" else "store them as numbers"
-        raise ArgumentError(f"volume {name!r}: samples came as {samples.dtype}, not as real numbers; {hint}")
+        raise ArgumentError(
+            f"volume {name!r}: samples came as {samples.dtype}, not as real numbers; {_hint(samples.dtype)}"
+        )
     if isinstance(samples, np.ma.MaskedArray):
         samples = _filled(samples, dtype, said, name)
     with np.errstate(invalid="ignore", over="ignore"):

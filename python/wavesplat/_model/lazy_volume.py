@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.byte_sizes import byte_size, bytes_of
-from wavesplat._files.file_states import Origin
+from wavesplat._files.file_states import SourceFiles
 from wavesplat._files.memory import free_bytes
 from wavesplat._model import affine
 from wavesplat._model.argument_types import described, is_number_below
@@ -214,7 +214,7 @@ class LazyVolume(Volume):
             self._known.n_changes = n_changes
             self._known.forget()
 
-    def _files(self) -> list[Origin]:
+    def _files(self) -> list[SourceFiles]:
         """The files of all levels."""
         return [level.array.files for level in self._levels if level.array.files is not None]
 

@@ -16,4 +16,4 @@ HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES = 2_000_000, 150_000, 20_000
 
 def step_for(n_samples: int, most: int) -> int:
     """The step from one sample to the next along each axis that leaves about `most` of them."""
-    return max(1, math.ceil((n_samples / most) ** (1 / 3)))
+    return max(1, math.ceil(math.pow(n_samples / most, 1 / 3)))

@@ -18,6 +18,7 @@ from wavesplat._model.argument_types import described, takes_its_types, text_of
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
+from wavesplat._model.lazy_checks import NATIVE, renderable_type
 from wavesplat._model.sources import Source, then
 from wavesplat._model.taken import Taken, check_shape
 from wavesplat._model.taking import taken
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume
 
 __all__ = ["Volume"]
-
-#: What the renderer reads as it is; everything else is converted once, to the nearest of these.
-NATIVE_DTYPES = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
 
 
 @public
@@ -460,23 +458,15 @@ def _renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
 
 
 def _renderable_dtype(array: NDArray[Any], name: str) -> np.dtype[Any]:
-    dtype = array.dtype.newbyteorder("=")
-    if dtype in NATIVE_DTYPES:
-        return dtype
-    if dtype.kind == "b":
-        return np.dtype(np.uint8)
-    if dtype.kind == "f":
-        return np.dtype(np.float32 if dtype.itemsize == 2 else np.float64)
-    if dtype.kind in "iu":
+    if array.dtype.kind in "iu" and array.dtype.newbyteorder("=") not in NATIVE:
         return _narrowest_integer(array)
-    hint = "take np.abs, .real or .imag" if dtype.kind == "c" else "convert them with array.astype"
-    raise ArgumentError(f"volume {name!r}: samples are {array.dtype}, not real numbers; {hint}")
+    return renderable_type(array.dtype, name)
 
 
 def _narrowest_integer(array: NDArray[Any]) -> np.dtype[Any]:
     """The smallest integer type that holds every sample of a 64-bit array exactly, else float64."""
     lowest, highest = int(array.min()), int(array.max())
-    for dtype in NATIVE_DTYPES:
+    for dtype in NATIVE:
         if dtype.kind in "iu":
             limits = np.iinfo(dtype)
             if limits.min <= lowest and highest <= limits.max:

@@ -194,7 +194,7 @@ mod tests {
             let curve = nodes(&[(at - 0.5, 0.2), (at, 1.0), (at + 0.2, 0.9)]);
             let integral = DepthIntegral::new(&curve, OPAQUE);
             let mut up_to = integral.in_turn();
-            let [before, on, after] = [at.next_down(), at, at.next_up()].map(|value| up_to(value));
+            let [before, on, after] = [at.next_down(), at, at.next_up()].map(&mut up_to);
             assert!(
                 before.is_finite() && before <= on && on <= after && after - before < 1e-9,
                 "{before} {on} {after}"

@@ -5,14 +5,17 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat import _cli
 from wavesplat._model.clips import checked_clip
 from wavesplat._render.arguments import chosen_camera
+from wavesplat.errors import WavesplatWarning
 
 COMMANDS = ("render", "movie", "slice", "info", "presets", "wavelet", "mesh", "demo")
 
@@ -230,6 +233,24 @@ def test_notes_go_to_stderr_and_quiet_stops_them(wavesplat, tmp_path):
     assert "note: 1 samples are NaN" in loud.stderr
     assert "transparent over the volume's values, 0 to 1" in loud.stderr
     assert quiet.stderr == ""
+
+
+def test_warnings_are_notes_while_a_command_runs_and_not_after(monkeypatch, capsys):
+    during = []
+
+    def run(**_):
+        during.append(warnings.showwarning)
+        warnings.showwarning(WavesplatWarning("look here"), WavesplatWarning, "a.py", 1)
+        return 0
+
+    monkeypatch.setattr(_cli, "app", run)
+    usual = warnings.showwarning
+    with pytest.raises(SystemExit) as left:
+        _cli.main([])
+    assert left.value.code == 0
+    assert during != [usual]
+    assert warnings.showwarning is usual
+    assert capsys.readouterr().err.splitlines() == ["note: look here"]
 
 
 def test_info(wavesplat, ramp_file):

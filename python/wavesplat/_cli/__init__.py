@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -77,7 +78,12 @@ def _root(
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and leave with its exit code; every failure is one line on stderr."""
     take_any_name()
-    _warnings_as_notes()
+    with _warnings_as_notes():
+        sys.exit(_exit_code_of(arguments))
+
+
+def _exit_code_of(arguments: Sequence[str] | None) -> int:
+    """The exit code of a command that has been run, and its failure on stderr."""
     try:
         code = app(args=arguments, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
@@ -92,14 +98,15 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
             raise
         text, code = _explained(error)
         message("error: " + " ".join(text.split()))
-        sys.exit(code)
+        return code
     if code == EXIT_INTERRUPTED:  # some releases of Typer return it, some raise
         message("interrupted; nothing was written")
-    sys.exit(code if isinstance(code, int) else EXIT_OK)
+    return code if isinstance(code, int) else EXIT_OK
 
 
-def _warnings_as_notes() -> None:
-    """Warnings of ours are notes on stderr, also those of threads that read while a picture is drawn."""
+@contextmanager
+def _warnings_as_notes() -> Iterator[None]:
+    """Meanwhile, Wavesplat's warnings are notes on stderr, also those of threads that read while a picture is drawn."""
     import warnings
 
     usual = warnings.showwarning
@@ -111,6 +118,10 @@ def _warnings_as_notes() -> None:
             usual(said, category, *where, **more)
 
     warnings.showwarning = show  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        warnings.showwarning = usual
 
 
 def _explained(error: BaseException) -> tuple[str, int]:

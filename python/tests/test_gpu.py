@@ -126,11 +126,10 @@ def test_light_that_turns_with_the_camera_does_not_fill_the_gpu(device):
 def test_what_the_cpu_draws_is_said_with_the_reason(device):
     volume = ws.examples.ripples(16)
     lazy = ws.Volume.lazy(np.asarray(volume.samples), cache=False)
-    assert "CPU" in ws.render(lazy, LOOK, size=(32, 32), device=device).report["device"]["reason"]
-    report = ws.render(volume, LOOK, size=(32, 32), device="no such GPU").report
+    report = ws.render(lazy, LOOK, size=(32, 32), device=device).report
     assert report["device"]["name"] == "cpu"
-    assert "no such GPU" in report["device"]["reason"]
-    assert [note for note in report["notes"] if "no such GPU" in note]
+    assert "CPU" in report["device"]["reason"]
+    assert f"drawn by the CPU: {report['device']['reason']}" in report["notes"]
 
 
 def test_a_variable_says_what_auto_is(device, monkeypatch):
@@ -184,7 +183,7 @@ if child == 0:
     os._exit(0 if told["name"] == "cpu" and "fork" in told["reason"] else 3)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), told["reason"])
 """
-    told = subprocess.run([sys.executable, "-c", code, device], capture_output=True, text=True, check=True, timeout=120)
+    told = subprocess.run([sys.executable, "-c", code, device], capture_output=True, text=True, check=True, timeout=600)
     assert told.stdout.split() == ["0", "None"]
 
 
@@ -195,7 +194,7 @@ def test_memory_is_an_amount():
 
 def test_the_command_compares_pictures(device):
     command = [sys.executable, "-m", "wavesplat", "gpu-check", device]
-    told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300).stdout
+    told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=1800).stdout
     assert "self-test passed" in told
     assert told.count("\n| ") >= 7
     rows = [line.split("|") for line in told.splitlines() if line.startswith("| ") and "---" not in line][1:]

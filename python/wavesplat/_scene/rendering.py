@@ -98,10 +98,10 @@ def render(
     threads : int, optional
         Worker threads; None uses all cores. The picture does not depend on it.
     device : str
-        What draws: "cpu", "gpu", or part of the name of a GPU (`wavesplat.gpu.adapters`). "auto" is a GPU where one
-        has passed its self-test, from the second picture of a process on. Pictures are the same within one grey level
-        of 255; for the same bytes everywhere give "cpu". What a GPU cannot do, the CPU does; `report["device"]` says
-        who drew, and why.
+        "cpu", "gpu", or part of the name of a GPU of this machine (`wavesplat.gpu.adapters`); another name is an error.
+        "auto" is a GPU where one has passed its self-test, from the second picture of a process on. Pictures are the
+        same within one grey level of 255; for the same bytes everywhere give "cpu". What a GPU cannot do, the CPU does;
+        `report["device"]` says who drew, and why.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
     client : dask.distributed.Client or "threads", optional

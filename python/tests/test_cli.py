@@ -121,7 +121,7 @@ def test_transfer_functions_from_files(wavesplat, ramp_file, tmp_path):
         (["IN"], "--output"),
         (["IN", "-o", "OUT", "--size", "12x"], "'12x' is not WIDTHxHEIGHT"),
         (["IN", "-o", "OUT", "--size", "0x5"], "width is 0"),
-        (["IN", "-o", "OUT", "--size", "1000000x5"], "width is 1000000"),
+        (["IN", "-o", "OUT", "--size", "1000000x5"], "give at most 16384 pixels a side"),
         (["IN", "-o", "OUT", "--kernel", "cubic"], "'cubic' is not one of: linear"),
         (["IN", "-o", "OUT", "--composite", "add"], "'add' is not one of: over"),
         (["IN", "-o", "OUT", "--composite", "first-hit"], "--iso-value"),
@@ -250,7 +250,7 @@ def test_warnings_are_notes_while_a_command_runs_and_not_after(monkeypatch, caps
     assert left.value.code == 0
     assert during != [usual]
     assert warnings.showwarning is usual
-    assert capsys.readouterr().err.splitlines() == ["note: look here"]
+    assert capsys.readouterr().err.splitlines() == ["wavesplat: note: look here"]
 
 
 def test_info(wavesplat, ramp_file):

@@ -14,6 +14,7 @@ from lazy_fakes import Broken, Chunked, FailsOnce, Slow, shells
 
 import wavesplat as ws
 
+dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 
 LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
@@ -32,10 +33,13 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def client():
     options = {"dashboard_address": None, "host": "127.0.0.1", "memory_limit": "1GiB"}
+    # Workers import Dask and what it finds, which on a loaded machine takes more than the usual 30 s.
+    patience = {"distributed.comm.timeouts.connect": "300s", "distributed.comm.timeouts.tcp": "300s"}
     os.environ["PYTHONPATH"] = os.path.dirname(__file__)  # noqa: PTH120 - workers unpickle the fakes
     with (
+        dask.config.set(patience),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **options) as cluster,
-        distributed.Client(cluster) as client,
+        distributed.Client(cluster, timeout=300) as client,
     ):
         yield client
 
@@ -163,15 +167,23 @@ def test_a_worker_that_is_killed_changes_nothing(client):
     array.seconds = 0.05
     here = ws.render(ws.Volume(samples), HARD, "isometric", size=(200, 150))
     pids = client.run(os.getpid)
-    killed = threading.Timer(0.7, os.kill, (next(iter(pids.values())), signal.SIGKILL))
-    killed.start()
-    begun = time.monotonic()
+    worker, pid = next(iter(pids.items()))
+    was_busy = []
+
+    def kill_in_the_middle():
+        until = time.monotonic() + 60
+        while not client.processing().get(worker) and time.monotonic() < until:
+            time.sleep(0.02)
+        was_busy.append(bool(client.processing().get(worker)))
+        os.kill(pid, signal.SIGKILL)
+
+    killer = threading.Thread(target=kill_in_the_middle)
+    killer.start()
     there = ws.render(lazy, HARD, "isometric", size=(200, 150), client=client)
-    took = time.monotonic() - begun
-    killed.join()
-    assert took > 0.8, "it was killed in the middle"
+    killer.join()
+    assert was_busy == [True], "it was killed while it drew"
     assert _same(here, there)
-    client.wait_for_workers(2, timeout=30)
+    client.wait_for_workers(2, timeout=300)
     assert set(client.run(os.getpid).values()) != set(pids.values())
 
 

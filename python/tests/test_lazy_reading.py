@@ -6,13 +6,13 @@ import os
 import subprocess
 import sys
 import threading
-import time
 
 import numpy as np
 import pytest
-from lazy_fakes import Broken, Chunked, Slow, WrongShape, shells
+from lazy_fakes import Broken, Chunked, WrongShape, shells
 
 import wavesplat as ws
+from wavesplat._model.read_ahead import BoxReader
 
 LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
 
@@ -89,10 +89,10 @@ def test_too_little_memory_says_how_much_is_enough():
     array = Chunked(shells(256), (64, 64, 64))
     volume = lazily(array, "50 kB")
     volume.survey(0, "linear")
-    begun = time.monotonic()
+    array.counts.clear()
     with pytest.raises(ws.errors.LimitError, match=r"memory is 50 kB.*give memory=\"(\d+) MB\"") as error:
         ws.render(volume, LOOK, "isometric", size=(300, 300))
-    assert time.monotonic() - begun < 1
+    assert not array.counts, "it is told before anything is read"
     enough = str(error.value).split('memory="')[1].split('"')[0]
     picture = ws.render(lazily(array, enough), LOOK, "isometric", size=(300, 300))
     assert np.array_equal(picture.rgba, ws.render(ws.Volume(shells(256)), LOOK, "isometric", size=(300, 300)).rgba)
@@ -163,27 +163,63 @@ def test_what_comes_in_another_shape_is_refused():
         ws.render(lazily(WrongShape(shells(48))), LOOK, "isometric", size=(30, 30))
 
 
+class WaitsForCancelling(Chunked):
+    """A read ends once the picture was cancelled while it is under way; a later one, once no more reads are wanted."""
+
+    def __init__(self, samples, chunks):
+        super().__init__(samples, chunks)
+        self.told, self.is_cancelled, self.readers = threading.Condition(), False, []
+        self.waits = lambda _: False
+        self.n_begun = self.n_under_way = self.n_late = 0
+
+    def progress(self, _):
+        with self.told:
+            if self.n_begun > 0:
+                # Some reads go ahead of what is looked at or drawn.
+                assert self.told.wait_for(lambda: self.n_under_way > 0, timeout=60)
+                self.is_cancelled = True
+                self.told.notify_all()
+            return not self.is_cancelled
+
+    def read(self, lo, hi):
+        with self.told:
+            self.n_begun += 1
+            if self.is_cancelled:
+                self.n_late += 1
+                for _ in range(6000):
+                    if self.readers[-1]._stopped:
+                        break
+                    self.told.wait(0.01)
+            elif self.waits(lo):
+                self.n_under_way += 1
+                self.told.notify_all()
+                assert self.told.wait_for(lambda: self.is_cancelled, timeout=60)
+        return super().read(lo, hi)
+
+
 @pytest.mark.parametrize("where", ["surveying", "drawing"])
-def test_cancelling_takes_a_tenth_of_a_second(where):
-    array = Slow(shells(160), (16, 160, 160))
+def test_cancelling_waits_for_no_more_than_the_reads_under_way(where, monkeypatch):
+    array = WaitsForCancelling(shells(160), (16, 160, 160))
     volume = lazily(array, "8 MB")
     if where == "drawing":
-        array.seconds = 0
         volume.survey(0, "linear")
-    array.seconds = 0.1
-    asked = threading.Event()
-    told = []
+    # Progress of a survey is told after each box that was looked at; drawing asks while it waits for the first.
+    array.waits, array.n_begun = (lambda lo: where == "drawing" or lo != (0, 0, 0)), 0
+    begin = BoxReader.__init__
 
-    def progress(done):
-        told.append(time.monotonic())
-        return not asked.is_set()
+    def begin_and_hold(reader, *args, **options):
+        begin(reader, *args, **options)
+        array.readers.append(reader)
 
-    threading.Timer(0.4, asked.set).start()
-    begun = time.monotonic()
+    monkeypatch.setattr(BoxReader, "__init__", begin_and_hold)
+    work = {
+        "surveying": lambda: volume.survey(0, "linear", array.progress),
+        "drawing": lambda: ws.render(volume, LOOK, "isometric", size=(300, 300), progress=array.progress),
+    }
     with pytest.raises(ws.errors.CancelledError):
-        ws.render(volume, LOOK, "isometric", size=(300, 300), progress=progress)
-    # A read that is under way is waited for.
-    assert time.monotonic() - begun < 0.4 + 0.1 + 0.15
+        work[where]()
+    assert array.n_late <= array.n_readers
+    assert array.n_begun <= 2 * array.n_readers + (where == "surveying")
 
 
 class WaitsForDrawing(Chunked):
@@ -202,7 +238,7 @@ class WaitsForDrawing(Chunked):
         with self.told:
             before = self.done
             self.n_reads += 1
-            self.n_overlapping += self.told.wait_for(lambda: self.done > before, timeout=0.5)
+            self.n_overlapping += self.told.wait_for(lambda: self.done > before, timeout=3)
         return super().read(lo, hi)
 
 

@@ -44,9 +44,14 @@ class ReaderOptions:
     series: Annotated[
         str | None, typer.Option(metavar="UID", help="DICOM: which series, if the folder holds several.")
     ] = None
-    time: Annotated[int | None, typer.Option(metavar="N", help="Which time point, from 0.")] = None
+    time: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Which time point, from 0. DICOM: which volume of a series, such as an echo."),
+    ] = None
     channel: Annotated[int | None, typer.Option(metavar="N", help="Which channel, from 0.")] = None
-    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, .npz, .vti, Zarr: which array.")] = None
+    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, .npz, .vti, .vtk, Zarr: which array.")] = (
+        None
+    )
     level: Annotated[int | None, typer.Option(metavar="N", help="OME-Zarr: level of detail, 0 is the finest.")] = None
     shape: Annotated[
         Any, typer.Option(metavar="Z,Y,X", parser=parsers.whole_numbers, help="Raw: number of samples.")

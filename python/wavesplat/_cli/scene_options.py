@@ -213,4 +213,4 @@ def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:
         message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
     n_nonfinite = sum(layer.drawn.n_nonfinite for layer in scene.layers)
     if n_nonfinite:
-        message(f"note: {n_nonfinite} samples are NaN or infinite; they are drawn as empty")
+        message(f"note: {n_nonfinite} samples are NaN or infinite: they are missing, and matter around them is fainter")

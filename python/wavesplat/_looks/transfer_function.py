@@ -36,7 +36,8 @@ class TransferFunction:
     ----------
     opacity : sequence of (value, alpha)
         Nodes in order of value. `alpha`, 0..1, is the opacity of a slab one `opacity_unit` thick; 1 is opaque at any
-        thickness. A peak that touches 1 at a single value is passed in no length there, and weighs like one of 0.999.
+        thickness. A peak that touches 1 at a single value is passed in no length there: it weighs 0.1 % more than one
+        of 0.9999.
     color : sequence of (value, red, green, blue)
         Nodes in order of value; 0..1, used as given (no gamma).
     opacity_unit : float, optional

@@ -262,7 +262,7 @@ class LazyVolume(Volume):
 
     @property
     def n_nonfinite(self) -> int:
-        """How many samples of that level are NaN or infinite; they are drawn as empty."""
+        """How many samples of that level are NaN or infinite: missing ones, which make matter around them fainter."""
         return self.survey(self._told_by(), "linear").n_nonfinite
 
     @property

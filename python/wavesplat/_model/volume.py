@@ -422,7 +422,7 @@ class Volume(Grid):
 
     @property
     def n_nonfinite(self) -> int:
-        """How many samples are NaN or infinite; they are drawn as empty."""
+        """How many samples are NaN or infinite: missing samples, which make matter around them fainter."""
         return self._core.n_nonfinite
 
     def _every(self, step: int) -> NDArray[Any]:

@@ -145,6 +145,8 @@ def test_threads_of_this_process_will_do(tmp_path):
     assert _same(here, ws.render(lazy, "ct-bone", view, size=(90, 70), client="threads"))
     cut = ws.render(volume, "ct-bone", view, size=(90, 70), segments=25)
     assert _same(cut, ws.render(lazy, "ct-bone", view, size=(90, 70), client="threads", segments=25))
+    # docs/large_volumes.md says so.
+    assert np.abs(cut.rgba - here.rgba).max() <= 2e-4
 
 
 def test_arrays_in_workers_memory_are_drawn_in_segments(client):

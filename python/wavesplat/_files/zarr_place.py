@@ -27,7 +27,7 @@ METADATA = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
 #: Metadata of a store with thousands of arrays have a few megabytes.
 MOST_METADATA_BYTES = 1 << 26
 #: Keys of which it is kept that the server refuses them.
-MOST_KEPT = 1000
+MAX_KEPT = 1000
 
 
 class ZarrPlace:
@@ -186,7 +186,7 @@ class ZarrPlace:
     def _refuse(self, key: str) -> None:
         with self._lock:
             is_first = not any(not _is_metadata(one) for one in self.refused)
-            if len(self.refused) < MOST_KEPT:
+            if len(self.refused) < MAX_KEPT:
                 self.refused[key] = None
         if self.tells and is_first and not _is_metadata(key):
             warnings.warn(

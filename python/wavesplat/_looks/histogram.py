@@ -44,7 +44,7 @@ ROBUST = (0.1, 99.9)
 #: What is below this share of a window counts as empty.
 CLEAR = 0.05
 #: Windows are at least as wide as this share of the volume's range, so that noise in what is even stays dark.
-LEAST_WINDOW = 0.05
+MIN_WINDOW = 0.05
 #: Grey of the median of a radiograph, and the number of its nodes, which are even in the logarithm of the light.
 MIDDLE_GREY = 0.45
 N_RADIOGRAPH = 65
@@ -84,7 +84,7 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
     if composite in MAXIMA:
         return _of_maxima(values, hides_half=composite != "maximum")
     low, high = robust_range(volume)
-    return _grey_ramp(values, least=LEAST_WINDOW * (high - low))
+    return _grey_ramp(values, least=MIN_WINDOW * (high - low))
 
 
 def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:

@@ -39,16 +39,16 @@ MODALITIES: dict[str, Kind] = {
     "EM": "EM",
 }
 #: Least shares of samples within 200 of air (-1000) and of soft tissue (0), Hounsfield units.
-LEAST_SHARE = 0.02
+MIN_SHARE = 0.02
 #: PET: samples at least so far apart, millimetres, and so much between the 90th and the 99.9th percentile. (A PET of a
 #: body: 3.4 mm, 13 times; MR of heads: 1 mm, 2 to 3 times.)
 PET_SPACING_MM, PET_TAIL = 1.8, 8.0
 #: Labels: at most so many, and at least this share of neighbours inside them is the same. (Nuclei: 0.9; noise: 0.05.)
-MAX_LABELS, LEAST_ALIKE = 2000, 0.75
+MAX_LABELS, MIN_ALIKE = 2000, 0.75
 #: Signs: the smaller of the two tails is at least this share of the larger one.
-LEAST_TAIL = 0.15
+MIN_TAIL = 0.15
 #: Dense tissue: half of the samples are above this share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
-LEAST_BRIGHT = 0.45
+MIN_BRIGHT = 0.45
 #: Units that microscopes use.
 SMALL_UNITS = ("um", "nm", "angstrom", "pm")
 
@@ -98,7 +98,7 @@ def hounsfield_shares(values: NDArray[Any]) -> tuple[float, float]:
 
 def looks_like_hounsfield(values: NDArray[Any]) -> bool:
     """Whether values have both fixed points of the scale."""
-    return min(hounsfield_shares(values)) > LEAST_SHARE
+    return min(hounsfield_shares(values)) > MIN_SHARE
 
 
 def unit_of_values(volume: Volume | WaveletVolume) -> str:
@@ -118,7 +118,7 @@ def _segmentation(values: NDArray[np.float64], alike: float) -> tuple[Kind, str]
     if n_values <= 2:
         return "mask", "a mask: it has but two values"
     is_whole = bool(np.all(values == np.round(values)))
-    if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= LEAST_ALIKE:
+    if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= MIN_ALIKE:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
 
@@ -143,7 +143,7 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
 def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str]:
     numbers = getattr(volume, "dtype", np.dtype(np.float32)).kind
     low, high = np.percentile(values, (0.5, 99.5))
-    if numbers == "f" and low < 0 < high and min(-low, high) >= LEAST_TAIL * max(-low, high):
+    if numbers == "f" and low < 0 < high and min(-low, high) >= MIN_TAIL * max(-low, high):
         return "signed field", "a field with two signs, by the values"
     if volume.is_anatomical:
         if numbers == "u" or values.min() < 0:
@@ -160,7 +160,7 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> t
 
 def _is_dense(values: NDArray[np.float64]) -> bool:
     low, middle, high = np.percentile(values, (1.0, 50.0, 99.0))
-    return bool(middle > low + LEAST_BRIGHT * (high - low))
+    return bool(middle > low + MIN_BRIGHT * (high - low))
 
 
 def _tail(values: NDArray[np.float64]) -> float:

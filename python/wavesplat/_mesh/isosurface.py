@@ -8,7 +8,7 @@ interpolant has the wanted value,
     t = (v_inside - iso) / (v_inside - v_outside),
 
 or where the edge leaves the crop box, if that comes first. At the volume's own faces and at holes (NaN) there is no
-sample outside; the surface is closed there just behind the last sample. Both ends of an edge are kept `LEAST_SHARE`
+sample outside; the surface is closed there just behind the last sample. Both ends of an edge are kept `MIN_SHARE`
 away, so that vertices stay distinct in files of float32 coordinates, also where samples have exactly the wanted value.
 
 Source: T. Lewiner, H. Lopes, A. W. Vieira, G. Tavares, *Efficient implementation of marching cubes' cases with
@@ -36,7 +36,7 @@ Ints = NDArray[np.intp]
 Faces = NDArray[np.int32]
 
 #: How near a vertex may come to a sample, as a share of the distance to the next: ten float32 steps at index 1000.
-LEAST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 
 
 class Isosurface(NamedTuple):
@@ -67,7 +67,7 @@ def isosurface(volume: Volume, iso_value: float, *, step: int, crop: Crop | None
     start, end, on_edge = _edges(lattice, field, found[:, ::-1])
     surface = Isosurface(np.zeros(found.shape), np.zeros(found.shape), np.zeros(len(found), bool), faces)
     share, cut = _shares(volume, iso_value, lattice.planes, start, end)
-    share = np.clip(share, LEAST_SHARE, 1 - LEAST_SHARE)[:, None]
+    share = np.clip(share, MIN_SHARE, 1 - MIN_SHARE)[:, None]
     surface.positions[on_edge] = start + share * (end - start)
     surface.on_cut[on_edge] = cut
     kept = ~cut

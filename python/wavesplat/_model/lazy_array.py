@@ -52,7 +52,7 @@ Box = tuple[Shape, Shape]
 #: Threads that read at once, where that helps.
 N_READERS = 4
 #: Chunks that are read one by one to find the one that cannot be.
-MOST_LOOKED_THROUGH = 512
+MAX_LOOKED_THROUGH = 512
 
 
 class LazyArray(Protocol):
@@ -210,7 +210,7 @@ class SlicedArray:
         """The first chunk of a box that cannot be read, and why; the box itself where chunks can one by one."""
         places = [range(a // c * c, b, c) for a, b, c in zip(lo, hi, self.chunks, strict=True)]
         for n, first in enumerate(product(*places)):
-            if n >= MOST_LOOKED_THROUGH:
+            if n >= MAX_LOOKED_THROUGH:
                 break
             own = [max(a, b) for a, b in zip(first, lo, strict=True)]
             end = [min(a + c, b) for a, c, b in zip(first, self.chunks, hi, strict=True)]

@@ -41,9 +41,9 @@ if TYPE_CHECKING:
 __all__ = ["LazyVolume", "default_memory"]
 
 #: Share of free memory that is used where nothing is said, and most of it.
-SHARE, MOST_DEFAULT = 4, 4 * 10**9
+SHARE, MAX_DEFAULT = 4, 4 * 10**9
 #: Surveyed levels and kernels that are kept ready.
-MOST_READY = 4
+MAX_READY = 4
 #: Samples of a level that tells of values, for looks and cameras, at most; and one of how many of the finest level's it
 #: has: first pictures from afar must not wait for what they do not show.
 SMALL, OVERVIEW_SHARE = 1 << 21, 64
@@ -93,7 +93,7 @@ class Known:
 def default_memory() -> int:
     """Bytes of samples that are held where nothing is said: a quarter of what is free, at most 4 GB."""
     free = free_bytes()
-    return MOST_DEFAULT if free is None else max(min(free // SHARE, MOST_DEFAULT), 1 << 26)
+    return MAX_DEFAULT if free is None else max(min(free // SHARE, MAX_DEFAULT), 1 << 26)
 
 
 @public
@@ -470,7 +470,7 @@ class LazyVolume(Volume):
             )
             survey.forget_bounds()
         self._known.ready[key] = core
-        while len(self._known.ready) > MOST_READY:
+        while len(self._known.ready) > MAX_READY:
             self._known.ready.pop(next(iter(self._known.ready)), None)
         return core
 

@@ -18,7 +18,7 @@ __all__ = ["smoothed"]
 #: Where the kernel ends, in deviations.
 TRUNCATED = 3.0
 #: Smaller deviations, in samples, end before the first neighbour.
-LEAST = 0.5 / TRUNCATED
+MIN_DEVIATION = 0.5 / TRUNCATED
 #: Samples that are smoothed at once, which stay in a processor's cache.
 N_AT_ONCE = 1 << 18
 

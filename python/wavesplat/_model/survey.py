@@ -33,7 +33,7 @@ __all__ = ["Survey", "kept_survey", "strides", "surveyed"]
 #: Version of what is kept.
 FORMAT = 4
 #: Bytes that are read at once, and most bytes of bounds that are kept in a file.
-STEP_BYTES, MOST_KEPT_BYTES = 64 << 20, 1 << 28
+STEP_BYTES, MAX_KEPT_BYTES = 64 << 20, 1 << 28
 
 #: What reading a file that is damaged, or another one, ends in.
 DAMAGED: tuple[type[Exception], ...] = (
@@ -262,7 +262,7 @@ def _keep(place: Place, survey: Survey) -> None:
     for part, core in (("samples", survey.core), ("prepared", survey.prepared)):
         if core is not None:
             side, bounds, strided = core.parts()
-            if bounds.nbytes > MOST_KEPT_BYTES:
+            if bounds.nbytes > MAX_KEPT_BYTES:
                 return
             parts |= {f"{part} side": np.array([side]), f"{part} bounds": bounds}
             parts[f"{part} statistics"] = np.array(core.statistics, np.float64)

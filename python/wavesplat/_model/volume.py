@@ -289,7 +289,7 @@ class Volume(Grid):
                 f"deviation is {number:g} {named}; give 0 or more, and no more than the volume is wide: "
                 f"{self.shape} samples (z, y, x)"
             )
-        if max(deviations) < smoothing.LEAST:
+        if max(deviations) < smoothing.MIN_DEVIATION:
             return self
         samples = smoothing.smoothed(self._samples, deviations)
         source = then(self._source, "smoothed", deviation=number, unit=unit)

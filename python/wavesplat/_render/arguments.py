@@ -48,7 +48,7 @@ DEFAULT_SHADING = Shading()
 HEADLIGHT = Shading.headlight()
 
 #: Of threads, more than any machine has processors, and each one is made; of rays in a pixel.
-MOST_COUNT = 4096
+MAX_COUNT = 4096
 
 
 def chosen_transfer_function(
@@ -184,8 +184,8 @@ def checked_count(number: int | None, name: str) -> int | None:
         count = index(number)
     except TypeError:
         raise ArgumentError(f"{name} is {described(number)}; give a whole number") from None
-    if not 0 <= count <= MOST_COUNT:
-        raise ArgumentError(f"{name} is {described(count)}; give a whole number from 1 to {MOST_COUNT}")
+    if not 0 <= count <= MAX_COUNT:
+        raise ArgumentError(f"{name} is {described(count)}; give a whole number from 1 to {MAX_COUNT}")
     return count
 
 

@@ -41,7 +41,7 @@ THIN = 0.3
 #: Samples looked at, at most.
 N_SAMPLES_MAX = 500_000
 #: A sample is seen where its opacity is at least this share of the largest one, and a voxel at least so opaque.
-LEAST_SHARE, LEAST_OPACITY = 0.02, 2e-4
+MIN_SHARE, MIN_OPACITY = 0.02, 2e-4
 #: Samples beyond these percentiles do not count: specks of noise far from the object.
 WITHIN = (0.05, 99.95)
 
@@ -137,7 +137,7 @@ def _seen(volume: Volume | WaveletVolume, look: Look, clipping: Clipping) -> NDA
     seen = np.ones(len(values), dtype=bool)
     if look.labels is None and isinstance(function, TransferFunction):
         alpha = _visibility(function, values, look.composite) if len(values) else values
-        seen = alpha >= max(LEAST_SHARE * float(alpha.max(initial=0.0)), LEAST_OPACITY)
+        seen = alpha >= max(MIN_SHARE * float(alpha.max(initial=0.0)), MIN_OPACITY)
     if not seen.any():
         if is_whole_box or not len(values):
             return _corners(volume, box)

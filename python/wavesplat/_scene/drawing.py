@@ -56,7 +56,7 @@ atexit.register(_native.gpu_settle)
 #: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
 #: Where it does not matter how much more there would be.
-MOST_OVERSAMPLING = 1e6
+MAX_OVERSAMPLING = 1e6
 #: What an overview is drawn with.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
@@ -321,7 +321,7 @@ def _rendered(
     memory = _Memory(frame, layers, functions)
     with drawing(*(layer.volume for layer in layers)):
         sheets_per_slice, oversampling = _sampling(frame, drawn)
-        texels = 1 if options.psnr is not None else min(abs(oversampling), MOST_OVERSAMPLING) ** 2
+        texels = 1 if options.psnr is not None else min(abs(oversampling), MAX_OVERSAMPLING) ** 2
         check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
         arguments: dict[str, Any] = {
             "width": width,

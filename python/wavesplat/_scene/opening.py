@@ -22,7 +22,7 @@ from wavesplat._public import public
 from wavesplat._readers.request import SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.layer import Layer
-from wavesplat._scene.scene import MOST_LAYERS, Scene
+from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 if TYPE_CHECKING:
@@ -135,8 +135,8 @@ def open_scene(
     }
     source = _Source(path, options, time)
     wanted = _all_of(source) if channels is None else [_wanted(one, source) for one in channels]
-    if not 1 <= len(wanted) <= MOST_LAYERS:
-        raise ArgumentError(f"a scene has 1 to {MOST_LAYERS} channels, not {len(wanted)}")
+    if not 1 <= len(wanted) <= MAX_LAYERS:
+        raise ArgumentError(f"a scene has 1 to {MAX_LAYERS} channels, not {len(wanted)}")
     if len(wanted) == 1 and wanted[0].color is None and wanted[0].window is None:
         return Scene(_layer(source, wanted[0], None))
     looks, taken = list[Look](), list[Rgb]()
@@ -194,13 +194,13 @@ class _Source:
 
 
 def _all_of(source: _Source) -> list[_Wanted]:
-    if source.n <= MOST_LAYERS:
+    if source.n <= MAX_LAYERS:
         return [_Wanted(number) for number in range(source.n)]
     active = [number for number in range(source.n) if source.facts(number).is_active]
-    taken = (active or list(range(source.n)))[:MOST_LAYERS]
+    taken = (active or list(range(source.n)))[:MAX_LAYERS]
     listed = ", ".join(str(number) for number in taken)
     warnings.warn(
-        f"the file holds {source.n} channels, a scene at most {MOST_LAYERS}: {listed} are taken; choose others with "
+        f"the file holds {source.n} channels, a scene at most {MAX_LAYERS}: {listed} are taken; choose others with "
         f"channels= (--channel): {source.path}",
         WavesplatWarning,
         stacklevel=4,

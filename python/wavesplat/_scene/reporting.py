@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["facts_of"]
 
 #: Transfer functions whose fields are kept: those of layers, and of projections one for every view.
-MOST_KEPT = 32
+MAX_KEPT = 32
 
 
 def facts_of(
@@ -79,7 +79,7 @@ def _curves(scene: Scene, curves: Curves) -> dict[str, Any]:
     kept = scene._kept.documents
     found = kept.get(id(curves))
     if found is None or found[0] is not curves:
-        if len(kept) >= MOST_KEPT:
+        if len(kept) >= MAX_KEPT:
             kept.clear()
         found = kept[id(curves)] = curves, look_json.fields_of_curves(curves)
     fields: dict[str, Any] = found[1]

@@ -33,9 +33,9 @@ from wavesplat.errors import ArgumentError
 __all__ = ["Kept", "Scene", "as_scene"]
 
 #: Layers of a scene, at most.
-MOST_LAYERS = 8
+MAX_LAYERS = 8
 #: Facts and looks that are kept: three for a layer. Kinds of pictures of which it is kept what they told.
-MOST_KEPT, MOST_MEASURED = 3 * MOST_LAYERS, 3
+MAX_KEPT, MAX_MEASURED = 3 * MAX_LAYERS, 3
 
 T = TypeVar("T")
 
@@ -58,7 +58,7 @@ class Kept:
         """
         found = self.looks.get(key)
         if found is None or found[0] != identity:
-            if len(self.looks) >= MOST_KEPT:
+            if len(self.looks) >= MAX_KEPT:
                 self.looks.clear()
             found = self.looks[key] = identity, find()
         value: T = found[1]
@@ -68,7 +68,7 @@ class Kept:
         """Keep what a picture told, and forget that of the oldest kind of picture."""
         self.measured.pop(key, None)
         self.measured[key] = shown, told
-        while len(self.measured) > MOST_MEASURED:
+        while len(self.measured) > MAX_MEASURED:
             self.measured.pop(next(iter(self.measured)), None)
 
 
@@ -393,8 +393,8 @@ def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
     # Rows of numbers are samples; volumes, layers and arrays in a list are several layers.
     several = isinstance(what, list | tuple) and not is_rows(what)
     things = list(what) if several else [what]
-    if not 1 <= len(things) <= MOST_LAYERS:
-        raise ArgumentError(f"a scene has 1 to {MOST_LAYERS} layers, not {len(things)}")
+    if not 1 <= len(things) <= MAX_LAYERS:
+        raise ArgumentError(f"a scene has 1 to {MAX_LAYERS} layers, not {len(things)}")
     looks = list(look) if isinstance(look, list | tuple) else [look] * len(things)
     if len(looks) != len(things):
         raise ArgumentError(

@@ -92,7 +92,7 @@ def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
 
 
 def _hint(dtype: np.dtype[Any]) -> str:
-    return "take np.abs, .real or .imag" if dtype.kind == "c" else "convert them to numbers"
+    return "take .real, .imag or np.abs" if dtype.kind == "c" else "convert them to numbers, by array.astype"
 
 
 def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:

@@ -7,7 +7,6 @@ many bytes a chunk can have is known from the metadata of its array, and nothing
 from __future__ import annotations
 
 import asyncio
-import os
 import stat
 import threading
 import warnings
@@ -17,6 +16,7 @@ from typing import Any
 
 from wavesplat._files import web
 from wavesplat._files.addresses import below, is_web
+from wavesplat._files.named_files import check_within
 from wavesplat._files.web import ForbiddenError, Part
 from wavesplat.errors import FileError, FileWarning
 
@@ -135,11 +135,7 @@ class ZarrPlace:
         if not stat.S_ISREG(found.st_mode):
             kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device, a pipe or a socket"
             raise FileError(f"{key!r} is {kind}, not a file of samples or metadata; copy the data again: {self.root}")
-        if self._within is not None and not Path(os.path.realpath(path)).is_relative_to(self._within):
-            raise FileError(
-                f"{key!r} is a link out of the folder of the document that names it; if you trust it, pass "
-                f"external_files=True (--external-files): {self.root}"
-            )
+        check_within(path, self._within, key)
         first, end = (0, None) if part is None else part
         first = max(found.st_size + first, 0) if first < 0 else first
         n = max((found.st_size if end is None else min(end, found.st_size)) - first, 0)

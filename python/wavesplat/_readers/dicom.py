@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
@@ -107,6 +108,7 @@ def _scanned(folder: Path, request: Request) -> tuple[list[Header], Unreadable, 
     headers, unreadable, others = [], {}, []
     kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
     for file in sorted(entry for entry in folder.iterdir() if entry.is_file()):
+        check_within(file, request.within)
         looks_like = file.suffix.lower() in SUFFIXES
         state = file.stat()
         key = (file, state.st_mtime_ns, state.st_size)

@@ -111,7 +111,7 @@ def _of_raw(request: Request) -> LazyGrid:
 
 def _of_nifti(request: Request) -> LazyGrid:
     with quiet("nibabel.global"):
-        image = nifti.loaded(request.file)
+        image = nifti.loaded(request)
     proxy = image.dataobj
     file = proxy.file_like
     path = request.file if not isinstance(file, str) else Path(file)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.addresses import checked, is_address, last_part
+from wavesplat._files.named_files import check_within
 from wavesplat._files.places import expanded, printable
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
@@ -131,6 +132,8 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
     expanded(path)  # or an error
     path = checked(str(path)) if is_address(path) else path
     request = Request(path, within=NAMED_WITHIN.get(), **{**options, "unit": units.checked(options.get("unit"))})
+    if not request.is_url:
+        check_within(request.file, request.within)
     if request.gaps not in ("fill", "refuse"):
         raise ArgumentError(f'gaps is {request.gaps!r}; use "fill" or "refuse"')
     if str(path).lower().endswith(".wavelets"):

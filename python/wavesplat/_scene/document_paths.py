@@ -6,10 +6,7 @@ the user's network, or be given what only the user can give.
 
 from __future__ import annotations
 
-import glob
 import os
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -71,21 +68,9 @@ class Reach:
             return path
         place = os.path.normpath(self.folder / path)
         if not self.external_files:
-            for one in self._all_of(place):
-                self._check(one, path, what)
+            # Readers check what a pattern matches, what a folder holds, and other parts of a file (`check_within`).
+            self._check(place, path, what)
         return place
-
-    def _all_of(self, place: str) -> Iterator[str]:
-        """What is read of a place: itself, files of a pattern, links in a folder, links of other parts of a file."""
-        yield place
-        if glob.has_magic(place) and not os.path.lexists(place):
-            yield from glob.iglob(place, recursive=True)  # noqa: PTH207 - absolute, as series read it
-            return
-        is_folder = Path(place).is_dir()
-        # As `a.img` of `a.hdr`.
-        stem = "" if is_folder else Path(place).name.partition(".")[0]
-        with suppress(OSError), os.scandir(place if is_folder else Path(place).parent) as entries:
-            yield from (entry.path for entry in entries if entry.is_symlink() and entry.name.startswith(stem))
 
     def _check(self, place: str, path: str, what: str) -> None:
         if "\0" in place or not lies_in(place, real_place(self.folder)):

@@ -267,6 +267,9 @@ def test_files_named_by_files_need_the_user_and_the_document(place, monkeypatch)
 
 # Servers
 
+#: Hosts that systems take for 127.0.0.1.
+NUMBERS = ("127.1", "127.0.1", "2130706433", "0177.0.0.1", "127.0.0.1.", "0x7f.1", "0x7f000001")
+
 
 def test_documents_do_not_ask_private_servers(place):
     zarr = pytest.importorskip("zarr", minversion="3")
@@ -274,7 +277,7 @@ def test_documents_do_not_ask_private_servers(place):
     zarr.create_array(place / "a.zarr", data=SAMPLES, compressors=None)
     with OddServer(place) as server:
         port = server.address.rpartition(":")[2]
-        for host in ("127.0.0.1", "localhost", "[::ffff:127.0.0.1]"):
+        for host in ("127.0.0.1", "localhost", "[::ffff:127.0.0.1]", *NUMBERS):
             for options in ({}, {"memory": "50 MB"}, {"series_of_times": True}):
                 path = written(place, {"path": f"http://{host}:{port}/a.zarr", **options})
                 with pytest.raises(FileError, match=f"is this machine or lies in a private network.*{ALLOWED}"):

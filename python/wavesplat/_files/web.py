@@ -6,7 +6,6 @@ fsspec keeps the session and the thread that waits; its own `cat` reads a body t
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import zlib
 from http import HTTPStatus
 from typing import Any, TypeAlias
@@ -86,9 +85,9 @@ async def _asked(url: str, headers: dict[str, str], *, public_only: bool) -> Any
 
     files = fsspec.filesystem("http", get_client=_public_client if public_only else _client)
     where = yarl.URL(url)
-    host = where.host or ""
-    if public_only and _is_number(host) and not is_public(host):
-        raise _not_public(host)
+    for host in (where.host or "", where.raw_host or ""):
+        if public_only and _is_number(host) and not is_public(host):
+            raise _not_public(host)
     session = await files.set_session()
     # What is packed anyway is unpacked below, no further than is expected.
     wanted = {"Accept-Encoding": "identity", **headers}
@@ -177,11 +176,8 @@ def _range(part: tuple[int, int | None]) -> str:
 
 
 def _is_number(host: str) -> bool:
-    try:
-        ipaddress.ip_address(host)
-    except ValueError:
-        return False
-    return True
+    """Whether aiohttp may connect to a host without the resolver: also 127.1 and 2130706433, as systems take them."""
+    return ":" in host or host.replace(".", "").isdigit()
 
 
 def _not_public(host: str) -> FileError:

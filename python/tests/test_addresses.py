@@ -14,7 +14,7 @@ from test_readers import ome_attributes
 
 import wavesplat as ws
 from wavesplat._files import addresses
-from wavesplat.errors import FileError, FileWarning
+from wavesplat.errors import FileError, FileWarning, WavesplatError
 
 zarr = pytest.importorskip("zarr", minversion="3")
 pytest.importorskip("aiohttp")
@@ -111,6 +111,74 @@ def test_what_is_no_address():
 )  # fmt: skip
 def test_public_hosts(host, expected):
     assert addresses.is_public(host) is expected
+
+
+SECRETS = "token=a-password&more=" + "x" * 200
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        f"ftp://127.0.0.1:9/a.zarr?{SECRETS}",
+        f"http://127.0.0.1:9/a::file:///etc?{SECRETS}",
+        f"file://elsewhere/a.zarr?{SECRETS}",
+        f"http:///a.zarr?{SECRETS}",
+        f"http://host:999999/a.zarr?{SECRETS}",
+        f"http://a-password@127.0.0.1:9/a.zarr?{SECRETS}",
+        f"http://a:a-password@127.0.0.1:9/a.zarr#{SECRETS}",
+    ],
+)
+def test_refused_addresses_are_told_without_their_passwords(address):
+    for called in (ws.open, ws.open_series, ws.open_scene):
+        with pytest.raises(FileError) as caught:
+            called(address)
+        assert "a-password" not in str(caught.value)
+        assert len(str(caught.value)) < 400
+
+
+def test_messages_of_servers_have_no_passwords(store, wavesplat):
+    (store / "group.zarr").mkdir()
+    (store / "group.zarr" / ".zgroup").write_text('{"zarr_format": 2}')
+    path = "/v3.zarr"
+    answers = [lambda _, code=code: (code, {}, iter([b""])) for code in (401, 403, 404, 418, 500)]
+    answers += [
+        lambda path: (302, {"Location": path}, iter([b""])),
+        lambda _: (302, {"Location": "http://a:b@localhost:9/?token=b-password"}, iter([b""])),
+        lambda _: (302, {"Location": "http://[/"}, iter([b""])),
+        lambda _: (200, {"Content-Encoding": "br"}, iter([b"x"])),
+        lambda _: (200, {"Content-Encoding": "gzip"}, iter([b"x"])),
+        lambda _: (200, {"Content-Length": "99"}, iter([b"x"])),
+    ]
+    for odd in answers:
+        with OddServer(store, odd) as server, pytest.raises(FileError) as caught:
+            ws.open(f"{server.address}{path}?{SECRETS}")
+        assert "-password" not in str(caught.value), odd
+        assert "127.0.0.1" in str(caught.value)
+    with pytest.raises(FileError) as caught:  # nobody listens
+        ws.open(f"{server.address}{path}?{SECRETS}")
+    assert "a-password" not in str(caught.value)
+    with OddServer(store) as server:
+        for name, options in (
+            ("v3.zarr", {"time": 1}),
+            ("v3.zarr", {"level": 7}),
+            ("v3.zarr", {"gaps": "refuse"}),
+            ("image.zarr", {"level": 3}),
+            ("group.zarr", {}),
+            ("group.zarr", {"dataset": "none"}),
+        ):
+            for more in ({}, {"memory": "50 MB"}):
+                with pytest.raises(WavesplatError) as caught:
+                    ws.open(f"{server.address}/{name}?{SECRETS}", **options, **more)
+                assert "a-password" not in str(caught.value)
+        done = wavesplat("info", f"{server.address}/none.zarr?{SECRETS}", f"{server.address}/group.zarr?{SECRETS}")
+        assert done.returncode == 1
+        assert "a-password" not in done.stderr
+    (store / "v3.zarr" / NAMES["v3.zarr"]).unlink()
+    with OddServer(store, missing=403) as server:
+        for more in ({}, {"memory": "50 MB"}):
+            with pytest.warns(FileWarning, match="403") as warned:
+                opened(f"{server.address}/v3.zarr?{SECRETS}", more)
+            assert not any("a-password" in str(one.message) for one in warned)
 
 
 # What servers answer

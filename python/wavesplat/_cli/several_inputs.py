@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.printing import collected, message, print_lines
-from wavesplat._files.addresses import is_address
+from wavesplat._files.addresses import is_address, shown
 from wavesplat._files.natural_order import natural_key
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
@@ -105,7 +105,8 @@ def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> lis
             maker = makers.setdefault(path, input)
             if maker != input:
                 raise ArgumentError(
-                    f"{maker} and {input} would be one file, {path}; write {{folder}} or {{number}} in its name"
+                    f"{shown(maker)} and {shown(input)} would be one file, {path}; "
+                    "write {folder} or {number} in its name"
                 )
         runs.append({**options, **own, "input": input})
     return runs
@@ -145,7 +146,7 @@ def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled
                 if isinstance(error, ArgumentError) and number == 0:
                     raise
                 n_failed += 1
-                place = "" if run["input"] in str(error) else f": {run['input']}"
+                place = "" if shown(run["input"]) in str(error) else f": {shown(run['input'])}"
                 message(f"error: {' '.join(str(error).split())}{place}")
     if n_failed:
         message(f"{n_failed} of {len(runs)} inputs failed")

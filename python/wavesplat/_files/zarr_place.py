@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wavesplat._files import web
-from wavesplat._files.addresses import below, is_web
+from wavesplat._files.addresses import below, is_web, shown
 from wavesplat._files.named_files import check_within
 from wavesplat._files.web import ForbiddenError, Part
 from wavesplat.errors import FileError, FileWarning
@@ -187,7 +187,7 @@ class ZarrPlace:
         if self.tells and is_first and not _is_metadata(key):
             warnings.warn(
                 f"the server refuses (403) chunk {key!r}; it and others like it count as not there, so their samples "
-                f"have the fill value: {self.address}",
+                f"have the fill value: {self}",
                 FileWarning,
                 stacklevel=2,
             )
@@ -202,7 +202,7 @@ class ZarrPlace:
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return self.address or str(self.root)
+        return str(self.root) if self.root is not None else shown(self.address)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_lock"}

@@ -85,7 +85,7 @@ class PlaceStore(Store):
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return str(self.place.root or self.place.address)
+        return str(self.place)
 
 
 def _part(byte_range: Any) -> Part:

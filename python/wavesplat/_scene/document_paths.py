@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wavesplat._files.addresses import checked, is_address, is_web
+from wavesplat._files.addresses import checked, is_address, is_web, shown
 from wavesplat._files.places import lies_in, real_place
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Reach"]
 
-#: Of a path, in messages: an address may hold a whole file.
-MOST_LETTERS = 120
+#: Characters of a path that a message quotes.
+MAX_LETTERS = 120
 MEND = "if you trust the document, open it with external_files=True (--external-files)"
 
 
@@ -63,7 +63,7 @@ class Reach:
             raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
         if is_address(path):
             if not (self.external_files or is_web(path)):
-                raise FileError(f"{what} names {path[:MOST_LETTERS]!r}, which is no address of a web server; {MEND}")
+                raise FileError(f"{what} names {shown(path)!r}, which is no address of a web server; {MEND}")
             checked(path)
             return path
         place = os.path.normpath(self.folder / path)
@@ -75,6 +75,6 @@ class Reach:
     def _check(self, place: str, path: str, what: str) -> None:
         if "\0" in place or not lies_in(place, real_place(self.folder)):
             raise FileError(
-                f"{what} names {path[:MOST_LETTERS]!r}, which lies outside of the document's folder, {self.folder}; "
+                f"{what} names {path[:MAX_LETTERS]!r}, which lies outside of the document's folder, {self.folder}; "
                 f"{MEND}, or put the file into that folder"
             )

@@ -50,7 +50,7 @@ fmt: $(STAMPS)/tools ## format Rust and Python
 quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 128" takes minutes, 512 an hour
 	python studies/quality/quality.py $(QUALITY)
 
-random-functions: $(STAMPS)/package ## draw N random transfer functions of a SEED at every quality and compare with arithmetic; N=400 BALLS=3
+random-functions: $(STAMPS)/package ## draw N random transfer functions of a SEED at every quality and compare with arithmetic; N=400 BALLS=3 are more
 	python studies/random_functions/random_functions.py --seed $(SEED) --n $(N) --balls $(BALLS)
 
 random-scenes: $(STAMPS)/package ## draw N random scenes of a SEED and compare them with the reference; seconds a scene

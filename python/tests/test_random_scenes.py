@@ -10,7 +10,7 @@ STUDIES = Path(__file__).parents[2] / "studies" / "scenes"
 
 SEED, N = 41, 40
 
-#: Why scenes of this seed have less than `LEAST_DB` at quality normal, and what they have.
+#: Why scenes of this seed have less than `MIN_DB` at quality normal, and what they have.
 REASONS: dict[int, tuple[float, str]] = {
     2: (26.5, "lit hard waves of five samples at one texel a pixel; 42 dB at quality high"),
 }
@@ -41,7 +41,7 @@ def found(study):
 
 def test_pictures_are_those_of_the_reference(study, found):
     normal, high = found.T
-    least = [REASONS.get(number, (study.LEAST_DB, ""))[0] for number in range(N)]
+    least = [REASONS.get(number, (study.MIN_DB, ""))[0] for number in range(N)]
     assert [(number, float(db)) for number, db in enumerate(normal) if db < least[number]] == []
     assert (high >= 33).all()
     assert np.quantile(high, 0.1) >= 38

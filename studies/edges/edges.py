@@ -52,7 +52,7 @@ VIEWS = {"front": (0.0, 0.0), "side": (90.0, 0.0), "top": (0.0, 90.0)}
 FACTOR = 2.0
 
 #: Errors below a sixteenth of a grey level are as good as none.
-NOTHING = 1 / 255 / 16
+MIN_ERROR = 1 / 255 / 16
 
 
 def volumes(wanted: list[str]) -> Iterator[tuple[str, ws.Volume]]:
@@ -95,6 +95,8 @@ def errors(volume: ws.Volume, camera: ws.Camera, size_px: int, quality: Any) -> 
     outer = outermost(share)
     square = ((got - wanted) ** 2).mean(axis=-1)
     rest = (share > 0) & ~outer
+    if not (outer.any() and rest.any()):
+        raise SystemExit(f"{volume.name}: {outer.sum()} pixels are outermost and {rest.sum()} are not; draw larger ones")
     return float(np.sqrt(square[outer].mean())), float(np.sqrt(square[rest].mean()))
 
 
@@ -116,9 +118,9 @@ def main() -> int:
                 angle = 30.0 if projection == "perspective" else None
                 camera = ws.Camera.orbit(volume, azimuth, elevation, view_angle=angle)
                 outer, rest = errors(volume, camera, arguments.size, arguments.quality)
-                is_missed = outer > FACTOR * max(rest, NOTHING)
+                is_missed = not outer <= FACTOR * max(rest, MIN_ERROR)
                 n_missed += is_missed
-                factor = f"{outer / max(rest, NOTHING):.2f}" + (" MISSED" if is_missed else "")
+                factor = f"{outer / max(rest, MIN_ERROR):.2f}" + (" MISSED" if is_missed else "")
                 lines.append([name, view, projection, f"{255 * outer:.3f}", f"{255 * rest:.3f}", factor])
                 print("  ".join(lines[-1]), file=sys.stderr, flush=True)
     print("Root of the mean square error, in grey levels of 255.")

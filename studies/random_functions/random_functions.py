@@ -39,6 +39,9 @@ LIMITS: dict[str, tuple[float, float]] = {"draft": (4.0, 16.0), "normal": (3.0, 
 MARGIN = 1.0
 MARGIN_DB = 0.5
 
+#: PSNR at quality normal that a picture of a ball has at least: a black one of a shell that is seen has less.
+MIN_BALL_DB = 25.0
+
 #: Values go from 0 to this.
 RANGE = 100.0
 
@@ -301,10 +304,12 @@ def main() -> int:
         psnr_db = ball_psnr_db(case)
         text = ", ".join(f"{quality} {value:.1f} dB" for quality, value in psnr_db.items())
         falls = any(psnr_db[b] < psnr_db[a] - MARGIN_DB for a, b in pairwise(QUALITIES))
-        n_wrong += falls
+        is_far = psnr_db["normal"] < MIN_BALL_DB
+        is_wrong = falls or is_far
+        n_wrong += is_wrong
         print(
-            f"ball, {case.kind}: {text}{', better is worse' if falls else ''}"
-            + (f": {case}" if falls and arguments.show else "")
+            f"ball, {case.kind}: {text}{', better is worse' if falls else ''}{', too far off' if is_far else ''}"
+            + (f": {case}" if is_wrong and arguments.show else "")
         )
     print(f"{n_wrong} of {len(errors) + arguments.balls} functions are wrong (seed {arguments.seed})")
     return 1 if n_wrong else 0

@@ -55,11 +55,10 @@ impl LevelHistogram {
             rgba.iter().map(|&[r, g, b, opacity]| [(r + g + b) / 3.0, opacity]).collect()
         };
         // The finest samples stand for themselves.
-        let own: Vec<_> =
-            self.means(rgba_of(tf), &nodes_of(tf), length).into_iter().map(|mean| separate(mean, length)).collect();
-        let own = gray(&own);
+        let means = self.means(rgba_of(tf), &nodes_of(tf), length);
+        let own = gray(&means.iter().map(|mean| separate(*mean, length)).collect::<Vec<_>>());
         let with = |rare: f32| {
-            let rgba = self.averages(rgba_of(tf), &nodes_of(tf), length, rare);
+            let rgba = self.averages(&means, rgba_of(tf), length, rare);
             let tables = [&own, &gray(&rgba)];
             let factors = self.rays.brightness_factors(tables, shading, spacing, is_steep);
             let is_bright_enough = self.rays.is_bright_enough(tables, factors[0], spacing, is_steep);
@@ -86,13 +85,17 @@ impl LevelHistogram {
         // Gradients of coarse samples stand for themselves.
         if let Some(joint) = tf.function_2d() {
             let magnitudes = joint.magnitudes();
-            let row = |m: &f64| self.averages(|value| joint.rgba(value, *m), joint.values(), length, 0.0);
+            let row = |m: &f64| {
+                let rgba = |value| joint.rgba(value, *m);
+                self.averages(&self.means(rgba, joint.values(), length), rgba, length, 0.0)
+            };
             let rows = magnitudes.iter().map(row);
             let rgba = rows.collect::<Vec<_>>().concat();
             let joint = TransferFunction2D::new(self.values().collect(), magnitudes.to_vec(), rgba)?;
             return TransferFunction::two_dimensional(joint, tf.opacity_unit());
         }
-        self.function(tf, &self.averages(rgba_of(tf), &nodes_of(tf), length, 0.0))
+        let means = self.means(rgba_of(tf), &nodes_of(tf), length);
+        self.function(tf, &self.averages(&means, rgba_of(tf), length, 0.0))
     }
 
     /// The function with these colours and opacities in the middle of every bin.
@@ -136,12 +139,11 @@ impl LevelHistogram {
     }
 
     /// Colour and opacity of every bin, averaged over the samples that its coarse values stand for, without the
-    /// `rare` share at either end. Opacities are averaged over a `length`.
-    fn averages(&self, rgba: impl Fn(f64) -> [f64; 4], nodes: &[f64], length: f64, rare: f32) -> Vec<[f64; 4]> {
-        let own = self.means(&rgba, nodes, length);
+    /// `rare` share at either end. `own`: the means of the bins over a `length`.
+    fn averages(&self, own: &[[f64; 4]], rgba: impl Fn(f64) -> [f64; 4], length: f64, rare: f32) -> Vec<[f64; 4]> {
         let average = |(row, value): (&[f32], f64)| {
             let mut sum = [0.0; 4];
-            for (share, own) in trimmed(row, rare).zip(&own).filter(|(share, _)| *share > 0.0) {
+            for (share, own) in trimmed(row, rare).zip(own).filter(|(share, _)| *share > 0.0) {
                 (0..4).for_each(|c| sum[c] += f64::from(share) * own[c]);
             }
             if sum[3] < MIN_OPACITY {

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
-use wavesplat_core::{Error, Grid, Kernel, Result};
+use wavesplat_core::{Error, Kernel, Result};
 
 use crate::kernel::weights::{fold, n_taps, taps};
 use crate::render::progress::ProgressCallback;
@@ -115,7 +115,7 @@ fn row_values(slices: &Slices, plane: &Plane, slab: &ThickSlab, y: usize) -> Vec
             points.clear();
             places.clear();
             for x in from..(from + chunk).min(plane.width_px) {
-                if let Some(point) = point_taps(slices.kernel(), slices.grid(), first + x as f64 * across) {
+                if let Some(point) = point_taps(slices, first + x as f64 * across) {
                     points.push(point);
                     places.push(x);
                 }
@@ -159,7 +159,8 @@ impl Kept {
 }
 
 /// The taps at an index position, or none outside the volume.
-fn point_taps(kernel: Kernel, grid: &Grid, position: DVec3) -> Option<PointTaps> {
+fn point_taps(slices: &Slices, position: DVec3) -> Option<PointTaps> {
+    let (kernel, grid) = (slices.kernel(), slices.grid());
     let [lo, hi] = grid.bounds();
     let mut point = PointTaps::default();
     for axis in 0..3 {
@@ -174,8 +175,10 @@ fn point_taps(kernel: Kernel, grid: &Grid, position: DVec3) -> Option<PointTaps>
             point.index[axis][t] = fold(kernel, first + t as i64, n);
         }
         point.weight[axis] = weight;
-        let (first, weights) = taps(Kernel::Linear, x.clamp(0.0, (n - 1) as f64));
-        point.cell[axis] = [0, 1].map(|t| (fold(Kernel::Linear, first + t as i64, n), weights[t]));
+        if slices.has_mask() {
+            let (first, weights) = taps(Kernel::Linear, x.clamp(0.0, (n - 1) as f64));
+            point.cell[axis] = [0, 1].map(|t| (fold(Kernel::Linear, first + t as i64, n), weights[t]));
+        }
     }
     Some(point)
 }

@@ -52,7 +52,7 @@ fn edge_pixels(phantom: &Phantom, camera: &Camera, options: &RenderOptions) -> V
     };
     let sees = |x: usize, y: usize| {
         let [x, y] = [x as f64, y as f64];
-        let [lo, hi] = region.clip(rays.origin(x, y), rays.direction(x, y), [start, f64::INFINITY]);
+        let [lo, hi] = region.passage(rays.origin(x, y), rays.direction(x, y), [start, f64::INFINITY]).ends;
         lo < hi
     };
     let has_edge = |k: usize| {
@@ -158,9 +158,9 @@ fn projections_are_covered_by_shares() {
         let [x, y] = [k % 30, k / 30];
         let column = |i: usize, j: usize| (0..22).map(move |z| i + 30 * (j + 26 * z));
         let highest = |i: usize, j: usize| column(i, j).map(|at| square.samples[at]).fold(0.0, f32::max);
-        // The camera's up decides how the axes lie; one of the four ways is the picture's.
-        let found = [[x, y], [29 - x, y], [x, 25 - y], [29 - x, 25 - y]].map(|[i, j]| highest(i, j));
-        assert!(found.contains(value), "{x} {y}: {value} is none of {found:?}");
+        // From +z with +y up, x runs to the right and y upwards.
+        let want = highest(x, 25 - y);
+        assert!(*value == want, "{x} {y}: {value} for {want}");
         let share = [x == 0 || x == 29, y == 0 || y == 25].map(|cut| if cut { 0.5 } else { 1.0 });
         let alpha = picture.rgba[k][3];
         assert!((alpha - share[0] * share[1]).abs() < 1e-6, "{x} {y}: {alpha} for {share:?}");
@@ -180,6 +180,42 @@ fn projections_are_covered_by_shares() {
     }
 }
 
+/// Even matter's sum is the way of the middle ray, in world lengths, also where that falls to nothing at an edge.
+#[test]
+fn sums_of_even_matter_are_the_lengths_of_rays() {
+    let even = Phantom { samples: vec![10.0; waves().samples.len()], ..waves() };
+    let volume = even.volume();
+    let slices = Slices::new(&volume, Kernel::Linear);
+    let gray = opacity_ramp(&FAINT, Some(1.0));
+    for (name, camera, options) in [
+        ("oblique", look_from(OBLIQUE, ORTHOGRAPHIC), plain()),
+        ("oblique perspective", look_from(OBLIQUE, PERSPECTIVE), plain()),
+        ("along an axis", look_from(DVec3::Z, ORTHOGRAPHIC), plain()),
+        ("oblique crop box", look_from(OBLIQUE, ORTHOGRAPHIC), cropped()),
+    ] {
+        let options = RenderOptions { composite: Composite::Sum, oversampling: 2.0, ..options };
+        let picture = render(&slices, &gray, &camera, &options, &()).unwrap().0;
+        let region = Region::new(volume.grid(), &options).unwrap();
+        let rays = IndexRays::new(&camera, volume.grid().index_from_world(), options.width_px, options.height_px);
+        let start = if matches!(camera.projection(), Projection::Perspective { .. }) { 0.0 } else { f64::NEG_INFINITY };
+        let has_edge = edge_pixels(&even, &camera, &options);
+        let mut n_compared = 0;
+        for (k, value) in picture.value.unwrap().iter().enumerate().filter(|(k, _)| has_edge[*k]) {
+            let [x, y] = [k % options.width_px, k / options.width_px].map(|px| px as f64 + 0.5);
+            let (origin, direction) = (rays.origin(x, y), rays.direction(x, y));
+            let [lo, hi] = region.passage(origin, direction, [start, f64::INFINITY]).ends;
+            if lo < hi {
+                let want = 10.0 * (hi - lo) * (volume.grid().world_from_index().matrix3 * direction).length();
+                // A texel's ray that is much shorter than the pixel's gives no length: the nearest others do.
+                let near = 1e-3 * want + 1e-2;
+                assert!((f64::from(*value) - want).abs() < near, "{name}, {x} {y}: {value} for {want}");
+                n_compared += 1;
+            }
+        }
+        assert!(n_compared > 20, "{name}: {n_compared} rays in the middle of pixels with an edge");
+    }
+}
+
 /// Depth ends where what is drawn ends, though texels beyond the wall are drawn.
 #[test]
 fn beyond_a_wall_there_is_no_depth() {
@@ -196,7 +232,7 @@ fn beyond_a_wall_there_is_no_depth() {
     let mut n_seen = 0;
     for (k, depth) in depth.iter().enumerate() {
         let [x, y] = [(k % 40) as f64 + 0.5, (k / 40) as f64 + 0.5];
-        let [lo, hi] = region.clip(rays.origin(x, y), rays.direction(x, y), [f64::NEG_INFINITY, f64::INFINITY]);
+        let [lo, hi] = region.passage(rays.origin(x, y), rays.direction(x, y), [f64::NEG_INFINITY, f64::INFINITY]).ends;
         assert_eq!(depth.is_finite(), lo < hi, "{x} {y}: {depth}");
         n_seen += usize::from(lo < hi);
     }

@@ -142,7 +142,7 @@ fn the_eye_may_be_inside_and_the_angle_wide() {
             for (i, pixel) in picture.rgba.iter().enumerate() {
                 let (x, y) = ((i % 72) as f64 + 0.5, (i / 72) as f64 + 0.5);
                 let (origin, direction) = (rays.origin(x, y), rays.direction(x, y));
-                let [t0, t1] = region.clip(origin, direction, [0.0, f64::INFINITY]);
+                let [t0, t1] = region.passage(origin, direction, [0.0, f64::INFINITY]).ends;
                 let length = (volume.grid().world_from_index().matrix3 * direction).length() * (t1 - t0);
                 let want = -(0.94_f64.ln() * length / 1.5).exp_m1();
                 // The warp is a cubic: second-order small where the fog's edges are not in reach.

@@ -106,8 +106,11 @@ impl<'a> DepthIntegral<'a> {
         if let Some(level) = self.levels[k] {
             return level * width;
         }
-        let end = from.opacity + (to.opacity - from.opacity) * (width / (to.value - from.value)).min(1.0);
-        width * mean_depth(from.opacity, end)
+        // What is left of 1 is interpolated, not the opacity: behind a node of opacity 1 it may be less than opacities can
+        // tell from 1, and it must not be 0 there, where the integral is infinite.
+        let share = (width / (to.value - from.value)).min(1.0);
+        let [left_from, left_to] = [1.0 - from.opacity, 1.0 - to.opacity];
+        width * mean_depth(left_from, left_from + (left_to - left_from) * share)
     }
 }
 
@@ -116,14 +119,13 @@ fn depth_of(opacity: f64) -> f64 {
     -(-opacity).ln_1p()
 }
 
-/// Mean of `−ln(1 − a)` where `a` goes evenly from one opacity to another, not both 1.
+/// Mean of `−ln u` where `u`, what is left of opacity 1, goes evenly from one value to another, not both 0.
 fn mean_depth(from: f64, to: f64) -> f64 {
-    let (u, v) = (1.0 - from, 1.0 - to);
-    if (u - v).abs() <= NEARLY_LEVEL * u.min(v) {
-        return (depth_of(from) + 4.0 * depth_of(0.5 * (from + to)) + depth_of(to)) / 6.0;
+    if from.min(to) > 0.0 && (from - to).abs() <= NEARLY_LEVEL * from.min(to) {
+        return -(from.ln() + 4.0 * (0.5 * (from + to)).ln() + to.ln()) / 6.0;
     }
     let antiderivative = |u: f64| if u > 0.0 { u - u * u.ln() } else { 0.0 };
-    (antiderivative(u) - antiderivative(v)) / (u - v)
+    (antiderivative(from) - antiderivative(to)) / (from - to)
 }
 
 /// Optical depth in the range of values of opacity 1 that holds the space after node `k`.
@@ -184,6 +186,20 @@ mod tests {
         };
         assert!((peak(1.0) - 2.0).abs() < 1e-12);
         assert!(peak(1.0) > peak(0.9999) && peak(1.0) < 1.002 * peak(0.9999), "{} {}", peak(1.0), peak(0.9999));
+    }
+
+    #[test]
+    fn it_is_finite_where_a_value_is_as_near_to_a_node_of_1_as_it_can_be() {
+        for at in [0.6, 1.0 / 3.0, 1e-3, 700.0, -1000.0] {
+            let curve = nodes(&[(at - 0.5, 0.2), (at, 1.0), (at + 0.2, 0.9)]);
+            let integral = DepthIntegral::new(&curve, OPAQUE);
+            let mut up_to = integral.in_turn();
+            let [before, on, after] = [at.next_down(), at, at.next_up()].map(&mut up_to);
+            assert!(
+                before.is_finite() && before <= on && on <= after && after - before < 1e-9,
+                "{before} {on} {after}"
+            );
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::picture::resample::{Resampler, cubic_weights};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Passage;
-use crate::view::silhouette::{Met, Part, PixelGrid, PlaneSilhouette, Silhouette};
+use crate::view::silhouette::{Coverage, LENGTH_TOLERANCE, Met, PixelGrid, PlaneSilhouette, Silhouette};
 
 /// How a texel depends on the length of its ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,21 +40,21 @@ pub struct Edges<'a> {
     pub is_projection: bool,
 }
 
-/// Reads of a pixel with an edge along x and along y, on a regular grid: as many as rays of the reference, at every quality,
-/// so that a pixel that a wall covers in part has the same share of it in all of them.
+/// Cells of a pixel with an edge along x and along y, each of which has a read, at every quality: so a pixel that a wall
+/// covers in part has the same share of it in all of them.
 const READS_PER_AXIS: usize = 4;
+
+/// Reads of a pixel with an edge.
+const N_READS: usize = READS_PER_AXIS * READS_PER_AXIS;
 
 /// Pixels per side of the squares in which edges are looked for.
 const SQUARE_PX: usize = 8;
 
-/// Of a ray much shorter than that of a read, the colour of the read is not known.
-const SHORT: f64 = 0.1;
+/// Length of a texel's ray, by that of a read's, below which it does not give the colour there.
+const MIN_LENGTH_RATIO: f64 = 0.1;
 
-/// A sliver of a ray, in slices, of which nothing is known.
-const SLIVER: f64 = 0.02;
-
-/// Lengths that differ by less, relatively, count as the same: about what float32 tells apart.
-const SAME: f64 = 1e-6;
+/// Length of a texel's ray, in slices, below which it gives no colour.
+const MIN_LENGTH_SLICES: f64 = 0.02;
 
 /// The pass over a warped picture.
 pub struct EdgePass<'a> {
@@ -66,10 +66,10 @@ pub struct EdgePass<'a> {
     peak: f32,
     level: Level,
     is_parallel: bool,
-    /// Pixels to the side of one within which it is looked for edges.
+    /// Distance of the texels that are read from a pixel, in pixels.
     reach_px: f64,
-    /// Pixels to the side of one in which texels are not as they go on within it.
-    aside_px: f64,
+    /// Distance from a pixel at which texels may follow another wall than within it, in pixels.
+    guard_px: f64,
 }
 
 impl<'a> EdgePass<'a> {
@@ -85,19 +85,19 @@ impl<'a> EdgePass<'a> {
         let planes: Vec<_> = resamplers.iter().map(|r| edges.silhouette.on(&r.picture.plane)).collect();
         let reach_px = resamplers.iter().map(|r| texel_px(&r.picture.plane, rays)).fold(0.0, f64::max);
         let narrow = resamplers.iter().any(|r| edges.silhouette.has_narrow_walls(&r.picture.plane));
-        let aside_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
+        let guard_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
         let is_parallel = first.eye_w().is_none();
-        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reach_px, aside_px })
+        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reach_px, guard_px })
     }
 
     /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: from that pixel on,
     /// `pitch` from row to row.
     pub fn draw(&self, first: [usize; 2], size: [usize; 2], pixels: &mut [[f32; 4]], pitch: usize) {
         let mut passages = Vec::new();
-        match self.part(first, size, &mut passages) {
-            Part::Even => return,
-            Part::Outside => return clear(first, first, size, pixels, pitch),
-            Part::Edge => {}
+        match self.coverage(first, size, &mut passages) {
+            Coverage::Inside => return,
+            Coverage::Outside => return clear(first, first, size, pixels, pitch),
+            Coverage::Edge => {}
         }
         let mut strips = Strips::default();
         for y in (0..size[1]).step_by(SQUARE_PX) {
@@ -108,24 +108,24 @@ impl<'a> EdgePass<'a> {
                     continue;
                 }
                 let at = [first[0] + x, first[1] + y];
-                match self.part(at, square, &mut passages) {
-                    Part::Even => {}
-                    Part::Outside => clear(first, at, square, pixels, pitch),
-                    Part::Edge => self.draw_square(first, at, square, pixels, pitch, &mut passages, &mut strips),
+                match self.coverage(at, square, &mut passages) {
+                    Coverage::Inside => {}
+                    Coverage::Outside => clear(first, at, square, pixels, pitch),
+                    Coverage::Edge => self.draw_square(first, at, square, pixels, pitch, &mut passages, &mut strips),
                 }
             }
         }
     }
 
     /// What a rectangle of pixels shows.
-    fn part(&self, first: [usize; 2], size: [usize; 2], passages: &mut Vec<Vec<Passage>>) -> Part {
-        let corner = first.map(|px| px as f64 - self.aside_px);
-        let sides = size.map(|px| px as f64 + 2.0 * self.aside_px);
+    fn coverage(&self, first: [usize; 2], size: [usize; 2], passages: &mut Vec<Vec<Passage>>) -> Coverage {
+        let corner = first.map(|px| px as f64 - self.guard_px);
+        let sides = size.map(|px| px as f64 + 2.0 * self.guard_px);
         self.edges.silhouette.passages(self.rays, self.is_parallel, &PixelGrid::corners(corner, sides), passages);
         let of = |corners: &Vec<Passage>| {
-            Part::of_region(std::array::from_fn(|k| &corners[k]), sides[0].min(sides[1]), self.reach_px)
+            Coverage::of_region(std::array::from_fn(|k| &corners[k]), sides[0].min(sides[1]), self.reach_px)
         };
-        passages.iter().map(of).reduce(Part::and).unwrap_or(Part::Outside)
+        passages.iter().map(of).reduce(Coverage::and).unwrap_or(Coverage::Outside)
     }
 
     #[expect(clippy::too_many_arguments, reason = "a square of a rectangle of pixels, and room to work in")]
@@ -140,7 +140,7 @@ impl<'a> EdgePass<'a> {
         strips: &mut Strips,
     ) {
         // Corners are those of neighbours as well, but where pixels are looked at with what is beside them.
-        let is_shared = self.aside_px == 0.0;
+        let is_shared = self.guard_px == 0.0;
         if is_shared {
             let grid = PixelGrid { first: first.map(|px| px as f64), distance: [1.0; 2], n: size.map(|n| n + 1) };
             self.edges.silhouette.passages(self.rays, self.is_parallel, &grid, passages);
@@ -152,18 +152,18 @@ impl<'a> EdgePass<'a> {
                 if pixel[3] == 0.0 {
                     continue;
                 }
-                let part = if is_shared {
+                let coverage = if is_shared {
                     let corner = y * (size[0] + 1) + x;
                     let corners = [corner, corner + 1, corner + size[0] + 1, corner + size[0] + 2];
-                    let of = |of: &Vec<Passage>| Part::of_region(corners.map(|k| &of[k]), 1.0, self.reach_px);
-                    passages.iter().map(of).reduce(Part::and).unwrap_or(Part::Outside)
+                    let of = |of: &Vec<Passage>| Coverage::of_region(corners.map(|k| &of[k]), 1.0, self.reach_px);
+                    passages.iter().map(of).reduce(Coverage::and).unwrap_or(Coverage::Outside)
                 } else {
-                    self.part(at, [1, 1], passages)
+                    self.coverage(at, [1, 1], passages)
                 };
-                match part {
-                    Part::Even => {}
-                    Part::Outside => *pixel = [0.0; 4],
-                    Part::Edge => {
+                match coverage {
+                    Coverage::Inside => {}
+                    Coverage::Outside => *pixel = [0.0; 4],
+                    Coverage::Edge => {
                         let before = *pixel;
                         *pixel = self.level.run(
                             #[inline(always)]
@@ -178,33 +178,56 @@ impl<'a> EdgePass<'a> {
     /// A pixel. `before`: as the warp has drawn it.
     #[inline(always)]
     fn pixel(&self, [x, y]: [usize; 2], before: [f32; 4], strips: &mut Strips) -> [f32; 4] {
-        let [x, y] = [x as f64, y as f64];
-        let n = READS_PER_AXIS * READS_PER_AXIS;
-        let (mut sum, mut n_met) = ([0.0; 4], 0);
-        let middle = if self.edges.is_projection { self.met([x + 0.5, y + 0.5]) } else { None };
-        for k in 0..n {
-            let within = |k: usize| (k as f64 + 0.5) / READS_PER_AXIS as f64;
-            let Some(read) = self.met([x + within(k % READS_PER_AXIS), y + within(k / READS_PER_AXIS)]) else {
-                continue;
-            };
-            n_met += 1;
-            if middle.is_none() {
-                let rgba = self.read(&read, strips).0;
-                (0..4).for_each(|c| sum[c] += rgba[c]);
+        let mut hits = Hits::default();
+        for k in 0..N_READS {
+            let [dx, dy] = read_offset(k);
+            hits.extend(self.hit([x as f64 + dx, y as f64 + dy]));
+        }
+        let share = hits.n as f32 / N_READS as f32;
+        // Where the same walls are met at the same distance all around, only the share of the rays that hit is new.
+        if hits.n == 0 || self.is_level(&hits, strips) {
+            return before.map(|c| c * share);
+        }
+        if self.edges.is_projection
+            && let Some(middle) = self.hit([x as f64 + 0.5, y as f64 + 0.5])
+        {
+            let rgba = if self.edges.scaling == Scaling::None { before } else { self.read(&middle, strips) };
+            return rgba.map(|c| c * share);
+        }
+        let mut sum = [0.0; 4];
+        for hit in hits.iter() {
+            let rgba = self.read(hit, strips);
+            for c in 0..4 {
+                sum[c] += rgba[c];
             }
         }
-        if let Some(middle) = middle {
-            let (rgba, is_as_before) =
-                if self.edges.scaling == Scaling::None { (before, true) } else { self.read(&middle, strips) };
-            let share = n_met as f32 / n as f32;
-            return if is_as_before { before } else { rgba }.map(|c| c * share);
-        }
-        sum.map(|c| c / n as f32)
+        sum.map(|c| c * (1.0 / N_READS as f32))
     }
 
-    /// Where a position of the picture is read, if its ray meets anything.
+    /// Whether all rays that hit, and the texels that they read, run equally far in the same regions.
     #[inline(always)]
-    fn met(&self, [x_px, y_px]: [f64; 2]) -> Option<Read> {
+    fn is_level(&self, hits: &Hits, strips: &mut Strips) -> bool {
+        let Some(first) = hits.iter().next() else { return true };
+        let (mut lo, mut hi) = (first.at, first.at);
+        for hit in hits.iter() {
+            if hit.plane != first.plane || !hit.met.is_like(&first.met) {
+                return false;
+            }
+            (lo, hi) = (lo.min(hit.at), hi.max(hit.at));
+        }
+        let [i, j] = [0, 1].map(|axis| (lo[axis].floor() as i64 - 1, hi[axis].floor() as i64 + 2));
+        let lanes = LANES as i64;
+        (j.0..=j.1).all(|j| {
+            (i.0.div_euclid(lanes)..=i.1.div_euclid(lanes)).all(|strip| {
+                let level = self.strip(first.plane, [strip, j], strips).level;
+                level.is_some_and(|level| level.is_like(&first.met))
+            })
+        })
+    }
+
+    /// Where a position of the picture is read, if its ray hits anything.
+    #[inline(always)]
+    fn hit(&self, [x_px, y_px]: [f64; 2]) -> Option<Read> {
         let plane = if self.is_parallel {
             0
         } else {
@@ -216,14 +239,19 @@ impl<'a> EdgePass<'a> {
         (met.regions != 0).then_some(Read { plane, at, met })
     }
 
-    /// The texels around a position, each as if its ray were as long as the read's; and whether that is the plain cubic.
     #[inline(always)]
-    fn read(&self, read: &Read, strips: &mut Strips) -> ([f32; 4], bool) {
+    fn strip<'s>(&self, plane: usize, place: [i64; 2], strips: &'s mut Strips) -> &'s Strip {
+        let picture = self.resamplers[plane].picture;
+        strips.get(plane, place, || Strip::new(&self.planes[plane], picture, self.edges.scaling, place))
+    }
+
+    /// The texels around a position, each as if its ray were as long as the read's.
+    #[inline(always)]
+    fn read(&self, read: &Read, strips: &mut Strips) -> [f32; 4] {
         let floor = read.at.floor();
         let t = (read.at - floor).to_array().map(|t| t as f32);
         let first = [floor.x as i64 - 1, floor.y as i64 - 1];
         let (along_u, along_v) = (cubic_weights(t[0]), cubic_weights(t[1]));
-        let picture = self.resamplers[read.plane].picture;
         let mut taps = Taps::default();
         for row in 0..4 {
             let j = first[1] + row as i64;
@@ -232,25 +260,28 @@ impl<'a> EdgePass<'a> {
             while column < 4 {
                 let i = first[0] + column as i64;
                 let (place, lane) = ([i.div_euclid(LANES as i64), j], i.rem_euclid(LANES as i64) as usize);
-                let strip = strips.get(read.plane, place, || {
-                    Strip::new(&self.planes[read.plane], picture, self.edges.scaling, place)
-                });
+                let strip = self.strip(read.plane, place, strips);
                 let n_here = (4 - column).min(LANES - lane);
                 for (column, lane) in (column..column + n_here).zip(lane..) {
-                    let k = 4 * row + column;
-                    taps.rgba[k] = strip.rgba[lane];
-                    taps.weight[k] = along_u[column] * along_v[row];
-                    taps.set(k, strip, lane, &read.met, self.edges.scaling);
+                    taps.weight[4 * row + column] = along_u[column] * along_v[row];
+                    taps.set(4 * row + column, strip, lane, &read.met, self.edges.scaling);
                 }
                 column += n_here;
             }
         }
-        let is_plain = taps.is_plain;
-        (taps.mean(self.edges.scaling, t, self.peak), is_plain)
+        taps.mean(self.edges.scaling, t, self.peak)
     }
 }
 
+/// Where in a pixel a read lies: sixteen places, no two of them in a row or in a column, and one in each cell of 4 x 4. So
+/// the share of a wall along the pixels' sides is right to a 32nd; the reference's sixteen rays lie there too.
+fn read_offset(k: usize) -> [f64; 2] {
+    let (i, j) = (k % READS_PER_AXIS, k / READS_PER_AXIS);
+    [(i, j), (j, i)].map(|(cell, within)| ((READS_PER_AXIS * cell + within) as f64 + 0.5) / N_READS as f64)
+}
+
 /// Where a picture is read.
+#[derive(Clone, Copy, Default)]
 struct Read {
     /// Which base plane.
     plane: usize,
@@ -260,92 +291,98 @@ struct Read {
     met: Met,
 }
 
+/// The reads of a pixel whose rays hit anything.
+#[derive(Default)]
+struct Hits {
+    reads: [Read; N_READS],
+    n: usize,
+}
+
+impl Hits {
+    #[inline(always)]
+    fn extend(&mut self, read: Option<Read>) {
+        if let Some(read) = read {
+            self.reads[self.n] = read;
+            self.n += 1;
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Read> {
+        self.reads[..self.n].iter()
+    }
+}
+
 /// The sixteen texels around a position.
+#[derive(Default)]
 struct Taps {
     rgba: [[f32; 4]; LANES],
     weight: [f32; LANES],
-    /// Whether the ray of a texel tells something of the read's.
+    /// Whether the ray of a texel says something about the read's.
     is_used: [bool; LANES],
     /// Whether it meets the same regions.
     is_alike: [bool; LANES],
     /// Of opacity, the optical depth along a ray as long as the read's; of sums, the factor.
     depth: [f32; LANES],
-    /// Whether its length is the read's.
-    is_same: [bool; LANES],
+    /// Whether its length differs from the read's.
+    is_other: [bool; LANES],
     /// Whether it may have stopped on the way.
     is_opaque: [bool; LANES],
-    is_plain: bool,
-}
-
-impl Default for Taps {
-    fn default() -> Self {
-        Self {
-            rgba: [[0.0; 4]; LANES],
-            weight: [0.0; LANES],
-            is_used: [false; LANES],
-            is_alike: [false; LANES],
-            depth: [0.0; LANES],
-            is_same: [true; LANES],
-            is_opaque: [false; LANES],
-            is_plain: true,
-        }
-    }
 }
 
 /// The four of sixteen texels that are nearest.
 const MIDDLE: [usize; 4] = [5, 6, 9, 10];
 
 /// Weights that sum to less are not those of a mean.
-const LEAST_WEIGHT: f32 = 0.4;
+const MIN_WEIGHT: f32 = 0.4;
 
 impl Taps {
     #[inline(always)]
     fn set(&mut self, k: usize, strip: &Strip, lane: usize, met: &Met, scaling: Scaling) {
         let length = strip.length[lane];
+        let is_scaled = scaling != Scaling::None;
+        self.rgba[k] = strip.rgba[lane];
         self.is_alike[k] = strip.met[lane] == met.regions;
-        let is_long = scaling == Scaling::None || (length > SLIVER && length >= SHORT * met.length);
-        self.is_used[k] = self.is_alike[k] && is_long;
-        self.is_same[k] = scaling == Scaling::None || (length - met.length).abs() <= SAME * met.length;
+        let is_long = length > MIN_LENGTH_SLICES && length >= MIN_LENGTH_RATIO * met.length;
+        self.is_used[k] = self.is_alike[k] && (is_long || !is_scaled);
+        self.is_other[k] = is_scaled && (length - met.length).abs() > LENGTH_TOLERANCE * met.length;
         self.depth[k] = match scaling {
             Scaling::Opacity => strip.depth[lane] * met.length as f32,
             Scaling::Sum => (met.length / length) as f32,
             Scaling::None => 1.0,
         };
         self.is_opaque[k] = strip.is_opaque[lane];
-        self.is_plain &= self.is_used[k] && self.is_same[k];
     }
 
     /// The weighted mean, between the nearest, no colour brighter than its opacity lets it be.
     #[inline(always)]
     fn mean(mut self, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
-        if !self.is_used.contains(&true) {
+        if self.is_used == [false; LANES] {
             self.is_used = self.is_alike;
         }
         self.scale(scaling);
-        let used = |k: &usize| self.is_used[*k];
-        let total: f32 = (0..LANES).filter(used).map(|k| self.weight[k]).sum();
+        // Written as selections, so that it becomes vectors.
+        let weight: [f32; LANES] = std::array::from_fn(|k| if self.is_used[k] { self.weight[k] } else { 0.0 });
+        let total: f32 = weight.iter().sum();
+        if total < MIN_WEIGHT {
+            return self.nearest(t);
+        }
         let mut mean = [0.0; 4];
-        if total >= LEAST_WEIGHT {
-            let (mut least, mut most) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
-            let has_middle = MIDDLE.iter().any(used);
-            for k in (0..LANES).filter(used) {
-                for c in 0..4 {
-                    mean[c] += self.weight[k] / total * self.rgba[k][c];
-                    if !has_middle || MIDDLE.contains(&k) {
-                        least[c] = least[c].min(self.rgba[k][c]);
-                        most[c] = most[c].max(self.rgba[k][c]);
-                    }
-                }
+        for k in 0..LANES {
+            let weight = weight[k] / total;
+            for c in 0..4 {
+                mean[c] += weight * self.rgba[k][c];
             }
-            (0..4).for_each(|c| mean[c] = mean[c].max(least[c]).min(most[c]));
-        } else {
-            // The nearest of them alone.
-            let distance = |k: &usize| {
-                let [u, v] = [k % 4, k / 4].map(|place| place as f32 - 1.0);
-                (u - t[0]).powi(2) + (v - t[1]).powi(2)
-            };
-            let nearest = (0..LANES).filter(used).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            mean = nearest.map_or([0.0; 4], |k| self.rgba[k]);
+        }
+        let has_middle = MIDDLE.iter().any(|k| self.is_used[*k]);
+        let (mut least, mut most) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+        for k in (0..LANES).filter(|k| self.is_used[*k] && (!has_middle || MIDDLE.contains(k))) {
+            for c in 0..4 {
+                least[c] = least[c].min(self.rgba[k][c]);
+                most[c] = most[c].max(self.rgba[k][c]);
+            }
+        }
+        for c in 0..4 {
+            mean[c] = mean[c].max(least[c]).min(most[c]);
         }
         mean[3] = mean[3].min(1.0);
         for c in 0..3 {
@@ -354,22 +391,33 @@ impl Taps {
         mean
     }
 
-    /// Of a ray that has stopped, the matter is as dense as the densest beside it that is known; as dense as can be where
-    /// nothing is known.
+    /// The nearest texel that is used, where too few are for a mean.
+    #[inline(never)]
+    fn nearest(&self, t: [f32; 2]) -> [f32; 4] {
+        let distance = |k: &usize| {
+            let [u, v] = [k % 4, k / 4].map(|place| place as f32 - 1.0);
+            (u - t[0]).powi(2) + (v - t[1]).powi(2)
+        };
+        let used = (0..LANES).filter(|k| self.is_used[*k]);
+        used.min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or([0.0; 4], |k| self.rgba[k])
+    }
+
+    /// Opaque texels give only a lower bound of the extinction: the largest that is known nearby is taken, or the largest
+    /// of all where none is.
     #[inline(always)]
     fn estimate_opaque(&mut self) {
-        if !self.is_opaque.contains(&true) {
+        if self.is_opaque == [false; LANES] {
             return;
         }
         let mut densest = 0.0;
         for k in 0..LANES {
-            if self.is_used[k] && !self.is_opaque[k] && self.rgba[k][3] > TELLING {
+            if self.is_used[k] && !self.is_opaque[k] && self.rgba[k][3] > MIN_RELIABLE_OPACITY {
                 densest = self.depth[k].max(densest);
             }
         }
         for k in 0..LANES {
             if self.is_opaque[k] {
-                self.depth[k] = if densest > 0.0 { self.depth[k].max(densest) } else { MOST_DEPTH };
+                self.depth[k] = if densest > 0.0 { self.depth[k].max(densest) } else { MAX_DEPTH };
             }
         }
     }
@@ -377,33 +425,37 @@ impl Taps {
     /// Brings the texels to the length of the read's ray.
     #[inline(always)]
     fn scale(&mut self, scaling: Scaling) {
+        if self.is_other == [false; LANES] {
+            return;
+        }
         match scaling {
             Scaling::None => {}
             Scaling::Sum => {
-                for k in (0..LANES).filter(|k| !self.is_same[*k]) {
-                    (0..2).for_each(|c| self.rgba[k][c] *= self.depth[k]);
+                for k in 0..LANES {
+                    let factor = if self.is_other[k] { self.depth[k] } else { 1.0 };
+                    (0..2).for_each(|c| self.rgba[k][c] *= factor);
                 }
             }
-            Scaling::Opacity if self.is_same == [true; LANES] => {}
             Scaling::Opacity => {
                 self.estimate_opaque();
                 let opacity = one_minus_exp_neg(Plain, self.depth);
                 for k in 0..LANES {
-                    if !self.is_same[k] && self.rgba[k][3] > 0.0 {
-                        let factor = opacity[k] / self.rgba[k][3];
-                        self.rgba[k] = self.rgba[k].map(|c| c * factor);
-                    }
+                    let is_scaled = self.is_other[k] && self.rgba[k][3] > 0.0;
+                    let factor = if is_scaled { opacity[k] / self.rgba[k][3] } else { 1.0 };
+                    self.rgba[k] = self.rgba[k].map(|c| c * factor);
                 }
             }
         }
     }
 }
 
-/// Sixteen texels of a row, and what their rays have drawn.
+/// Sixteen texels of a row, and the rays that drew them.
 struct Strip {
     rgba: [[f32; 4]; LANES],
     met: [u8; LANES],
     length: [f64; LANES],
+    /// What all of them meet, if it is the same.
+    level: Option<Met>,
     /// Optical depth per slice.
     depth: [f32; LANES],
     /// Whether there may be more than that.
@@ -413,17 +465,17 @@ struct Strip {
 /// Opacity of rays that may have stopped on the way.
 const OPAQUE: f32 = 1.0 - 2e-4;
 
-/// Opacity of a ray that tells how dense the matter is.
-const TELLING: f32 = 0.3;
+/// Smallest opacity from which extinction is estimated.
+const MIN_RELIABLE_OPACITY: f32 = 0.3;
 
 /// An optical depth that is opaque, whatever it is multiplied with.
-const MOST_DEPTH: f32 = 1e6;
+const MAX_DEPTH: f32 = 1e6;
 
 impl Strip {
     /// `place`: of the strip along u, and the row.
     fn new(plane: &PlaneSilhouette, picture: &BasePicture, scaling: Scaling, [strip, j]: [i64; 2]) -> Self {
         let i = strip * LANES as i64;
-        let (mut met, length) = plane.drawn(i as f64, j as f64);
+        let (mut met, length) = plane.rendered(i as f64, j as f64);
         let (mut rgba, mut depth, mut is_opaque) = ([[0.0; 4]; LANES], [0.0; LANES], [false; LANES]);
         let [n_u, n_v] = picture.plane.size;
         let row = usize::try_from(j).ok().filter(|j| *j < n_v).map(|j| picture.row(j));
@@ -439,7 +491,9 @@ impl Strip {
                 depth[lane] = (optical_depth(opacity.min(OPAQUE)) / length[lane].max(f64::MIN_POSITIVE)) as f32;
             }
         }
-        Self { rgba, met, length, depth, is_opaque }
+        let first = Met { regions: met[0], length: length[0] };
+        let is_level = (1..LANES).all(|k| first.is_like(&Met { regions: met[k], length: length[k] }));
+        Self { rgba, met, length, level: is_level.then_some(first), depth, is_opaque }
     }
 }
 
@@ -467,7 +521,7 @@ struct Strips(Vec<Option<([i64; 3], Strip)>>);
 const N_PLACES: [i64; 2] = [4, 16];
 
 impl Strips {
-    /// That of a base plane at a place, made where it is not there.
+    /// Returns the cached strip of a base plane at a place, or makes it.
     #[inline(always)]
     fn get(&mut self, plane: usize, [strip, j]: [i64; 2], make: impl FnOnce() -> Strip) -> &Strip {
         let n = (N_PLACES[0] * N_PLACES[1]) as usize;

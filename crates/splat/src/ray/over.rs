@@ -26,7 +26,7 @@ use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
-use crate::source::nonfinite::known_share;
+use crate::source::nonfinite::{known_between, known_share};
 
 /// Emission and absorption. `EXTRA`: with what few pictures have; a constant, so that the others do not pay for it.
 pub struct Over<'a, const EXTRA: bool> {
@@ -150,13 +150,13 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let mut whole_length = w.mul(extent, rays.thickness(w, chunks));
         let mut length = whole_length;
         if geometry.slices.has_mask() {
-            let missing = [&slab.first.front, &slab.first.back].map(|sheet| sheet.missing(w, chunks));
-            // The share is linear: its mean over a part is that in the middle, of what is visible, and of all for the
-            // labels' own matter.
-            let [of_scan, of_all] = [w.add(passage.first, passage.last), w.splat(1.0)].map(|twice| {
-                let at = w.add_mul(begin, w.mul(twice, w.splat(0.5)), w.mul(extent, per_s));
-                known_share(w, w.add_mul(missing[0], at, w.sub(missing[1], missing[0])))
-            });
+            let missing = Some([slab.first.front.missing(w, chunks), slab.first.back.missing(w, chunks)]);
+            // In the middle of what is visible; of all for the labels' own matter.
+            let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
+            let (of_scan, of_all) = (
+                known_between(w, missing, w.add_mul(begin, middle, w.mul(extent, per_s))),
+                known_between(w, missing, w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s))),
+            );
             length = w.mul(length, of_scan);
             whole_length = w.mul(whole_length, of_all);
         }

@@ -33,7 +33,8 @@ pub struct RaycastOptions {
     pub kernel: Kernel,
     /// Distance of samples along the ray, in units of the smallest spacing.
     pub step: f64,
-    /// Rays per pixel, a square number; they lie on a regular grid.
+    /// Rays per pixel, a square number: one in each cell of a square grid, no two of them in a row or in a column, so
+    /// that the share of a straight edge along the pixels' sides is right to half of one by their number.
     pub rays_per_pixel: usize,
 }
 
@@ -99,15 +100,16 @@ pub fn raycast_layers(
         let (width_px, n_pixels) = (options.width_px, options.width_px * options.height_px);
         let progress = Progress::new(monitor, n_pixels.div_ceil(N_PIXELS));
         let parts = parallel::map(n_pixels.div_ceil(N_PIXELS), |k| {
+            if progress.is_stopped() {
+                return Vec::new();
+            }
             let pixel = |i: usize| {
-                if progress.ask() {
-                    return [0.0; 4];
-                }
                 let (x, y) = (i % width_px, i / width_px);
                 let mut sum = [0.0; 4];
                 for s in 0..sampling.rays_per_pixel {
-                    let offset = |k: usize| (k as f64 + 0.5) / per_axis as f64;
-                    let (px, py) = (x as f64 + offset(s % per_axis), y as f64 + offset(s / per_axis));
+                    let (i, j) = (s % per_axis, s / per_axis);
+                    let offset = |k: usize| (k as f64 + 0.5) / sampling.rays_per_pixel as f64;
+                    let (px, py) = (x as f64 + offset(per_axis * i + j), y as f64 + offset(per_axis * j + i));
                     let rgba = caster.cast(rays.origin(px, py), rays.direction(px, py));
                     (0..4).for_each(|c| sum[c] += rgba[c] / sampling.rays_per_pixel as f64);
                 }
@@ -430,7 +432,7 @@ impl<'a> RayCaster<'a> {
         let to_eye = -world.normalize();
         let start = if self.perspective { 0.0 } else { f64::NEG_INFINITY };
         let of_crop = Region { half_spaces: self.crop.clone(), bounds: [DVec3::ZERO; 2] };
-        let all = of_crop.clip(origin, direction, [start, f64::INFINITY]);
+        let all = of_crop.passage(origin, direction, [start, f64::INFINITY]).ends;
         let own_ray = |layer: &CastVolume| {
             let map = layer.own_from_first;
             (map.transform_point3(origin), map.matrix3 * direction)
@@ -440,7 +442,7 @@ impl<'a> RayCaster<'a> {
             .iter()
             .map(|layer| {
                 let (origin, direction) = own_ray(layer);
-                layer.region.clip(origin, direction, all)
+                layer.region.passage(origin, direction, all).ends
             })
             .collect();
         let seen = || drawn.iter().filter(|[t_in, t_out]| t_in < t_out);

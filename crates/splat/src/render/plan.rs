@@ -378,10 +378,13 @@ impl FamilyPlan {
 }
 
 /// Most layers of a picture.
-pub const MOST_LAYERS: usize = 8;
+pub const MAX_LAYERS: usize = 8;
+
+// The layers that a ray hits are bits of a byte (`view::silhouette::Met`).
+const _: () = assert!(MAX_LAYERS <= u8::BITS as usize);
 
 fn check_layers(layers: &[Layer], composite: Composite) -> Result<()> {
-    if layers.is_empty() || layers.len() > MOST_LAYERS {
+    if layers.is_empty() || layers.len() > MAX_LAYERS {
         return Err(Error::out_of_range("number of layers", layers.len(), "1 to 8", "leave some out"));
     }
     if layers.len() > 1 && composite != Composite::Over {

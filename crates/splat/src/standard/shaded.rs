@@ -226,7 +226,7 @@ const ON_A_FACE: f64 = 1e-6;
 fn cut(bits: &mut [u16], family: &FamilyScene, [u_lo, v, w]: [i64; 3]) {
     let start = family.position([0.0, v as f64, w as f64]);
     let along = family.position([1.0, 0.0, 0.0]);
-    let [lo, hi] = family.scene.region.clip(start, along, [f64::NEG_INFINITY, f64::INFINITY]);
+    let [lo, hi] = family.scene.region.passage(start, along, [f64::NEG_INFINITY, f64::INFINITY]).ends;
     for (chunk, bits) in bits.iter_mut().enumerate() {
         for lane in 0..LANES {
             let u = (u_lo + (chunk * LANES + lane) as i64) as f64;

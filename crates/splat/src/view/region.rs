@@ -107,21 +107,13 @@ impl Region {
         self.half_spaces.iter().all(|h| h.normal.dot(index) + h.offset >= 0.0)
     }
 
-    /// Interval of the ray parameter `t` of `origin + t · direction` that is inside; empty where lo ≥ hi.
-    pub fn clip(&self, origin: DVec3, direction: DVec3, [mut lo, mut hi]: [f64; 2]) -> [f64; 2] {
-        for h in &self.half_spaces {
-            narrow(h.normal.dot(origin) + h.offset, h.normal.dot(direction), &mut lo, &mut hi);
-        }
-        [lo, hi]
-    }
-
-    /// Where a ray from `start` on enters and leaves it, and through which walls.
-    pub fn passage(&self, origin: DVec3, direction: DVec3, start: f64) -> Passage {
-        let mut passage = Passage { ends: [start, f64::INFINITY], walls: [usize::MAX; 2] };
-        let [mut lo, mut hi] = passage.ends;
-        // Of length about 1, whatever the unit of lengths, so that what counts as parallel to a wall depends on it no more.
+    /// Where the part of a ray between two ray parameters enters and leaves it, and through which walls.
+    pub fn passage(&self, origin: DVec3, direction: DVec3, part: [f64; 2]) -> Passage {
+        // Directions of length about 1, so that what counts as parallel to a wall does not depend on the unit of lengths.
         let scale = direction.abs().max_element();
         let direction = direction / scale;
+        let mut passage = Passage { ends: part.map(|end| end * scale), walls: [usize::MAX; 2] };
+        let [mut lo, mut hi] = passage.ends;
         for (wall, h) in self.half_spaces.iter().enumerate() {
             narrow(h.normal.dot(origin) + h.offset, h.normal.dot(direction), &mut lo, &mut hi);
             for (k, end) in [lo, hi].into_iter().enumerate() {
@@ -149,6 +141,8 @@ impl Region {
                 Some(eye_w) => {
                     h.normal[axis_w] += ahead * way;
                     h.offset -= ahead * way * eye_w;
+                    let length = h.normal.length();
+                    (h.normal, h.offset) = (h.normal / length, h.offset / length);
                 }
             }
         }
@@ -242,10 +236,16 @@ mod tests {
         let crop = Some(Crop::World { lo: DVec3::new(3.0, -1.0, -1.0), hi: DVec3::splat(100.0) });
         let clip_planes = vec![ClipPlane { origin: DVec3::new(10.0, 0.0, 0.0), normal: DVec3::new(-2.0, 0.0, 0.0) }];
         let region = region(&RenderOptions { crop, clip_planes, ..RenderOptions::default() }).unwrap();
-        let [lo, hi] = region.clip(DVec3::new(-5.0, 4.0, 4.0), DVec3::X, [f64::NEG_INFINITY, f64::INFINITY]);
+        let whole = [f64::NEG_INFINITY, f64::INFINITY];
+        let [lo, hi] = region.passage(DVec3::new(-5.0, 4.0, 4.0), DVec3::X, whole).ends;
         // World 3 and 10 are index 1.5 and 5.
         assert!((lo - 6.5).abs() < 1e-12 && (hi - 10.0).abs() < 1e-12, "{lo} {hi}");
         assert!(region.contains(DVec3::new(2.0, 4.0, 4.0)) && !region.contains(DVec3::new(1.0, 4.0, 4.0)));
+        // The same ray in other units of lengths.
+        for unit in [1e-15, 1e15] {
+            let ends = region.passage(DVec3::new(-5.0, 4.0, 4.0), unit * DVec3::X, whole).ends;
+            assert!((ends[0] * unit - lo).abs() < 1e-9 && (ends[1] * unit - hi).abs() < 1e-9, "{unit}: {ends:?}");
+        }
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub struct Silhouette {
 }
 
 /// Which regions a ray meets, as bits, and how far it runs in them, along w.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Met {
     /// The regions, as bits.
     pub regions: u8,
@@ -28,9 +28,9 @@ pub struct Met {
 
 /// What a rectangle of the picture shows of the silhouette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Coverage {
     /// Every ray meets the same regions, and the next one runs about as far in them.
-    Even,
+    Inside,
     /// No ray meets anything.
     Outside,
     /// Rays may differ.
@@ -88,7 +88,7 @@ impl Silhouette {
     /// Whether the ray of a pixel position meets anything.
     pub fn is_met(&self, rays: &IndexRays, is_parallel: bool, [x_px, y_px]: [f64; 2]) -> bool {
         let (origin, direction) = (rays.origin(x_px, y_px), rays.direction(x_px, y_px));
-        self.regions.iter().any(|region| region.passage(origin, direction, start(is_parallel)).length() > 0.0)
+        self.regions.iter().any(|region| region.passage(origin, direction, whole(is_parallel)).length() > 0.0)
     }
 
     /// Of each region, the passages of rays from `first` on, `distance` pixels apart, so many along x and y, row by row.
@@ -98,7 +98,7 @@ impl Silhouette {
             passages.clear();
             for [x_px, y_px] in grid.places() {
                 let (origin, direction): (DVec3, DVec3) = (rays.origin(x_px, y_px), rays.direction(x_px, y_px));
-                passages.push(region.passage(origin, direction, start(is_parallel)));
+                passages.push(region.passage(origin, direction, whole(is_parallel)));
             }
         }
     }
@@ -136,9 +136,9 @@ impl Silhouette {
     }
 }
 
-/// Where rays of the picture begin.
-fn start(is_parallel: bool) -> f64 {
-    if is_parallel { f64::NEG_INFINITY } else { 0.0 }
+/// The ray parameters of rays of the picture, which begin at the eye or nowhere.
+fn whole(is_parallel: bool) -> [f64; 2] {
+    [if is_parallel { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY]
 }
 
 /// Positions of the picture, evenly spaced.
@@ -163,7 +163,16 @@ impl PixelGrid {
     }
 }
 
+/// Lengths that differ by less, relatively, count as the same: about what float32 tells apart.
+pub const LENGTH_TOLERANCE: f64 = 1e-6;
+
 impl Met {
+    /// Whether another ray meets the same regions for the same length.
+    #[inline(always)]
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.regions == other.regions && (self.length - other.length).abs() <= LENGTH_TOLERANCE * self.length
+    }
+
     fn add(&mut self, region: usize, [lo, hi]: [f64; 2]) {
         if lo < hi {
             self.regions |= 1 << region;
@@ -172,7 +181,7 @@ impl Met {
     }
 }
 
-impl Part {
+impl Coverage {
     /// Of a rectangle by the passages of the rays of its corners, of one region. `size_px`: its shorter side. `reach_px`:
     /// how far from a pixel the filter reads.
     ///
@@ -191,7 +200,7 @@ impl Part {
         let least = lengths.into_iter().fold(f64::INFINITY, f64::min);
         let most = lengths.into_iter().fold(0.0, f64::max);
         // What is read from beside a pixel has about as long a way.
-        if least >= (1.0 + reach_px) * (most - least) / size_px { Self::Even } else { Self::Edge }
+        if least >= (1.0 + reach_px) * (most - least) / size_px { Self::Inside } else { Self::Edge }
     }
 
     /// Of several regions together.
@@ -200,7 +209,7 @@ impl Part {
         match (self, other) {
             (Self::Edge, _) | (_, Self::Edge) => Self::Edge,
             (Self::Outside, Self::Outside) => Self::Outside,
-            _ => Self::Even,
+            _ => Self::Inside,
         }
     }
 }
@@ -215,9 +224,10 @@ pub struct PlaneSilhouette<'a> {
 }
 
 impl PlaneSilhouette<'_> {
-    /// What is drawn of the texels of a run that begins at `(i, j)`, which is more than they meet where that is nothing.
+    /// The regions and lengths that the texels of a run from `(i, j)` on were rendered with: for rays that miss everything,
+    /// those of the widened walls.
     #[inline(always)]
-    pub fn drawn(&self, i: f64, j: f64) -> ([u8; LANES], [f64; LANES]) {
+    pub fn rendered(&self, i: f64, j: f64) -> ([u8; LANES], [f64; LANES]) {
         let (mut met, mut length) = self.intervals(&self.silhouette.regions, i, j);
         if met.contains(&0) {
             let (met_beyond, length_beyond) = self.intervals(&self.widened, i, j);

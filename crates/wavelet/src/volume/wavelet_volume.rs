@@ -76,7 +76,8 @@ impl WaveletVolume {
                     let [lo, hi] = range;
                     return Err(WaveletError::PsnrOutOfReach { psnr_db, reached_db: found.psnr_db, lo, hi });
                 }
-                (found.threshold, Some(found.psnr_db))
+                // A constant has no range to measure errors by.
+                (found.threshold, (range[0] < range[1]).then_some(found.psnr_db))
             }
         };
         drop(wanted);

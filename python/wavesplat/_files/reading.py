@@ -34,7 +34,9 @@ OF_BYTES = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGz
 #: How messages tell of them.
 SAYS_BYTES = re.compile(
     r"truncate|truncati[no]|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt"
-    r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut",
+    r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut"
+    # Of numcodecs: Zstd and LZ4 say no more, whether bytes are missing or wrong; which of both depends on the release.
+    r"|decompression error|error during \w+ decompression|bad input data",
     re.IGNORECASE,
 )
 #: Packages that only some files need -> the extra that brings them.

@@ -163,6 +163,9 @@ def test_hdf5_external_links(folder):
         refused(path, "secret.h5' as the place of", dataset=name)
         allowed(path, dataset=name)
     refused(path, "go round in a circle", dataset="round")
+    refused(path, "go round in a circle", dataset="round", external_files=True)
+    refused(path, "secret.h5' as the place of", dataset="./other/raw")
+    np.testing.assert_array_equal(ws.open(path, dataset="./own").samples, SAMPLES)
     np.testing.assert_array_equal(ws.open(path, dataset="deep/own").samples, SAMPLES)
     np.testing.assert_array_equal(ws.open(path).samples, SAMPLES)
 

@@ -100,8 +100,7 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     file.visititems(visit)
     listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
     if request.dataset is not None:
-        if not request.external_files:
-            _check_way(file, request.dataset, request)
+        _check_way(file, request.dataset, request)
         node = file.get(request.dataset)
         if not isinstance(node, h5py.Dataset):
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
@@ -135,7 +134,7 @@ def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: s
 
 
 def _check_way(file: h5py.File, name: str, request: Request) -> None:
-    """A `FileError` if the way to a dataset leaves the file."""
+    """A `FileError` if the way to a dataset leaves the file without leave, or goes round in a circle."""
     import h5py
 
     place, parts = "/", name.split("/")
@@ -143,11 +142,13 @@ def _check_way(file: h5py.File, name: str, request: Request) -> None:
         if not parts:
             return
         part = parts.pop(0)
-        if not part:
+        if part in ("", "."):
             continue
         here = file.get(place)
         link = here.get(part, getlink=True) if isinstance(here, h5py.Group) else None
         if isinstance(link, h5py.ExternalLink):
+            if request.external_files:
+                return
             raise refused(f"{link.filename!r} as the place of {name!r}", request.path)
         if isinstance(link, h5py.SoftLink):
             parts = link.path.split("/") + parts

@@ -175,13 +175,28 @@ def test_links_count_where_they_lead(place):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
-def test_patterns_that_are_the_name_of_a_link_to_nothing(place):
+def test_patterns_lead_nowhere_else(place):
     (place / "a1.npy").symlink_to(place.parent / "elsewhere" / "a.npy")
-    (place / "[a]*.npy").symlink_to("not there")
     path = written(place, {"path": "[a]*.npy", "series_of_times": True})
     with pytest.raises(FileError, match=OUT):
         ws.Scene.load(path)
     np.testing.assert_array_equal(ws.Scene.load(path, external_files=True).layers[0].volume[0].samples, SAMPLES)
+    (place / "[a]*.npy").symlink_to("not there")  # has the name, so nothing is matched
+    for options in ({}, {"external_files": True}):
+        with pytest.raises(FileError, match="no such file or folder"):
+            ws.Scene.load(path, **options)
+
+
+def test_patterns_in_folders_whose_names_look_like_patterns(place):
+    folder = place / "scan [1]"
+    folder.mkdir()
+    for n in range(3):
+        np.save(folder / f"t{n}.npy", SAMPLES + n)
+    series = ws.Scene.load(written(folder, {"path": "t[12].npy", "series_of_times": True})).layers[0].volume
+    assert len(series) == 2
+    np.testing.assert_array_equal(series[0].samples, SAMPLES + 1)
+    series = ws.Scene.load(written(place, {"path": "scan [1]/t*.npy", "series_of_times": True})).layers[0].volume
+    assert len(series) == 3
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")

@@ -6,7 +6,6 @@ In the name of an output, {stem} is the input's without suffix, {name} with it, 
 
 from __future__ import annotations
 
-import glob
 import inspect
 import os
 import re
@@ -20,8 +19,8 @@ import typer
 
 from wavesplat._cli.printing import collected, message, print_lines
 from wavesplat._files.addresses import is_address, shown
-from wavesplat._files.natural_order import natural_key
-from wavesplat.errors import ArgumentError, FileError, WavesplatError
+from wavesplat._files.patterns import matching_files
+from wavesplat.errors import ArgumentError, WavesplatError
 
 __all__ = ["takes_several_inputs"]
 
@@ -76,14 +75,7 @@ def _found(given: list[str]) -> list[str]:
     """The inputs, patterns looked up, each once."""
     found: dict[str, None] = {}
     for text in given:
-        pattern = os.path.expanduser(text)  # noqa: PTH111 - which lets nobody's home be
-        if not glob.has_magic(text) or is_address(text) or os.path.lexists(pattern):
-            found[text] = None
-            continue
-        names = sorted(glob.glob(pattern, recursive=True), key=natural_key)  # noqa: PTH207 - also of whole paths
-        if not names:
-            raise FileError(f"no file fits the pattern; check it: {text}")
-        found.update(dict.fromkeys(names))
+        found.update(dict.fromkeys(matching_files(text) or [text]))
     return list(found)
 
 

@@ -34,8 +34,8 @@ FORMAT = 3
 #: Numbers of samples that looks, kinds of data and cameras are found by (`_looks.histogram`, `_looks.kinds`,
 #: `_render.framing`): those of every n-th along each axis are kept.
 LOOKED_AT = (2_000_000, 250_000, 150_000, 20_000)
-#: Bytes that are read at once, and most bytes of bounds that are kept in a file.
-STEP_BYTES, MOST_KEPT_BYTES = 64 << 20, 1 << 28
+#: Bytes that are read at once, and bytes of bounds that a file may have.
+STEP_BYTES, MAX_KEPT_BYTES = 64 << 20, 1 << 28
 
 #: What reading a file that is damaged, or another one, ends in.
 DAMAGED: tuple[type[Exception], ...] = (
@@ -264,7 +264,7 @@ def _keep(place: Place, survey: Survey) -> None:
     for part, core in (("samples", survey.core), ("prepared", survey.prepared)):
         if core is not None:
             side, bounds, strided = core.parts()
-            if bounds.nbytes > MOST_KEPT_BYTES:
+            if bounds.nbytes > MAX_KEPT_BYTES:
                 return
             parts |= {f"{part} side": np.array([side]), f"{part} bounds": bounds}
             parts[f"{part} statistics"] = np.array(core.statistics, np.float64)
@@ -281,6 +281,9 @@ def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memor
         return None
     try:
         with file, np.load(file, allow_pickle=False) as parts:
+            # No more than is said here is unpacked.
+            if sum(member.file_size for member in parts.zip.infolist()) > max(memory, 2 * MAX_KEPT_BYTES):
+                return None
             core = _rebuilt(parts, "samples", array.shape, kernel, steps)
             prepared = None
             if "prepared side" in parts.files:

@@ -9,6 +9,8 @@ import pytest
 from dicom_files import base, enhanced, random, save, slice_at
 
 import wavesplat as ws
+from wavesplat._readers import dicom
+from wavesplat._readers.dicom_pixels import frames_in
 from wavesplat.errors import FileError, FileWarning
 
 #: Of slices by `slice_at`: LPS to RAS.
@@ -296,13 +298,16 @@ def test_every_second_file_cut(tmp_path):
         assert ws.open(folder).shape == (4, 6, 7)
 
 
-def test_a_damaged_slice_of_one_time_is_named(tmp_path):
+def test_a_damaged_slice_of_one_time_is_named(tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(dicom, "frames_in", lambda header: read.append(header.file) or frames_in(header))
     pixels = random(6)
     folder = save(tmp_path / "ct", [slice_at(p, n, z=1.5 * (n // 2)) for n, p in enumerate(pixels)])
     check(ws.open(folder, time=1), pixels[1::2])
     cut_in_the_pixels(folder / "002.dcm")
     with pytest.raises(FileError, match=r"\(002.dcm\), and left out; then 2 slices at position .* missing or doubled"):
         ws.open(folder, time=0)
+    assert len(read) == 3 + 6, "each file once, of the whole volume and of the damaged one"
     check(ws.open(folder, time=1), pixels[1::2])  # whose files are whole
 
 

@@ -166,8 +166,10 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     if is_placed and not unreadable:  # files of other volumes need not be read
         wanted = {frame.file for frame in _chosen(all_frames, (), headers, request)[0].frames}
     pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
+    if not pixels:
+        raise next(iter(damaged.values()))
     if damaged:  # where files are missing, all that there are decide which frames belong together
-        pixels, damaged = _pixels(headers, request)
+        pixels, damaged = _pixels(headers, request, {**pixels, **damaged})
     unreadable = {**unreadable, **damaged}
     losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
     frames = [frame for frame in all_frames if frame.file not in damaged]
@@ -266,20 +268,15 @@ def _mosaic(request: Request) -> str:
     )
 
 
-def _pixels(headers: Sequence[Header], request: Request) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
-    """Stored numbers of all frames by file, and the files whose pixels cannot be read."""
+def _pixels(
+    headers: Sequence[Header], request: Request, known: Mapping[Path, NDArray[Any] | Exception] | None = None
+) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
+    """Stored numbers of all frames by file, and the files whose pixels cannot be read. `known`: read before."""
     payload.check_memory(sum(_n_bytes(header) for header in headers), request.path)
-    pixels: dict[Path, NDArray[Any]] = {}
-    failed: dict[Path, Exception] = {}
-    for header in headers:
-        found = _pixels_of(header)
-        if isinstance(found, Exception):
-            failed[header.file] = found
-        else:
-            pixels[header.file] = found
-    if not pixels:
-        raise next(iter(failed.values()))
-    return pixels, failed
+    known = known or {}
+    found = {header.file: known[header.file] if header.file in known else _pixels_of(header) for header in headers}
+    pixels = {file: one for file, one in found.items() if not isinstance(one, Exception)}
+    return pixels, {file: one for file, one in found.items() if isinstance(one, Exception)}
 
 
 def _pixels_of(header: Header) -> NDArray[Any] | Exception:

@@ -22,7 +22,9 @@ __all__ = ["EMPTY", "N_NAMED", "Stack", "stacked"]
 #: Part of the slice distance by which a slice may be off its place: positions are rounded by scanners.
 TOLERANCE = 0.05
 #: More slices than this, for each that is there, are no gap but a stray slice.
-MOST_FILLED = 4
+MAX_FILLED = 4
+#: Slices of a segmentation with those that it leaves out; no scan has as many.
+MAX_SLICES = 1 << 16
 #: The share of a slice of which nothing is in the file, and which is 0 throughout.
 EMPTY = float("nan")
 #: Files that a message names.
@@ -58,10 +60,13 @@ def stacked(frames: Sequence[Frame], request: Request, *, is_mask: bool = False)
 
 
 def _with_empty_slices(frames: Sequence[Frame], positions: NDArray[np.float64]) -> Stack | None:
-    """The frames with empty slices between them; None if their distances are no multiples of the smallest."""
+    """The frames with empty slices between them; None if distances are no multiples of the smallest, or it is tiny."""
     way = positions[-1] - positions[0]
     along = (positions - positions[0]) @ (way / np.linalg.norm(way))
-    steps = along / np.diff(along).min()
+    smallest = np.diff(along).min()
+    if not smallest * MAX_SLICES > along[-1]:
+        return None
+    steps = along / smallest
     numbers = np.round(steps).astype(int)
     if np.abs(steps - numbers).max() > TOLERANCE * max(1, numbers[-1] // len(frames)):
         return None
@@ -95,7 +100,7 @@ def _filled(
     n_slices = round(length / usual) + 1 if usual > 0 else 0
     if beside > TOLERANCE * usual:
         raise FileError(_off_line(frames, positions, request))
-    if request.gaps == "refuse" or not 2 <= n_slices <= MOST_FILLED * len(frames) + 1:
+    if request.gaps == "refuse" or not 2 <= n_slices <= MAX_FILLED * len(frames) + 1:
         raise FileError(_uneven(frames, distances, listed, request))
     places = np.linspace(0.0, length, n_slices)
     after = np.clip(np.searchsorted(along, places), 1, len(frames) - 1)

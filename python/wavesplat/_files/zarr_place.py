@@ -11,7 +11,7 @@ import stat
 import threading
 import warnings
 from collections.abc import Coroutine
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from wavesplat._files import web
@@ -65,7 +65,7 @@ class ZarrPlace:
         FileError
             If it cannot be read, or is more than can be there.
         """
-        _check_key(key)
+        self._check_key(key)
         if self.root is not None:
             return self._kept(key, self._of_file(key, part))
         from fsspec.asyn import get_loop, sync
@@ -75,7 +75,7 @@ class ZarrPlace:
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
         """The same where other keys are read meanwhile."""
-        _check_key(key)
+        self._check_key(key)
         if self.root is not None:
             return self._kept(key, await asyncio.to_thread(self._of_file, key, part))
         from fsspec.asyn import get_loop
@@ -158,7 +158,11 @@ class ZarrPlace:
     async def _of_bucket(self, key: str, most: int, part: Part) -> bytes | None:
         """By the library of the protocol; a byte more than may be there is asked for, to see whether there is one."""
         files, root = self._bucket()
-        first, end = (0, most + 1) if part is None else part
+        first, end = (0, None) if part is None else part
+        if -first > most:
+            raise self._too_long(key, most, -first)
+        if first >= 0:
+            end = min(first + most + 1, first + most + 1 if end is None else end)
         try:
             content: bytes = await files._cat_file(f"{root}/{key}", start=first, end=end)
         except FileNotFoundError:
@@ -172,6 +176,17 @@ class ZarrPlace:
 
         protocol, _, root = self.address.partition("://")
         return fsspec.filesystem(protocol.lower()), root.rstrip("/")
+
+    def _check_key(self, key: str) -> None:
+        """A `FileError` for a key that leads out of the place; of a folder also by backslashes or drives of Windows."""
+        leads_out = ".." in key.split("/") or key.startswith("/") or "\0" in key
+        if self.root is not None:
+            path = PurePath(key)
+            leads_out = leads_out or bool(path.anchor) or ".." in path.parts
+        if leads_out:
+            raise FileError(
+                f"{key!r} leads out of the Zarr folder; name an array in it, or mend the metadata that name it"
+            )
 
     def _too_long(self, key: str, most: int, found: int) -> FileError:
         return FileError(
@@ -222,8 +237,3 @@ async def _settled(asked: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | No
 
 def _is_metadata(key: str) -> bool:
     return key.rpartition("/")[2] in METADATA
-
-
-def _check_key(key: str) -> None:
-    if ".." in key.split("/") or key.startswith("/") or "\0" in key:
-        raise FileError(f"{key!r} leads out of the Zarr folder; name an array in it, or mend the metadata that name it")

@@ -111,9 +111,9 @@ def header_for_itk(path: Path, fields: dict[str, str], places: Sequence[tuple[Pa
             samples = Path(made) / "samples.raw"
             _unpack(path, fields, places, samples)
             _replace(lines, "encoding", ["encoding: raw"])
-            _replace_places(lines, [f"data file: {samples}"])
+            _replace_places(lines, [f"data file: {samples.name}"])
         else:
-            _replace_places(lines, _places_of(path, fields, places, n_lines))
+            _replace_places(lines, _places_of(fields, places, n_lines))
         header = Path(made) / "header.nhdr"
         header.write_text("\n".join(lines) + "\n", encoding="utf-8", errors="surrogateescape", newline="\n")
         yield header
@@ -164,7 +164,7 @@ def _replace_places(lines: list[str], new: list[str]) -> None:
     lines += new
 
 
-def _places_of(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
+def _places_of(fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
     """Fields of places for a header elsewhere: the same files, by their whole names. `n_lines`: of the header."""
     line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
     byte_skip = fields.get("byte skip", fields.get("byteskip"))
@@ -173,11 +173,11 @@ def _places_of(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, 
         line_skip += n_lines
     skips = [f"line skip: {line_skip}"] * (line_skip > 0) + [f"byte skip: {byte_skip}"] * (byte_skip is not None)
     files = [str(file.absolute()) for file, _ in places]
-    if named is not None and "%" in files[0] and len(files) == 1:
+    if "%" in files[0] and len(files) == 1:
         # In a list names are no patterns. It holds all axes.
         return [*skips, f"data file: LIST {len(fields['sizes'].split())}", *files]
     if named is None or len(files) == 1:
-        return [*skips, f"data file: {files[0] if named is not None else path.absolute()}"]
+        return [*skips, f"data file: {files[0]}"]
     # How many axes a file holds is said behind the word LIST, or behind first, last and step of a pattern.
     words = named.split()
     n_axes = words[1:2] if words[0].upper() == "LIST" else words[4:5]

@@ -10,6 +10,7 @@ from dicom_files import base, enhanced, random, save, slice_at
 
 import wavesplat as ws
 from wavesplat._readers import dicom
+from wavesplat._readers.dicom_header import header_of
 from wavesplat._readers.dicom_pixels import frames_in
 from wavesplat.errors import FileError, FileWarning
 
@@ -309,6 +310,14 @@ def test_a_damaged_slice_of_one_time_is_named(tmp_path, monkeypatch):
         ws.open(folder, time=0)
     assert len(read) == 3 + 6, "each file once, of the whole volume and of the damaged one"
     check(ws.open(folder, time=1), pixels[1::2])  # whose files are whole
+
+
+def test_each_header_is_read_once(tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(dicom, "header_of", lambda file: read.append(file.name) or header_of(file))
+    folder = save(tmp_path / "ct", [slice_at(p, n) for n, p in enumerate(random(3))])
+    ws.open(folder / "001.dcm")
+    assert sorted(read) == ["000.dcm", "001.dcm", "002.dcm"]
 
 
 def test_too_little_pixel_data(tmp_path):

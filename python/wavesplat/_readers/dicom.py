@@ -50,11 +50,11 @@ def read(request: Request) -> Grid:
             raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
         if first.n_frames > 1:
             return _read_headers([first], {}, request)
-        return _read_series(path.parent, request.series or first.series, request, named=path)
+        return _read_series(path.parent, request.series or first.series, request, named=first)
 
 
-def _read_series(folder: Path, uid: str | None, request: Request, named: Path | None = None) -> Grid:
-    headers, unreadable, others = _scanned(folder, request)
+def _read_series(folder: Path, uid: str | None, request: Request, named: Header | None = None) -> Grid:
+    headers, unreadable, others = _scanned(folder, request, named)
     series: dict[str, list[Header]] = {}
     for header in headers:
         series.setdefault(header.series, []).append(header)
@@ -82,7 +82,7 @@ def _read_series(folder: Path, uid: str | None, request: Request, named: Path | 
     uid = next(iter(series)) if uid is None else uid
     if uid not in series:
         raise ArgumentError(f"no series {uid!r}; the folder holds: {_listed(series)}: {request.path}")
-    return _read_headers(_without_copies(series[uid], named), unreadable, request)
+    return _read_headers(_without_copies(series[uid], named.file if named else None), unreadable, request)
 
 
 def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Header]:
@@ -100,10 +100,11 @@ def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Heade
     return list(first.values())
 
 
-def _scanned(folder: Path, request: Request) -> tuple[list[Header], Unreadable, list[Path]]:
+def _scanned(folder: Path, request: Request, named: Header | None) -> tuple[list[Header], Unreadable, list[Path]]:
     """Headers of all images in a folder, files that should be some but cannot be read, and DICOM files that are none.
 
-    Headers are kept from one time point of a series to the next, as long as their files stay as they are.
+    Headers are kept from one time point of a series to the next, as long as their files stay as they are. `named`: the
+    header of the file that was named, which has been read.
     """
     headers, unreadable, others = [], {}, []
     kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
@@ -112,7 +113,7 @@ def _scanned(folder: Path, request: Request) -> tuple[list[Header], Unreadable, 
         looks_like = file.suffix.lower() in SUFFIXES
         state = file.stat()
         key = (file, state.st_mtime_ns, state.st_size)
-        header = kept.get(key)
+        header = named if named is not None and file == named.file else kept.get(key)
         if header is None and (looks_like or _is_dicom(file)):
             header = _scanned_file(file)
             kept[key] = header

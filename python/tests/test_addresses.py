@@ -329,7 +329,7 @@ def test_no_more_is_read_than_a_chunk_can_have(store, odd, options):
 def test_metadata_are_bounded(store, monkeypatch):
     from wavesplat._files import zarr_place
 
-    monkeypatch.setattr(zarr_place, "MOST_METADATA_BYTES", 1 << 16)
+    monkeypatch.setattr(zarr_place, "MAX_METADATA_BYTES", 1 << 16)
     long = lambda path: None if is_chunk(path) else (200, {"endless": "yes"}, itertools.repeat(b" " * 65536))  # noqa: E731
     with OddServer(store, long) as server, pytest.raises(FileError, match="more than the 65536 bytes"):
         ws.open(f"{server.address}/v2.zarr")

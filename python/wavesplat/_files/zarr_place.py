@@ -20,14 +20,17 @@ from wavesplat._files.named_files import check_within
 from wavesplat._files.web import ForbiddenError, Part
 from wavesplat.errors import FileError, FileWarning
 
-__all__ = ["METADATA", "ZarrPlace"]
+__all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace"]
+
+#: The error for a library that would write.
+READ_ONLY = "places are only read"
 
 #: Documents of metadata; every other key is that of a chunk.
-METADATA = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
+METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
 #: Metadata of a store with thousands of arrays have a few megabytes.
-MOST_METADATA_BYTES = 1 << 26
+MAX_METADATA_BYTES = 1 << 26
 #: Keys of which it is kept that the server refuses them.
-MOST_KEPT = 1000
+MAX_REFUSED = 1000
 
 
 class ZarrPlace:
@@ -50,7 +53,7 @@ class ZarrPlace:
         self.refused: dict[str, None] = {}
         self.has_chunks = False
         #: Whether a chunk that is refused is told at once: where samples are read as they are drawn.
-        self.tells = False
+        self.warns = False
         self._lock = threading.Lock()
 
     def expect(self, array: str, n_bytes: int) -> None:
@@ -112,7 +115,7 @@ class ZarrPlace:
                 found = [path.rstrip("/").rpartition("/")[2] for path in files.ls(root, detail=False)]
             except OSError:
                 return []
-        return sorted(name for name in found if not name.startswith(".") and name not in METADATA)
+        return sorted(name for name in found if not name.startswith(".") and name not in METADATA_NAMES)
 
     def _kept(self, key: str, content: bytes | None) -> bytes | None:
         if content is not None and not _is_metadata(key):
@@ -122,9 +125,9 @@ class ZarrPlace:
     def _most_of(self, key: str) -> int:
         """Bytes that may lie at a key."""
         if _is_metadata(key):
-            return MOST_METADATA_BYTES
+            return MAX_METADATA_BYTES
         arrays = [array for array in self._most if not array or key.startswith(f"{array}/")]
-        return self._most[max(arrays, key=len)] if arrays else MOST_METADATA_BYTES
+        return self._most[max(arrays, key=len)] if arrays else MAX_METADATA_BYTES
 
     def _of_file(self, key: str, part: Part) -> bytes | None:
         path, most = Path(self.root or "") / key, self._most_of(key)
@@ -197,9 +200,9 @@ class ZarrPlace:
     def _refuse(self, key: str) -> None:
         with self._lock:
             is_first = not any(not _is_metadata(one) for one in self.refused)
-            if len(self.refused) < MOST_KEPT:
+            if len(self.refused) < MAX_REFUSED:
                 self.refused[key] = None
-        if self.tells and is_first and not _is_metadata(key):
+        if self.warns and is_first and not _is_metadata(key):
             warnings.warn(
                 f"the server refuses (403) chunk {key!r}; it and others like it count as not there, so their samples "
                 f"have the fill value: {self}",
@@ -236,4 +239,4 @@ async def _settled(asked: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | No
 
 
 def _is_metadata(key: str) -> bool:
-    return key.rpartition("/")[2] in METADATA
+    return key.rpartition("/")[2] in METADATA_NAMES

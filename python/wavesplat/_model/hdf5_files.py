@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["files_of_dataset", "is_own_file", "open_hdf5", "read_hdf5"]
 
 #: Virtual datasets of virtual datasets, at most.
-MOST_DEPTH = 8
+MAX_DEPTH = 8
 #: What moves the places of other files.
 PREFIXES = ("HDF5_EXTFILE_PREFIX", "HDF5_VDS_PREFIX")
 
@@ -94,7 +94,7 @@ class _Places:
         if not dataset.is_virtual:
             return
         for file_name, inner in {(source.file_name, source.dset_name) for source in dataset.virtual_sources()}:
-            if "%" in file_name or "%" in inner or depth == MOST_DEPTH:  # a name for each block
+            if "%" in file_name or "%" in inner or depth == MAX_DEPTH:  # a name for each block
                 self.is_complete = False
                 continue
             for place in [own] if file_name == "." else [folder / file_name for folder in folders]:

@@ -25,11 +25,11 @@ from typing import BinaryIO
 import numpy as np
 
 from wavesplat._files import payload
+from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
 from wavesplat.errors import FileError
 
 __all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "listed_axis", "skip_lines"]
 
-MOST_HEADER_BYTES = 1 << 24
 BLOCK_BYTES = 1 << 20
 #: How a field of the format begins, and not a key of the same name (`kinds:=...`).
 FIELD = r"(?i)^[ \t]*{}[ \t]*:(?!=)"
@@ -138,7 +138,7 @@ def _header_lines(path: Path) -> list[str]:
     """Lines before the empty one, without line ends; names in a list of files are among them."""
     lines = []
     with path.open("rb") as file:
-        while (line := file.readline(MOST_HEADER_BYTES)) and (text := line.rstrip(b"\r\n")):
+        while (line := file.readline(MAX_HEADER_BYTES)) and (text := line.rstrip(b"\r\n")):
             lines.append(text.decode("utf-8", "surrogateescape"))
     return lines
 
@@ -224,5 +224,5 @@ def _unpack_stream(packed: BinaryIO, out: BinaryIO, skipped: int, needed: int) -
 def skip_lines(file: BinaryIO, n: int) -> None:
     """Read past so many lines."""
     for _ in range(n):
-        if not file.readline(MOST_HEADER_BYTES):
+        if not file.readline(MAX_HEADER_BYTES):
             return

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks
-from wavesplat._files.zarr_place import METADATA, ZarrPlace
+from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
 from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts
 from wavesplat._readers import zarr_metadata
@@ -112,7 +112,7 @@ def _read_later(array: Any) -> None:
     zarr_metadata.expect_chunks(array)
     place = place_of(array)
     if place is not None:
-        place.tells = True
+        place.warns = True
 
 
 def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
@@ -121,7 +121,7 @@ def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
     Storage services that may not list what they hold answer 403 for what is not there.
     """
     place = place_of(array)
-    refused = [] if place is None else [key for key in place.refused if key.rpartition("/")[2] not in METADATA]
+    refused = [] if place is None else [key for key in place.refused if key.rpartition("/")[2] not in METADATA_NAMES]
     if place is None or not refused:
         return ()
     if not place.has_chunks:
@@ -186,14 +186,16 @@ def _open(request: Request) -> Any:
 
 def _not_found(place: ZarrPlace) -> FileError | None:
     """The error where a server has, or gives, no metadata; None where there are some."""
-    if place.root is not None or any(place.read(name) is not None for name in METADATA):
+    if place.root is not None or any(place.read(name) is not None for name in METADATA_NAMES):
         return None
     if place.refused:
         return FileError(
             f"the server refuses (403 Forbidden) {', '.join(place.refused)}; check the address, and that you may read "
             f"it, or that it holds the access: {place}"
         )
-    return FileError(f"there is no Zarr array or group at this address ({', '.join(METADATA)}); check it: {place}")
+    return FileError(
+        f"there is no Zarr array or group at this address ({', '.join(METADATA_NAMES)}); check it: {place}"
+    )
 
 
 def _location(request: Request) -> ZarrPlace:

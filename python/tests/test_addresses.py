@@ -136,6 +136,13 @@ def test_refused_addresses_are_told_without_their_passwords(address):
         assert len(str(caught.value)) < 400
 
 
+@pytest.mark.parametrize("place", ["a.zarr", "a.zarr/", ""])
+def test_names_have_no_passwords(place):
+    wanted = "a.zarr" if place else "host:80"
+    for secret in ("", "?token=a-password/b", "#a-password"):
+        assert addresses.last_part(f"http://me:a-password@host:80/{place}{secret}") == wanted
+
+
 def test_messages_of_servers_have_no_passwords(store, wavesplat):
     (store / "group.zarr").mkdir()
     (store / "group.zarr" / ".zgroup").write_text('{"zarr_format": 2}')

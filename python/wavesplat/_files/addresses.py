@@ -83,11 +83,14 @@ def checked(address: str) -> str:
 def shown(path: str | PathLike[str]) -> str:
     """A path for messages; an address without user name, query and fragment, which may hold passwords, and cut."""
     text = str(path)
-    if not is_address(text):
-        return text
-    protocol, _, rest = text.partition("?")[0].partition("#")[0].partition("://")
+    return _without_passwords(text)[:MAX_LETTERS] if is_address(text) else text
+
+
+def _without_passwords(address: str) -> str:
+    """An address without user name, query and fragment."""
+    protocol, _, rest = address.partition("?")[0].partition("#")[0].partition("://")
     host, slash, place = rest.partition("/")
-    return f"{protocol}://{host.rpartition('@')[2]}{slash}{place}"[:MAX_LETTERS]
+    return f"{protocol}://{host.rpartition('@')[2]}{slash}{place}"
 
 
 def check_no_address(path: str | PathLike[str], what: str) -> None:
@@ -106,8 +109,8 @@ def below(address: str, key: str) -> str:
 
 
 def last_part(address: str) -> str:
-    """The last part of the path of an address, without the query, which may hold a password."""
-    base = address.partition("?")[0].rstrip("/")
+    """The last part of the path of an address, else its host, without what may be a password."""
+    base = _without_passwords(address).rstrip("/")
     return base.rpartition("/")[2] or base
 
 

@@ -234,6 +234,17 @@ def test_uneven_distances_are_resampled(tmp_path):
     assert volume.spacing[2] == pytest.approx(1)
 
 
+@pytest.mark.parametrize("step", [0.625, 0.04, 1 / 3])
+def test_a_slice_is_missing_among_many_at_any_distance(tmp_path, step):
+    pixels = random(200)
+    folder = save(tmp_path / "ct", [slice_at(p, n, z=round(step * n, 6)) for n, p in enumerate(pixels)])
+    (folder / "002.dcm").unlink()
+    with pytest.warns(FileWarning, match=r"1 slice is missing .*between 001.dcm and 003.dcm"):
+        volume = ws.open(folder)
+    assert volume.shape[0] == 200
+    np.testing.assert_array_equal(volume.samples[3:], pixels[3:])
+
+
 def test_a_stray_slice_is_no_gap(tmp_path):
     folder = save(tmp_path / "ct", [slice_at(p, n) for n, p in enumerate(random(4))])
     save(folder / "far", [slice_at(random(1)[0], 9, z=900.0)])

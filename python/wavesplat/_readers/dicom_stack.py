@@ -5,6 +5,7 @@ The affine comes from the frames' own positions, so that a gantry-tilted stack k
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -93,8 +94,9 @@ def _filled(
     length = float(np.linalg.norm(way))
     along = (positions - positions[0]) @ (way / length)
     distances = np.diff(along)
-    counts = Counter(float(distance) for distance in np.round(distances, 2))
+    counts = Counter(_rounded(distances).tolist())
     usual = min(counts, key=lambda distance: (-counts[distance], distance))
+    usual = float(distances[np.abs(distances - usual) <= TOLERANCE * usual].mean()) if usual > 0 else 0.0
     listed = ", ".join(f"{distance:g} mm ({count}x)" for distance, count in counts.most_common())
     beside = float(np.linalg.norm(positions - positions[0] - along[:, None] * way / length, axis=1).max())
     n_slices = round(length / usual) + 1 if usual > 0 else 0
@@ -121,8 +123,15 @@ def _filled(
     return slices, way / (n_slices - 1), loss
 
 
+def _rounded(distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distances to be counted: to 0.01 mm, and where they are usually below a millimetre to three digits of that."""
+    usual = float(np.median(distances))
+    rounded: NDArray[np.float64] = np.round(distances, 2 - min(math.floor(math.log10(usual)), 0) if usual > 0 else 2)
+    return rounded
+
+
 def _uneven(frames: Sequence[Frame], distances: NDArray[np.float64], listed: str, request: Request) -> str:
-    rounded = np.round(distances, 2)
+    rounded = _rounded(distances)
     counts = Counter(rounded.tolist())
     rarest = min(counts, key=lambda distance: counts[distance])
     place = int(np.flatnonzero(rounded == rarest)[0])

@@ -35,7 +35,7 @@ class ForbiddenError(Exception):
 
 
 async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | None:
-    """What lies at an address, at most `most` bytes; None if nothing does.
+    """The content at an address, of at most `most` bytes; None if there is none.
 
     Raises
     ------
@@ -64,7 +64,7 @@ async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | 
 
 
 async def mark_of(url: str, *, public_only: bool) -> str | None:
-    """What the server says of the version of what lies there: its ETag, or the time of its last change."""
+    """The server's mark of a version: the ETag, or the time of the last change; None without one."""
     try:
         async with await _request(url, {}, public_only=public_only) as answer:
             if answer.status != HTTPStatus.OK:
@@ -78,7 +78,7 @@ async def mark_of(url: str, *, public_only: bool) -> str | None:
 
 
 async def _request(url: str, headers: dict[str, str], *, public_only: bool) -> Any:
-    """The request, a context that gives the answer."""
+    """A request to a server, as an asynchronous context whose value is the answer."""
     aiohttp = library("aiohttp", extra="http")
     import fsspec
     import yarl

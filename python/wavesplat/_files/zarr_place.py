@@ -25,11 +25,11 @@ __all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace"]
 #: The error for a library that would write.
 READ_ONLY = "places are only read"
 
-#: Documents of metadata; every other key is that of a chunk.
+#: Names of metadata documents; every other key is that of a chunk.
 METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
 #: Metadata of a store with thousands of arrays have a few megabytes.
 MAX_METADATA_BYTES = 1 << 26
-#: Keys of which it is kept that the server refuses them.
+#: Refused keys that are remembered.
 MAX_REFUSED = 1000
 
 
@@ -48,20 +48,20 @@ class ZarrPlace:
         self.root = where if isinstance(where, Path) else None
         self.address = "" if isinstance(where, Path) else where
         self._within = within
-        self._most: dict[str, int] = {}
+        self._max_bytes: dict[str, int] = {}
         #: Keys of chunks, and of metadata, that the server refuses to give, and whether it gave any chunk.
         self.refused: dict[str, None] = {}
         self.has_chunks = False
-        #: Whether a chunk that is refused is told at once: where samples are read as they are drawn.
+        #: Whether the first refused chunk is warned of at once: where samples are read as they are drawn.
         self.warns = False
         self._lock = threading.Lock()
 
     def expect(self, array: str, n_bytes: int) -> None:
-        """Allow so many bytes for each chunk of the array at this key."""
-        self._most[array.strip("/")] = n_bytes
+        """Set the largest size of a chunk of the array at this key."""
+        self._max_bytes[array.strip("/")] = n_bytes
 
     def read(self, key: str, part: Part = None) -> bytes | None:
-        """What lies at a key, or a part of it; None if nothing does.
+        """The bytes at a key, or a part of them; None if there are none.
 
         Raises
         ------
@@ -70,29 +70,29 @@ class ZarrPlace:
         """
         self._check_key(key)
         if self.root is not None:
-            return self._kept(key, self._of_file(key, part))
+            return self._with_note(key, self._of_file(key, part))
         from fsspec.asyn import get_loop, sync
 
-        content: bytes | None = sync(get_loop(), self._asked, key, part)
-        return self._kept(key, content)
+        content: bytes | None = sync(get_loop(), self._request, key, part)
+        return self._with_note(key, content)
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
-        """The same where other keys are read meanwhile."""
+        """`read` for asyncio: other keys are read meanwhile."""
         self._check_key(key)
         if self.root is not None:
-            return self._kept(key, await asyncio.to_thread(self._of_file, key, part))
+            return self._with_note(key, await asyncio.to_thread(self._of_file, key, part))
         from fsspec.asyn import get_loop
 
         # fsspec has a loop of its own, which its sessions belong to. Errors come as values: zarr leaves requests alone
         # after the first error, and asyncio would complain that nobody asked for those of the others.
-        asked = asyncio.run_coroutine_threadsafe(_settled(self._asked(key, part)), get_loop())
-        content, error = await asyncio.wrap_future(asked)
+        request = asyncio.run_coroutine_threadsafe(_result_or_error(self._request(key, part)), get_loop())
+        content, error = await asyncio.wrap_future(request)
         if error is not None:
             raise error
-        return self._kept(key, content)
+        return self._with_note(key, content)
 
     def mark(self, key: str) -> str | None:
-        """What a web server says of the version of what lies at a key; None where nothing says so."""
+        """The web server's mark of the version of a key (ETag or time of change); None without one."""
         if self.root is not None or not is_web(self.address):
             return None
         from fsspec.asyn import get_loop, sync
@@ -101,7 +101,7 @@ class ZarrPlace:
         return mark
 
     def names(self) -> list[str]:
-        """What lies there beside the metadata; empty where that cannot be told."""
+        """Names of the arrays, groups and chunks at the root, sorted; empty where they cannot be listed."""
         if self.root is not None:
             try:
                 found = [entry.name for entry in self.root.iterdir()]
@@ -117,20 +117,21 @@ class ZarrPlace:
                 return []
         return sorted(name for name in found if not name.startswith(".") and name not in METADATA_NAMES)
 
-    def _kept(self, key: str, content: bytes | None) -> bytes | None:
+    def _with_note(self, key: str, content: bytes | None) -> bytes | None:
+        """The content, after it is noted that the place gives chunks."""
         if content is not None and not _is_metadata(key):
             self.has_chunks = True
         return content
 
-    def _most_of(self, key: str) -> int:
-        """Bytes that may lie at a key."""
+    def _max_bytes_of(self, key: str) -> int:
+        """The largest size in bytes of what a key holds."""
         if _is_metadata(key):
             return MAX_METADATA_BYTES
-        arrays = [array for array in self._most if not array or key.startswith(f"{array}/")]
-        return self._most[max(arrays, key=len)] if arrays else MAX_METADATA_BYTES
+        arrays = [array for array in self._max_bytes if not array or key.startswith(f"{array}/")]
+        return self._max_bytes[max(arrays, key=len)] if arrays else MAX_METADATA_BYTES
 
     def _of_file(self, key: str, part: Part) -> bytes | None:
-        path, most = Path(self.root or "") / key, self._most_of(key)
+        path, most = Path(self.root or "") / key, self._max_bytes_of(key)
         try:
             found = path.stat()
         except (FileNotFoundError, NotADirectoryError):
@@ -148,8 +149,8 @@ class ZarrPlace:
             file.seek(first)
             return file.read(n)
 
-    async def _asked(self, key: str, part: Part) -> bytes | None:
-        most = self._most_of(key)
+    async def _request(self, key: str, part: Part) -> bytes | None:
+        most = self._max_bytes_of(key)
         try:
             if is_web(self.address):
                 return await web.get(below(self.address, key), most, part, public_only=self._within is not None)
@@ -230,10 +231,10 @@ class ZarrPlace:
         self._lock = threading.Lock()
 
 
-async def _settled(asked: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | None, Exception | None]:
-    """What is given, or the error."""
+async def _result_or_error(request: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | None, Exception | None]:
+    """The result of a request and None, or None and its error."""
     try:
-        return await asked, None
+        return await request, None
     except Exception as error:  # noqa: BLE001 - raised where it is waited for
         return None, error
 

@@ -424,6 +424,11 @@ def test_marks_of_the_byte_order_are_left_out(place):
     assert ws.Look.load(look).name == "ct-bone"
 
 
+def test_scans_of_the_package_are_named_from_anywhere(place):
+    volume = ws.Scene.load(written(place, {"example": "ct_pelvis"})).layers[0].volume
+    np.testing.assert_array_equal(volume.samples, ws.examples.ct_pelvis().samples)
+
+
 def test_examples_that_are_too_large(place):
     with pytest.raises(LimitError, match="the signal need"):
         ws.Scene.load(written(place, {"example": "ripples", "n": 100_000}))

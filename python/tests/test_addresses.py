@@ -14,7 +14,7 @@ from test_readers import ome_attributes
 
 import wavesplat as ws
 from wavesplat._files import addresses
-from wavesplat.errors import FileError, FileWarning
+from wavesplat.errors import FileError, FileWarning, WavesplatError
 
 zarr = pytest.importorskip("zarr", minversion="3")
 pytest.importorskip("aiohttp")
@@ -105,11 +105,87 @@ def test_what_is_no_address():
         ("127.0.0.1", False), ("10.1.2.3", False), ("192.168.1.1", False), ("169.254.169.254", False),
         ("100.64.0.1", False), ("224.0.0.1", False), ("::1", False), ("fe80::1%eth0", False), ("::", False),
         ("::ffff:10.0.0.1", False), ("64:ff9b::7f00:1", False), ("2002:7f00:1::", False), ("localhost", False),
+        ("127.1", False), ("2130706433", False), ("127.0.0.1.", False), ("8.8", False),
         ("8.8.8.8", True), ("2606:4700::1111", True), ("::ffff:8.8.8.8", True),
     ],
 )  # fmt: skip
 def test_public_hosts(host, expected):
     assert addresses.is_public(host) is expected
+
+
+SECRETS = "token=a-password&more=" + "x" * 200
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        f"ftp://127.0.0.1:9/a.zarr?{SECRETS}",
+        f"http://127.0.0.1:9/a::file:///etc?{SECRETS}",
+        f"file://elsewhere/a.zarr?{SECRETS}",
+        f"http:///a.zarr?{SECRETS}",
+        f"http://host:999999/a.zarr?{SECRETS}",
+        f"http://a-password@127.0.0.1:9/a.zarr?{SECRETS}",
+        f"http://a:a-password@127.0.0.1:9/a.zarr#{SECRETS}",
+    ],
+)
+def test_refused_addresses_are_told_without_their_passwords(address):
+    for called in (ws.open, ws.open_series, ws.open_scene):
+        with pytest.raises(FileError) as caught:
+            called(address)
+        assert "a-password" not in str(caught.value)
+        assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize("place", ["a.zarr", "a.zarr/", ""])
+def test_names_have_no_passwords(place):
+    wanted = "a.zarr" if place else "host:80"
+    for secret in ("", "?token=a-password/b", "#a-password"):
+        assert addresses.last_part(f"http://me:a-password@host:80/{place}{secret}") == wanted
+
+
+def test_messages_of_servers_have_no_passwords(store, wavesplat):
+    (store / "group.zarr").mkdir()
+    (store / "group.zarr" / ".zgroup").write_text('{"zarr_format": 2}')
+    path = "/v3.zarr"
+    answers = [lambda _, code=code: (code, {}, iter([b""])) for code in (401, 403, 404, 418, 500)]
+    answers += [
+        lambda path: (302, {"Location": path}, iter([b""])),
+        lambda _: (302, {"Location": "http://a:b@localhost:9/?token=b-password"}, iter([b""])),
+        lambda _: (302, {"Location": "http://[/"}, iter([b""])),
+        lambda _: (200, {"Content-Encoding": "br"}, iter([b"x"])),
+        lambda _: (200, {"Content-Encoding": "gzip"}, iter([b"x"])),
+        lambda _: (200, {"Content-Length": "99"}, iter([b"x"])),
+    ]
+    for odd in answers:
+        with OddServer(store, odd) as server, pytest.raises(FileError) as caught:
+            ws.open(f"{server.address}{path}?{SECRETS}")
+        assert "-password" not in str(caught.value), odd
+        assert "127.0.0.1" in str(caught.value)
+    with pytest.raises(FileError) as caught:  # nobody listens
+        ws.open(f"{server.address}{path}?{SECRETS}")
+    assert "a-password" not in str(caught.value)
+    with OddServer(store) as server:
+        for name, options in (
+            ("v3.zarr", {"time": 1}),
+            ("v3.zarr", {"level": 7}),
+            ("v3.zarr", {"gaps": "refuse"}),
+            ("image.zarr", {"level": 3}),
+            ("group.zarr", {}),
+            ("group.zarr", {"dataset": "none"}),
+        ):
+            for more in ({}, {"memory": "50 MB"}):
+                with pytest.raises(WavesplatError) as caught:
+                    ws.open(f"{server.address}/{name}?{SECRETS}", **options, **more)
+                assert "a-password" not in str(caught.value)
+        done = wavesplat("info", f"{server.address}/none.zarr?{SECRETS}", f"{server.address}/group.zarr?{SECRETS}")
+        assert done.returncode == 1
+        assert "a-password" not in done.stderr
+    (store / "v3.zarr" / NAMES["v3.zarr"]).unlink()
+    with OddServer(store, missing=403) as server:
+        for more in ({}, {"memory": "50 MB"}):
+            with pytest.warns(FileWarning, match="403") as warned:
+                opened(f"{server.address}/v3.zarr?{SECRETS}", more)
+            assert not any("a-password" in str(one.message) for one in warned)
 
 
 # What servers answer
@@ -260,7 +336,7 @@ def test_no_more_is_read_than_a_chunk_can_have(store, odd, options):
 def test_metadata_are_bounded(store, monkeypatch):
     from wavesplat._files import zarr_place
 
-    monkeypatch.setattr(zarr_place, "MOST_METADATA_BYTES", 1 << 16)
+    monkeypatch.setattr(zarr_place, "MAX_METADATA_BYTES", 1 << 16)
     long = lambda path: None if is_chunk(path) else (200, {"endless": "yes"}, itertools.repeat(b" " * 65536))  # noqa: E731
     with OddServer(store, long) as server, pytest.raises(FileError, match="more than the 65536 bytes"):
         ws.open(f"{server.address}/v2.zarr")

@@ -8,6 +8,7 @@ import stat
 import subprocess
 import sys
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ import pytest
 import wavesplat as ws
 from wavesplat._files import cache_folder
 from wavesplat._files.cache_folder import CacheFolder, default_folder
+from wavesplat._model import survey
 
 ON_POSIX = pytest.mark.skipif(sys.platform == "win32", reason="permissions of POSIX")
 NAMES = [f"{k:032x}.npz" for k in range(9)]
@@ -141,6 +143,44 @@ def test_a_link_is_neither_read_nor_written_through(own, tmp_path):
     kept.unlink()
     kept.mkdir()
     assert looked(path)[0] == "made"
+
+
+READER = """
+import sys
+from pathlib import Path
+from wavesplat._files.cache_folder import CacheFolder
+folder = CacheFolder(Path(sys.argv[1]), True)
+print(folder.open(sys.argv[2]))
+folder.write(sys.argv[2], lambda file: file.write(b"x"))
+print(folder.open(sys.argv[2]).read())
+"""
+
+
+@ON_POSIX
+@pytest.mark.parametrize("number", [0, 1])
+def test_nobody_waits_for_a_pipe(own, number):
+    own.mkdir(parents=True)
+    os.mkfifo(own / NAMES[0], 0o644)
+    done = subprocess.run(
+        [sys.executable, "-c", READER, str(own), NAMES[number]], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout.split() == ["None", "b'x'"]
+    assert number == 0 or stat.S_IMODE((own / NAMES[0]).stat().st_mode) == 0o644, "none of our files"
+
+
+def test_a_kept_survey_of_more_than_the_memory_is_not_unpacked(own, tmp_path, monkeypatch):
+    monkeypatch.setattr(survey, "MAX_KEPT_BYTES", 1 << 20)
+    path = npy(tmp_path)
+    wanted = looked(path)[1]
+    (kept,) = own.iterdir()
+    with np.load(kept) as parts:
+        fields = dict(parts)
+    np.savez_compressed(kept, **{**fields, "samples bounds": np.zeros(100 << 20, np.uint8)})
+    tracemalloc.start()
+    assert looked(path) == ("made", wanted)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 50 << 20
 
 
 def _cut(content):

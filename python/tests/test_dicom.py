@@ -9,6 +9,9 @@ import pytest
 from dicom_files import base, enhanced, random, save, slice_at
 
 import wavesplat as ws
+from wavesplat._readers import dicom
+from wavesplat._readers.dicom_header import header_of
+from wavesplat._readers.dicom_pixels import frames_in
 from wavesplat.errors import FileError, FileWarning
 
 #: Of slices by `slice_at`: LPS to RAS.
@@ -231,6 +234,17 @@ def test_uneven_distances_are_resampled(tmp_path):
     assert volume.spacing[2] == pytest.approx(1)
 
 
+@pytest.mark.parametrize("step", [0.625, 0.04, 1 / 3])
+def test_a_slice_is_missing_among_many_at_any_distance(tmp_path, step):
+    pixels = random(200)
+    folder = save(tmp_path / "ct", [slice_at(p, n, z=round(step * n, 6)) for n, p in enumerate(pixels)])
+    (folder / "002.dcm").unlink()
+    with pytest.warns(FileWarning, match=r"1 slice is missing .*between 001.dcm and 003.dcm"):
+        volume = ws.open(folder)
+    assert volume.shape[0] == 200
+    np.testing.assert_array_equal(volume.samples[3:], pixels[3:])
+
+
 def test_a_stray_slice_is_no_gap(tmp_path):
     folder = save(tmp_path / "ct", [slice_at(p, n) for n, p in enumerate(random(4))])
     save(folder / "far", [slice_at(random(1)[0], 9, z=900.0)])
@@ -296,14 +310,25 @@ def test_every_second_file_cut(tmp_path):
         assert ws.open(folder).shape == (4, 6, 7)
 
 
-def test_a_damaged_slice_of_one_time_is_named(tmp_path):
+def test_a_damaged_slice_of_one_time_is_named(tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(dicom, "frames_in", lambda header: read.append(header.file) or frames_in(header))
     pixels = random(6)
     folder = save(tmp_path / "ct", [slice_at(p, n, z=1.5 * (n // 2)) for n, p in enumerate(pixels)])
     check(ws.open(folder, time=1), pixels[1::2])
     cut_in_the_pixels(folder / "002.dcm")
     with pytest.raises(FileError, match=r"\(002.dcm\), and left out; then 2 slices at position .* missing or doubled"):
         ws.open(folder, time=0)
+    assert len(read) == 3 + 6, "each file once, of the whole volume and of the damaged one"
     check(ws.open(folder, time=1), pixels[1::2])  # whose files are whole
+
+
+def test_each_header_is_read_once(tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(dicom, "header_of", lambda file: read.append(file.name) or header_of(file))
+    folder = save(tmp_path / "ct", [slice_at(p, n) for n, p in enumerate(random(3))])
+    ws.open(folder / "001.dcm")
+    assert sorted(read) == ["000.dcm", "001.dcm", "002.dcm"]
 
 
 def test_too_little_pixel_data(tmp_path):

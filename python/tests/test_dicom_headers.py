@@ -6,6 +6,7 @@ import sys
 import time
 import tracemalloc
 import warnings
+import zlib
 
 import numpy as np
 import pytest
@@ -93,7 +94,7 @@ def test_a_million_frames_packed_as_a_whole_are_refused_at_once(tmp_path):
 
     dataset = promising("ultrasound", 1_000_000)
     dataset.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
-    check_refused_at_once(save(tmp_path / "us", [dataset]), "too little pixel data: the header says 1000000 frames")
+    check_refused_at_once(save(tmp_path / "us", [dataset]), "too little pixel data: 1000000 x 64 x 64 pixels of")
 
 
 def test_frames_packed_as_a_whole(tmp_path):
@@ -103,6 +104,55 @@ def test_frames_packed_as_a_whole(tmp_path):
     dataset = enhanced(pixels, [(0.0,), (1.5,), (3.0,)])
     dataset.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
     np.testing.assert_array_equal(ws.open(save(tmp_path / "mr", [dataset])).samples, pixels)
+
+
+def repacked(path, change):
+    """Change the unpacked data set of a file that is packed as a whole."""
+    content = path.read_bytes()
+    begin = 144 + int.from_bytes(content[140:144], "little")  # behind the length of the meta information
+    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
+    packed = packer.compress(change(zlib.decompress(content[begin:], -zlib.MAX_WBITS))) + packer.flush()
+    path.write_bytes(content[:begin] + packed)
+
+
+def packed_series(folder, pixels):
+    from pydicom.uid import DeflatedExplicitVRLittleEndian
+
+    slices = [slice_at(one, n) for n, one in enumerate(pixels)]
+    for dataset in slices:
+        dataset.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
+        # Of any length, before the transfer syntax is found.
+        dataset.file_meta.PrivateInformationCreatorUID = "2.25.1"
+        dataset.file_meta.PrivateInformation = bytes(5000)
+    return save(folder, slices)
+
+
+def test_no_more_is_unpacked_than_there_are_pixels(tmp_path):
+    pixels = random(3)
+    folder = packed_series(tmp_path / "ct", pixels)
+    wanted = ws.open(folder).samples
+    for path in folder.iterdir():
+        repacked(path, lambda content: content + bytes(200 << 20))
+    tracemalloc.start()
+    np.testing.assert_array_equal(ws.open(folder).samples, wanted)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 50 << 20
+    for path in folder.iterdir():
+        repacked(path, lambda content: content[: -(200 << 20) - 7])
+    with pytest.raises(FileError, match="too little pixel data"):
+        ws.open(folder)
+
+
+def test_no_longer_header_is_unpacked(tmp_path, monkeypatch):
+    from wavesplat._readers import dicom_deflated
+
+    monkeypatch.setattr(dicom_deflated, "MAX_HEADER_BYTES", 1 << 22)
+    folder = packed_series(tmp_path / "ct", random(3))
+    first = b"\x08\x00\x01\x00OB\0\0" + (100 << 20).to_bytes(4, "little") + bytes(100 << 20)
+    for path in folder.iterdir():
+        repacked(path, lambda content: first + content)
+    check_refused_at_once(folder, "header unpacks to more than 4 MiB before the pixel data")
 
 
 @pytest.mark.parametrize("said", ["1e400", "many", "nan"])
@@ -180,7 +230,7 @@ def test_precision_of_jpeg_is_that_of_the_header(tmp_path, syntax, marker, monke
 
     from wavesplat._readers import dicom_pixels
 
-    def decoded(header, shape):
+    def decoded(header, shape, fragments):
         return np.zeros(shape, np.uint8)
 
     monkeypatch.setattr(dicom_pixels, "_by_neutral_copy", decoded)

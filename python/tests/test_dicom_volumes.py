@@ -345,6 +345,12 @@ def segmentation(frames):
     return dataset
 
 
+def test_segments_with_masks_at_nearly_one_place(tmp_path):
+    # Of slices that are 0.03 mm apart, 200 000 would be empty.
+    with pytest.raises(FileError, match="not evenly spaced"):
+        ws.open(save(tmp_path / "seg", [segmentation([(1, 0), (1, 0.02), (1, 4000)])]))
+
+
 def test_segments_are_volumes_and_empty_where_they_have_no_frame(wavesplat, tmp_path):
     folder = save(tmp_path / "seg", [segmentation([(1, 0), (1, 1), (2, 1), (2, 2), (2, 5), (1, 2)])])
     series = ws.open_series(folder)

@@ -6,6 +6,7 @@ import json
 import shutil
 import sys
 
+import dicom_files
 import numpy as np
 import pytest
 from odd_server import OddServer
@@ -17,6 +18,7 @@ from wavesplat.errors import ArgumentError, FileError, LimitError, WavesplatWarn
 
 SAMPLES = np.random.default_rng(7).integers(0, 250, (6, 7, 8)).astype(np.uint8)
 RAW = {"shape": [6, 7, 8], "dtype": "uint8"}
+OUT = "lies outside of the document's folder|is a link out of the folder of the document"
 ALLOWED = r"external_files=True \(--external-files\)"
 
 
@@ -162,7 +164,7 @@ def test_links_count_where_they_lead(place):
         {"path": "stack/*.npy", "series_of_times": True},
         {"path": "stack"},
     ):
-        with pytest.raises(FileError, match="lies outside of the document's folder"):
+        with pytest.raises(FileError, match=OUT):
             ws.Scene.load(written(place, volume))
     # A folder that is reached by a link is the folder that it leads to.
     path = written(place, {"path": "data/a.npy"})
@@ -170,6 +172,65 @@ def test_links_count_where_they_lead(place):
     np.testing.assert_array_equal(samples_of(ws.Scene.load(place.parent / "link" / path.name)), SAMPLES)
     absolute = written(place, {"path": str(place / "data" / "a.npy")})
     np.testing.assert_array_equal(samples_of(ws.Scene.load(place.parent / "link" / absolute.name)), SAMPLES)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_patterns_lead_nowhere_else(place):
+    (place / "a1.npy").symlink_to(place.parent / "elsewhere" / "a.npy")
+    path = written(place, {"path": "[a]*.npy", "series_of_times": True})
+    with pytest.raises(FileError, match=OUT):
+        ws.Scene.load(path)
+    np.testing.assert_array_equal(ws.Scene.load(path, external_files=True).layers[0].volume[0].samples, SAMPLES)
+    (place / "[a]*.npy").symlink_to("not there")  # has the name, so nothing is matched
+    for options in ({}, {"external_files": True}):
+        with pytest.raises(FileError, match="no such file or folder"):
+            ws.Scene.load(path, **options)
+
+
+def test_patterns_in_folders_whose_names_look_like_patterns(place):
+    folder = place / "scan [1]"
+    folder.mkdir()
+    for n in range(3):
+        np.save(folder / f"t{n}.npy", SAMPLES + n)
+    series = ws.Scene.load(written(folder, {"path": "t[12].npy", "series_of_times": True})).layers[0].volume
+    assert len(series) == 2
+    np.testing.assert_array_equal(series[0].samples, SAMPLES + 1)
+    series = ws.Scene.load(written(place, {"path": "scan [1]/t*.npy", "series_of_times": True})).layers[0].volume
+    assert len(series) == 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}, {"series_of_times": True}])
+@pytest.mark.parametrize("kind", ["DICOM", "TIFF", "Analyze"])
+def test_files_that_belong_to_the_named_one_may_not_be_links_out(place, kind, options):
+    if kind == "DICOM" and "memory" in options:
+        pytest.skip("not read in parts")
+    if kind == "DICOM":
+        dicom_files.save(place / "many", [dicom_files.slice_at(SAMPLES[n], n) for n in range(6)])
+        linked, named = "002.dcm", ["many/000.dcm", "many"]
+    elif kind == "TIFF":
+        tifffile = pytest.importorskip("tifffile")
+        (place / "many").mkdir()
+        for number, one in enumerate(SAMPLES):
+            tifffile.imwrite(place / "many" / f"{number}.tif", one)
+        linked, named = "2.tif", ["many"]
+    else:
+        nibabel = pytest.importorskip("nibabel")
+        (place / "many").mkdir()
+        nibabel.save(nibabel.Nifti1Pair(SAMPLES.T, np.eye(4)), place / "many" / "a.b.img")
+        linked, named = "a.b.img", ["many/a.b.hdr"]
+    paths = [written(place, {"path": one, **options}) for one in named]
+    for path, one in zip(paths, named, strict=True):
+        written(place, {"path": one, **options})
+        volume = ws.Scene.load(path).layers[0].volume
+        np.testing.assert_array_equal(all_of(volume[0] if options.get("series_of_times") else volume), SAMPLES)
+    (place / "many" / linked).rename(place.parent / "elsewhere" / linked)
+    (place / "many" / linked).symlink_to(place.parent / "elsewhere" / linked)
+    for path, one in zip(paths, named, strict=True):
+        written(place, {"path": one, **options})
+        with pytest.raises(FileError, match=f"'{linked}' is a link out of the folder of the document"):
+            ws.Scene.load(path)
+        assert ws.Scene.load(path, external_files=True).layers[0].volume is not None
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
@@ -221,6 +282,9 @@ def test_files_named_by_files_need_the_user_and_the_document(place, monkeypatch)
 
 # Servers
 
+#: Hosts that systems take for 127.0.0.1.
+NUMBERS = ("127.1", "127.0.1", "2130706433", "0177.0.0.1", "127.0.0.1.", "0x7f.1", "0x7f000001")
+
 
 def test_documents_do_not_ask_private_servers(place):
     zarr = pytest.importorskip("zarr", minversion="3")
@@ -228,7 +292,7 @@ def test_documents_do_not_ask_private_servers(place):
     zarr.create_array(place / "a.zarr", data=SAMPLES, compressors=None)
     with OddServer(place) as server:
         port = server.address.rpartition(":")[2]
-        for host in ("127.0.0.1", "localhost", "[::ffff:127.0.0.1]"):
+        for host in ("127.0.0.1", "localhost", "[::ffff:127.0.0.1]", *NUMBERS):
             for options in ({}, {"memory": "50 MB"}, {"series_of_times": True}):
                 path = written(place, {"path": f"http://{host}:{port}/a.zarr", **options})
                 with pytest.raises(FileError, match=f"is this machine or lies in a private network.*{ALLOWED}"):
@@ -360,6 +424,11 @@ def test_marks_of_the_byte_order_are_left_out(place):
     assert ws.Look.load(look).name == "ct-bone"
 
 
+def test_scans_of_the_package_are_named_from_anywhere(place):
+    volume = ws.Scene.load(written(place, {"example": "ct_pelvis"})).layers[0].volume
+    np.testing.assert_array_equal(volume.samples, ws.examples.ct_pelvis().samples)
+
+
 def test_examples_that_are_too_large(place):
     with pytest.raises(LimitError, match="the signal need"):
         ws.Scene.load(written(place, {"example": "ripples", "n": 100_000}))
@@ -391,6 +460,6 @@ def test_other_parts_of_a_file_may_not_be_links_out(place):
     wanted = samples_of(ws.Scene.load(path))
     (place / "a.img").rename(place.parent / "elsewhere" / "a.img")
     (place / "a.img").symlink_to(place.parent / "elsewhere" / "a.img")
-    with pytest.raises(FileError, match="lies outside of the document's folder"):
+    with pytest.raises(FileError, match="'a.img' is a link out of the folder of the document"):
         ws.Scene.load(path)
     np.testing.assert_array_equal(samples_of(ws.Scene.load(path, external_files=True)), wanted)

@@ -181,7 +181,7 @@ def test_one_that_fails_does_not_stop_the_others(wavesplat, scans):
         (["two/*.nii.gz", "-o", "a.png"], 2, r"2 volumes, and --output names one file; write {stem} in its name"),
         (["two/*.nii.gz", "-o", "{stem}.png", "--report", "a.json"], 2, "--report names one file; write {stem}"),
         (["one/*", "two/*", "-o", "{stem}.png"], 2, "would be one file, scan.png; write {folder} or {number}"),
-        (["*.nii", "-o", "{stem}.png"], 1, "no file fits the pattern; check it: *.nii"),
+        (["*.nii", "-o", "{stem}.png"], 1, "no file matches this pattern; check the name: *.nii"),
         (["one/*", "two/*", "-o", "{number}.png", "--preset", "no-such"], 2, "unknown preset 'no-such'"),
     ],
 )
@@ -202,4 +202,7 @@ def test_info_of_several(wavesplat, scans):
 def test_a_name_with_marks_of_patterns_is_itself(wavesplat, scans):
     (scans / "one" / "scan.nii.gz").rename(scans / "one" / "scan[1].nii.gz")
     done, found = drawn(wavesplat, scans, "one/scan[1].nii.gz", "-o", "{stem}.png")
+    assert (done.returncode, found) == (0, ["scan[1].png"])
+    (scans / "one").rename(scans / "[1]")
+    done, found = drawn(wavesplat, scans, "[1]/s*.gz", "-o", "{stem}.png")
     assert (done.returncode, found) == (0, ["scan[1].png"])

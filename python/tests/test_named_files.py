@@ -163,8 +163,63 @@ def test_hdf5_external_links(folder):
         refused(path, "secret.h5' as the place of", dataset=name)
         allowed(path, dataset=name)
     refused(path, "go round in a circle", dataset="round")
+    refused(path, "go round in a circle", dataset="round", external_files=True)
+    refused(path, "secret.h5' as the place of", dataset="./other/raw")
+    np.testing.assert_array_equal(ws.open(path, dataset="./own").samples, SAMPLES)
     np.testing.assert_array_equal(ws.open(path, dataset="deep/own").samples, SAMPLES)
     np.testing.assert_array_equal(ws.open(path).samples, SAMPLES)
+
+
+def test_hdf5_virtual_datasets_of_datasets_that_lie_elsewhere(folder):
+    import h5py
+
+    with h5py.File(folder.parent / "secret.h5", "w") as file:
+        file["raw"] = SAMPLES
+    path = folder / "a.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("flat", (60,), "u1", external=[(str(folder.parent / "secret.raw"), 0, 60)])
+        file["other"] = h5py.ExternalLink(str(folder.parent / "secret.h5"), "/")
+        file["own"] = SAMPLES.ravel()
+        file["flat0"] = h5py.SoftLink("/flat")
+        for source in ("flat", "other/raw", "own"):
+            layout = h5py.VirtualLayout(SAMPLES.shape, "u1")
+            layout[:] = h5py.VirtualSource(".", source, SAMPLES.shape if source == "other/raw" else (60,))
+            file.create_virtual_dataset(f"of {source.replace('/', ' ')}", layout)
+        # A source for each block of a growing dataset: flat0, flat1, ...
+        grows, own = h5py.h5s.create_simple((3, 4, 5), (h5py.h5s.UNLIMITED, 4, 5)), h5py.h5s.create_simple((60,))
+        grows.select_hyperslab((0, 0, 0), (h5py.h5s.UNLIMITED, 1, 1), (3, 4, 5), (3, 4, 5))
+        made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        made.set_virtual(grows, b".", b"flat%b", own)
+        h5py.h5d.create(file.id, b"of flat%b", h5py.h5t.STD_U8LE, grows, made)
+    refused(path, "secret.raw' as the place of its samples", dataset="of flat")
+    refused(path, "secret.h5' as the place of 'other/raw'", dataset="of other raw")
+    refused(path, "'flat%b' as the place of its samples", dataset="of flat%b")
+    for name in ("of flat", "of other raw"):
+        allowed(path, dataset=name)
+    np.testing.assert_array_equal(ws.open(path, dataset="of own").samples, SAMPLES)
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+@pytest.mark.parametrize("name", ["VTKHDF", "minc-2.0", "x"])
+def test_hdf5_links_of_the_root_are_not_followed(folder, name, options):
+    import h5py
+
+    with h5py.File(folder.parent / "secret.h5", "w") as file:
+        group = file.create_group("g")
+        group.attrs.update({"Type": "a password", "_Netcdf4Dimid": 0})
+    links = [
+        h5py.ExternalLink(str(folder.parent / "secret.h5"), "/g"),
+        h5py.ExternalLink("not there.h5", "/g"),
+        h5py.SoftLink("/not there"),
+    ]
+    for number, link in enumerate(links):
+        path = folder / f"{number}.h5"  # HDF5 does not write to a file that a lazy volume holds open
+        with h5py.File(path, "w") as file:
+            file["own"] = SAMPLES
+            file[name] = link
+        volume = ws.open(path, **options)
+        samples = (volume.read() if options else volume).samples
+        np.testing.assert_array_equal(samples, SAMPLES)
 
 
 def test_ome_tiff(folder):

@@ -52,6 +52,31 @@ def test_each_file_of_a_list_has_its_skips(tmp_path, encoding, named):
     np.testing.assert_array_equal(ws.open(tmp_path / "a.nhdr").samples, SAMPLES)
 
 
+@pytest.mark.parametrize("encoding", PACKED)
+@pytest.mark.parametrize("folder", ["50%", "50% 1 2 3", "s%d", "s%03d 0 3 1"])
+@pytest.mark.parametrize("named", [None, "a.data", "50%d.data", "LIST\na.data", "FOLDER/a.data"])
+def test_folders_with_percent_signs(tmp_path, monkeypatch, encoding, folder, named):
+    folder = tmp_path / folder
+    (folder / "temporary").mkdir(parents=True)
+    monkeypatch.setattr("tempfile.tempdir", str(folder / "temporary"))
+    for samples, header in (
+        (SAMPLES, HEADER),
+        (TIMES, of_times("6 5 4 3", "(1,0,0) (0,2,0) (0,0,3) none", "")),
+    ):
+        data = PACKED[encoding](samples.tobytes())
+        path = folder / ("a.nrrd" if named is None else "a.nhdr")
+        if named is None:
+            path.write_bytes(f"{header}encoding: {encoding}\n\n".encode() + data)
+        else:
+            name = named.replace("FOLDER", str(folder))
+            line = name.replace("LIST", f"LIST {samples.ndim}")
+            path.write_text(f"{header}encoding: {encoding}\ndata file: {line}\n")
+            (folder / name.rpartition("\n")[2]).write_bytes(data)
+        options = {"time": 1} if samples is TIMES else {}
+        wanted = TIMES[1] if samples is TIMES else SAMPLES
+        np.testing.assert_array_equal(ws.open(path, **options).samples, wanted)
+
+
 def test_bzip2_that_is_cut_or_holds_too_little_is_an_error(tmp_path):
     path = tmp_path / "a.nrrd"
     packed = bz2.compress(SAMPLES.tobytes())

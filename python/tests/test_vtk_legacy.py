@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._readers import vtk_legacy
 
 SAMPLES = np.random.default_rng(2).integers(0, 100, (3, 4, 5))
 PLACE = "DIMENSIONS 5 4 3\nSPACING 0.5 2 3\nORIGIN 7 8 9\n"
@@ -164,8 +165,24 @@ def test_a_grid_of_another_kind_is_not_called_damaged(tmp_path, dataset, what):
         (["POINT_DATA 60\nSCALARS s char\nLOOKUP_TABLE default\n", bytes(59)], "truncated"),
         (["POINT_DATA 60\nBLUBB s char\n", bytes(59)], "the word 'BLUBB' where VTK has none"),
         (["POINT_DATA 60\n"], "holds 0 arrays .none."),
+        (["FIELD f 1\nunit 1 1000000000000000 string\n", "a\n"], "1000000000000000 texts are promised"),
     ],
 )
-def test_what_is_wrong_is_said(tmp_path, parts, message):
+@pytest.mark.parametrize("is_text", [True, False])
+def test_what_is_wrong_is_said(tmp_path, parts, message, is_text):
+    if is_text:  # zero bytes are words, and too few of them
+        parts = [" ".join("1" * len(part)) if isinstance(part, bytes) else part for part in parts]
     with pytest.raises(ws.errors.FileError, match=message):
-        ws.open(write(tmp_path / "a.vtk", parts))
+        ws.open(write(tmp_path / "a.vtk", parts, is_text=is_text))
+
+
+@pytest.mark.parametrize("n_bytes", [1, 2, 7, 100])
+@pytest.mark.parametrize("space", [" ", "\n", "\r\n", " \t\v\f "])
+def test_text_is_read_in_blocks(tmp_path, monkeypatch, n_bytes, space):
+    monkeypatch.setattr(vtk_legacy, "BLOCK_BYTES", n_bytes)
+    words = space.join(map(str, SAMPLES.ravel().tolist()))
+    parts = ["POINT_DATA 60\nSCALARS a int\nLOOKUP_TABLE default\n", words, space, "\n"]
+    parts += ["SCALARS b float\nLOOKUP_TABLE default\n", words]
+    path = write(tmp_path / "a.vtk", parts, is_text=True)
+    for name in "ab":
+        np.testing.assert_array_equal(ws.open(path, dataset=name).samples, SAMPLES)

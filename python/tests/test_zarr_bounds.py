@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import PureWindowsPath
 
 import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._files import zarr_place
+from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat.errors import FileError
 
 zarr = pytest.importorskip("zarr", minversion="3")
@@ -95,8 +98,6 @@ def test_filters_may_store_wider_samples(tmp_path, options):
 
 
 def test_keys_do_not_lead_out(tmp_path):
-    from wavesplat._files.zarr_place import ZarrPlace
-
     (tmp_path / "a").mkdir()
     (tmp_path / "zarr.json").write_text("{}")
     place = ZarrPlace(tmp_path / "a")
@@ -106,13 +107,20 @@ def test_keys_do_not_lead_out(tmp_path):
     assert place.read("zarr.json") is None
 
 
+def test_keys_do_not_lead_out_by_the_paths_of_windows(tmp_path, monkeypatch):
+    monkeypatch.setattr(zarr_place, "PurePath", PureWindowsPath)
+    place = ZarrPlace(tmp_path)
+    for key in ("C:/zarr.json", "C:zarr.json", "b\\..\\..\\zarr.json", "\\zarr.json", "\\\\host\\share\\zarr.json"):
+        with pytest.raises(FileError, match="leads out of the Zarr folder"):
+            place.read(key)
+    assert place.read("b/zarr.json") is None
+
+
 def test_buckets_are_read_by_their_library(monkeypatch):
     """As far as can be told without one: keys, the bound, ranges, and what may not be read."""
     import fsspec
     from fsspec.implementations.asyn_wrapper import AsyncFileSystemWrapper
     from fsspec.implementations.memory import MemoryFileSystem
-
-    from wavesplat._files.zarr_place import ZarrPlace
 
     files = MemoryFileSystem(skip_instance_cache=True)
     files.store, files.pseudo_dirs = {}, [""]
@@ -132,9 +140,15 @@ def test_buckets_are_read_by_their_library(monkeypatch):
         b"23",
         b"789",
     )
-    place.expect("", 9)
-    with pytest.raises(FileError, match="there can be at most 9"):
-        place.read("0.0.0")
+    read = []
+    cat_file = files.cat_file
+    monkeypatch.setattr(files, "cat_file", lambda *given, **how: read.append(cat_file(*given, **how)) or read[-1])
+    place.expect("", 3)
+    assert place.read("0.0.0", (-3, None)) == b"789"
+    for part in (None, (1, None), (1, 9), (-4, None)):
+        with pytest.raises(FileError, match="there can be at most 3"):
+            place.read("0.0.0", part)
+    assert max(map(len, read)) == 4, "a byte more than there can be"
 
     def refuse(*_, **__):
         raise PermissionError("Access Denied")

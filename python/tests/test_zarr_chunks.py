@@ -19,12 +19,19 @@ def blosc():
     return numcodecs.Blosc()
 
 
+def lz4():
+    import numcodecs
+
+    return numcodecs.LZ4()
+
+
 CASES = {
     "plain, v2": lambda: {"zarr_format": 2, "compressors": None},
     "plain, v3": lambda: {"zarr_format": 3, "compressors": None},
     "blosc, v2": lambda: {"zarr_format": 2, "compressors": blosc()},
     "blosc, v3": lambda: {"zarr_format": 3, "compressors": zarr.codecs.BloscCodec()},
     "zstd": lambda: {"zarr_format": 3},
+    "lz4": lambda: {"zarr_format": 2, "compressors": lz4()},
     "shards": lambda: {"zarr_format": 3, "shards": (4, 8, 8)},
 }
 

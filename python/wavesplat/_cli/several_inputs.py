@@ -6,7 +6,6 @@ In the name of an output, {stem} is the input's without suffix, {name} with it, 
 
 from __future__ import annotations
 
-import glob
 import inspect
 import os
 import re
@@ -19,9 +18,9 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.printing import collected, message, print_lines
-from wavesplat._files.addresses import is_address
-from wavesplat._files.natural_order import natural_key
-from wavesplat.errors import ArgumentError, FileError, WavesplatError
+from wavesplat._files.addresses import is_address, shown
+from wavesplat._files.patterns import matching_files
+from wavesplat.errors import ArgumentError, WavesplatError
 
 __all__ = ["takes_several_inputs"]
 
@@ -76,14 +75,7 @@ def _found(given: list[str]) -> list[str]:
     """The inputs, patterns looked up, each once."""
     found: dict[str, None] = {}
     for text in given:
-        pattern = os.path.expanduser(text)  # noqa: PTH111 - which lets nobody's home be
-        if not glob.has_magic(text) or is_address(text) or os.path.lexists(pattern):
-            found[text] = None
-            continue
-        names = sorted(glob.glob(pattern, recursive=True), key=natural_key)  # noqa: PTH207 - also of whole paths
-        if not names:
-            raise FileError(f"no file fits the pattern; check it: {text}")
-        found.update(dict.fromkeys(names))
+        found.update(dict.fromkeys(matching_files(text) or [text]))
     return list(found)
 
 
@@ -105,7 +97,8 @@ def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> lis
             maker = makers.setdefault(path, input)
             if maker != input:
                 raise ArgumentError(
-                    f"{maker} and {input} would be one file, {path}; write {{folder}} or {{number}} in its name"
+                    f"{shown(maker)} and {shown(input)} would be one file, {path}; "
+                    "write {folder} or {number} in its name"
                 )
         runs.append({**options, **own, "input": input})
     return runs
@@ -145,7 +138,7 @@ def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled
                 if isinstance(error, ArgumentError) and number == 0:
                     raise
                 n_failed += 1
-                place = "" if run["input"] in str(error) else f": {run['input']}"
+                place = "" if shown(run["input"]) in str(error) else f": {shown(run['input'])}"
                 message(f"error: {' '.join(str(error).split())}{place}")
     if n_failed:
         message(f"{n_failed} of {len(runs)} inputs failed")

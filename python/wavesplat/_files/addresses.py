@@ -9,17 +9,26 @@ from __future__ import annotations
 import ipaddress
 from os import PathLike, fspath
 from urllib.parse import quote, urlsplit
-from urllib.request import url2pathname
 
 from wavesplat.errors import FileError
 
-__all__ = ["PROTOCOLS", "below", "check_no_address", "checked", "is_address", "is_public", "is_web", "last_part"]
+__all__ = [
+    "PROTOCOLS",
+    "below",
+    "check_no_address",
+    "checked",
+    "is_address",
+    "is_public",
+    "is_web",
+    "last_part",
+    "shown",
+]
 
 #: The protocols of addresses, here and in documents.
 PROTOCOLS = ("http", "https", "s3", "gs", "file")
 WEB = ("http", "https")
-#: Of an address that is refused, in messages: it may hold a whole file.
-MOST_LETTERS = 120
+#: Characters of an address that a message quotes; data: addresses can be megabytes long.
+MAX_LETTERS = 120
 #: IPv6 addresses that stand for an IPv4 address in their last 32 bits (RFC 6052).
 NAT64 = ipaddress.ip_network("64:ff9b::/96")
 
@@ -46,32 +55,50 @@ def checked(address: str) -> str:
     protocol, _, rest = address.partition("://")
     if "::" in protocol or "::" in rest.partition("?")[0].partition("/")[2]:
         raise FileError(
-            f"chains of protocols are not opened; give the address of the Zarr folder itself: {address[:MOST_LETTERS]}"
+            f"chains of protocols are not opened; give the address of the Zarr folder itself: {shown(address)}"
         )
     if protocol.lower() not in PROTOCOLS:
         raise FileError(
-            f"{protocol[:MOST_LETTERS]}:// is not opened; use one of {', '.join(f'{one}://' for one in PROTOCOLS)}, "
-            f"or copy the data to this machine: {address[:MOST_LETTERS]}"
+            f"{protocol[:MAX_LETTERS]}:// is not opened; use one of {', '.join(f'{one}://' for one in PROTOCOLS)}, "
+            f"or copy the data to this machine: {shown(address)}"
         )
     try:
         parts = urlsplit(address)
         host, _ = parts.hostname, parts.port
     except ValueError as error:
-        raise FileError(f"this is no address ({error}); check its host and port: {address}") from None
+        raise FileError(f"this is no address ({error}); check its host and port: {shown(address)}") from None
     if protocol.lower() == "file":
         if host not in (None, "", "localhost"):
-            raise FileError(f"the file lies on {host}, not on this machine; mount its folder, or copy it: {address}")
+            raise FileError(
+                f"the file lies on {host}, not on this machine; mount its folder, or copy it: {shown(address)}"
+            )
+        from urllib.request import url2pathname  # 57 ms, which every start of the command line would pay
+
         return url2pathname(parts.path)
     if not host:
-        raise FileError(f"the address names no host; write {protocol}://HOST/...: {address}")
+        raise FileError(f"the address names no host; write {protocol}://HOST/...: {shown(address)}")
     return address
+
+
+def shown(path: str | PathLike[str]) -> str:
+    """A path for messages; an address without user name, query and fragment, which may hold passwords, and cut."""
+    text = str(path)
+    return _without_passwords(text)[:MAX_LETTERS] if is_address(text) else text
+
+
+def _without_passwords(address: str) -> str:
+    """An address without user name, query and fragment."""
+    protocol, _, rest = address.partition("?")[0].partition("#")[0].partition("://")
+    host, slash, place = rest.partition("/")
+    return f"{protocol}://{host.rpartition('@')[2]}{slash}{place}"
 
 
 def check_no_address(path: str | PathLike[str], what: str) -> None:
     """A `FileError` if an address is given where only files are read. `what`: such as "a scene"."""
     if is_address(path):
         raise FileError(
-            f"{what} is read from a file on this machine, not from an address; save it, and give its path: {path}"
+            f"{what} is read from a file on this machine, not from an address; save it, and give its path: "
+            f"{shown(path)}"
         )
 
 
@@ -82,8 +109,8 @@ def below(address: str, key: str) -> str:
 
 
 def last_part(address: str) -> str:
-    """The last part of the path of an address, without the query, which may hold a password."""
-    base = address.partition("?")[0].rstrip("/")
+    """The last part of the path of an address, else its host, without what may be a password."""
+    base = _without_passwords(address).rstrip("/")
     return base.rpartition("/")[2] or base
 
 

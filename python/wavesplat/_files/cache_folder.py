@@ -30,7 +30,8 @@ MAX_PART_AGE = 24 * 3600.0
 NAME = re.compile(r"[0-9a-f]{32}\.npz")
 PART_PREFIX, PART_SUFFIX = ".wavesplat-", ".part"
 
-NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+#: To read a regular file: no link is followed, and a pipe of its name does not make the reader wait for a writer.
+READ_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 
 
 def default_folder(kind: str) -> Path:
@@ -56,12 +57,12 @@ class CacheFolder:
         self.path, self._is_ours = path, is_ours
 
     def open(self, name: str) -> BinaryIO | None:
-        """A file to read, which counts as its use; None where there is none, or a link or a folder has its name."""
+        """A file to read, which counts as its use; None where there is no regular file of the name."""
         if self.path not in _TIDIED:
             _TIDIED.add(self.path)
             self.tidy()
         try:
-            handle = os.open(self.path / name, os.O_RDONLY | NO_FOLLOW)
+            handle = os.open(self.path / name, READ_FLAGS)
         except (OSError, ValueError):
             return None
         found = os.fstat(handle)
@@ -130,8 +131,9 @@ class CacheFolder:
 
 
 def _make_private(path: str) -> None:
-    handle = os.open(path, os.O_RDONLY | NO_FOLLOW)
+    handle = os.open(path, READ_FLAGS)
     try:
-        os.fchmod(handle, 0o600)
+        if stat.S_ISREG(os.fstat(handle).st_mode):
+            os.fchmod(handle, 0o600)
     finally:
         os.close(handle)

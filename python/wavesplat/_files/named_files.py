@@ -11,7 +11,7 @@ from pathlib import Path
 from wavesplat._files.places import lies_in
 from wavesplat.errors import FileError
 
-__all__ = ["check_named_file", "refused"]
+__all__ = ["check_named_file", "check_within", "refused"]
 
 
 def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | None = None) -> None:
@@ -30,6 +30,19 @@ def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | No
         raise refused(f"{name!r}, a link to another folder", path)
     if named.exists() and not named.is_file():
         raise FileError(f"the file names {name!r} as one that holds its samples, which is no file: {path}")
+
+
+def check_within(file: Path, within: Path | None, name: str | None = None) -> None:
+    """A `FileError` if a file that a document leads to lies outside of its folder.
+
+    within : real place of the document's folder; None of files that the user names.
+    name : what the message calls the file, if not by its name.
+    """
+    if within is not None and not lies_in(str(file), within):
+        raise FileError(
+            f"{(name or file.name)!r} is a link out of the folder of the document that names it; if you trust it, pass "
+            f"external_files=True (--external-files): {file.parent}"
+        )
 
 
 def refused(what: str, path: object) -> FileError:

@@ -11,7 +11,7 @@ from wavesplat.errors import ArgumentError, FileError
 __all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_place"]
 
 #: A transfer function or a table of labels has a few thousand bytes.
-MOST_TEXT_BYTES = 1 << 26
+MAX_TEXT_BYTES = 1 << 26
 
 
 def expanded(path: str | PathLike[str]) -> Path:
@@ -58,9 +58,9 @@ def read_text(path: str | PathLike[str], what: str) -> str:
     check_no_pipe(place)
     try:
         with place.open("rb") as file:
-            content = file.read(MOST_TEXT_BYTES + 1)
-        if len(content) > MOST_TEXT_BYTES:
-            raise FileError(f"the {what} is larger than {MOST_TEXT_BYTES >> 20} MiB; give another file: {path}")
+            content = file.read(MAX_TEXT_BYTES + 1)
+        if len(content) > MAX_TEXT_BYTES:
+            raise FileError(f"the {what} is larger than {MAX_TEXT_BYTES >> 20} MiB; give another file: {path}")
         return content.decode("utf-8-sig")  # some editors begin with a mark of the byte order
     except UnicodeDecodeError:
         raise FileError(f"the {what} is not text: {path}") from None

@@ -35,7 +35,9 @@ TRUNCATION_ERRORS = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, g
 #: How messages tell of them.
 TRUNCATION_WORDS = re.compile(
     r"truncate|truncati[no]|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt"
-    r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut",
+    r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut"
+    # Of numcodecs: Zstd and LZ4 say no more, whether bytes are missing or wrong; which of both depends on the release.
+    r"|decompression error|error during \w+ decompression|bad input data",
     re.IGNORECASE,
 )
 #: Packages that only some files need -> the extra that brings them.

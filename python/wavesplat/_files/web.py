@@ -6,12 +6,11 @@ fsspec keeps the session and the thread that waits; its own `cat` reads a body t
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import zlib
 from http import HTTPStatus
 from typing import Any, TypeAlias
 
-from wavesplat._files.addresses import is_public
+from wavesplat._files.addresses import is_public, shown
 from wavesplat._files.libraries import library
 from wavesplat.errors import FileError, LibraryError
 
@@ -36,7 +35,7 @@ class ForbiddenError(Exception):
 
 
 async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | None:
-    """What lies at an address, at most `most` bytes; None if nothing does.
+    """The content at an address, of at most `most` bytes; None if there is none.
 
     Raises
     ------
@@ -47,7 +46,7 @@ async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | 
     """
     headers = {} if part is None else {"Range": _range(part)}
     try:
-        async with await _asked(url, headers, public_only=public_only) as answer:
+        async with await _request(url, headers, public_only=public_only) as answer:
             if answer.status in MISSING:
                 return None
             if answer.status == HTTPStatus.FORBIDDEN:
@@ -60,35 +59,35 @@ async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | 
             return body[part[0] : part[1]]  # of a server that knows no ranges
     except (FileError, LibraryError, ForbiddenError):
         raise
-    except Exception as error:
-        raise _clear(error, url) from error
+    except Exception as error:  # noqa: BLE001 - raised without it: aiohttp quotes the query
+        raise _as_file_error(error, url) from None
 
 
 async def mark_of(url: str, *, public_only: bool) -> str | None:
-    """What the server says of the version of what lies there: its ETag, or the time of its last change."""
+    """The server's mark of a version: the ETag, or the time of the last change; None without one."""
     try:
-        async with await _asked(url, {}, public_only=public_only) as answer:
+        async with await _request(url, {}, public_only=public_only) as answer:
             if answer.status != HTTPStatus.OK:
                 return None
             mark = answer.headers.get("ETag") or answer.headers.get("Last-Modified")
             return None if mark is None else str(mark)
     except (FileError, LibraryError, ForbiddenError):
         raise
-    except Exception as error:
-        raise _clear(error, url) from error
+    except Exception as error:  # noqa: BLE001 - raised without it: aiohttp quotes the query
+        raise _as_file_error(error, url) from None
 
 
-async def _asked(url: str, headers: dict[str, str], *, public_only: bool) -> Any:
-    """The request, a context that gives the answer."""
+async def _request(url: str, headers: dict[str, str], *, public_only: bool) -> Any:
+    """A request to a server, as an asynchronous context whose value is the answer."""
     aiohttp = library("aiohttp", extra="http")
     import fsspec
     import yarl
 
     files = fsspec.filesystem("http", get_client=_public_client if public_only else _client)
     where = yarl.URL(url)
-    host = where.host or ""
-    if public_only and _is_number(host) and not is_public(host):
-        raise _not_public(host)
+    for host in (where.host or "", where.raw_host or ""):
+        if public_only and _is_number(host) and not is_public(host):
+            raise _not_public(host)
     session = await files.set_session()
     # What is packed anyway is unpacked below, no further than is expected.
     wanted = {"Accept-Encoding": "identity", **headers}
@@ -106,9 +105,10 @@ async def _client(**options: Any) -> Any:
         target = answer.url.join(yarl.URL(answer.headers.get("Location") or answer.headers.get("URI") or ""))
         if not _is_same_host(answer.url, target):
             answer.close()
+            place = shown(f"{target.scheme}://{target.authority}")
             raise FileError(
-                f"the server of {answer.url.host} sends the request on to {target.scheme}://{target.authority}, "
-                f"another place; open that address itself if you trust it: {answer.url}"
+                f"the server of {answer.url.host} sends the request on to {place}, another place; open that address "
+                f"itself if you trust it: {shown(str(answer.url))}"
             )
 
     trace = aiohttp.TraceConfig()
@@ -142,7 +142,7 @@ def _is_same_host(before: Any, after: Any) -> bool:
     if before.host != after.host or after.scheme not in PORTS:
         return False
     is_upgrade = (before.scheme, after.scheme) == ("http", "https")
-    # Ports of their protocols are the same place.
+    # A scheme's default port counts as no port.
     own = [url.port == PORTS[url.scheme] for url in (before, after)]
     return bool((before.scheme == after.scheme or is_upgrade) and (before.port == after.port or all(own)))
 
@@ -151,10 +151,10 @@ async def _body(answer: Any, most: int, url: str) -> bytes:
     """The content of an answer, unpacked if it is packed."""
     packing = answer.headers.get("Content-Encoding", "identity").lower()
     if packing not in ("identity", "", "gzip", "deflate", "x-gzip"):
-        raise FileError(f"the server packs its answer by {packing!r}, though it was asked not to: {url}")
+        raise FileError(f"the server packs its answer by {packing!r}, though it was asked not to: {shown(url)}")
     too_long = FileError(
         f"the server sends more than the {most} bytes that can be there; the data are damaged, or not what they say: "
-        f"{url}"
+        f"{shown(url)}"
     )
     if (answer.content_length or 0) > most:
         answer.close()
@@ -167,7 +167,7 @@ async def _body(answer: Any, most: int, url: str) -> bytes:
             answer.close()
             raise too_long
     if unpacking is not None and (not unpacking.eof or unpacking.unused_data):
-        raise FileError(f"damaged: the server's packed answer has no end, or more after it; try again: {url}")
+        raise FileError(f"damaged: the server's packed answer has no end, or more after it; try again: {shown(url)}")
     return bytes(content)
 
 
@@ -177,11 +177,8 @@ def _range(part: tuple[int, int | None]) -> str:
 
 
 def _is_number(host: str) -> bool:
-    try:
-        ipaddress.ip_address(host)
-    except ValueError:
-        return False
-    return True
+    """Whether aiohttp may connect to a host without the resolver: also 127.1 and 2130706433, as systems take them."""
+    return ":" in host or host.replace(".", "").isdigit()
 
 
 def _not_public(host: str) -> FileError:
@@ -196,27 +193,31 @@ def _why_not(status: int, url: str) -> str:
     known = {one.value: one.phrase for one in HTTPStatus}
     said = f"{status} {known.get(status, '')}".strip()
     if status == HTTPStatus.UNAUTHORIZED:
-        return f"the server asks for a log-in ({said}); give an address that holds the access, ...?token=...: {url}"
+        place = "give an address that holds the access, ...?token=..."
+        return f"the server asks for a log-in ({said}); {place}: {shown(url)}"
     if status >= HTTPStatus.INTERNAL_SERVER_ERROR or status == HTTPStatus.TOO_MANY_REQUESTS:
-        return f"the server has a fault or is busy ({said}); try again later: {url}"
-    return f"the server does not give what is asked for ({said}); check the address: {url}"
+        return f"the server has a fault or is busy ({said}); try again later: {shown(url)}"
+    return f"the server does not give what is asked for ({said}); check the address: {shown(url)}"
 
 
-def _clear(error: Exception, url: str) -> FileError:
+def _as_file_error(error: Exception, url: str) -> FileError:
     """An error of aiohttp in words for the user."""
     import aiohttp
+    import yarl
 
     inner = getattr(error, "os_error", None)
     if isinstance(inner, FileError):
         return inner  # of the resolver of public hosts
 
     if isinstance(error, aiohttp.TooManyRedirects):
-        return FileError(f"the server sends the request round in a circle; check the address: {url}")
+        return FileError(f"the server sends the request round in a circle; check the address: {shown(url)}")
     if isinstance(error, asyncio.TimeoutError):  # the built-in one from Python 3.11 on
-        return FileError(f"the server does not answer within {WAITING_S:g} s; try again later: {url}")
+        return FileError(f"the server does not answer within {WAITING_S:g} s; try again later: {shown(url)}")
     if isinstance(error, aiohttp.ClientConnectorError):
-        return FileError(f"there is no connection to the server ({inner or error}); check the address: {url}")
+        return FileError(f"there is no connection to the server ({inner or error}); check the address: {shown(url)}")
     if isinstance(error, aiohttp.ClientPayloadError):
-        return FileError(f"truncated: the server ended its answer too early; try again: {url}")
+        return FileError(f"truncated: the server ended its answer too early; try again: {shown(url)}")
     said = (str(error).splitlines() or [""])[0] or type(error).__name__
-    return FileError(f"the server cannot be asked, or not understood ({said}); check the address: {url}")
+    for name in (url, str(yarl.URL(url))):  # aiohttp quotes it whole
+        said = said.replace(name, shown(name))
+    return FileError(f"the server cannot be asked, or not understood ({said}); check the address: {shown(url)}")

@@ -7,27 +7,30 @@ many bytes a chunk can have is known from the metadata of its array, and nothing
 from __future__ import annotations
 
 import asyncio
-import os
 import stat
 import threading
 import warnings
 from collections.abc import Coroutine
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from wavesplat._files import web
-from wavesplat._files.addresses import below, is_web
+from wavesplat._files.addresses import below, is_web, shown
+from wavesplat._files.named_files import check_within
 from wavesplat._files.web import ForbiddenError, Part
 from wavesplat.errors import FileError, FileWarning
 
-__all__ = ["METADATA", "ZarrPlace"]
+__all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace"]
 
-#: Documents of metadata; every other key is that of a chunk.
-METADATA = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
+#: The error for a library that would write.
+READ_ONLY = "places are only read"
+
+#: Names of metadata documents; every other key is that of a chunk.
+METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
 #: Metadata of a store with thousands of arrays have a few megabytes.
-MOST_METADATA_BYTES = 1 << 26
-#: Keys of which it is kept that the server refuses them.
-MAX_KEPT = 1000
+MAX_METADATA_BYTES = 1 << 26
+#: Refused keys that are remembered.
+MAX_REFUSED = 1000
 
 
 class ZarrPlace:
@@ -45,51 +48,51 @@ class ZarrPlace:
         self.root = where if isinstance(where, Path) else None
         self.address = "" if isinstance(where, Path) else where
         self._within = within
-        self._most: dict[str, int] = {}
+        self._max_bytes: dict[str, int] = {}
         #: Keys of chunks, and of metadata, that the server refuses to give, and whether it gave any chunk.
         self.refused: dict[str, None] = {}
         self.has_chunks = False
-        #: Whether a chunk that is refused is told at once: where samples are read as they are drawn.
-        self.tells = False
+        #: Whether the first refused chunk is warned of at once: where samples are read as they are drawn.
+        self.warns = False
         self._lock = threading.Lock()
 
     def expect(self, array: str, n_bytes: int) -> None:
-        """Allow so many bytes for each chunk of the array at this key."""
-        self._most[array.strip("/")] = n_bytes
+        """Set the largest size of a chunk of the array at this key."""
+        self._max_bytes[array.strip("/")] = n_bytes
 
     def read(self, key: str, part: Part = None) -> bytes | None:
-        """What lies at a key, or a part of it; None if nothing does.
+        """The bytes at a key, or a part of them; None if there are none.
 
         Raises
         ------
         FileError
             If it cannot be read, or is more than can be there.
         """
-        _check_key(key)
+        self._check_key(key)
         if self.root is not None:
-            return self._kept(key, self._of_file(key, part))
+            return self._with_note(key, self._of_file(key, part))
         from fsspec.asyn import get_loop, sync
 
-        content: bytes | None = sync(get_loop(), self._asked, key, part)
-        return self._kept(key, content)
+        content: bytes | None = sync(get_loop(), self._request, key, part)
+        return self._with_note(key, content)
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
-        """The same where other keys are read meanwhile."""
-        _check_key(key)
+        """`read` for asyncio: other keys are read meanwhile."""
+        self._check_key(key)
         if self.root is not None:
-            return self._kept(key, await asyncio.to_thread(self._of_file, key, part))
+            return self._with_note(key, await asyncio.to_thread(self._of_file, key, part))
         from fsspec.asyn import get_loop
 
         # fsspec has a loop of its own, which its sessions belong to. Errors come as values: zarr leaves requests alone
         # after the first error, and asyncio would complain that nobody asked for those of the others.
-        asked = asyncio.run_coroutine_threadsafe(_settled(self._asked(key, part)), get_loop())
-        content, error = await asyncio.wrap_future(asked)
+        request = asyncio.run_coroutine_threadsafe(_result_or_error(self._request(key, part)), get_loop())
+        content, error = await asyncio.wrap_future(request)
         if error is not None:
             raise error
-        return self._kept(key, content)
+        return self._with_note(key, content)
 
     def mark(self, key: str) -> str | None:
-        """What a web server says of the version of what lies at a key; None where nothing says so."""
+        """The web server's mark of the version of a key (ETag or time of change); None without one."""
         if self.root is not None or not is_web(self.address):
             return None
         from fsspec.asyn import get_loop, sync
@@ -98,7 +101,7 @@ class ZarrPlace:
         return mark
 
     def names(self) -> list[str]:
-        """What lies there beside the metadata; empty where that cannot be told."""
+        """Names of the arrays, groups and chunks at the root, sorted; empty where they cannot be listed."""
         if self.root is not None:
             try:
                 found = [entry.name for entry in self.root.iterdir()]
@@ -112,22 +115,23 @@ class ZarrPlace:
                 found = [path.rstrip("/").rpartition("/")[2] for path in files.ls(root, detail=False)]
             except OSError:
                 return []
-        return sorted(name for name in found if not name.startswith(".") and name not in METADATA)
+        return sorted(name for name in found if not name.startswith(".") and name not in METADATA_NAMES)
 
-    def _kept(self, key: str, content: bytes | None) -> bytes | None:
+    def _with_note(self, key: str, content: bytes | None) -> bytes | None:
+        """The content, after it is noted that the place gives chunks."""
         if content is not None and not _is_metadata(key):
             self.has_chunks = True
         return content
 
-    def _most_of(self, key: str) -> int:
-        """Bytes that may lie at a key."""
+    def _max_bytes_of(self, key: str) -> int:
+        """The largest size in bytes of what a key holds."""
         if _is_metadata(key):
-            return MOST_METADATA_BYTES
-        arrays = [array for array in self._most if not array or key.startswith(f"{array}/")]
-        return self._most[max(arrays, key=len)] if arrays else MOST_METADATA_BYTES
+            return MAX_METADATA_BYTES
+        arrays = [array for array in self._max_bytes if not array or key.startswith(f"{array}/")]
+        return self._max_bytes[max(arrays, key=len)] if arrays else MAX_METADATA_BYTES
 
     def _of_file(self, key: str, part: Part) -> bytes | None:
-        path, most = Path(self.root or "") / key, self._most_of(key)
+        path, most = Path(self.root or "") / key, self._max_bytes_of(key)
         try:
             found = path.stat()
         except (FileNotFoundError, NotADirectoryError):
@@ -135,11 +139,7 @@ class ZarrPlace:
         if not stat.S_ISREG(found.st_mode):
             kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device, a pipe or a socket"
             raise FileError(f"{key!r} is {kind}, not a file of samples or metadata; copy the data again: {self.root}")
-        if self._within is not None and not Path(os.path.realpath(path)).is_relative_to(self._within):
-            raise FileError(
-                f"{key!r} is a link out of the folder of the document that names it; if you trust it, pass "
-                f"external_files=True (--external-files): {self.root}"
-            )
+        check_within(path, self._within, key)
         first, end = (0, None) if part is None else part
         first = max(found.st_size + first, 0) if first < 0 else first
         n = max((found.st_size if end is None else min(end, found.st_size)) - first, 0)
@@ -149,8 +149,8 @@ class ZarrPlace:
             file.seek(first)
             return file.read(n)
 
-    async def _asked(self, key: str, part: Part) -> bytes | None:
-        most = self._most_of(key)
+    async def _request(self, key: str, part: Part) -> bytes | None:
+        most = self._max_bytes_of(key)
         try:
             if is_web(self.address):
                 return await web.get(below(self.address, key), most, part, public_only=self._within is not None)
@@ -162,7 +162,11 @@ class ZarrPlace:
     async def _of_bucket(self, key: str, most: int, part: Part) -> bytes | None:
         """By the library of the protocol; a byte more than may be there is asked for, to see whether there is one."""
         files, root = self._bucket()
-        first, end = (0, most + 1) if part is None else part
+        first, end = (0, None) if part is None else part
+        if -first > most:
+            raise self._too_long(key, most, -first)
+        if first >= 0:
+            end = min(first + most + 1, first + most + 1 if end is None else end)
         try:
             content: bytes = await files._cat_file(f"{root}/{key}", start=first, end=end)
         except FileNotFoundError:
@@ -177,6 +181,17 @@ class ZarrPlace:
         protocol, _, root = self.address.partition("://")
         return fsspec.filesystem(protocol.lower()), root.rstrip("/")
 
+    def _check_key(self, key: str) -> None:
+        """A `FileError` for a key that leads out of the place; of a folder also by backslashes or drives of Windows."""
+        leads_out = ".." in key.split("/") or key.startswith("/") or "\0" in key
+        if self.root is not None:
+            path = PurePath(key)
+            leads_out = leads_out or bool(path.anchor) or ".." in path.parts
+        if leads_out:
+            raise FileError(
+                f"{key!r} leads out of the Zarr folder; name an array in it, or mend the metadata that name it"
+            )
+
     def _too_long(self, key: str, most: int, found: int) -> FileError:
         return FileError(
             f"{key!r} has {found} bytes, and there can be at most {most}; the data are damaged, or not what they say: "
@@ -186,12 +201,12 @@ class ZarrPlace:
     def _refuse(self, key: str) -> None:
         with self._lock:
             is_first = not any(not _is_metadata(one) for one in self.refused)
-            if len(self.refused) < MAX_KEPT:
+            if len(self.refused) < MAX_REFUSED:
                 self.refused[key] = None
-        if self.tells and is_first and not _is_metadata(key):
+        if self.warns and is_first and not _is_metadata(key):
             warnings.warn(
                 f"the server refuses (403) chunk {key!r}; it and others like it count as not there, so their samples "
-                f"have the fill value: {self.address}",
+                f"have the fill value: {self}",
                 FileWarning,
                 stacklevel=2,
             )
@@ -206,7 +221,7 @@ class ZarrPlace:
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return self.address or str(self.root)
+        return str(self.root) if self.root is not None else shown(self.address)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_lock"}
@@ -216,18 +231,13 @@ class ZarrPlace:
         self._lock = threading.Lock()
 
 
-async def _settled(asked: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | None, Exception | None]:
-    """What is given, or the error."""
+async def _result_or_error(request: Coroutine[Any, Any, bytes | None]) -> tuple[bytes | None, Exception | None]:
+    """The result of a request and None, or None and its error."""
     try:
-        return await asked, None
+        return await request, None
     except Exception as error:  # noqa: BLE001 - raised where it is waited for
         return None, error
 
 
 def _is_metadata(key: str) -> bool:
-    return key.rpartition("/")[2] in METADATA
-
-
-def _check_key(key: str) -> None:
-    if ".." in key.split("/") or key.startswith("/") or "\0" in key:
-        raise FileError(f"{key!r} leads out of the Zarr folder; name an array in it, or mend the metadata that name it")
+    return key.rpartition("/")[2] in METADATA_NAMES

@@ -25,7 +25,7 @@ from wavesplat._files.zarr_chunks import chunk_numbers
 __all__ = ["ChunkFiles", "chunk_files"]
 
 #: Names of the files that describe an array.
-METADATA = ("zarr.json", ".zarray")
+ARRAY_METADATA_NAMES = ("zarr.json", ".zarray")
 #: A pass that takes longer, in seconds, is not made for every picture: at most a 20th of the time goes into them.
 #: Between passes the folders alone are looked at, whose times tell of chunks that were renamed into place.
 LONG_PASS, SHARE = 0.25, 20
@@ -202,7 +202,7 @@ def _have_same_mtimes(folders: dict[str, int]) -> bool:
 def _metadata(folder: Path) -> str:
     """Hash of what describes an array, but for its attributes, which say nothing of samples."""
     told = hashlib.sha256()
-    for name in METADATA:
+    for name in ARRAY_METADATA_NAMES:
         with suppress(OSError):
             text = (folder / name).read_bytes()
             with suppress(ValueError, AttributeError):
@@ -226,4 +226,4 @@ def chunk_files(array: Any, picked: Sequence[int | None]) -> ChunkFiles | None:
     numbers = ".".join(map(str, range(1, array.ndim + 1)))
     if name.replace("/", ".") not in (numbers, f"c.{numbers}"):
         return None
-    return ChunkFiles(array, folder, picked) if any((folder / one).is_file() for one in METADATA) else None
+    return ChunkFiles(array, folder, picked) if any((folder / one).is_file() for one in ARRAY_METADATA_NAMES) else None

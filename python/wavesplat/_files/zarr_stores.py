@@ -1,19 +1,17 @@
-"""A place as zarr wants it: a `Store` of zarr 3, or a mapping for zarr 2; both only read."""
+"""Stores for the installed release of zarr that read from a `ZarrPlace`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, MutableMapping
 from typing import Any
 
-from wavesplat._files.zarr_place import METADATA, ZarrPlace
+from wavesplat._files.zarr_place import METADATA_NAMES, READ_ONLY, ZarrPlace
 
 __all__ = ["place_of", "store_of"]
 
-READ_ONLY = "places are only read"
 
-
-class Mapping2(MutableMapping[str, bytes]):
-    """For zarr 2."""
+class PlaceMapping(MutableMapping[str, bytes]):
+    """A place as a mapping from keys to bytes, the store of zarr 2."""
 
     def __init__(self, place: ZarrPlace) -> None:
         self.place = place
@@ -35,19 +33,19 @@ class Mapping2(MutableMapping[str, bytes]):
 
     def __iter__(self) -> Iterator[str]:
         # Keys of metadata alone: zarr lists nothing else of what it is asked for here.
-        return (key for key in METADATA if key in self)
+        return (key for key in METADATA_NAMES if key in self)
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
 
 def store_of(place: ZarrPlace) -> Any:
-    """What `zarr.open` takes."""
+    """The store for `zarr.open` that reads from a place."""
     import zarr
 
     if int(zarr.__version__.partition(".")[0]) < 3:
-        return Mapping2(place)
-    from wavesplat._files.zarr_store import PlaceStore
+        return PlaceMapping(place)
+    from wavesplat._files.zarr3_store import PlaceStore
 
     return PlaceStore(place)
 

@@ -99,15 +99,19 @@ class _Places:
                 continue
             for place in [own] if file_name == "." else [folder / file_name for folder in folders]:
                 self.files[place] = None
-                if (place, inner) not in self._followed and place.is_file():
-                    self._followed.add((place, inner))
-                    self._follow(place, inner, depth)
+                if (place, inner) in self._followed or not place.is_file():
+                    continue
+                self._followed.add((place, inner))
+                if file_name == ".":
+                    self._follow(dataset.file, inner, depth)
+                    continue
+                # What is no HDF5 file is read as fill values until it is one, which its state tells.
+                with suppress(OSError), read_hdf5(place) as file:
+                    self._follow(file, inner, depth)
 
-    def _follow(self, place: Path, inner: str, depth: int) -> None:
+    def _follow(self, file: h5py.File, inner: str, depth: int) -> None:
         import h5py
 
-        # What is no HDF5 file is read as fill values until it is one, which its state tells.
-        with suppress(OSError), read_hdf5(place) as file:
-            other = file.get(inner)
-            if isinstance(other, h5py.Dataset):
-                self.add(other, depth + 1)
+        other = file.get(inner)
+        if isinstance(other, h5py.Dataset):
+            self.add(other, depth + 1)

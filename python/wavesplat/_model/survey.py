@@ -279,6 +279,9 @@ def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memor
         return None
     try:
         with file, np.load(file, allow_pickle=False) as parts:
+            # No more than is said here is unpacked.
+            if sum(member.file_size for member in parts.zip.infolist()) > max(memory, 2 * MAX_KEPT_BYTES):
+                return None
             core = _rebuilt(parts, "samples", array.shape, kernel, steps)
             prepared = None
             if "prepared side" in parts.files:

@@ -12,12 +12,12 @@ from pathlib import Path
 from wavesplat._files.named_files import check_named_file
 from wavesplat.errors import FileError
 
-__all__ = ["places_of_samples"]
+__all__ = ["MAX_HEADER_BYTES", "places_of_samples"]
 
 #: No header is as long: of one that is, nothing would be found in time.
-MOST_HEADER_BYTES = 1 << 24
+MAX_HEADER_BYTES = 1 << 24
 #: No series has as many files.
-MOST_FILES = 1 << 16
+MAX_FILES = 1 << 16
 
 META_IMAGE = re.compile(rb"(?:\A|\n)[ \t]*ElementDataFile[ \t]*[=:]([^\n]*)(?:\n|\Z)")
 #: `key:=value` is no field, also not where the key is called like one.
@@ -31,7 +31,7 @@ NUMBER = re.compile(r"%0?\d{0,3}d")
 def places_of_samples(path: Path, *, anywhere: bool, within: Path | None = None) -> list[tuple[Path, int]]:
     """The files that hold the samples, each with the bytes before them; those elsewhere are refused."""
     with path.open("rb") as file:
-        start = file.read(MOST_HEADER_BYTES)
+        start = file.read(MAX_HEADER_BYTES)
     is_nrrd = start.startswith(b"NRRD")
     names = _named_by_nrrd(start, path) if is_nrrd else _named_by_meta_image(start, path)
     for name in names:
@@ -83,7 +83,7 @@ def _named_by_nrrd(start: bytes, path: Path) -> list[str]:
 
 
 def _lines(names: bytes) -> list[str]:
-    lines = [_text(line) for line in names.split(b"\n", MOST_FILES)]
+    lines = [_text(line) for line in names.split(b"\n", MAX_FILES)]
     return [line for line in lines if line]
 
 
@@ -109,7 +109,7 @@ def _numbered(value: str, path: Path) -> list[str]:
     except ValueError:
         span = range(0)
     conversions = NUMBER.findall(pattern)
-    if len(conversions) != 1 or pattern.count("%") != 1 or not 0 < len(span) <= MOST_FILES:
+    if len(conversions) != 1 or pattern.count("%") != 1 or not 0 < len(span) <= MAX_FILES:
         raise FileError(
             f"the header names files as {value!r}; write a pattern with one number, its first, last and step, "
             f"as in 'slice%03d.raw 1 20 1': {path}"

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
@@ -49,11 +50,11 @@ def read(request: Request) -> Grid:
             raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
         if first.n_frames > 1:
             return _read_headers([first], {}, request)
-        return _read_series(path.parent, request.series or first.series, request, named=path)
+        return _read_series(path.parent, request.series or first.series, request, named=first)
 
 
-def _read_series(folder: Path, uid: str | None, request: Request, named: Path | None = None) -> Grid:
-    headers, unreadable, others = _scanned(folder, request)
+def _read_series(folder: Path, uid: str | None, request: Request, named: Header | None = None) -> Grid:
+    headers, unreadable, others = _scanned(folder, request, named)
     series: dict[str, list[Header]] = {}
     for header in headers:
         series.setdefault(header.series, []).append(header)
@@ -81,7 +82,7 @@ def _read_series(folder: Path, uid: str | None, request: Request, named: Path | 
     uid = next(iter(series)) if uid is None else uid
     if uid not in series:
         raise ArgumentError(f"no series {uid!r}; the folder holds: {_listed(series)}: {request.path}")
-    return _read_headers(_without_copies(series[uid], named), unreadable, request)
+    return _read_headers(_without_copies(series[uid], named.file if named else None), unreadable, request)
 
 
 def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Header]:
@@ -99,18 +100,20 @@ def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Heade
     return list(first.values())
 
 
-def _scanned(folder: Path, request: Request) -> tuple[list[Header], Unreadable, list[Path]]:
+def _scanned(folder: Path, request: Request, named: Header | None) -> tuple[list[Header], Unreadable, list[Path]]:
     """Headers of all images in a folder, files that should be some but cannot be read, and DICOM files that are none.
 
-    Headers are kept from one time point of a series to the next, as long as their files stay as they are.
+    Headers are kept from one time point of a series to the next, as long as their files stay as they are. `named`: the
+    header of the file that was named, which has been read.
     """
     headers, unreadable, others = [], {}, []
     kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
     for file in sorted(entry for entry in folder.iterdir() if entry.is_file()):
+        check_within(file, request.within)
         looks_like = file.suffix.lower() in SUFFIXES
         state = file.stat()
         key = (file, state.st_mtime_ns, state.st_size)
-        header = kept.get(key)
+        header = named if named is not None and file == named.file else kept.get(key)
         if header is None and (looks_like or _is_dicom(file)):
             header = _scanned_file(file)
             kept[key] = header
@@ -164,8 +167,10 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     if is_placed and not unreadable:  # files of other volumes need not be read
         wanted = {frame.file for frame in _chosen(all_frames, (), headers, request)[0].frames}
     pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
+    if not pixels:
+        raise next(iter(damaged.values()))
     if damaged:  # where files are missing, all that there are decide which frames belong together
-        pixels, damaged = _pixels(headers, request)
+        pixels, damaged = _pixels(headers, request, {**pixels, **damaged})
     unreadable = {**unreadable, **damaged}
     losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
     frames = [frame for frame in all_frames if frame.file not in damaged]
@@ -264,20 +269,15 @@ def _mosaic(request: Request) -> str:
     )
 
 
-def _pixels(headers: Sequence[Header], request: Request) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
-    """Stored numbers of all frames by file, and the files whose pixels cannot be read."""
+def _pixels(
+    headers: Sequence[Header], request: Request, known: Mapping[Path, NDArray[Any] | Exception] | None = None
+) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
+    """Stored numbers of all frames by file, and the files whose pixels cannot be read. `known`: read before."""
     payload.check_memory(sum(_n_bytes(header) for header in headers), request.path)
-    pixels: dict[Path, NDArray[Any]] = {}
-    failed: dict[Path, Exception] = {}
-    for header in headers:
-        found = _pixels_of(header)
-        if isinstance(found, Exception):
-            failed[header.file] = found
-        else:
-            pixels[header.file] = found
-    if not pixels:
-        raise next(iter(failed.values()))
-    return pixels, failed
+    known = known or {}
+    found = {header.file: known[header.file] if header.file in known else _pixels_of(header) for header in headers}
+    pixels = {file: one for file, one in found.items() if not isinstance(one, Exception)}
+    return pixels, {file: one for file, one in found.items() if isinstance(one, Exception)}
 
 
 def _pixels_of(header: Header) -> NDArray[Any] | Exception:

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
-from wavesplat._readers.dicom_pixel_data import PixelData, check_deflated, check_n_frames, pixel_data_at
+from wavesplat._readers.dicom_deflated import header_dataset
+from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_values import (
     as_numbers,
     first_items,
@@ -124,7 +125,7 @@ class Header:
     high_bit: int
     is_signed: bool
     n_frames: int
-    #: None where it is not known before the file is unpacked.
+    #: None where it is not known before they are read.
     pixel_data: PixelData | None
     #: The lowest and the highest stored number that stands for pixels outside of the scan.
     padding: tuple[int, int] | None
@@ -145,18 +146,15 @@ def is_dicom(file: Path) -> bool:
 
 def header_of(file: Path) -> Header | None:
     """The header of a file; None of one that is DICOM and no image. Raises nearly anything if it is damaged."""
-    from pydicom import dcmread
-
-    check_deflated(file)
     with file.open("rb") as stream:
-        dataset = dcmread(stream, stop_before_pixels=True, force=True)
+        dataset, content = header_dataset(file, stream)
         modality = text(dataset, 0x00080060).upper()
         rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
         if rows * columns == 0:
             if modality in NO_IMAGES or text(dataset, 0x00020002) or 0x00041220 in dataset or _is_directory(dataset):
                 return None
             raise ValueError("the header has no rows and columns")
-        pixel_data = pixel_data_at(stream, dataset)
+        pixel_data = pixel_data_at(content, dataset, file)
     bits = integer(dataset, 0x00280100)
     stored = integer(dataset, 0x00280101) or bits
     n_frames = _n_frames(dataset, file)
@@ -199,9 +197,8 @@ def header_of(file: Path) -> Header | None:
 
 def content_of(file: Path) -> str:
     """The content of a DICOM file without an image, in words."""
-    from pydicom import dcmread
-
-    dataset = dcmread(file, stop_before_pixels=True, force=True)
+    with file.open("rb") as stream:
+        dataset, _ = header_dataset(file, stream)
     if 0x00041220 in dataset or _is_directory(dataset):
         return "a directory of other files (DICOMDIR)"
     modality = text(dataset, 0x00080060).upper()

@@ -5,12 +5,12 @@ Asked before a frame is described or memory is taken: a header of some bytes can
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from wavesplat._files import payload
+from wavesplat._readers.dicom_deflated import DEFLATED, UnpackedStream
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -25,49 +25,48 @@ __all__ = [
     "NATIVE",
     "PIXELS",
     "PixelData",
-    "check_deflated",
     "check_enough",
     "check_n_frames",
     "n_bits_of",
     "pixel_data_at",
 ]
 
-DEFLATED, BIG_ENDIAN = "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.2"
+BIG_ENDIAN = "1.2.840.10008.1.2.2"
 #: Transfer syntaxes whose pixels are not compressed each for itself.
 NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", DEFLATED, BIG_ENDIAN}
 PIXELS, FLOATS, DOUBLES = 0x7FE00010, 0x7FE00008, 0x7FE00009
 UNDEFINED_LENGTH = 0xFFFFFFFF
 ITEM = b"\xfe\xff\x00\xe0"
-BLOCK_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
 class PixelData:
-    """The element with the pixels: PIXELS, FLOATS or DOUBLES, and where its value begins in the file."""
+    """The element with the pixels: PIXELS, FLOATS or DOUBLES, and where its value begins in the file, once unpacked."""
 
     tag: int
     offset: int
-    #: Bytes that are there, of compressed pixels up to the end of the file.
+    #: Bytes that are there: of compressed pixels up to the end of the file, of a packed file those that can be there.
     n_bytes: int
 
 
-def pixel_data_at(stream: BinaryIO, dataset: Dataset) -> PixelData | None:
-    """The pixel data of a file that was read up to them; None where only unpacking the file tells."""
+def pixel_data_at(stream: BinaryIO | UnpackedStream, dataset: Dataset, file: Path) -> PixelData | None:
+    """The pixel data of a file that was read up to them; None where only reading them tells how many there are."""
     syntax = str(dataset.file_meta.get("TransferSyntaxUID", "1.2.840.10008.1.2"))
-    if syntax == DEFLATED:
-        return None
     is_implicit, is_little = dataset.original_encoding
     order = "little" if is_little else "big"
     head = stream.read(8 if is_implicit else 12)
     begin = stream.tell()
-    stream.seek(0, 2)
-    n_left = stream.tell() - begin
     tag = int.from_bytes(head[:2], order) << 16 | int.from_bytes(head[2:4], order)  # type: ignore[arg-type]
     if tag not in (PIXELS, FLOATS, DOUBLES) or len(head) < (8 if is_implicit else 12):
         return PixelData(PIXELS, begin, 0)
     length = int.from_bytes(head[-4:], order)  # type: ignore[arg-type]
+    if isinstance(stream, UnpackedStream):
+        if length == UNDEFINED_LENGTH:
+            raise FileError(f"the pixel data do not say how long they are; copy or export it again: {file}")
+        return PixelData(tag, begin, min(length, file.stat().st_size * payload.DEFLATE_RATIO))
     if length == UNDEFINED_LENGTH and syntax in NATIVE:
         return None
+    n_left = file.stat().st_size - begin
     return PixelData(tag, begin, n_left if syntax not in NATIVE else min(length, n_left))
 
 
@@ -106,12 +105,10 @@ def check_n_frames(header: Header) -> None:
     """A `FileError` if the pixel data cannot be so many frames."""
     data = header.pixel_data
     if header.transfer_syntax in NATIVE:
-        # Where the place is not known, what is unpacked was counted, and no file is larger.
         if data is not None:
             check_enough(header, data.n_bytes, n_bits_of(data.tag, header))
         else:
-            n_unpacked = _n_unpacked(header.file) if header.transfer_syntax == DEFLATED else None
-            n_bytes = header.file.stat().st_size if n_unpacked is None else n_unpacked
+            n_bytes = header.file.stat().st_size
             columns, rows = header.size
             if header.n_frames * rows * columns * max(header.bits_allocated, 1) > 8 * n_bytes:
                 raise FileError(
@@ -135,29 +132,3 @@ def _n_fragments(file: Path, data: PixelData) -> int:
             count += 1
             stream.seek(int.from_bytes(head[4:], "little"), 1)
     return max(count - 1, 0)
-
-
-def check_deflated(file: Path) -> None:
-    """A `LimitError` if a file that is packed as a whole unpacks to more than the memory that there is."""
-    with file.open("rb") as stream:
-        if DEFLATED.encode() in stream.read(1024):
-            _n_unpacked(file)
-
-
-def _n_unpacked(file: Path) -> int | None:
-    """Bytes of a file that is packed as a whole, counted block by block; None if it does not say where it begins."""
-    from pydicom.filereader import read_file_meta_info
-
-    meta = read_file_meta_info(file)
-    if str(meta.get("TransferSyntaxUID")) != DEFLATED or "FileMetaInformationGroupLength" not in meta:
-        return None
-    count = 0
-    unpacking = zlib.decompressobj(-zlib.MAX_WBITS)
-    with file.open("rb") as packed:
-        packed.seek(132 + 12 + int(meta.FileMetaInformationGroupLength))
-        rest = b""
-        while not unpacking.eof and (rest := rest or packed.read(BLOCK_BYTES)):
-            count += len(unpacking.decompress(rest, BLOCK_BYTES))
-            rest = unpacking.unconsumed_tail
-            payload.check_memory(count, file)
-    return count

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files import payload
 from wavesplat._files.silence import silenced
+from wavesplat._readers.dicom_deflated import DEFLATED, check_unpacked_size, unpacked_part
 from wavesplat._readers.dicom_header import Header
 from wavesplat._readers.dicom_pixel_data import (
     BIG_ENDIAN,
@@ -49,26 +50,30 @@ def frames_in(header: Header) -> NDArray[Any]:
     if header.photometric == "PALETTE COLOR":
         # GDCM looks colours up; what it is given must be there.
         if header.transfer_syntax in NATIVE:
-            _native_bytes(header)
+            content = _native_bytes(header)[1]
+            if header.transfer_syntax == DEFLATED and header.pixel_data is not None:
+                check_unpacked_size(header.file, header.pixel_data.offset + len(content))
         return _by_itk(header.file, shape)
     if header.n_samples > 1:
-        return _by_neutral_copy(header, shape)
+        is_native = header.transfer_syntax in NATIVE
+        return _by_neutral_copy(header, shape, None if is_native else _fragments(header))
     if header.transfer_syntax in NATIVE:
         return _native(header, shape)
     if header.transfer_syntax == RLE:
         return _meant(_unpacked_rle(header).reshape(shape), header)
-    return _meant(_checked_bits(_by_neutral_copy(header, shape), header), header)
+    fragments = _fragments(header)
+    stored = _by_neutral_copy(header, shape, fragments)
+    _check_bits(max(stored.dtype.itemsize * 8, _jpeg_precision(fragments)), header)
+    return _meant(stored, header)
 
 
-def _checked_bits(stored: NDArray[Any], header: Header) -> NDArray[Any]:
-    """Numbers as they were unpacked; a `FileError` if they had more bits than the header says, which would be cut."""
-    n_bits = max(stored.dtype.itemsize * 8, _jpeg_precision(_fragments(header)))
+def _check_bits(n_bits: int, header: Header) -> None:
+    """A `FileError` if unpacked numbers have more bits than the header says, which would be cut."""
     if n_bits > max(header.bits_allocated, 8):
         raise FileError(
             f"the compressed pixels have {n_bits} bits, the header says {header.bits_allocated} (BitsAllocated); "
             f"export it again: {header.file}"
         )
-    return stored
 
 
 def _jpeg_precision(fragments: bytes) -> int:
@@ -134,7 +139,12 @@ def is_padding_beyond_bits(header: Header) -> bool:
 def _native_bytes(header: Header) -> tuple[int, bytes]:
     """The tag of pixels that are not compressed, and their bytes, which are as many as are needed."""
     if (data := header.pixel_data) is not None:
-        needed = check_enough(header, data.n_bytes, n_bits_of(data.tag, header))
+        n_bits = n_bits_of(data.tag, header)
+        needed = check_enough(header, data.n_bytes, n_bits)
+        if header.transfer_syntax == DEFLATED:
+            content = unpacked_part(header.file, data.offset, needed)
+            check_enough(header, len(content), n_bits)
+            return data.tag, content
         with header.file.open("rb") as stream:
             stream.seek(data.offset)
             return data.tag, stream.read(needed)
@@ -166,7 +176,7 @@ def _unpacked_rle(header: Header) -> NDArray[Any]:
     from pydicom.pixels import decoders
 
     dataset = dcmread(header.file, stop_before_pixels=True, force=True)
-    _set_pixels(dataset, header)
+    _set_pixels(dataset, _fragments(header))
     of_all: Any = decoders
     try:
         array: NDArray[Any] = of_all.RLELosslessDecoder.as_array(dataset, raw=True)[0]
@@ -178,9 +188,9 @@ def _unpacked_rle(header: Header) -> NDArray[Any]:
     return array
 
 
-def _set_pixels(dataset: Any, header: Header) -> None:
-    """Give a dataset the compressed pixels of a file, counted to their end."""
-    dataset.PixelData = _fragments(header)
+def _set_pixels(dataset: Any, fragments: bytes) -> None:
+    """Give a dataset the compressed pixels of a file."""
+    dataset.PixelData = fragments
     dataset["PixelData"].VR = "OB"
     dataset["PixelData"].is_undefined_length = True
 
@@ -204,8 +214,8 @@ def _fragments(header: Header) -> bytes:
     return content[:end]
 
 
-def _by_neutral_copy(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
-    """By GDCM, from a copy of the pixels alone."""
+def _by_neutral_copy(header: Header, shape: tuple[int, int, int], fragments: bytes | None) -> NDArray[Any]:
+    """By GDCM, from a copy of the pixels alone. `fragments`: the compressed pixels; None of others."""
     from pydicom.dataset import Dataset, FileMetaDataset
     from pydicom.uid import UID
 
@@ -223,12 +233,12 @@ def _by_neutral_copy(header: Header, shape: tuple[int, int, int]) -> NDArray[Any
         copy.NumberOfFrames = header.n_frames
     if header.n_samples > 1:
         copy.PlanarConfiguration = header.planes
-    if header.transfer_syntax in NATIVE:
+    if fragments is None:
         content = _native_bytes(header)[1]
         copy.PixelData = content + b"\0" * (len(content) % 2)
         copy["PixelData"].VR = "OW" if header.bits_allocated > 8 else "OB"
     else:
-        _set_pixels(copy, header)
+        _set_pixels(copy, fragments)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "pixels.dcm"
         copy.save_as(file, enforce_file_format=True)

@@ -5,6 +5,7 @@ The affine comes from the frames' own positions, so that a gantry-tilted stack k
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +23,9 @@ __all__ = ["EMPTY", "N_NAMED", "Stack", "stacked"]
 #: Part of the slice distance by which a slice may be off its place: positions are rounded by scanners.
 TOLERANCE = 0.05
 #: More slices than this, for each that is there, are no gap but a stray slice.
-MOST_FILLED = 4
+MAX_FILLED = 4
+#: Slices of a segmentation with those that it leaves out; no scan has as many.
+MAX_SLICES = 1 << 16
 #: The share of a slice of which nothing is in the file, and which is 0 throughout.
 EMPTY = float("nan")
 #: Files that a message names.
@@ -58,10 +61,13 @@ def stacked(frames: Sequence[Frame], request: Request, *, is_mask: bool = False)
 
 
 def _with_empty_slices(frames: Sequence[Frame], positions: NDArray[np.float64]) -> Stack | None:
-    """The frames with empty slices between them; None if their distances are no multiples of the smallest."""
+    """The frames with empty slices between them; None if distances are no multiples of the smallest, or it is tiny."""
     way = positions[-1] - positions[0]
     along = (positions - positions[0]) @ (way / np.linalg.norm(way))
-    steps = along / np.diff(along).min()
+    smallest = np.diff(along).min()
+    if not smallest * MAX_SLICES > along[-1]:
+        return None
+    steps = along / smallest
     numbers = np.round(steps).astype(int)
     if np.abs(steps - numbers).max() > TOLERANCE * max(1, numbers[-1] // len(frames)):
         return None
@@ -88,14 +94,15 @@ def _filled(
     length = float(np.linalg.norm(way))
     along = (positions - positions[0]) @ (way / length)
     distances = np.diff(along)
-    counts = Counter(float(distance) for distance in np.round(distances, 2))
+    counts = Counter(_rounded(distances).tolist())
     usual = min(counts, key=lambda distance: (-counts[distance], distance))
+    usual = float(distances[np.abs(distances - usual) <= TOLERANCE * usual].mean()) if usual > 0 else 0.0
     listed = ", ".join(f"{distance:g} mm ({count}x)" for distance, count in counts.most_common())
     beside = float(np.linalg.norm(positions - positions[0] - along[:, None] * way / length, axis=1).max())
     n_slices = round(length / usual) + 1 if usual > 0 else 0
     if beside > TOLERANCE * usual:
         raise FileError(_off_line(frames, positions, request))
-    if request.gaps == "refuse" or not 2 <= n_slices <= MOST_FILLED * len(frames) + 1:
+    if request.gaps == "refuse" or not 2 <= n_slices <= MAX_FILLED * len(frames) + 1:
         raise FileError(_uneven(frames, distances, listed, request))
     places = np.linspace(0.0, length, n_slices)
     after = np.clip(np.searchsorted(along, places), 1, len(frames) - 1)
@@ -116,8 +123,15 @@ def _filled(
     return slices, way / (n_slices - 1), loss
 
 
+def _rounded(distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distances to be counted: to 0.01 mm, and where they are usually below a millimetre to three digits of that."""
+    usual = float(np.median(distances))
+    rounded: NDArray[np.float64] = np.round(distances, 2 - min(math.floor(math.log10(usual)), 0) if usual > 0 else 2)
+    return rounded
+
+
 def _uneven(frames: Sequence[Frame], distances: NDArray[np.float64], listed: str, request: Request) -> str:
-    rounded = np.round(distances, 2)
+    rounded = _rounded(distances)
     counts = Counter(rounded.tolist())
     rarest = min(counts, key=lambda distance: counts[distance])
     place = int(np.flatnonzero(rounded == rarest)[0])

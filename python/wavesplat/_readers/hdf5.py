@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["chosen_dataset", "facts_of", "place_of", "read"]
 
-#: Groups and links on the way to a dataset.
-MOST_STEPS = 100
+#: Groups and links on the way to a dataset, at most.
+MAX_STEPS = 100
 
 
 def read(request: Request) -> Grid:
@@ -47,9 +47,10 @@ def facts_of(file: h5py.File, place: Place) -> Facts:
     """Facts of a dataset, with a guess where the file's format keeps distances in a place that is not read."""
     has_distances = place.facts.unit is not None or not np.array_equal(place.world_from_index, np.eye(4))
     where = None
-    if "DataSetInfo" in file and "DataSet" in file:
+    own = _own_names(file)
+    if {"DataSetInfo", "DataSet"} <= own:
         where = "Imaris keeps them in DataSetInfo, which is not read"
-    elif "s00" in file and "t00000" in file:
+    elif {"s00", "t00000"} <= own:
         where = "BigDataViewer keeps them in the .xml beside the file, which is not read"
     if where is None or has_distances:
         return place.facts
@@ -61,20 +62,28 @@ def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     _check_kind(file, request)
     dataset = _dataset(file, request)
     if not request.external_files:
-        _check_own(dataset, request)
+        _check_own(file, dataset, request, set())
     return dataset
+
+
+def _own_names(file: h5py.File) -> set[str]:
+    """Names in the root group that are no links to other names or files: what is opened by these is in the file."""
+    import h5py
+
+    return {name for name in file if isinstance(file.get(name, getlink=True), h5py.HardLink)}
 
 
 def _check_kind(file: h5py.File, request: Request) -> None:
     """A `FileError` for formats on top of HDF5 that say what their numbers mean, which would be lost here."""
-    if "_NCProperties" in file.attrs or any("_Netcdf4Dimid" in node.attrs for node in file.values()):
+    own = _own_names(file)
+    if "_NCProperties" in file.attrs or any("_Netcdf4Dimid" in file[name].attrs for name in own):
         raise FileError(
             "the file is netCDF, with units, packing, missing values and coordinates of its own; give "
             f"wavesplat.Volume(xarray.open_dataset(path)[name]), which reads them: {request.path}"
         )
-    if "minc-2.0" in file:
+    if "minc-2.0" in own:
         raise FileError(f"the file holds a MINC image; give wavesplat.Volume(nibabel.load(path)): {request.path}")
-    if "VTKHDF" in file:
+    if "VTKHDF" in own:
         kind = file["VTKHDF"].attrs.get("Type", b"")
         raise other_grid(kind.decode("latin-1") if isinstance(kind, bytes) else str(kind), request.path)
 
@@ -91,8 +100,7 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     file.visititems(visit)
     listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
     if request.dataset is not None:
-        if not request.external_files:
-            _check_way(file, request.dataset, request)
+        _check_way(file, request.dataset, request)
         node = file.get(request.dataset)
         if not isinstance(node, h5py.Dataset):
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
@@ -106,29 +114,41 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     return next(iter(found.values()))
 
 
-def _check_own(dataset: h5py.Dataset, request: Request) -> None:
-    """A `FileError` if the samples are those of other files."""
+def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: set[str]) -> None:
+    """A `FileError` if samples are those of other files, also by way of other datasets of this file (`seen`)."""
+    import h5py
+
     others = [name for name, _, _ in dataset.external or ()]
-    if dataset.is_virtual:
-        others += [source.file_name for source in dataset.virtual_sources() if source.file_name != "."]
+    sources = {(one.file_name, one.dset_name) for one in dataset.virtual_sources()} if dataset.is_virtual else set()
+    # A name with "%" is that of another dataset for each block.
+    others += [name if name != "." else inner for name, inner in sorted(sources) if name != "." or "%" in inner]
     if others:
         raise refused(f"{others[0]!r} as the place of its samples", request.path)
+    for _, inner in sorted(sources):
+        if inner not in seen:
+            seen.add(inner)
+            _check_way(file, inner, request)
+            source = file.get(inner)
+            if isinstance(source, h5py.Dataset):
+                _check_own(file, source, request, seen)
 
 
 def _check_way(file: h5py.File, name: str, request: Request) -> None:
-    """A `FileError` if the way to a dataset leaves the file."""
+    """A `FileError` if the way to a dataset leaves the file without leave, or goes round in a circle."""
     import h5py
 
     place, parts = "/", name.split("/")
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         if not parts:
             return
         part = parts.pop(0)
-        if not part:
+        if part in ("", "."):
             continue
         here = file.get(place)
         link = here.get(part, getlink=True) if isinstance(here, h5py.Group) else None
         if isinstance(link, h5py.ExternalLink):
+            if request.external_files:
+                return
             raise refused(f"{link.filename!r} as the place of {name!r}", request.path)
         if isinstance(link, h5py.SoftLink):
             parts = link.path.split("/") + parts

@@ -52,11 +52,11 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
     if read is None:
         raise ArgumentError(
             f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
-            f"{request.path}"
+            f"{request.shown}"
         )
     # The file that was described must be the one whose state was taken meanwhile.
     before = None if request.is_url or request.file.is_dir() else StoredFiles([request.file])
-    with reading(NAMES.get(family, family), request.path):
+    with reading(NAMES.get(family, family), request.shown):
         grid = read(request)
     if before is not None:
         before.look_again()
@@ -111,7 +111,7 @@ def _of_raw(request: Request) -> LazyGrid:
 
 def _of_nifti(request: Request) -> LazyGrid:
     with quiet("nibabel.global"):
-        image = nifti.loaded(request.file)
+        image = nifti.loaded(request)
     proxy = image.dataobj
     file = proxy.file_like
     path = request.file if not isinstance(file, str) else Path(file)
@@ -119,7 +119,7 @@ def _of_nifti(request: Request) -> LazyGrid:
         raise _one_stream(request.path, "gzip")
     time, channel, colour = nifti.checked_picks(image, request)
     if colour is not None:
-        raise FileError(f"the samples are colours; open the file without memory=: {request.path}")
+        raise FileError(f"the samples are colours; open the file without memory=: {request.shown}")
     # The first axis is the fastest: in the file it is the last one.
     n_axes = len(image.shape)
     picked: list[int | None] = [None, None, None, time, channel, 0, 0][:n_axes][::-1]
@@ -213,7 +213,7 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
     stored, channel, shape, matrix = vtk_legacy.chosen_array(request)
     if stored.is_text or stored.is_bits:
         written = "text" if stored.is_text else "bits"
-        raise FileError(f"the samples are written as {written}; open the file without memory=: {request.path}")
+        raise FileError(f"the samples are written as {written}; open the file without memory=: {request.shown}")
     picked = [None, None, None, channel]
     array = stored_samples(request.file, stored.dtype, stored.begin, shape, order=(0, 1, 2), picked=picked)
     return LazyGrid([array], [matrix])
@@ -264,7 +264,7 @@ def _of_zarr(request: Request) -> LazyGrid:
             n_readers=8 if request.is_url else 4,
             token=token,
             files=files,
-            check=partial(ome_zarr.check_part, request.path),
+            check=partial(ome_zarr.check_part, request.shown),
         )
         levels.append((array, level.world_from_index, level.facts))
     # What is assumed of where coarser levels lie is so of the whole.

@@ -71,7 +71,7 @@ def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Fact
     import tifffile
 
     folder = request.file
-    files = tiff.files_in(folder)
+    files = tiff.files_in(folder, request)
     first = tiff.slice_of(tifffile.imread(files[0]), files[0], request)
     array = _stack(
         partial(_FolderPages, [str(file) for file in files], request, first.shape, first.dtype),

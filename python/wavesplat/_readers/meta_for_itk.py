@@ -13,12 +13,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
+
 __all__ = ["meta_for_itk"]
 
 #: The line that names the file, and ends the header.
 NAMED = re.compile(rb"(?m)^[ \t]*ElementDataFile[ \t]*[=:][^\n]*")
-#: No header is as long.
-MOST_HEADER_BYTES = 1 << 24
 
 
 @contextmanager
@@ -29,7 +29,7 @@ def meta_for_itk(path: Path, fields: dict[str, str], places: Sequence[tuple[Path
         yield path
         return
     with path.open("rb") as file:
-        content = file.read(MOST_HEADER_BYTES)
+        content = file.read(MAX_HEADER_BYTES)
     with tempfile.TemporaryDirectory() as made:
         link = Path(made) / "samples"
         try:

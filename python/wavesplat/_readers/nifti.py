@@ -7,6 +7,7 @@ NIfTI's world is RAS already; the sform wins over the qform.
 from __future__ import annotations
 
 import gzip
+import re
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
+from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.nibabel_image import facts_of as facts_of_image
@@ -32,12 +34,14 @@ __all__ = ["checked_picks", "facts_of", "first_sample", "loaded", "read", "world
 
 #: Bytes of the header of NIfTI-1 and NIfTI-2 -> the first byte that samples may have in the same file.
 FIRST_SAMPLES = {348: 352, 540: 544}
+#: Suffixes of images in several files.
+PARTS = re.compile(r"\.(hdr|img)(\.\w+)?$", re.IGNORECASE)
 
 
 def read(request: Request) -> Grid:
     """The volume in a NIfTI file, or one of its time points or channels."""
     with reading("NIfTI", request.path), quiet("nibabel.global"):
-        image = loaded(request.file)
+        image = loaded(request)
         _check_payload(image, request)
         stored = _one_volume(image, request)
         return Grid(_scaled(stored, image).T, world_from_index(image), facts_of(image))
@@ -55,13 +59,15 @@ def first_sample(image: SpatialImage) -> int:
     return int(header.single_vox_offset) if is_inside else int(proxy.offset)
 
 
-def loaded(path: Path) -> Any:
+def loaded(request: Request) -> Any:
     """The image of nibabel, its samples still in the file.
 
     Asked before, what nibabel would take for other faults: samples that begin inside the header.
     """
     import nibabel
 
+    path = request.file
+    _check_parts(path, request.within)
     _check_first_sample(path)
     image: Any = nibabel.load(path)
     if getattr(image, "affine", None) is None:
@@ -70,6 +76,15 @@ def loaded(path: Path) -> Any:
             f"write its volume, as with wb_command -cifti-separate IN COLUMN -volume-all OUT.nii: {path}"
         )
     return image
+
+
+def _check_parts(path: Path, within: Path | None) -> None:
+    """A `FileError` if another part of the image, such as `a.img` of `a.hdr`, or `a.mat`, is a link elsewhere."""
+    stem = PARTS.sub("", path.name)
+    if within is not None and stem != path.name:
+        for file in path.parent.iterdir():
+            if file.name.startswith(f"{stem}."):
+                check_within(file, within)
 
 
 def _check_first_sample(path: Path) -> None:

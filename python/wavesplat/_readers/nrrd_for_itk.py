@@ -25,11 +25,11 @@ from typing import BinaryIO
 import numpy as np
 
 from wavesplat._files import payload
+from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
 from wavesplat.errors import FileError
 
 __all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "listed_axis", "skip_lines"]
 
-MOST_HEADER_BYTES = 1 << 24
 BLOCK_BYTES = 1 << 20
 #: How a field of the format begins, and not a key of the same name (`kinds:=...`).
 FIELD = r"(?i)^[ \t]*{}[ \t]*:(?!=)"
@@ -111,9 +111,9 @@ def header_for_itk(path: Path, fields: dict[str, str], places: Sequence[tuple[Pa
             samples = Path(made) / "samples.raw"
             _unpack(path, fields, places, samples)
             _replace(lines, "encoding", ["encoding: raw"])
-            _replace_places(lines, [f"data file: {samples}"])
+            _replace_places(lines, [f"data file: {samples.name}"])
         else:
-            _replace_places(lines, _places_of(path, fields, places, n_lines))
+            _replace_places(lines, _places_of(fields, places, n_lines))
         header = Path(made) / "header.nhdr"
         header.write_text("\n".join(lines) + "\n", encoding="utf-8", errors="surrogateescape", newline="\n")
         yield header
@@ -138,7 +138,7 @@ def _header_lines(path: Path) -> list[str]:
     """Lines before the empty one, without line ends; names in a list of files are among them."""
     lines = []
     with path.open("rb") as file:
-        while (line := file.readline(MOST_HEADER_BYTES)) and (text := line.rstrip(b"\r\n")):
+        while (line := file.readline(MAX_HEADER_BYTES)) and (text := line.rstrip(b"\r\n")):
             lines.append(text.decode("utf-8", "surrogateescape"))
     return lines
 
@@ -164,7 +164,7 @@ def _replace_places(lines: list[str], new: list[str]) -> None:
     lines += new
 
 
-def _places_of(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
+def _places_of(fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
     """Fields of places for a header elsewhere: the same files, by their whole names. `n_lines`: of the header."""
     line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
     byte_skip = fields.get("byte skip", fields.get("byteskip"))
@@ -173,11 +173,11 @@ def _places_of(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, 
         line_skip += n_lines
     skips = [f"line skip: {line_skip}"] * (line_skip > 0) + [f"byte skip: {byte_skip}"] * (byte_skip is not None)
     files = [str(file.absolute()) for file, _ in places]
-    if named is not None and "%" in files[0] and len(files) == 1:
+    if "%" in files[0] and len(files) == 1:
         # In a list names are no patterns. It holds all axes.
         return [*skips, f"data file: LIST {len(fields['sizes'].split())}", *files]
     if named is None or len(files) == 1:
-        return [*skips, f"data file: {files[0] if named is not None else path.absolute()}"]
+        return [*skips, f"data file: {files[0]}"]
     # How many axes a file holds is said behind the word LIST, or behind first, last and step of a pattern.
     words = named.split()
     n_axes = words[1:2] if words[0].upper() == "LIST" else words[4:5]
@@ -224,5 +224,5 @@ def _unpack_stream(packed: BinaryIO, out: BinaryIO, skipped: int, needed: int) -
 def skip_lines(file: BinaryIO, n: int) -> None:
     """Read past so many lines."""
     for _ in range(n):
-        if not file.readline(MOST_HEADER_BYTES):
+        if not file.readline(MAX_HEADER_BYTES):
             return

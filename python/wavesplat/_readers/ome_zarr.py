@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wavesplat._files import payload
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks
-from wavesplat._files.zarr_place import METADATA, ZarrPlace
+from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
 from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts
 from wavesplat._readers import zarr_metadata
@@ -33,7 +33,7 @@ GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in:
 
 def read(request: Request) -> Grid:
     """One level of a multi-scale image, or a plain array."""
-    with reading("Zarr", request.path):
+    with reading("Zarr", request.shown):
         node = _open(request)
         multiscales = _multiscales(node)
         if multiscales is not None:
@@ -42,8 +42,8 @@ def read(request: Request) -> Grid:
             raise _no_array(request)
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
-        zarr_metadata.check_numbers(node, request.path)
-        check_chunks(node, _all_axes(index, node.ndim), request.path)
+        zarr_metadata.check_numbers(node, request.shown)
+        check_chunks(node, _all_axes(index, node.ndim), request.shown)
         samples = _samples(node, index)
         facts = Facts(n_times=n_times_of(node.shape, request))
         return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
@@ -71,7 +71,7 @@ def levels_of(request: Request) -> list[ZarrLevel]:
         levels = [_described_level(node, multiscales, datasets[k], request) for k in numbers]
         kept = [level for level in levels if level is not None]
         if not kept:
-            raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.path}")
+            raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.shown}")
         return kept
     if not hasattr(node, "shape"):
         raise _no_array(request)
@@ -98,7 +98,7 @@ def check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
 
 def _check_kind(array: Any, request: Request) -> None:
     if array.dtype.kind not in "biuf":
-        raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.path}")
+        raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.shown}")
 
 
 def _samples(array: Any, index: Any) -> NDArray[Any]:
@@ -112,7 +112,7 @@ def _read_later(array: Any) -> None:
     zarr_metadata.expect_chunks(array)
     place = place_of(array)
     if place is not None:
-        place.tells = True
+        place.warns = True
 
 
 def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
@@ -121,13 +121,13 @@ def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
     Storage services that may not list what they hold answer 403 for what is not there.
     """
     place = place_of(array)
-    refused = [] if place is None else [key for key in place.refused if key.rpartition("/")[2] not in METADATA]
+    refused = [] if place is None else [key for key in place.refused if key.rpartition("/")[2] not in METADATA_NAMES]
     if place is None or not refused:
         return ()
     if not place.has_chunks:
         raise FileError(
             f"the server refuses (403 Forbidden) all {len(refused)} chunks that were asked for, the first "
-            f"{refused[0]!r}; check that you may read them, or that the address holds the access: {request.path}"
+            f"{refused[0]!r}; check that you may read them, or that the address holds the access: {request.shown}"
         )
     told = f"the server refuses (403) {len(refused)} chunks, the first {refused[0]!r}"
     return (f"{told}; they count as not there, so their samples have the fill value",)
@@ -152,7 +152,7 @@ def _described_level(
 def _no_array(request: Request) -> FileError:
     message = (
         f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
-        f"{_listed(request)}: {request.path}"
+        f"{_listed(request)}: {request.shown}"
     )
     return several(message, "dataset", zarr_metadata.names(_location(request)))
 
@@ -180,20 +180,22 @@ def _open(request: Request) -> Any:
         return node[request.dataset]
     except (KeyError, IndexError, TypeError):
         raise ArgumentError(
-            f"no array or group {request.dataset!r}; there is: {_listed(request)}: {request.path}"
+            f"no array or group {request.dataset!r}; there is: {_listed(request)}: {request.shown}"
         ) from None
 
 
 def _not_found(place: ZarrPlace) -> FileError | None:
     """The error where a server has, or gives, no metadata; None where there are some."""
-    if place.root is not None or any(place.read(name) is not None for name in METADATA):
+    if place.root is not None or any(place.read(name) is not None for name in METADATA_NAMES):
         return None
     if place.refused:
         return FileError(
             f"the server refuses (403 Forbidden) {', '.join(place.refused)}; check the address, and that you may read "
             f"it, or that it holds the access: {place}"
         )
-    return FileError(f"there is no Zarr array or group at this address ({', '.join(METADATA)}); check it: {place}")
+    return FileError(
+        f"there is no Zarr array or group at this address ({', '.join(METADATA_NAMES)}); check it: {place}"
+    )
 
 
 def _location(request: Request) -> ZarrPlace:
@@ -214,7 +216,7 @@ def _check_level(n_levels: int, request: Request) -> int:
     level = request.level or 0
     if not 0 <= level < n_levels:
         raise ArgumentError(
-            f"level={level}, but there are {n_levels} levels, 0..{n_levels - 1}; 0 is the finest: {request.path}"
+            f"level={level}, but there are {n_levels} levels, 0..{n_levels - 1}; 0 is the finest: {request.shown}"
         )
     return level
 
@@ -224,11 +226,11 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     dataset = datasets[_check_level(len(datasets), request)]
     zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
-    zarr_metadata.check_numbers(array, request.path)
+    zarr_metadata.check_numbers(array, request.shown)
     place = _placed(group, array, multiscales, dataset, request)
     n_samples = [n for n, part in zip(array.shape, place.picked, strict=True) if isinstance(part, slice)]
-    payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.path)
-    check_chunks(array, place.picked, request.path)
+    payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.shown)
+    check_chunks(array, place.picked, request.shown)
     samples = _samples(array, place.picked)
     kept = [name for name in place.axes if name in place.spatial]
     samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
@@ -251,7 +253,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     axes = list(described.names)
     if len(axes) != array.ndim:
         raise FileError(
-            f"the metadata name {len(axes)} axes, the array has {array.ndim}; mend the metadata: {request.path}"
+            f"the metadata name {len(axes)} axes, the array has {array.ndim}; mend the metadata: {request.shown}"
         )
     spatial = _spatial_axes(axes, request)
     attributes = dict(group.attrs)
@@ -293,7 +295,7 @@ def _spatial_axes(axes: list[str], request: Request) -> list[str]:
     """Names of the axes that become z, y, x."""
     if not {"z", "y", "x"} <= set(axes):
         raise FileError(
-            f"the axes are {', '.join(axes)}, so the image is 2-D; a volume needs z, y and x: {request.path}"
+            f"the axes are {', '.join(axes)}, so the image is 2-D; a volume needs z, y and x: {request.shown}"
         )
     return ["z", "y", "x"]
 
@@ -303,7 +305,7 @@ def _picked(name: str, count: int, spatial: list[str], request: Request, channel
         return slice(None)
     option = "time" if name.startswith("t") else "channel"
     described = channels if option == "channel" else ()
-    return choose(option, count, getattr(request, option), request.path, described=described)
+    return choose(option, count, getattr(request, option), request.shown, described=described)
 
 
 def _composed(
@@ -354,7 +356,7 @@ def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.f
     elif kind != "identity":
         raise FileError(
             f"coordinate transformation of type {kind!r} is not supported; "
-            f"export with a scale or affine: {request.path}"
+            f"export with a scale or affine: {request.shown}"
         )
     return matrix
 
@@ -364,7 +366,7 @@ def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: R
     found = np.asarray(step.get(kind), object)
     if found.shape != shape or not all(type(number) in (int, float) for number in found.flat):
         wanted = " x ".join(map(str, shape))
-        raise FileError(f"the {kind} of an image is {step.get(kind)!r}, not {wanted} numbers; mend it: {request.path}")
+        raise FileError(f"the {kind} of an image is {step.get(kind)!r}, not {wanted} numbers; mend it: {request.shown}")
     return found.astype(np.float64)
 
 

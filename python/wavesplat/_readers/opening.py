@@ -244,7 +244,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     volume = _volume(grid, request)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
     for loss in grid.losses:
-        warnings.warn(f"{loss}: {request.path}", FileWarning, stacklevel=stacklevel)
+        warnings.warn(f"{loss}: {request.shown}", FileWarning, stacklevel=stacklevel)
     return volume
 
 
@@ -301,7 +301,7 @@ def _volume(grid: Grid, request: Request) -> Volume:
         return Volume(grid.samples, world_from_index=world_from_index, name=request.name, facts=facts)
     except ArgumentError as error:
         # The array came from the file, so the file is to blame, not the caller.
-        raise FileError(f"{error}: {request.path}") from None
+        raise FileError(f"{error}: {request.shown}") from None
 
 
 def _family(request: Request) -> str:
@@ -371,5 +371,5 @@ def _check_options(request: Request, family: str) -> None:
     for option in sorted(request.given() - OPTIONS[family] - {"spacing", "unit"}):
         users = ", ".join(name for name, options in OPTIONS.items() if option in options)
         raise ArgumentError(
-            f"{option}= has no meaning for this kind of file (only for: {users}); leave it out: {request.path}"
+            f"{option}= has no meaning for this kind of file (only for: {users}); leave it out: {request.shown}"
         )

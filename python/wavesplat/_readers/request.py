@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.addresses import checked, is_address, last_part
+from wavesplat._files.addresses import checked, is_address, last_part, shown
+from wavesplat._files.named_files import check_within
 from wavesplat._files.places import expanded, printable
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
@@ -105,6 +106,11 @@ class Request:
         return expanded(self.path)
 
     @property
+    def shown(self) -> str:
+        """The path for messages; of an address without what may be a password."""
+        return shown(self.path)
+
+    @property
     def is_url(self) -> bool:
         """Whether the path is an address, not the name of a file."""
         return is_address(self.path)
@@ -131,11 +137,13 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
     expanded(path)  # or an error
     path = checked(str(path)) if is_address(path) else path
     request = Request(path, within=NAMED_WITHIN.get(), **{**options, "unit": units.checked(options.get("unit"))})
+    if not request.is_url:
+        check_within(request.file, request.within)
     if request.gaps not in ("fill", "refuse"):
         raise ArgumentError(f'gaps is {request.gaps!r}; use "fill" or "refuse"')
     if str(path).lower().endswith(".wavelets"):
         raise ArgumentError(
-            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {path}"
+            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {shown(path)}"
         )
     return request
 
@@ -206,17 +214,17 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     if n_extra > 0 and wanted < n_extra:
         message = (
             f"the array is {len(shape)}-D, shape {tuple(shape)}; choose one volume with "
-            f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.path}"
+            f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.shown}"
         )
         # Time is the more usual one of a single further axis.
         option, count = ("time", shape[0]) if request.time is None else ("channel", shape[-1])
         raise several(message, option, range(count), is_said=False)
     if wanted > max(n_extra, 0):
         raise ArgumentError(
-            f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.path}"
+            f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.shown}"
         )
-    first = () if request.time is None else (choose("time", shape[0], request.time, request.path),)
-    last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.path),)
+    first = () if request.time is None else (choose("time", shape[0], request.time, request.shown),)
+    last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.shown),)
     return (*first, ..., *last)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import payload
-from wavesplat._files.named_files import check_named_file
+from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
@@ -143,7 +143,7 @@ def _named_files(tiff: TiffFile) -> list[str]:
 def _read_folder(folder: Path, request: Request) -> Grid:
     import tifffile
 
-    files = files_in(folder)
+    files = files_in(folder, request)
     first = slice_of(tifffile.imread(files[0]), files[0], request)
     payload.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
@@ -164,9 +164,11 @@ def _read_folder(folder: Path, request: Request) -> Grid:
 FACTS_OF_FOLDER = Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",))
 
 
-def files_in(folder: Path) -> list[Path]:
+def files_in(folder: Path, request: Request) -> list[Path]:
     """The slices in a folder, in their order."""
-    found = (file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff"))
+    found = [file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")]
+    for file in found:
+        check_within(file, request.within)
     return sorted(found, key=lambda file: natural_key(file.name))
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import glob
 from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
-from wavesplat._files.addresses import is_address
-from wavesplat._files.natural_order import natural_key
-from wavesplat._files.places import expanded
+from wavesplat._files.patterns import matching_files
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.series import Series
 from wavesplat._model.sources import Source, of_series
@@ -106,7 +103,7 @@ def open_series(
     requests = [requested(one, **options) for one in paths]
     for request in requests:
         if not (request.is_url or request.file.exists()):
-            raise FileError(f"no such file or folder; check the name: {request.path}")
+            raise FileError(f"no such file or folder; check the name: {request.shown}")
     made = Series(_OfManyFiles(requests), name=_name_of_all(requests))
     made._source = _source_of(path, requests[0])
     return made
@@ -160,7 +157,7 @@ class _OfOneFile:
 
     def told(self) -> str:
         """Its path."""
-        return f"the file {fspath(self.request.path)!r}"
+        return f"the file {self.request.shown!r}"
 
     def __getstate__(self) -> dict[str, Any]:
         # No open files.
@@ -184,7 +181,7 @@ class _OfManyFiles:
                 raise
             raise FileError(
                 f"one of several files holds {len(error.names)} time points itself; open it alone, or list files of "
-                f"one time point each: {self._requests[number].path}"
+                f"one time point each: {self._requests[number].shown}"
             ) from None
 
     def times(self) -> tuple[tuple[float, ...], str | None]:
@@ -213,14 +210,8 @@ def _files(path: Any) -> list[Any]:
     """The files that are meant, in order."""
     if isinstance(path, str | PathLike):
         text = fspath(path)
-        is_pattern = isinstance(text, str) and glob.has_magic(text) and not is_address(text)
-        if not is_pattern or expanded(path).exists():
-            return [path]
-        # Not of pathlib, which wants the folder apart from the pattern.
-        found = sorted(glob.glob(str(expanded(path)), recursive=True), key=natural_key)  # noqa: PTH207
-        if not found:
-            raise FileError(f"no file matches this pattern; check the name: {path}")
-        return found
+        found = matching_files(text) if isinstance(text, str) else None
+        return [path] if found is None else found
     paths = list(path)
     if not paths:
         raise ArgumentError("path is an empty list; give the files of the time points, in order")

@@ -50,8 +50,9 @@ OF_TWO_WIDTHS = ("long", "unsigned_long")
 #: Attributes of a fixed number of components.
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
 BLOCK_BYTES = 1 << 20
-MOST_LINE_BYTES = 1 << 16
+MAX_LINE_BYTES = 1 << 16
 WORD = re.compile(rb"\S+")
+IS_SPACE = np.isin(np.arange(256), list(b" \t\n\r\v\f"))
 
 
 @dataclass(frozen=True)
@@ -135,32 +136,40 @@ def _numbers(content: mmap.mmap, array: LegacyArray, path: Path) -> NDArray[Any]
         if array.is_bits:
             return np.unpackbits(np.frombuffer(content, np.uint8, -(-n // 8), array.begin), count=n)
         return np.frombuffer(content, array.dtype, n, array.begin).astype(array.dtype.newbyteorder("="))
-    words, _ = _words(content, array.begin, n, path)
-    if array.is_color:
-        return (np.array(words, np.float64) * 255 + 0.5).astype(np.uint8)
-    return np.array(words).astype(array.dtype.newbyteorder("="))
+    numbers = _numbers_of_text(content, array.begin, n, np.dtype("f8") if array.is_color else array.dtype)
+    return (numbers * 255 + 0.5).astype(np.uint8) if array.is_color else numbers
 
 
-def _words(content: mmap.mmap, begin: int, n: int, path: Path) -> tuple[list[bytes], int]:
-    """So many words of text from a byte on, and the byte behind them."""
-    words: list[bytes] = []
-    at = begin
-    while len(words) < n and at < len(content):
-        end = min(at + BLOCK_BYTES, len(content))
-        # To the end of a word.
-        while end < len(content) and not content[end : end + 1].isspace():
-            end += 1
-        block = content[at:end]
-        found = block.split()
-        missing = n - len(words)
-        if len(found) > missing:
-            ends = (match.end() for match in WORD.finditer(block))
-            end = at + next(stop for number, stop in enumerate(ends, 1) if number == missing)
-        words += found[:missing]
-        at = end
-    if len(words) < n:
-        raise FileError(f"truncated: {n} samples are promised, {len(words)} are there; copy it again: {path}")
-    return words, at
+def _numbers_of_text(content: mmap.mmap, begin: int, n: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """So many numbers from a byte on, of which the parser has seen that they are there."""
+    numbers = np.empty(n, dtype.newbyteorder("="))
+    at, n_read = begin, 0
+    while n_read < n:
+        if at >= len(content):
+            raise FileError("the file was changed while it was read; open it again")
+        end = at + BLOCK_BYTES
+        if rest := WORD.match(content, end):  # the block ends in a word
+            end = rest.end()
+        words = content[at:end].split()[: n - n_read]
+        numbers[n_read : n_read + len(words)] = np.array(words).astype(numbers.dtype)
+        at, n_read = end, n_read + len(words)
+    return numbers
+
+
+def _end_of_words(content: mmap.mmap, begin: int, n: int, path: Path) -> int:
+    """The byte behind so many words of text."""
+    at, count, was_space = begin, 0, True
+    while count < n and at < len(content):
+        block = np.frombuffer(content[at : at + BLOCK_BYTES], np.uint8)
+        is_word = ~IS_SPACE[block]
+        starts = np.flatnonzero(is_word & np.append(was_space, ~is_word[:-1]))
+        if count + len(starts) >= n:
+            last = WORD.match(content, at + int(starts[n - count - 1]))
+            return last.end() if last else len(content)
+        at, count, was_space = at + len(block), count + len(starts), not is_word[-1]
+    if count < n:
+        raise FileError(f"truncated: {n} samples are promised, {count} are there; copy it again: {path}")
+    return at
 
 
 class _Parser:
@@ -284,7 +293,7 @@ class _Parser:
             dtype = np.dtype("i8") if name == "vtkidtype" else dtype
             # A digit and a space for each.
             payload.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
-            _, self._at = _words(self._content, self._at, n, self._path)
+            self._at = _end_of_words(self._content, self._at, n, self._path)
             return dtype
         if name in OF_TWO_WIDTHS and 4 * n <= stored < 8 * n:
             dtype = np.dtype(dtype.kind + "4")
@@ -296,6 +305,8 @@ class _Parser:
     def _skip_strings(self, n: int) -> None:
         """Pass over texts: a line each, or each behind its length, whose first two bits say how wide it is."""
         for _ in range(n):
+            if self._at >= len(self._content):
+                raise FileError(f"truncated: {n} texts are promised, and fewer are there; copy it again: {self._path}")
             if self._is_text:
                 self._at = self._end_of_line()
                 continue
@@ -308,8 +319,8 @@ class _Parser:
             self._at = self._end_of_line()
 
     def _end_of_line(self) -> int:
-        found = self._content.find(b"\n", self._at, self._at + MOST_LINE_BYTES)
-        return min(found + 1 if found >= 0 else self._at + MOST_LINE_BYTES, len(self._content))
+        found = self._content.find(b"\n", self._at, self._at + MAX_LINE_BYTES)
+        return min(found + 1 if found >= 0 else self._at + MAX_LINE_BYTES, len(self._content))
 
     def _line(self) -> bytes:
         """The next line that is not empty; empty at the end of the file."""

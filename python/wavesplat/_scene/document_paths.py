@@ -6,23 +6,20 @@ the user's network, or be given what only the user can give.
 
 from __future__ import annotations
 
-import glob
 import os
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wavesplat._files.addresses import checked, is_address, is_web
+from wavesplat._files.addresses import checked, is_address, is_web, shown
 from wavesplat._files.places import lies_in, real_place
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Reach"]
 
-#: Of a path, in messages: an address may hold a whole file.
-MOST_LETTERS = 120
+#: Characters of a path that a message quotes.
+MAX_LETTERS = 120
 MEND = "if you trust the document, open it with external_files=True (--external-files)"
 
 
@@ -66,30 +63,18 @@ class Reach:
             raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
         if is_address(path):
             if not (self.external_files or is_web(path)):
-                raise FileError(f"{what} names {path[:MOST_LETTERS]!r}, which is no address of a web server; {MEND}")
+                raise FileError(f"{what} names {shown(path)!r}, which is no address of a web server; {MEND}")
             checked(path)
             return path
         place = os.path.normpath(self.folder / path)
         if not self.external_files:
-            for one in self._all_of(place):
-                self._check(one, path, what)
+            # Readers check what a pattern matches, what a folder holds, and other parts of a file (`check_within`).
+            self._check(place, path, what)
         return place
-
-    def _all_of(self, place: str) -> Iterator[str]:
-        """What is read of a place: itself, files of a pattern, links in a folder, links of other parts of a file."""
-        yield place
-        if glob.has_magic(place) and not os.path.lexists(place):
-            yield from glob.iglob(place, recursive=True)  # noqa: PTH207 - absolute, as series read it
-            return
-        is_folder = Path(place).is_dir()
-        # As `a.img` of `a.hdr`.
-        stem = "" if is_folder else Path(place).name.partition(".")[0]
-        with suppress(OSError), os.scandir(place if is_folder else Path(place).parent) as entries:
-            yield from (entry.path for entry in entries if entry.is_symlink() and entry.name.startswith(stem))
 
     def _check(self, place: str, path: str, what: str) -> None:
         if "\0" in place or not lies_in(place, real_place(self.folder)):
             raise FileError(
-                f"{what} names {path[:MOST_LETTERS]!r}, which lies outside of the document's folder, {self.folder}; "
+                f"{what} names {path[:MAX_LETTERS]!r}, which lies outside of the document's folder, {self.folder}; "
                 f"{MEND}, or put the file into that folder"
             )

@@ -45,19 +45,25 @@ def opened(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume | Ser
     steps = options.pop("then", [])
     if not isinstance(steps, list):
         raise ArgumentError(f"{what}: field 'then' is {described(steps)}; it must be a list")
-    with named_within(reach.within):
-        volume: Volume | WaveletVolume | Series = _first(options, what, reach)
+    volume: Volume | WaveletVolume | Series
+    if "example" in options:
+        volume = _example(options, what)  # files of the package, wherever the document lies
+    else:
+        with named_within(reach.within):
+            volume = _first(options, what, reach)
     for number, step in enumerate(steps):
         volume = _done(volume, step, f"{what}.then[{number}]")
     return volume
 
 
+def _example(options: dict[str, Any], what: str) -> Any:
+    name = options.pop("example")
+    if name not in EXAMPLES:
+        raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
+    return _called(EXAMPLES[name], options, what)
+
+
 def _first(options: dict[str, Any], what: str, reach: Reach) -> Any:
-    if "example" in options:
-        name = options.pop("example")
-        if name not in EXAMPLES:
-            raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
-        return _called(EXAMPLES[name], options, what)
     if options.get("path") is None:
         raise ArgumentError(
             f"{what} came from no file when this was written; open its samples, and make the scene anew"

@@ -9,6 +9,7 @@ from operator import index
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
+from wavesplat._files.addresses import shown
 from wavesplat._looks.channels import CHANNEL_COLORS, Rgb
 from wavesplat._looks.colors import parse
 from wavesplat._looks.look import Look
@@ -201,7 +202,7 @@ def _all_of(source: _Source) -> list[_Wanted]:
     listed = ", ".join(str(number) for number in taken)
     warnings.warn(
         f"the file holds {source.n} channels, a scene at most {MAX_LAYERS}: {listed} are taken; choose others with "
-        f"channels= (--channel): {source.path}",
+        f"channels= (--channel): {shown(source.path)}",
         WavesplatWarning,
         stacklevel=4,
     )
@@ -228,14 +229,14 @@ def _number(which: Any, source: _Source) -> int:
             return found[0]
         listed = ", ".join(repr(name) for name in names if name)
         told = f"names {listed}" if listed else "names none of its channels; give a number"
-        raise ArgumentError(f"there is no channel {which!r}; the file {told}: {source.path}")
+        raise ArgumentError(f"there is no channel {which!r}; the file {told}: {shown(source.path)}")
     try:
         number = index(which)
     except TypeError:
         raise ArgumentError(f"a channel is {described(which)}; give a number from 0, or a name") from None
     if not 0 <= number < source.n:
         raise ArgumentError(
-            f"channel {number}, but the file holds {source.n} channels, 0..{source.n - 1}: {source.path}"
+            f"channel {number}, but the file holds {source.n} channels, 0..{source.n - 1}: {shown(source.path)}"
         )
     return number
 

@@ -1,4 +1,4 @@
-"""A place as a `Store` of zarr 3; imported where zarr 3 is there."""
+"""A `ZarrPlace` as a store of zarr 3. Imported only where zarr 3 is installed."""
 
 # ruff: noqa: ARG002 - the arguments are zarr's
 
@@ -11,11 +11,10 @@ from typing import Any
 from zarr.abc.store import OffsetByteRequest, RangeByteRequest, Store, SuffixByteRequest
 
 from wavesplat._files.web import Part
-from wavesplat._files.zarr_place import ZarrPlace
+from wavesplat._files.zarr_place import READ_ONLY, ZarrPlace
 
 __all__ = ["PlaceStore"]
 
-READ_ONLY = "places are only read"
 NO_KEYS: tuple[str, ...] = ()
 
 
@@ -45,7 +44,7 @@ class PlaceStore(Store):
         return None if content is None else buffer.from_bytes(content)
 
     async def get_partial_values(self, prototype: Any, key_ranges: Iterable[tuple[str, Any]]) -> list[Any]:
-        """Several of them."""
+        """Buffers of several keys, each with the part of it that is wanted."""
         return [await self.get(key, prototype, byte_range) for key, byte_range in key_ranges]
 
     async def exists(self, key: str) -> bool:
@@ -53,15 +52,15 @@ class PlaceStore(Store):
         return await self.place.read_async(key) is not None
 
     async def set(self, key: str, value: Any) -> None:
-        """Nothing is written."""
+        """A `PermissionError`: places are only read."""
         raise PermissionError(READ_ONLY)
 
     async def set_partial_values(self, key_start_values: Any) -> None:
-        """Nothing is written."""
+        """A `PermissionError`: places are only read."""
         raise PermissionError(READ_ONLY)
 
     async def delete(self, key: str) -> None:
-        """Nothing is deleted."""
+        """A `PermissionError`: places are only read."""
         raise PermissionError(READ_ONLY)
 
     async def list(self) -> AsyncIterator[str]:
@@ -85,7 +84,7 @@ class PlaceStore(Store):
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return str(self.place.root or self.place.address)
+        return str(self.place)
 
 
 def _part(byte_range: Any) -> Part:

@@ -124,7 +124,7 @@ browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and in JupyterLab,
 	@{ command -v npm && command -v chromium; } >/dev/null || \
 		{ echo "browser-test is left out: there is no Node, or no Chromium"; exit 0; }; \
 		$(MAKE) --no-print-directory web/node_modules $(STAMPS)/lab && \
-		WAVESPLAT_CAPTURES=$(CURDIR)/.cache/gpu-captures cargo test --locked --quiet -p wavesplat-gpu --test capture && \
+		WAVESPLAT_CAPTURES=$(CURDIR)/.cache/gpu-captures cargo test --locked --quiet --workspace --test capture && \
 		cd web && npm run --silent browser
 
 bench-viewer: $(STAMPS)/tools web/node_modules ## drag in Chromium before a server: frames, latency, errors; BENCH_VIEWER="--record" keeps it

@@ -1,7 +1,8 @@
 //! SIMD: sixteen numbers at a time, by the widest vectors that this machine has.
 //!
-//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2, SSE2, NEON, and
-//! plain arrays for other processors. Every level gives the same bits: lanes never mix, nothing is fused, no operation
+//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2 and SSE2, or
+//! NEON, or plain arrays on other processors, and only there: they are half of the code, and what the operations of
+//! the other levels are tested against one by one. Every level gives the same bits: lanes never mix, nothing is fused, no operation
 //! is an approximation of the processor's own, and the order of operations is the source's. The level is chosen once
 //! per picture and passed as a value.
 //!
@@ -155,6 +156,13 @@ pub trait Math: Copy {
 
 /// The operations of a level, on sixteen numbers.
 pub trait Simd: Math {
+    /// Whether the registers hold the numbers of a kernel for two sixteens at a time ([`Pair`]).
+    const HAS_ROOM_FOR_PAIRS: bool = true;
+
+    /// Runs a part of a kernel as a function of its own, with the instructions of the level. All that a kernel calls is
+    /// inlined, and the compiler takes minutes for functions of a hundred thousand instructions, so large kernels are cut.
+    /// The closure must be `#[inline(always)]`.
+    fn apart<T>(self, part: impl FnOnce() -> T) -> T;
     /// From memory.
     fn load(self, from: &[f32; LANES]) -> Self::F;
     /// To memory.
@@ -278,6 +286,7 @@ pub struct Level(Width);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Width {
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     Plain,
     #[cfg(target_arch = "x86_64")]
     Sse2,
@@ -293,13 +302,20 @@ enum Width {
 static CHOSEN: OnceLock<Level> = OnceLock::new();
 
 impl Level {
+    /// The level of every processor of this kind.
+    #[cfg(target_arch = "x86_64")]
+    const NARROWEST: Self = Self(Width::Sse2);
+    #[cfg(target_arch = "aarch64")]
+    const NARROWEST: Self = Self(Width::Neon);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    const NARROWEST: Self = Self(Width::Plain);
+
     /// All levels that this machine has, the widest last.
     pub fn all() -> Vec<Self> {
         #[allow(unused_mut, reason = "other processors have but one")]
-        let mut levels = vec![Self(Width::Plain)];
+        let mut levels = vec![Self::NARROWEST];
         #[cfg(target_arch = "x86_64")]
         {
-            levels.push(Self(Width::Sse2));
             if is_x86_feature_detected!("avx2") {
                 levels.push(Self(Width::Avx2));
             }
@@ -307,14 +323,12 @@ impl Level {
                 levels.push(Self(Width::Avx512));
             }
         }
-        #[cfg(target_arch = "aarch64")]
-        levels.push(Self(Width::Neon));
         levels
     }
 
     /// The widest level that this machine has, unless [`Level::choose`] has chosen another.
     pub fn best() -> Self {
-        *CHOSEN.get_or_init(|| *Self::all().last().unwrap_or(&Self(Width::Plain)))
+        *CHOSEN.get_or_init(|| *Self::all().last().unwrap_or(&Self::NARROWEST))
     }
 
     /// Makes the level of a name the one that [`Level::best`] gives from now on. Call it before anything is drawn.
@@ -335,6 +349,7 @@ impl Level {
     /// For reports.
     pub fn name(self) -> &'static str {
         match self.0 {
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Width::Plain => "plain",
             #[cfg(target_arch = "x86_64")]
             Width::Sse2 => "sse2",
@@ -351,11 +366,11 @@ impl Level {
     #[inline]
     pub fn dispatch<K: VectorKernel>(self, kernel: K) -> K::Output {
         match self.0 {
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Width::Plain => kernel.run(Plain),
-            // SAFETY: `self` exists, so `all` has found the instructions on this machine.
             #[cfg(target_arch = "x86_64")]
             Width::Sse2 => kernel.run(x86::Sse2(())),
-            // SAFETY: as above.
+            // SAFETY: `self` exists, so `all` has found the instructions on this machine.
             #[cfg(target_arch = "x86_64")]
             Width::Avx2 => unsafe {
                 x86::run_avx2(
@@ -381,6 +396,7 @@ impl Level {
     #[inline]
     pub fn run<T>(self, kernel: impl FnOnce() -> T) -> T {
         match self.0 {
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
             Width::Plain => kernel(),
             #[cfg(target_arch = "x86_64")]
             Width::Sse2 => kernel(),

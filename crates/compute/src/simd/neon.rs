@@ -133,6 +133,10 @@ impl Math for Neon {
 }
 
 impl Simd for Neon {
+    #[inline(never)]
+    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+        part()
+    }
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> Self::F {
         map!(i => vld1q_f32(from.as_ptr().add(4 * i)))

@@ -1,11 +1,8 @@
-//! Arrays: what the other levels are held to, and what processors without a level of their own use.
-//!
-//! Where it serves tests only, each operation is a call: inlined everywhere, its loops over lanes take the compiler four
-//! minutes.
+//! Arrays: the level of processors without vectors of their own here, and what the operations of the others are held to.
 
 use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
 
-/// Arrays: what the others are held to, and what processors without a level of their own use.
+/// Sixteen numbers as an array.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain;
 
@@ -33,68 +30,55 @@ impl Math for Plain {
     type F = Sixteen;
     type M = u16;
 
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn splat(self, x: f32) -> Sixteen {
         [x; LANES]
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn add(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a + b)
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn sub(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a - b)
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn mul(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a * b)
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn div(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| a / b)
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn min(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| if a < b { a } else { b })
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn max(self, a: Sixteen, b: Sixteen) -> Sixteen {
         each(a, b, |a, b| if a > b { a } else { b })
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn abs(self, a: Sixteen) -> Sixteen {
         each(a, a, |a, _| a.abs())
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn lt(self, a: Sixteen, b: Sixteen) -> u16 {
         truths(a, b, |a, b| a < b)
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn le(self, a: Sixteen, b: Sixteen) -> u16 {
         truths(a, b, |a, b| a <= b)
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn and(self, a: u16, b: u16) -> u16 {
         a & b
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn or(self, a: u16, b: u16) -> u16 {
         a | b
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn select(self, m: u16, a: Sixteen, b: Sixteen) -> Sixteen {
         let mut out = b;
         for i in 0..LANES {
@@ -102,8 +86,7 @@ impl Math for Plain {
         }
         out
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn look_up(self, table: &[Entry], position: Sixteen) -> [Sixteen; 4] {
         let last = (table.len() - 2) as f32;
         let mut out = [[0.0; LANES]; 4];
@@ -118,37 +101,35 @@ impl Math for Plain {
         }
         out
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn exp2_neg(self, shifted: Sixteen) -> Sixteen {
         let bits = |x: f32| (127 << 23_u32) - (x.to_bits().wrapping_sub(ROUND.to_bits()) << 23);
         each(shifted, shifted, |x, _| f32::from_bits(bits(x)))
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn rsqrt_guess(self, a: Sixteen) -> Sixteen {
         each(a, a, |a, _| f32::from_bits(RSQRT_MAGIC.wrapping_sub(a.to_bits() >> 1)))
     }
 }
 
 impl Simd for Plain {
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(never)]
+    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+        part()
+    }
+    #[inline(always)]
     fn load(self, from: &Sixteen) -> Sixteen {
         *from
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn store(self, x: Sixteen, to: &mut Sixteen) {
         *to = x;
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn bits(self, m: u16) -> u16 {
         m
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn take(self, row: &Sixteen, index: &Lanes<u32>) -> Sixteen {
         let mut out = [0.0; LANES];
         for i in 0..LANES {
@@ -156,8 +137,7 @@ impl Simd for Plain {
         }
         out
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn transpose_quads(self, rows: [Sixteen; 4]) -> [Sixteen; 4] {
         let mut columns = rows;
         for (r, row) in rows.iter().enumerate() {
@@ -167,8 +147,7 @@ impl Simd for Plain {
         }
         columns
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn interleave_quads(self, a: Sixteen, b: Sixteen) -> [Sixteen; 2] {
         let mut by_turns = [a, b];
         for (k, quad) in by_turns.as_flattened_mut().chunks_exact_mut(4).enumerate() {
@@ -176,8 +155,7 @@ impl Simd for Plain {
         }
         by_turns
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn part_quads(self, a: Sixteen, b: Sixteen) -> [Sixteen; 2] {
         let both = [a, b];
         let mut parts = both;
@@ -186,16 +164,14 @@ impl Simd for Plain {
         }
         parts
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn middle_quads(self, a: Sixteen, b: Sixteen) -> Sixteen {
         let mut middles = a;
         middles[..LANES / 2].copy_from_slice(&a[LANES / 4..3 * LANES / 4]);
         middles[LANES / 2..].copy_from_slice(&b[LANES / 4..3 * LANES / 4]);
         middles
     }
-    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(always))]
+    #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         for r in 0..LANES {
             for c in 0..r {

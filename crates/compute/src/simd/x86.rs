@@ -25,6 +25,18 @@ pub(super) fn run_avx512<T>(kernel: impl FnOnce() -> T) -> T {
     kernel()
 }
 
+#[target_feature(enable = "avx2")]
+#[inline(never)]
+fn apart_avx2<T>(part: impl FnOnce() -> T) -> T {
+    part()
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
+#[inline(never)]
+fn apart_avx512<T>(part: impl FnOnce() -> T) -> T {
+    part()
+}
+
 /// Applies intrinsics to each register. Spelled out, since closures between an intrinsic and the function that has
 /// its instructions keep it from being inlined. SAFETY of all uses: the level's value proves that the machine has
 /// it; loads and stores stay inside the arrays that they are given.
@@ -154,7 +166,8 @@ impl Math for Sse2 {
         _mm_srli_epi32 _mm_set1_epi32,
         _mm_cmplt_ps, _mm_cmple_ps, select_sse2);
 
-    #[inline(always)]
+    /// A call: every x86-64 has the instructions, and inlined into kernels they would be most of their code.
+    #[inline(never)]
     fn look_up(self, table: &[Entry], position: Self::F) -> [Self::F; 4] {
         assert!(table.len() >= 2);
         let held = self.min(self.max(position, self.splat(0.0)), self.splat((table.len() - 2) as f32));
@@ -187,8 +200,15 @@ impl Math for Sse2 {
 }
 
 impl Simd for Sse2 {
+    /// Sixteen numbers are four of sixteen registers.
+    const HAS_ROOM_FOR_PAIRS: bool = false;
+
+    #[inline(never)]
+    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+        part()
+    }
     memory!(4, 4, _mm_loadu_ps _mm_storeu_ps _mm_movemask_ps);
-    #[inline(always)]
+    #[inline(never)]
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F {
         let mut out = [0.0; LANES];
         for i in 0..LANES {
@@ -197,7 +217,7 @@ impl Simd for Sse2 {
         self.load(&out)
     }
     registers_by_turns!();
-    #[inline(always)]
+    #[inline(never)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         super::Plain.transpose(rows);
     }
@@ -249,6 +269,11 @@ impl Math for Avx2 {
 }
 
 impl Simd for Avx2 {
+    #[inline(always)]
+    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+        // SAFETY: `self` proves that the machine has the instructions.
+        unsafe { apart_avx2(part) }
+    }
     memory!(2, 8, _mm256_loadu_ps _mm256_storeu_ps _mm256_movemask_ps);
     #[inline(always)]
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F {
@@ -447,6 +472,11 @@ impl Math for Avx512 {
 }
 
 impl Simd for Avx512 {
+    #[inline(always)]
+    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+        // SAFETY: `self` proves that the machine has the instructions.
+        unsafe { apart_avx512(part) }
+    }
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> __m512 {
         // SAFETY: sixteen numbers are there.

@@ -87,6 +87,11 @@ pub trait Compositor {
     /// The same for those chunks of a block that are neither done nor missed.
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        self.add_one_by_one(s, block, rays, slab);
+    }
+    /// Chunk by chunk.
+    #[inline(always)]
+    fn add_one_by_one<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         for chunk in block.chunks() {
             if !rays.none(chunk) && !self.is_done(chunk) {
                 self.add_chunk(s, chunk, rays, slab);

@@ -317,18 +317,36 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
 }
 
 impl<const EXTRA: bool> Over<'_, EXTRA> {
+    #[inline(always)]
+    fn add_sheet_apart<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        rays: &Rays,
+        slab: &mut Slab,
+        which: (usize, [f32; 2]),
+    ) {
+        w.one().apart(
+            #[inline(always)]
+            || self.add_sheet(w, chunks, rays, slab, which),
+        );
+    }
+
     /// Adds a slab to one chunk or two.
     #[inline(always)]
     fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
         if self.is_steep {
-            return self.add_slab(w, chunks, rays, slab);
+            return w.one().apart(
+                #[inline(always)]
+                || self.add_slab(w, chunks, rays, slab),
+            );
         }
         let [s_front, s_back] = slab.s;
         let half = 0.5 * (s_back - s_front);
-        self.add_sheet(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
+        self.add_sheet_apart(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
         if slab.first.is_last(chunks[0].block()) {
             // No slab follows whose front this sheet would be.
-            self.add_sheet(w, chunks, rays, slab, (1, [s_back - half, s_back]));
+            self.add_sheet_apart(w, chunks, rays, slab, (1, [s_back - half, s_back]));
         }
     }
 }
@@ -350,6 +368,9 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        if !S::HAS_ROOM_FOR_PAIRS {
+            return self.add_one_by_one(s, block, rays, slab);
+        }
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
             // Of a hard surface one of them often sees nothing; labels' own matter is looked for later.

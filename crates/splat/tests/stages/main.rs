@@ -30,12 +30,12 @@ fn every_level_gives_the_answers_and_the_same_bits() {
     let mut failures = Vec::new();
     for fixture in cases::fixtures() {
         for case in fixture.stored() {
-            let plain = run::run(fixture.stage, Level::all()[0], &case);
+            let narrowest = run::run(fixture.stage, Level::all()[0], &case);
             for level in Level::all() {
                 let got = run::run(fixture.stage, level, &case);
                 failures.extend(fixture.check(&case, &got, level.name()).err());
                 let bits = |x: &fixture::Arrays| x.values().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
-                if bits(&got) != bits(&plain) {
+                if bits(&got) != bits(&narrowest) {
                     failures.push(format!("{} of {}: {level:?} has other bits", case.name, fixture.stage));
                 }
             }

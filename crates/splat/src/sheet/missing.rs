@@ -2,7 +2,7 @@
 //! the linear kernel beside densities that may have another.
 
 use std::ops::Range;
-use wavesplat_compute::simd::{LANES, Lanes, Math, Simd, VectorKernel, Wide};
+use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel, Wide};
 use wavesplat_core::Kernel;
 
 use crate::kernel::footprint::{Axis, AxisFootprints};
@@ -25,6 +25,8 @@ pub(super) struct MissingShares {
     /// The same upsampled along u, strip by strip.
     rows: Vec<Lanes>,
     has_row: Vec<bool>,
+    /// At the texels, chunk by chunk: read by compositors, whose code is large enough without the sums over rows.
+    texels: Vec<Lanes>,
 }
 
 impl MissingShares {
@@ -51,6 +53,7 @@ impl MissingShares {
         self.has_row.clear();
         self.has_row.resize(N_STRIPS * self.n_v, false);
         self.slices.resize(self.stride * self.n_v, 0.0);
+        self.texels.resize(Chunk::N, Lanes::default());
         let part_u = reached(&self.u, strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]));
         let part_v = reached(&self.v, rows.flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]));
         let window = |axis: &AxisFootprints, range: &Range<usize>| {
@@ -68,23 +71,26 @@ impl MissingShares {
         geometry.level.dispatch(UpsampleShares { shares: self, blocks });
     }
 
-    /// Shares of one chunk or two.
+    /// Shares of one chunk or two. After [`MissingShares::prepare`].
     #[inline(always)]
     pub(super) fn share<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
-        let s = w.one();
-        let rows = &self.rows[chunks[0].strip * self.n_v..];
-        let [mut first, mut second] = [s.splat(0.0); 2];
+        w.load_from(&self.texels, chunks.map(Chunk::index))
+    }
+
+    /// Blends the rows of a chunk.
+    #[inline(always)]
+    fn blend<S: Simd>(&self, s: S, chunk: Chunk) -> S::F {
+        let rows = &self.rows[chunk.strip * self.n_v..];
+        let mut sum = s.splat(0.0);
         for t in 0..self.v.value.n_taps {
-            for (sum, chunk) in [(&mut first, chunks[0]), (&mut second, chunks[1])] {
-                let weight = s.splat(self.v.value.weight(chunk.row, t));
-                *sum = s.add_mul(*sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
-            }
+            let weight = s.splat(self.v.value.weight(chunk.row, t));
+            sum = s.add_mul(sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
         }
-        w.join(first, second)
+        sum
     }
 }
 
-/// Upsamples the rows of blocks along u, where that is not done yet.
+/// Upsamples the rows of blocks along u, where that is not done yet, and blends them at the texels.
 struct UpsampleShares<'a> {
     shares: &'a mut MissingShares,
     blocks: BlockMask,
@@ -105,6 +111,10 @@ impl VectorKernel for UpsampleShares<'_> {
                     let row = &shares.slices[r * shares.stride..(r + 1) * shares.stride];
                     s.store(upsample::<S, 0>(s, row, &group), &mut shares.rows[place].0);
                 }
+            }
+            for chunk in block.chunks() {
+                let share = shares.blend(s, chunk);
+                s.store(share, &mut shares.texels[chunk.index()].0);
             }
         }
     }

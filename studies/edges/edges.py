@@ -96,7 +96,9 @@ def errors(volume: ws.Volume, camera: ws.Camera, size_px: int, quality: Any) -> 
     square = ((got - wanted) ** 2).mean(axis=-1)
     rest = (share > 0) & ~outer
     if not (outer.any() and rest.any()):
-        raise SystemExit(f"{volume.name}: {outer.sum()} pixels are outermost and {rest.sum()} are not; draw larger ones")
+        raise SystemExit(
+            f"{volume.name}: {outer.sum()} pixels are outermost and {rest.sum()} are not; draw larger ones"
+        )
     return float(np.sqrt(square[outer].mean())), float(np.sqrt(square[rest].mean()))
 
 

@@ -8,7 +8,7 @@
 //! All other pixels stay as the warp has drawn them, and what lies beyond the walls is taken away.
 
 use glam::DVec2;
-use wavesplat_compute::simd::{LANES, Level, Plain};
+use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
 
 use crate::optics::classify::one_minus_exp_neg;
 use crate::picture::base_picture::BasePicture;
@@ -103,11 +103,13 @@ impl<'a> EdgePass<'a> {
         for y in (0..size[1]).step_by(SQUARE_PX) {
             for x in (0..size[0]).step_by(SQUARE_PX) {
                 let square = [SQUARE_PX.min(size[0] - x), SQUARE_PX.min(size[1] - y)];
+                let at = [first[0] + x, first[1] + y];
                 let rows = || (y..y + square[1]).map(|row| row * pitch + x);
-                if rows().all(|row| pixels[row..row + square[0]].iter().all(|pixel| pixel[3] == 0.0)) {
+                if rows().all(|row| pixels[row..row + square[0]].iter().all(|pixel| pixel[3] == 0.0))
+                    && self.is_empty(at, square)
+                {
                     continue;
                 }
-                let at = [first[0] + x, first[1] + y];
                 match self.coverage(at, square, &mut passages) {
                     Coverage::Inside => {}
                     Coverage::Outside => clear(first, at, square, pixels, pitch),
@@ -115,6 +117,29 @@ impl<'a> EdgePass<'a> {
                 }
             }
         }
+    }
+
+    /// Whether nothing has been drawn in any texel that is read anywhere in a rectangle of pixels.
+    fn is_empty(&self, first: [usize; 2], size: [usize; 2]) -> bool {
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]]
+            .map(|corner| [0, 1].map(|axis| (first[axis] + corner[axis] * size[axis]) as f64));
+        self.resamplers.iter().all(|resampler| {
+            let picture = resampler.picture;
+            let texels = corners.map(|[x, y]| picture.plane.texel_from_pixel(self.rays, x, y));
+            let lo = texels[1..].iter().fold(texels[0], |lo, texel| lo.min(*texel));
+            let hi = texels[1..].iter().fold(texels[0], |hi, texel| hi.max(*texel));
+            if resampler.drawn_between(lo, hi).is_empty() {
+                return true;
+            }
+            // The cubic reads a texel further down and two further up.
+            let [n_u, n_v] = picture.plane.size;
+            let range = |lo: f64, hi: f64, n: usize| {
+                let end = (hi + 3.0).clamp(0.0, n as f64) as usize;
+                ((lo - 1.0).clamp(0.0, n as f64) as usize).min(end)..end
+            };
+            let (columns, mut rows) = (range(lo.x, hi.x, n_u), range(lo.y, hi.y, n_v));
+            rows.all(|j| picture.row(j)[columns.clone()].iter().all(|texel| texel[3] == 0.0))
+        })
     }
 
     /// What a rectangle of pixels shows.
@@ -149,7 +174,8 @@ impl<'a> EdgePass<'a> {
             for x in 0..size[0] {
                 let at = [first[0] + x, first[1] + y];
                 let pixel = &mut pixels[(at[1] - origin[1]) * pitch + at[0] - origin[0]];
-                if pixel[3] == 0.0 {
+                // The middle of a pixel may lie beyond a wall, and all the texels that the warp reads there, but not all of it.
+                if pixel[3] == 0.0 && self.is_empty(at, [1, 1]) {
                     continue;
                 }
                 let coverage = if is_shared {
@@ -165,10 +191,7 @@ impl<'a> EdgePass<'a> {
                     Coverage::Outside => *pixel = [0.0; 4],
                     Coverage::Edge => {
                         let before = *pixel;
-                        *pixel = self.level.run(
-                            #[inline(always)]
-                            || self.pixel(at, before, strips),
-                        );
+                        *pixel = self.level.dispatch(DrawPixel { pass: self, at, before, strips });
                     }
                 }
             }
@@ -177,26 +200,31 @@ impl<'a> EdgePass<'a> {
 
     /// A pixel. `before`: as the warp has drawn it.
     #[inline(always)]
-    fn pixel(&self, [x, y]: [usize; 2], before: [f32; 4], strips: &mut Strips) -> [f32; 4] {
+    fn pixel<S: Simd>(&self, s: S, [x, y]: [usize; 2], before: [f32; 4], strips: &mut Strips) -> [f32; 4] {
         let mut hits = Hits::default();
         for k in 0..N_READS {
             let [dx, dy] = read_offset(k);
             hits.extend(self.hit([x as f64 + dx, y as f64 + dy]));
         }
         let share = hits.n as f32 / N_READS as f32;
-        // Where the same walls are met at the same distance all around, only the share of the rays that hit is new.
-        if hits.n == 0 || self.is_level(&hits, strips) {
-            return before.map(|c| c * share);
+        if hits.n == 0 {
+            return [0.0; 4];
         }
         if self.edges.is_projection
             && let Some(middle) = self.hit([x as f64 + 0.5, y as f64 + 0.5])
         {
-            let rgba = if self.edges.scaling == Scaling::None { before } else { self.read(&middle, strips) };
+            let rgba = if self.edges.scaling == Scaling::None { before } else { self.read(s, &middle, strips) };
+            return rgba.map(|c| c * share);
+        }
+        // Where the same walls are met at the same distance all around, colours change slowly, and the one in the middle of
+        // the reads is their mean.
+        if self.is_level(&hits, strips) {
+            let rgba = if hits.n == N_READS { before } else { self.read(s, &hits.middle(), strips) };
             return rgba.map(|c| c * share);
         }
         let mut sum = [0.0; 4];
         for hit in hits.iter() {
-            let rgba = self.read(hit, strips);
+            let rgba = self.read(s, hit, strips);
             for c in 0..4 {
                 sum[c] += rgba[c];
             }
@@ -247,7 +275,7 @@ impl<'a> EdgePass<'a> {
 
     /// The texels around a position, each as if its ray were as long as the read's.
     #[inline(always)]
-    fn read(&self, read: &Read, strips: &mut Strips) -> [f32; 4] {
+    fn read<S: Simd>(&self, s: S, read: &Read, strips: &mut Strips) -> [f32; 4] {
         let floor = read.at.floor();
         let t = (read.at - floor).to_array().map(|t| t as f32);
         let first = [floor.x as i64 - 1, floor.y as i64 - 1];
@@ -269,7 +297,25 @@ impl<'a> EdgePass<'a> {
                 column += n_here;
             }
         }
-        taps.mean(self.edges.scaling, t, self.peak)
+        taps.mean(s, self.edges.scaling, t, self.peak)
+    }
+}
+
+/// A pixel with an edge, drawn by the vectors of a level.
+struct DrawPixel<'a, 'b> {
+    pass: &'a EdgePass<'a>,
+    at: [usize; 2],
+    /// As the warp has drawn it.
+    before: [f32; 4],
+    strips: &'b mut Strips,
+}
+
+impl VectorKernel for DrawPixel<'_, '_> {
+    type Output = [f32; 4];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> [f32; 4] {
+        self.pass.pixel(s, self.at, self.before, self.strips)
     }
 }
 
@@ -309,6 +355,12 @@ impl Hits {
 
     fn iter(&self) -> impl Iterator<Item = &Read> {
         self.reads[..self.n].iter()
+    }
+
+    /// The mean position of reads of which all meet the same.
+    fn middle(&self) -> Read {
+        let sum: DVec2 = self.iter().map(|read| read.at).sum();
+        Read { at: sum / self.n as f64, ..self.reads[0] }
     }
 }
 
@@ -355,11 +407,11 @@ impl Taps {
 
     /// The weighted mean, between the nearest, no colour brighter than its opacity lets it be.
     #[inline(always)]
-    fn mean(mut self, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
+    fn mean<S: Simd>(mut self, s: S, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
         if self.is_used == [false; LANES] {
             self.is_used = self.is_alike;
         }
-        self.scale(scaling);
+        self.scale(s, scaling);
         // Written as selections, so that it becomes vectors.
         let weight: [f32; LANES] = std::array::from_fn(|k| if self.is_used[k] { self.weight[k] } else { 0.0 });
         let total: f32 = weight.iter().sum();
@@ -424,7 +476,7 @@ impl Taps {
 
     /// Brings the texels to the length of the read's ray.
     #[inline(always)]
-    fn scale(&mut self, scaling: Scaling) {
+    fn scale<S: Simd>(&mut self, s: S, scaling: Scaling) {
         if self.is_other == [false; LANES] {
             return;
         }
@@ -438,7 +490,8 @@ impl Taps {
             }
             Scaling::Opacity => {
                 self.estimate_opaque();
-                let opacity = one_minus_exp_neg(Plain, self.depth);
+                let mut opacity = [0.0; LANES];
+                s.store(one_minus_exp_neg(s, s.load(&self.depth)), &mut opacity);
                 for k in 0..LANES {
                     let is_scaled = self.is_other[k] && self.rgba[k][3] > 0.0;
                     let factor = if is_scaled { opacity[k] / self.rgba[k][3] } else { 1.0 };

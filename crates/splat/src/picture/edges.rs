@@ -16,6 +16,7 @@ use crate::picture::resample::{Resampler, cubic_weights};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Passage;
+use crate::view::scattered::scattered_position;
 use crate::view::silhouette::{Coverage, LENGTH_TOLERANCE, Met, PixelGrid, PlaneSilhouette, Silhouette};
 
 /// How a texel depends on the length of its ray.
@@ -66,6 +67,8 @@ pub struct EdgePass<'a> {
     peak: f32,
     level: Level,
     is_parallel: bool,
+    /// Positions in a pixel.
+    reads: [[f64; 2]; N_READS],
     /// Distance of the texels that are read from a pixel, in pixels.
     reach_px: f64,
     /// Distance from a pixel at which texels may follow another wall than within it, in pixels.
@@ -87,7 +90,8 @@ impl<'a> EdgePass<'a> {
         let narrow = resamplers.iter().any(|r| edges.silhouette.has_narrow_walls(&r.picture.plane));
         let guard_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
         let is_parallel = first.eye_w().is_none();
-        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reach_px, guard_px })
+        let reads = std::array::from_fn(|k| scattered_position(k, READS_PER_AXIS));
+        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reads, reach_px, guard_px })
     }
 
     /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: from that pixel on,
@@ -203,7 +207,7 @@ impl<'a> EdgePass<'a> {
     fn pixel<S: Simd>(&self, s: S, [x, y]: [usize; 2], before: [f32; 4], strips: &mut Strips) -> [f32; 4] {
         let mut hits = Hits::default();
         for k in 0..N_READS {
-            let [dx, dy] = read_offset(k);
+            let [dx, dy] = self.reads[k];
             hits.extend(self.hit([x as f64 + dx, y as f64 + dy]));
         }
         let share = hits.n as f32 / N_READS as f32;
@@ -317,13 +321,6 @@ impl VectorKernel for DrawPixel<'_, '_> {
     fn run<S: Simd>(self, s: S) -> [f32; 4] {
         self.pass.pixel(s, self.at, self.before, self.strips)
     }
-}
-
-/// Where in a pixel a read lies: sixteen places, no two of them in a row or in a column, and one in each cell of 4 x 4. So
-/// the share of a wall along the pixels' sides is right to a 32nd; the reference's sixteen rays lie there too.
-fn read_offset(k: usize) -> [f64; 2] {
-    let (i, j) = (k % READS_PER_AXIS, k / READS_PER_AXIS);
-    [(i, j), (j, i)].map(|(cell, within)| ((READS_PER_AXIS * cell + within) as f64 + 0.5) / N_READS as f64)
 }
 
 /// Where a picture is read.

@@ -25,6 +25,7 @@ use crate::source::slices::Slices;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
 use crate::view::region::{HalfSpace, Region};
+use crate::view::scattered::scattered_position;
 
 /// How the reference samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +34,8 @@ pub struct RaycastOptions {
     pub kernel: Kernel,
     /// Distance of samples along the ray, in units of the smallest spacing.
     pub step: f64,
-    /// Rays per pixel, a square number: one in each cell of a square grid, no two of them in a row or in a column, so
-    /// that the share of a straight edge along the pixels' sides is right to half of one by their number.
+    /// Rays per pixel, a square number: in the middle of the cells of a square grid; where a wall of what is drawn passes
+    /// through the pixel, where the renderer counts shares as well ([`crate::view::scattered`]).
     pub rays_per_pixel: usize,
 }
 
@@ -104,12 +105,15 @@ pub fn raycast_layers(
                 return Vec::new();
             }
             let pixel = |i: usize| {
-                let (x, y) = (i % width_px, i / width_px);
+                let [x, y] = [i % width_px, i / width_px].map(|px| px as f64);
                 let mut sum = [0.0; 4];
+                let met = |[dx, dy]: [f64; 2]| caster.met(rays.origin(x + dx, y + dy), rays.direction(x + dx, y + dy));
+                let corner = met([0.0, 0.0]);
+                let has_wall = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].into_iter().any(|other| met(other) != corner);
                 for s in 0..sampling.rays_per_pixel {
-                    let (i, j) = (s % per_axis, s / per_axis);
-                    let offset = |k: usize| (k as f64 + 0.5) / sampling.rays_per_pixel as f64;
-                    let (px, py) = (x as f64 + offset(per_axis * i + j), y as f64 + offset(per_axis * j + i));
+                    let middle = || [s % per_axis, s / per_axis].map(|cell| (cell as f64 + 0.5) / per_axis as f64);
+                    let [dx, dy] = if has_wall { scattered_position(s, per_axis) } else { middle() };
+                    let (px, py) = (x + dx, y + dy);
                     let rgba = caster.cast(rays.origin(px, py), rays.direction(px, py));
                     (0..4).for_each(|c| sum[c] += rgba[c] / sampling.rays_per_pixel as f64);
                 }
@@ -382,6 +386,13 @@ struct CastVolume<'a> {
     blocks: ActiveBlocks,
 }
 
+impl CastVolume<'_> {
+    /// A ray in its own index positions.
+    fn own_ray(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        (self.own_from_first.transform_point3(origin), self.own_from_first.matrix3 * direction)
+    }
+}
+
 impl<'a> RayCaster<'a> {
     fn new(
         layers: &[CastLayer<'a>],
@@ -426,25 +437,29 @@ impl<'a> RayCaster<'a> {
         })
     }
 
+    /// Ray parameters between which a ray is in each layer; the first is not below the second where it is not.
+    fn drawn(&self, origin: DVec3, direction: DVec3) -> Vec<[f64; 2]> {
+        let start = if self.perspective { 0.0 } else { f64::NEG_INFINITY };
+        let of_crop = Region { half_spaces: self.crop.clone(), bounds: [DVec3::ZERO; 2] };
+        let all = of_crop.passage(origin, direction, [start, f64::INFINITY]).ends;
+        let of_layer = |layer: &CastVolume| {
+            let (origin, direction) = layer.own_ray(origin, direction);
+            layer.region.passage(origin, direction, all).ends
+        };
+        self.layers.iter().map(of_layer).collect()
+    }
+
+    /// Whether a ray meets each layer.
+    fn met(&self, origin: DVec3, direction: DVec3) -> Vec<bool> {
+        self.drawn(origin, direction).iter().map(|[t_in, t_out]| t_in < t_out).collect()
+    }
+
     /// Associated RGBA along `origin + t · direction`, index space of the first volume.
     fn cast(&self, origin: DVec3, direction: DVec3) -> [f64; 4] {
         let world = self.world_from_index * direction;
         let to_eye = -world.normalize();
-        let start = if self.perspective { 0.0 } else { f64::NEG_INFINITY };
-        let of_crop = Region { half_spaces: self.crop.clone(), bounds: [DVec3::ZERO; 2] };
-        let all = of_crop.passage(origin, direction, [start, f64::INFINITY]).ends;
-        let own_ray = |layer: &CastVolume| {
-            let map = layer.own_from_first;
-            (map.transform_point3(origin), map.matrix3 * direction)
-        };
-        let drawn: Vec<[f64; 2]> = self
-            .layers
-            .iter()
-            .map(|layer| {
-                let (origin, direction) = own_ray(layer);
-                layer.region.passage(origin, direction, all).ends
-            })
-            .collect();
+        let own_ray = |layer: &CastVolume| layer.own_ray(origin, direction);
+        let drawn = self.drawn(origin, direction);
         let seen = || drawn.iter().filter(|[t_in, t_out]| t_in < t_out);
         let t_in = seen().fold(f64::INFINITY, |t, own| t.min(own[0]));
         let t_out = seen().fold(f64::NEG_INFINITY, |t, own| t.max(own[1]));

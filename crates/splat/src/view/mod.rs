@@ -8,4 +8,5 @@ pub mod index_frame;
 pub mod pixel_spacing;
 pub mod ray_model;
 pub mod region;
+pub mod scattered;
 pub mod silhouette;

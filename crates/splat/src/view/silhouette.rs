@@ -183,7 +183,7 @@ impl Met {
 
 impl Coverage {
     /// Of a rectangle by the passages of the rays of its corners, of one region. `size_px`: its shorter side. `reach_px`:
-    /// how far from a pixel the filter reads.
+    /// of a texel, in pixels.
     ///
     /// Where rays enter and leave through the same walls at all corners they do everywhere between: which wall is the last
     /// to be entered and the first to be left is decided by linear functions of the position (of 1/t for rays from an eye).
@@ -199,8 +199,8 @@ impl Coverage {
         }
         let least = lengths.into_iter().fold(f64::INFINITY, f64::min);
         let most = lengths.into_iter().fold(0.0, f64::max);
-        // What is read from beside a pixel has about as long a way.
-        if least >= (1.0 + reach_px) * (most - least) / size_px { Self::Inside } else { Self::Edge }
+        // No way ends among the texels that are read from beside it, two on each side.
+        if least >= 2.0 * reach_px * (most - least) / size_px { Self::Inside } else { Self::Edge }
     }
 
     /// Of several regions together.

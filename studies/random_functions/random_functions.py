@@ -30,7 +30,7 @@ import wavesplat as ws
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 from tables import as_text
 
-QUALITIES = ("draft", "normal", "high")
+QUALITIES: tuple[Any, ...] = ("draft", "normal", "high")
 
 #: Largest errors of opacity and of colour on ramps, grey levels.
 LIMITS: dict[str, tuple[float, float]] = {"draft": (4.0, 16.0), "normal": (3.0, 8.0), "high": (2.0, 5.0)}
@@ -92,7 +92,8 @@ class Case:
         """Colour and opacity of a ray."""
         options: dict[str, Any] = {"size": (8, 8), "shading": None, "quality": quality, "device": "cpu"}
         picture = ws.render(self.ramp(), self.transfer_function(), self.camera(), **options)
-        return picture.rgba[4, 4].astype(float)
+        rgba: Floats = picture.rgba[4, 4].astype(float)
+        return rgba
 
     def wanted(self) -> Floats:
         """The same by arithmetic."""
@@ -213,7 +214,11 @@ def cases(seed: int, n: int) -> Iterator[Case]:
         strength = ("faint", "strong", "opaque")[k // len(KINDS) % 3]
         top = {"faint": log_uniform(rng, 0.01, 0.3), "strong": float(rng.uniform(0.3, 0.999)), "opaque": 1.0}[strength]
         n_colors = int(rng.integers(1, 5))
-        color = [(float(v), *map(float, rng.uniform(0, 1, 3))) for v in np.sort(rng.uniform(0, RANGE, n_colors))]
+        values = np.sort(rng.uniform(0, RANGE, n_colors))
+        color = [
+            (float(v), float(r), float(g), float(b))
+            for v, (r, g, b) in zip(values, rng.uniform(0, 1, (n_colors, 3)), strict=True)
+        ]
         yield Case(
             kind=f"{kind}, {strength}",
             opacity=KINDS[kind](rng, top),

@@ -32,7 +32,7 @@ class Scene:
     traits: tuple[str, ...]
     scene: ws.Scene
     camera: ws.Camera
-    kernel: str
+    kernel: Any
 
     def draw(self, quality: Any = "normal", **options: Any) -> NDArray[np.float64]:
         """By the renderer."""
@@ -164,7 +164,8 @@ def _field(random: np.random.Generator, shape: tuple[int, ...], matter: str) -> 
         for axis in range(3):
             total = 0.25 * np.roll(total, 1, axis) + 0.5 * total + 0.25 * np.roll(total, -1, axis)
     lowest, highest = total.min(), total.max()
-    return (total - lowest) / max(highest - lowest, 1e-9)
+    scaled: NDArray[np.float64] = (total - lowest) / max(highest - lowest, 1e-9)
+    return scaled
 
 
 def _layer(draw: _Draw, k: int, shape: tuple[int, ...], affine: NDArray[np.float64], parts: Parts) -> ws.Layer:
@@ -201,7 +202,8 @@ def _missing(random: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.
     """Lone samples, or a ball, or all on one side of a plane."""
     form = random.integers(3)
     if form == 0:
-        return random.random(shape) < random.choice([0.002, 0.05])
+        lone: NDArray[np.bool_] = random.random(shape) < random.choice([0.002, 0.05])
+        return lone
     z, y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij")
     if form == 1:
         center = random.uniform(-0.6, 0.6, 3)
@@ -268,7 +270,7 @@ def _shading(draw: _Draw) -> ws.Shading | None:
     if kind == 1:
         return ws.Shading.headlight()
     direction = random.normal(size=3)
-    frame = "world" if random.random() < 0.5 else "camera"
+    frame: Any = "world" if random.random() < 0.5 else "camera"
     lights = (ws.Light(tuple(direction), frame=frame),) if random.random() < 0.5 else ()
     return ws.Shading(lights=lights)
 

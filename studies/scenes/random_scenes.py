@@ -29,7 +29,7 @@ HIGHEST_DB = 99.0
 def psnr_db(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
     """Peak 1."""
     error = float(((got - want) ** 2).mean())
-    return min(HIGHEST_DB, -10 * np.log10(max(error, 1e-12)))
+    return min(HIGHEST_DB, float(-10 * np.log10(max(error, 1e-12))))
 
 
 def main() -> int:

@@ -430,7 +430,7 @@ def test_scans_of_the_package_are_named_from_anywhere(place):
 
 
 def test_examples_that_are_too_large(place):
-    with pytest.raises(LimitError, match="the signal need"):
+    with pytest.raises(LimitError, match="the samples of a test signal, 100000 along each axis, need"):
         ws.Scene.load(written(place, {"example": "ripples", "n": 100_000}))
 
 

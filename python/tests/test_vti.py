@@ -94,7 +94,11 @@ def test_arrays_and_channels_are_chosen(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        (b'type="ImageData"', b'type="PolyData"', "holds PolyData, not ImageData; resample it"),
+        (
+            b'type="ImageData"',
+            b'type="PolyData"',
+            r"a mesh of surfaces or lines \(PolyData\), not an image of evenly spaced samples; resample it",
+        ),
         (b'compressor="vtkZLib', b'compressor="vtkLZ4', "compressed by vtkLZ4DataCompressor; write it with zlib"),
         (b'type="Int16"', b'type="Float64"', "not as many samples as the extent has"),
         (b'type="Int16"', b'type="String"', "samples of type 'String' cannot be drawn"),

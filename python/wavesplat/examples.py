@@ -80,7 +80,7 @@ def ripples(n: int = 32) -> Volume:
     if n < 2:
         raise ArgumentError(f"n is {n}; the signal needs at least 2 samples along each axis")
     f_m, alpha = 6.0, 0.25
-    check_room(BYTES_A_SAMPLE * int(n) ** 3, f"a test signal of {n} samples along each axis", "give a smaller n")
+    check_room(BYTES_A_SAMPLE * int(n) ** 3, f"the samples of a test signal, {n} along each axis,", "give a smaller n")
     axis = np.linspace(-1.0, 1.0, n)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     wave = np.cos(2 * np.pi * f_m * np.cos(np.pi * np.hypot(x, y) / 2))

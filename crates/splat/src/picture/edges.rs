@@ -10,14 +10,13 @@
 use glam::DVec2;
 use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
 
-use crate::optics::classify::one_minus_exp_neg;
-use crate::picture::base_picture::BasePicture;
+use crate::picture::edge_texels::{Strip, Strips, Taps};
 use crate::picture::resample::{Resampler, cubic_weights};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Passage;
 use crate::view::scattered::scattered_position;
-use crate::view::silhouette::{Coverage, LENGTH_TOLERANCE, Met, PixelGrid, PlaneSilhouette, Silhouette};
+use crate::view::silhouette::{Coverage, Met, PixelGrid, PlaneSilhouette, Silhouette};
 
 /// How a texel depends on the length of its ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,12 +49,6 @@ const N_READS: usize = READS_PER_AXIS * READS_PER_AXIS;
 
 /// Pixels per side of the squares in which edges are looked for.
 const SQUARE_PX: usize = 8;
-
-/// Length of a texel's ray, by that of a read's, below which it does not give the colour there.
-const MIN_LENGTH_RATIO: f64 = 0.1;
-
-/// Length of a texel's ray, in slices, below which it gives no colour.
-const MIN_LENGTH_SLICES: f64 = 0.02;
 
 /// The pass over a warped picture.
 pub struct EdgePass<'a> {
@@ -361,233 +354,6 @@ impl Hits {
     }
 }
 
-/// The sixteen texels around a position.
-#[derive(Default)]
-struct Taps {
-    rgba: [[f32; 4]; LANES],
-    weight: [f32; LANES],
-    /// Whether the ray of a texel says something about the read's.
-    is_used: [bool; LANES],
-    /// Whether it meets the same regions.
-    is_alike: [bool; LANES],
-    /// Of opacity, the optical depth along a ray as long as the read's; of sums, the factor.
-    depth: [f32; LANES],
-    /// Whether its length differs from the read's.
-    is_other: [bool; LANES],
-    /// Whether it may have stopped on the way.
-    is_opaque: [bool; LANES],
-}
-
-/// The four of sixteen texels that are nearest.
-const MIDDLE: [usize; 4] = [5, 6, 9, 10];
-
-/// Weights that sum to less are not those of a mean.
-const MIN_WEIGHT: f32 = 0.4;
-
-impl Taps {
-    #[inline(always)]
-    fn set(&mut self, k: usize, strip: &Strip, lane: usize, met: &Met, scaling: Scaling) {
-        let length = strip.length[lane];
-        let is_scaled = scaling != Scaling::None;
-        self.rgba[k] = strip.rgba[lane];
-        self.is_alike[k] = strip.met[lane] == met.regions;
-        let is_long = length > MIN_LENGTH_SLICES && length >= MIN_LENGTH_RATIO * met.length;
-        self.is_used[k] = self.is_alike[k] && (is_long || !is_scaled);
-        self.is_other[k] = is_scaled && (length - met.length).abs() > LENGTH_TOLERANCE * met.length;
-        self.depth[k] = match scaling {
-            Scaling::Opacity => strip.depth[lane] * met.length as f32,
-            Scaling::Sum => (met.length / length) as f32,
-            Scaling::None => 1.0,
-        };
-        self.is_opaque[k] = strip.is_opaque[lane];
-    }
-
-    /// The weighted mean, between the nearest, no colour brighter than its opacity lets it be.
-    #[inline(always)]
-    fn mean<S: Simd>(mut self, s: S, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
-        if self.is_used == [false; LANES] {
-            self.is_used = self.is_alike;
-        }
-        self.scale(s, scaling);
-        // Written as selections, so that it becomes vectors.
-        let weight: [f32; LANES] = std::array::from_fn(|k| if self.is_used[k] { self.weight[k] } else { 0.0 });
-        let total: f32 = weight.iter().sum();
-        if total < MIN_WEIGHT {
-            return self.nearest(t);
-        }
-        let mut mean = [0.0; 4];
-        for k in 0..LANES {
-            let weight = weight[k] / total;
-            for c in 0..4 {
-                mean[c] += weight * self.rgba[k][c];
-            }
-        }
-        let has_middle = MIDDLE.iter().any(|k| self.is_used[*k]);
-        let (mut least, mut most) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
-        for k in (0..LANES).filter(|k| self.is_used[*k] && (!has_middle || MIDDLE.contains(k))) {
-            for c in 0..4 {
-                least[c] = least[c].min(self.rgba[k][c]);
-                most[c] = most[c].max(self.rgba[k][c]);
-            }
-        }
-        for c in 0..4 {
-            mean[c] = mean[c].max(least[c]).min(most[c]);
-        }
-        mean[3] = mean[3].min(1.0);
-        for c in 0..3 {
-            mean[c] = mean[c].min(peak * mean[3]);
-        }
-        mean
-    }
-
-    /// The nearest texel that is used, where too few are for a mean.
-    #[inline(never)]
-    fn nearest(&self, t: [f32; 2]) -> [f32; 4] {
-        let distance = |k: &usize| {
-            let [u, v] = [k % 4, k / 4].map(|place| place as f32 - 1.0);
-            (u - t[0]).powi(2) + (v - t[1]).powi(2)
-        };
-        let used = (0..LANES).filter(|k| self.is_used[*k]);
-        used.min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or([0.0; 4], |k| self.rgba[k])
-    }
-
-    /// Opaque texels give only a lower bound of the extinction: the largest that is known nearby is taken, or the largest
-    /// of all where none is.
-    #[inline(always)]
-    fn estimate_opaque(&mut self) {
-        if self.is_opaque == [false; LANES] {
-            return;
-        }
-        let mut densest = 0.0;
-        for k in 0..LANES {
-            if self.is_used[k] && !self.is_opaque[k] && self.rgba[k][3] > MIN_RELIABLE_OPACITY {
-                densest = self.depth[k].max(densest);
-            }
-        }
-        for k in 0..LANES {
-            if self.is_opaque[k] {
-                self.depth[k] = if densest > 0.0 { self.depth[k].max(densest) } else { MAX_DEPTH };
-            }
-        }
-    }
-
-    /// Brings the texels to the length of the read's ray.
-    #[inline(always)]
-    fn scale<S: Simd>(&mut self, s: S, scaling: Scaling) {
-        if self.is_other == [false; LANES] {
-            return;
-        }
-        match scaling {
-            Scaling::None => {}
-            Scaling::Sum => {
-                for k in 0..LANES {
-                    let factor = if self.is_other[k] { self.depth[k] } else { 1.0 };
-                    (0..2).for_each(|c| self.rgba[k][c] *= factor);
-                }
-            }
-            Scaling::Opacity => {
-                self.estimate_opaque();
-                let mut opacity = [0.0; LANES];
-                s.store(one_minus_exp_neg(s, s.load(&self.depth)), &mut opacity);
-                for k in 0..LANES {
-                    let is_scaled = self.is_other[k] && self.rgba[k][3] > 0.0;
-                    let factor = if is_scaled { opacity[k] / self.rgba[k][3] } else { 1.0 };
-                    self.rgba[k] = self.rgba[k].map(|c| c * factor);
-                }
-            }
-        }
-    }
-}
-
-/// Sixteen texels of a row, and the rays that drew them.
-struct Strip {
-    rgba: [[f32; 4]; LANES],
-    met: [u8; LANES],
-    length: [f64; LANES],
-    /// What all of them meet, if it is the same.
-    level: Option<Met>,
-    /// Optical depth per slice.
-    depth: [f32; LANES],
-    /// Whether there may be more than that.
-    is_opaque: [bool; LANES],
-}
-
-/// Opacity of rays that may have stopped on the way.
-const OPAQUE: f32 = 1.0 - 2e-4;
-
-/// Smallest opacity from which extinction is estimated.
-const MIN_RELIABLE_OPACITY: f32 = 0.3;
-
-/// An optical depth that is opaque, whatever it is multiplied with.
-const MAX_DEPTH: f32 = 1e6;
-
-impl Strip {
-    /// `place`: of the strip along u, and the row.
-    fn new(plane: &PlaneSilhouette, picture: &BasePicture, scaling: Scaling, [strip, j]: [i64; 2]) -> Self {
-        let i = strip * LANES as i64;
-        let (mut met, length) = plane.rendered(i as f64, j as f64);
-        let (mut rgba, mut depth, mut is_opaque) = ([[0.0; 4]; LANES], [0.0; LANES], [false; LANES]);
-        let [n_u, n_v] = picture.plane.size;
-        let row = usize::try_from(j).ok().filter(|j| *j < n_v).map(|j| picture.row(j));
-        for lane in 0..LANES {
-            let texel = usize::try_from(i + lane as i64).ok().filter(|i| *i < n_u);
-            match row.zip(texel) {
-                Some((row, i)) => rgba[lane] = row[i],
-                None => met[lane] = 0,
-            }
-            if scaling == Scaling::Opacity && rgba[lane][3] > 0.0 && met[lane] != 0 {
-                let opacity = rgba[lane][3];
-                is_opaque[lane] = opacity >= OPAQUE;
-                depth[lane] = (optical_depth(opacity.min(OPAQUE)) / length[lane].max(f64::MIN_POSITIVE)) as f32;
-            }
-        }
-        let first = Met { regions: met[0], length: length[0] };
-        let is_level = (1..LANES).all(|k| first.is_like(&Met { regions: met[k], length: length[k] }));
-        Self { rgba, met, length, level: is_level.then_some(first), depth, is_opaque }
-    }
-}
-
-/// `−ln(1 − opacity)`, by the series of the inverse hyperbolic tangent: with sums and products alone, so that every
-/// processor gives the same bits.
-fn optical_depth(opacity: f32) -> f64 {
-    let rest = 1.0 - f64::from(opacity.max(0.0));
-    // rest = m · 2^e with m from √½ to √2, ln m = 2 artanh((m − 1) / (m + 1)).
-    let bits = rest.to_bits();
-    let (mut exponent, mut m) = ((bits >> 52) as i32 - 1023, f64::from_bits(bits & ((1 << 52) - 1) | 1023 << 52));
-    if m > std::f64::consts::SQRT_2 {
-        (exponent, m) = (exponent + 1, 0.5 * m);
-    }
-    let s = (m - 1.0) / (m + 1.0);
-    let square = s * s;
-    let series = (0..8).rev().fold(0.0, |sum, k| 1.0 / f64::from(2 * k + 1) + square * sum);
-    -(2.0 * s * series + f64::from(exponent) * std::f64::consts::LN_2)
-}
-
-/// Strips that were made last, by their place.
-#[derive(Default)]
-struct Strips(Vec<Option<([i64; 3], Strip)>>);
-
-/// Places of strips along u and v, powers of two.
-const N_PLACES: [i64; 2] = [4, 16];
-
-impl Strips {
-    /// Returns the cached strip of a base plane at a place, or makes it.
-    #[inline(always)]
-    fn get(&mut self, plane: usize, [strip, j]: [i64; 2], make: impl FnOnce() -> Strip) -> &Strip {
-        let n = (N_PLACES[0] * N_PLACES[1]) as usize;
-        if self.0.is_empty() {
-            self.0.resize_with(n, || None);
-        }
-        let place = (j.rem_euclid(N_PLACES[1]) * N_PLACES[0] + strip.rem_euclid(N_PLACES[0])) as usize;
-        let key = [plane as i64, strip, j];
-        let entry = &mut self.0[place];
-        if entry.as_ref().is_none_or(|(of, _)| *of != key) {
-            *entry = None;
-        }
-        &entry.get_or_insert_with(|| (key, make())).1
-    }
-}
-
 /// Pixels per texel, at most, in the middle of the pixels that a base plane serves.
 fn texel_px(plane: &BasePlane, rays: &IndexRays) -> f64 {
     let per_px = plane.texels_per_pixel(rays);
@@ -599,18 +365,5 @@ fn clear(origin: [usize; 2], first: [usize; 2], size: [usize; 2], pixels: &mut [
     let [x, y] = [first[0] - origin[0], first[1] - origin[1]];
     for row in y..y + size[1] {
         pixels[row * pitch + x..][..size[0]].fill([0.0; 4]);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_optical_depth_is_that_of_the_opacity() {
-        for opacity in [0.0, 1e-6, 1e-3, 0.1, 0.29, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9995, OPAQUE] {
-            let (got, want) = (optical_depth(opacity), -(-f64::from(opacity)).ln_1p());
-            assert!((got - want).abs() <= 1e-9 * want + 1e-15, "{opacity}: {got} for {want}");
-        }
     }
 }

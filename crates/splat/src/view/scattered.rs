@@ -52,7 +52,8 @@ mod tests {
             for distance in -7..=7 {
                 let offset = 0.1 * f64::from(distance);
                 let covers = |[x, y]: [f64; 2]| (x - 0.5) * angle.cos() + (y - 0.5) * angle.sin() < offset;
-                let fine = (0..64 * 64).filter(|k| covers([k % 64, k / 64].map(|at| (f64::from(at) + 0.5) / 64.0))).count();
+                let fine =
+                    (0..64 * 64).filter(|k| covers([k % 64, k / 64].map(|at| (f64::from(at) + 0.5) / 64.0))).count();
                 let counted = (0..16).filter(|k| covers(scattered_position(*k, 4))).count();
                 let error = (counted as f64 / 16.0 - fine as f64 / 4096.0).abs();
                 assert!(error < 0.115, "{step} degrees, {offset}: {error}");

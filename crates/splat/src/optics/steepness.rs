@@ -30,7 +30,7 @@ const N_TURNS: usize = 64;
 pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
     let thickness = slab_of_the_finest(grid, tf);
     let classifier = Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness);
-    varies(&classifier, thickness) || thin_parts(&classifier, grid, tf) >= 1.0
+    varies(&classifier, thickness) || has_thin_parts(&classifier, grid, tf)
 }
 
 /// Whether opacity or colour of slabs of a thickness, in `opacity_unit`s, change by a visible amount.
@@ -38,16 +38,15 @@ pub(super) fn varies(classifier: &Classifier, slab_thickness: f64) -> bool {
     classifier.variation(slab_thickness) >= STEEP
 }
 
-/// The opacity that sheets can miss, or exaggerate, of what is between them, in units of what may be missed; of several
-/// layers it adds up. There is one sheet a slice, as of quality draft: so that the answer, and the way a picture is drawn,
-/// is the same at every quality.
-pub(super) fn thin_parts(classifier: &Classifier, grid: &Grid, tf: &TransferFunction) -> f64 {
+/// Whether sheets can miss, or exaggerate, a visible amount of what is between them, be there one a slice, as of quality
+/// draft: so that the answer, and the way a picture is drawn, is the same at every quality.
+pub(super) fn has_thin_parts(classifier: &Classifier, grid: &Grid, tf: &TransferFunction) -> bool {
     let of_one_slice = 2.0 * slab_of_the_finest(grid, tf);
     // The function of a coarser level is noisy: not every little top of it is one.
     if grid.coarseness() > 1.0 {
-        return missed(classifier, of_one_slice, false) / MISSED_ON_LEVELS;
+        return missed(classifier, of_one_slice, false) >= MISSED_ON_LEVELS;
     }
-    missed(classifier, of_one_slice, true) / MISSED
+    missed(classifier, of_one_slice, true) >= MISSED
 }
 
 /// Thickness of a slab of two sheets a slice, of a coarser level one of the finest, in `opacity_unit`s.

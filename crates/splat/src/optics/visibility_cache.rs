@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wavesplat_core::{Grid, Result, TransferFunction};
 
 use crate::optics::classify::Classifier;
-use crate::optics::steepness::{slab_of_the_finest, thin_parts, varies};
+use crate::optics::steepness::{has_thin_parts, slab_of_the_finest, varies};
 use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
@@ -27,7 +27,7 @@ pub struct Visibility {
     /// finest.
     varying: Mutex<Vec<(f64, bool)>>,
     /// Whether there are peaks or gaps that sheets can miss.
-    thin_parts: OnceLock<f64>,
+    has_thin_parts: OnceLock<bool>,
     /// How open places are, by the radius and the other layers that were asked for last.
     openness: Mutex<Option<(OpennessKey, Field<'static>)>>,
     /// Its own number: none is used twice.
@@ -44,7 +44,7 @@ impl Visibility {
             classifier,
             visible_ranges: OnceLock::new(),
             varying: Mutex::default(),
-            thin_parts: OnceLock::new(),
+            has_thin_parts: OnceLock::new(),
             openness: Mutex::default(),
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
         }
@@ -56,10 +56,10 @@ impl Visibility {
     }
 
     /// Whether slabs of a thickness, in `opacity_unit`s, need pre-integration; of a coarser level, those of the finest too.
-    /// `grid`, `tf`: of the slices and of this. `n_layers`: how many are drawn, whose thin parts add up.
-    pub fn is_steep(&self, grid: &Grid, tf: &TransferFunction, slab_thickness: f64, n_layers: usize) -> bool {
+    /// `grid`, `tf`: of the slices and of this.
+    pub fn is_steep(&self, grid: &Grid, tf: &TransferFunction, slab_thickness: f64) -> bool {
         (self.varies(slab_thickness) && (grid.coarseness() <= 1.0 || self.varies(slab_of_the_finest(grid, tf))))
-            || n_layers as f64 * *self.thin_parts.get_or_init(|| thin_parts(&self.classifier, grid, tf)) >= 1.0
+            || *self.has_thin_parts.get_or_init(|| has_thin_parts(&self.classifier, grid, tf))
     }
 
     fn varies(&self, slab_thickness: f64) -> bool {

@@ -222,7 +222,7 @@ impl Plan {
                 let thickness = slab_length / plan.opacity_unit;
                 // A function of two dimensions has no integral along a slab.
                 layer.transfer_function.function_2d().is_none()
-                    && plan.tables.is_steep(&plan.grid, layer.transfer_function, thickness, layers.len())
+                    && plan.tables.is_steep(&plan.grid, layer.transfer_function, thickness)
             })
         };
         let first = layers[0];

@@ -65,7 +65,7 @@ type Origin = u8;
 const KNOWN: Origin = 0;
 const UNFILLED: Origin = u8::MAX;
 
-/// Replaces what is not finite by the nearest finite density along x, y or z within `STEP` samples, of equally near ones along
+/// Replaces what is not finite by the nearest finite density along x, y or z within `STEP`, of equally near ones along
 /// the first of these axes; then, where there is none, by what was filled so in its column, or its line through the
 /// slices; then by `otherwise`.
 pub fn fill_holes(grid: &mut [f32], [nx, ny, nz]: [usize; 3], otherwise: f32) {

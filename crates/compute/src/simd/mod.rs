@@ -1,10 +1,10 @@
 //! SIMD: sixteen numbers at a time, by the widest vectors that this machine has.
 //!
-//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: AVX-512, AVX2 and SSE2, or
-//! NEON, or plain arrays on other processors, and only there: they are half of the code, and what the operations of
-//! the other levels are tested against one by one. Every level gives the same bits: lanes never mix, nothing is fused, no operation
-//! is an approximation of the processor's own, and the order of operations is the source's. The level is chosen once
-//! per picture and passed as a value.
+//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: for AVX-512, AVX2 and SSE2 on
+//! x86-64, for NEON on 64-bit ARM, and for plain arrays on other processors. Plain arrays are no level where there are
+//! vectors, since they would be half of the program; tests compare every operation of the others with theirs. Every
+//! level gives the same bits: lanes never mix, nothing is fused, no operation is an approximation of the processor's
+//! own, and the order of operations is the source's. The level is chosen once per picture and passed as a value.
 //!
 //! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::take`], the
 //! permutation that spreads samples over texels, and [`Math::look_up`], which reads one table entry per lane as two
@@ -159,10 +159,10 @@ pub trait Simd: Math {
     /// Whether the registers hold the numbers of a kernel for two sixteens at a time ([`Pair`]).
     const HAS_ROOM_FOR_PAIRS: bool = true;
 
-    /// Runs a part of a kernel as a function of its own, with the instructions of the level. All that a kernel calls is
-    /// inlined, and the compiler takes minutes for functions of a hundred thousand instructions, so large kernels are cut.
-    /// The closure must be `#[inline(always)]`.
-    fn apart<T>(self, part: impl FnOnce() -> T) -> T;
+    /// Runs a part of a kernel as a function that is not inlined, with the instructions of the level. All else that a
+    /// kernel calls is inlined, and the compiler takes minutes for functions of a hundred thousand instructions. The
+    /// closure must be `#[inline(always)]`.
+    fn outlined<T>(self, part: impl FnOnce() -> T) -> T;
     /// From memory.
     fn load(self, from: &[f32; LANES]) -> Self::F;
     /// To memory.

@@ -134,7 +134,7 @@ impl Math for Neon {
 
 impl Simd for Neon {
     #[inline(never)]
-    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+    fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         part()
     }
     #[inline(always)]

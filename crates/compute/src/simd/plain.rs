@@ -114,7 +114,7 @@ impl Math for Plain {
 
 impl Simd for Plain {
     #[inline(never)]
-    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+    fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         part()
     }
     #[inline(always)]

@@ -27,13 +27,13 @@ pub(super) fn run_avx512<T>(kernel: impl FnOnce() -> T) -> T {
 
 #[target_feature(enable = "avx2")]
 #[inline(never)]
-fn apart_avx2<T>(part: impl FnOnce() -> T) -> T {
+fn outlined_avx2<T>(part: impl FnOnce() -> T) -> T {
     part()
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
 #[inline(never)]
-fn apart_avx512<T>(part: impl FnOnce() -> T) -> T {
+fn outlined_avx512<T>(part: impl FnOnce() -> T) -> T {
     part()
 }
 
@@ -204,7 +204,7 @@ impl Simd for Sse2 {
     const HAS_ROOM_FOR_PAIRS: bool = false;
 
     #[inline(never)]
-    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+    fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         part()
     }
     memory!(4, 4, _mm_loadu_ps _mm_storeu_ps _mm_movemask_ps);
@@ -270,9 +270,9 @@ impl Math for Avx2 {
 
 impl Simd for Avx2 {
     #[inline(always)]
-    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+    fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         // SAFETY: `self` proves that the machine has the instructions.
-        unsafe { apart_avx2(part) }
+        unsafe { outlined_avx2(part) }
     }
     memory!(2, 8, _mm256_loadu_ps _mm256_storeu_ps _mm256_movemask_ps);
     #[inline(always)]
@@ -473,9 +473,9 @@ impl Math for Avx512 {
 
 impl Simd for Avx512 {
     #[inline(always)]
-    fn apart<T>(self, part: impl FnOnce() -> T) -> T {
+    fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         // SAFETY: `self` proves that the machine has the instructions.
-        unsafe { apart_avx512(part) }
+        unsafe { outlined_avx512(part) }
     }
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> __m512 {

@@ -264,6 +264,7 @@ impl<'a> EdgePass<'a> {
         (met.regions != 0).then_some(Read { plane, at, met })
     }
 
+    /// The strip of texels of a base plane at a place, from the cache or made.
     #[inline(always)]
     fn strip<'s>(&self, plane: usize, place: [i64; 2], strips: &'s mut Strips) -> &'s Strip {
         let picture = self.resamplers[plane].picture;

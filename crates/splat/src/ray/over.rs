@@ -318,7 +318,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
 
 impl<const EXTRA: bool> Over<'_, EXTRA> {
     #[inline(always)]
-    fn add_sheet_apart<W: Wide>(
+    fn add_sheet_outlined<W: Wide>(
         &mut self,
         w: W,
         chunks: Chunks,
@@ -326,7 +326,7 @@ impl<const EXTRA: bool> Over<'_, EXTRA> {
         slab: &mut Slab,
         which: (usize, [f32; 2]),
     ) {
-        w.one().apart(
+        w.one().outlined(
             #[inline(always)]
             || self.add_sheet(w, chunks, rays, slab, which),
         );
@@ -336,17 +336,17 @@ impl<const EXTRA: bool> Over<'_, EXTRA> {
     #[inline(always)]
     fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
         if self.is_steep {
-            return w.one().apart(
+            return w.one().outlined(
                 #[inline(always)]
                 || self.add_slab(w, chunks, rays, slab),
             );
         }
         let [s_front, s_back] = slab.s;
         let half = 0.5 * (s_back - s_front);
-        self.add_sheet_apart(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
+        self.add_sheet_outlined(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
         if slab.first.is_last(chunks[0].block()) {
             // No slab follows whose front this sheet would be.
-            self.add_sheet_apart(w, chunks, rays, slab, (1, [s_back - half, s_back]));
+            self.add_sheet_outlined(w, chunks, rays, slab, (1, [s_back - half, s_back]));
         }
     }
 }

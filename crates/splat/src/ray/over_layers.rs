@@ -140,7 +140,7 @@ impl<'a> OverLayers<'a> {
     }
 
     #[inline(always)]
-    fn add_sheet_apart<S: Simd>(
+    fn add_sheet_outlined<S: Simd>(
         &mut self,
         s: S,
         chunks: Chunks,
@@ -148,7 +148,7 @@ impl<'a> OverLayers<'a> {
         slab: &mut Slab,
         which: (usize, [f32; 2]),
     ) {
-        s.apart(
+        s.outlined(
             #[inline(always)]
             || self.add_sheet(s, chunks, rays, slab, which),
         );
@@ -411,18 +411,18 @@ impl Compositor for OverLayers<'_> {
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let chunks = [chunk; 2];
         if self.is_steep {
-            return s.apart(
+            return s.outlined(
                 #[inline(always)]
                 || self.add_slab(s, chunks, rays, slab),
             );
         }
         let [s_front, s_back] = slab.s;
         let half = 0.5 * (s_back - s_front);
-        self.add_sheet_apart(s, chunks, rays, slab, (0, [s_front - half, s_front + half]));
+        self.add_sheet_outlined(s, chunks, rays, slab, (0, [s_front - half, s_front + half]));
         let block = chunk.block();
         if slab.first.is_last(block) || slab.more.iter().any(|own| own.is_last(block)) {
             // No slab of a layer follows whose front this sheet would be.
-            self.add_sheet_apart(s, chunks, rays, slab, (1, [s_back - half, s_back]));
+            self.add_sheet_outlined(s, chunks, rays, slab, (1, [s_back - half, s_back]));
         }
     }
 

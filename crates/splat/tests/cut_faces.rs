@@ -264,6 +264,38 @@ fn layers_end_where_their_own_boxes_do() {
     assert!(error > 42.0, "{error} dB");
 }
 
+/// Where boxes overlap in a strip that is narrower than a texel, rays meet layers together that no texel's ray does.
+#[test]
+fn boxes_that_overlap_in_less_than_a_texel_leave_no_gap() {
+    let even = |x: f64| Phantom {
+        samples: vec![200.0; waves().samples.len()],
+        world_from_index: DAffine3::from_translation(DVec3::new(x, 0.0, 0.0)),
+        ..waves()
+    };
+    let function = opacity_ramp(&[(0.0, 0.9)], Some(1.0));
+    let options = RenderOptions { width_px: 64, height_px: 24, ..plain() };
+    for overlap in [0.1, 0.3, 0.6] {
+        let parts = [even(0.0), even(29.0 - overlap)];
+        let volumes = parts.each_ref().map(Phantom::volume);
+        let slices = volumes.each_ref().map(|volume| Slices::new(volume, Kernel::Linear));
+        let caches = [VisibilityCache::default(), VisibilityCache::default()];
+        let layers = [0, 1].map(|k| Layer {
+            slices: &slices[k],
+            transfer_function: &function,
+            shading: None,
+            labels: None,
+            cache: &caches[k],
+        });
+        let middle = parts[0].centre() + DVec3::new(0.5 * (29.0 - overlap), 0.0, 0.0);
+        let camera = camera_towards(middle, DVec3::Z, 75.0, Projection::Orthographic { parallel_scale: 12.0 });
+        let picture = render_layers(&layers, &camera, &options, &()).unwrap().0;
+        for x in 28..36 {
+            let alpha = picture.rgba[12 * 64 + x][3];
+            assert!(alpha > 0.99, "{overlap}, column {x}: {alpha}");
+        }
+    }
+}
+
 /// Half as large, and beyond the first volume on two sides.
 fn placed() -> DAffine3 {
     DAffine3 { translation: DVec3::new(-2.3, 7.4, 5.1), ..DAffine3::from_scale(DVec3::new(0.5, 0.55, 0.65)) }

@@ -23,6 +23,8 @@ pub(super) struct Taps {
     is_used: [bool; LANES],
     /// Whether it meets the same regions.
     is_alike: [bool; LANES],
+    /// Whether it meets any.
+    is_met: [bool; LANES],
     /// Of opacity, the optical depth along a ray as long as the read's; of sums, the factor.
     depth: [f32; LANES],
     /// Whether its length differs from the read's.
@@ -44,6 +46,7 @@ impl Taps {
         let is_scaled = scaling != Scaling::None;
         self.rgba[k] = strip.rgba[lane];
         self.is_alike[k] = strip.met[lane] == met.regions;
+        self.is_met[k] = strip.met[lane] != 0;
         let is_long = length > MIN_LENGTH_SLICES && length >= MIN_LENGTH_RATIO * met.length;
         self.is_used[k] = self.is_alike[k] && (is_long || !is_scaled);
         self.is_other[k] = is_scaled && (length - met.length).abs() > LENGTH_TOLERANCE * met.length;
@@ -60,6 +63,10 @@ impl Taps {
     pub(super) fn mean<S: Simd>(mut self, s: S, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
         if self.is_used == [false; LANES] {
             self.is_used = self.is_alike;
+        }
+        // Where boxes of layers overlap in less than a texel, no texel meets the same of them: others are nearer than nothing.
+        if self.is_used == [false; LANES] {
+            self.is_used = self.is_met;
         }
         self.scale(s, scaling);
         // Written as selections, so that it becomes vectors.

@@ -27,6 +27,11 @@ os.environ.setdefault("WAVESPLAT_DEVICE", "cpu")
 SPACING = (0.7, 0.8, 1.5)
 
 
+def pytest_make_parametrize_id(val, argname):
+    """Name bytes by their parameter: packed bytes hold the time, and all processes must collect the same names."""
+    return argname if isinstance(val, bytes) else None
+
+
 class Oblique(NamedTuple):
     """Samples [z, y, x] and their place in the RAS world."""
 

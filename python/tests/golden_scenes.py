@@ -22,9 +22,9 @@ FAILURES = ROOT / "target" / "golden-failures"
 
 SIZE = (96, 96)
 #: Of a side in pixels, and of a file in bytes.
-MOST_PIXELS, MOST_BYTES = 128, 16 * 1024
+MAX_PIXELS, MAX_BYTES = 128, 16 * 1024
 #: Pictures are the same to the bit for all vectors and threads of a build; other compilers may round otherwise.
-MOST_LEVELS = 1
+MAX_LEVELS = 1
 
 BONE = [(-1000, 0.0, 0.2, 0.3), (200, 0.9, 0.6, 0.4), (1000, 1.0, 1.0, 0.95)]
 HEAD = [(0, 0.0, 0.2, 0.3), (44, 0.9, 0.6, 0.4), (66, 1.0, 0.95, 0.85), (110, 1.0, 1.0, 1.0)]
@@ -119,13 +119,13 @@ def difference(name: str, want: bytes | None, got: bytes, failures: Path) -> str
     else:
         apart = np.abs(want_levels.astype(int) - got_levels)
         worst = int(apart.max())
-        if worst <= MOST_LEVELS:
+        if worst <= MAX_LEVELS:
             return None
         y, x = (int(place) for place in np.unravel_index(apart.max(axis=2).argmax(), apart.shape[:2]))
-        n_wrong = (apart.max(axis=2) > MOST_LEVELS).sum()
+        n_wrong = (apart.max(axis=2) > MAX_LEVELS).sum()
         gain = 255 // worst
         problem = (
-            f"{n_wrong} of {apart[..., 0].size} pixels differ by more than {MOST_LEVELS} of 255 levels, "
+            f"{n_wrong} of {apart[..., 0].size} pixels differ by more than {MAX_LEVELS} of 255 levels, "
             f"by {worst} at row {y}, column {x}: {got_levels[y, x].tolist()} instead of {want_levels[y, x].tolist()}; "
             f"by {apart.mean():.3f} on average (the picture of the difference shows {gain} times as much)"
         )

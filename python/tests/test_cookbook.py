@@ -12,7 +12,7 @@ PAGE = pages.ROOT / "docs" / "cookbook.md"
 BLOCKS = pages.blocks_of(PAGE)
 DATA = "Data of this page"
 JOBS = list(dict.fromkeys(block.section for block in BLOCKS if block.section != DATA))
-MOST_LINES = 5
+MAX_LINES = 5
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_a_job_runs(job, data, tmp_path, monkeypatch, wavesplat):
 def test_a_job_is_short(block):
     lines = [line for line in block.code.splitlines() if line.strip()]
     if block.language == "python":
-        assert len([line for line in lines if not line.startswith(("import ", "from "))]) <= MOST_LINES
+        assert len([line for line in lines if not line.startswith(("import ", "from "))]) <= MAX_LINES
         assert max(map(len, lines)) <= 120
     else:
         assert block.language == "sh"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import golden_scenes
 import numpy as np
 import pytest
-from golden_scenes import FAILURES, GOLDENS, MOST_BYTES, MOST_PIXELS, SCENES, difference, path_of, png
+from golden_scenes import FAILURES, GOLDENS, MAX_BYTES, MAX_PIXELS, SCENES, difference, path_of, png
 
 import wavesplat as ws
 
@@ -21,8 +21,8 @@ def test_goldens_are_few_and_small_and_none_is_left_over():
     files = sorted(GOLDENS.iterdir())
     assert [path.name for path in files] == sorted(path_of(name).name for name in SCENES)
     for path in files:
-        assert path.stat().st_size <= MOST_BYTES, path
-        assert max(golden_scenes._levels(path.read_bytes()).shape) <= MOST_PIXELS, path
+        assert path.stat().st_size <= MAX_BYTES, path
+        assert max(golden_scenes._levels(path.read_bytes()).shape) <= MAX_PIXELS, path
 
 
 # The comparison can fail.

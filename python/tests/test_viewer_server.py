@@ -16,7 +16,7 @@ import viewer_fakes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wavesplat._viewer.framing import MOST_BYTES, packed, unpacked
+from wavesplat._viewer.framing import MAX_BYTES, packed, unpacked
 from wavesplat._viewer.server import Server
 from wavesplat._viewer.session import Session
 from wavesplat._viewer.tokens import Tokens
@@ -194,7 +194,7 @@ def test_a_token_works_once_and_gives_a_key(server):
         [{"type": "hello", "protocol": 1, "token": "right"}, {"type": "dance"}],
         [{"type": "hello", "protocol": 1, "token": "right"}, b"abc"],
         [{"type": "hello", "protocol": 1, "token": "right"}, {"type": "view", "view": "3d", "size": [10**6, 10**6]}],
-        [{"type": "hello", "protocol": 1, "token": "right"}, b"\0" * (MOST_BYTES + 1)],
+        [{"type": "hello", "protocol": 1, "token": "right"}, b"\0" * (MAX_BYTES + 1)],
     ],
     ids=lambda messages: str(messages)[:60],
 )

@@ -228,7 +228,7 @@ def test_messages_that_are_none_are_errors(session, message):
 
 
 def test_there_is_an_end_to_the_number_of_pages(session):
-    pages = [Page(session) for _ in range(session_module.MOST_CLIENTS)]
+    pages = [Page(session) for _ in range(session_module.MAX_CLIENTS)]
     with pytest.raises(ArgumentError, match="close one of them"):
         Page(session)
     pages[0].client.close()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from golden_scenes import GOLDENS, MOST_BYTES, SCENES, path_of, png
+from golden_scenes import GOLDENS, MAX_BYTES, SCENES, path_of, png
 
 
 def main() -> None:
@@ -23,9 +23,9 @@ def main() -> None:
     GOLDENS.mkdir(exist_ok=True)
     for name in sys.argv[1:] or SCENES:
         content, path = png(SCENES[name]()), path_of(name)
-        if len(content) > MOST_BYTES:
+        if len(content) > MAX_BYTES:
             sys.exit(
-                f"{name} has {len(content)} bytes, more than the {MOST_BYTES} of a golden picture; draw it smaller"
+                f"{name} has {len(content)} bytes, more than the {MAX_BYTES} of a golden picture; draw it smaller"
             )
         same = path.exists() and path.read_bytes() == content
         path.write_bytes(content)

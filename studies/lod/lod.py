@@ -48,7 +48,7 @@ RESULTS = Path(__file__).with_name("RESULTS.md")
 
 #: Azimuth and elevation, degrees.
 VIEWS = ((20, 15), (-65, -20), (35, 60))
-MOST_DROPPED = 3
+MAX_DROPPED = 3
 
 #: Sides of the large volumes, and of their pictures.
 LARGE = 512, 1024
@@ -105,14 +105,14 @@ class Row:
     def times_less(self) -> list[float]:
         """Frame with all levels over one with one, two, three left out."""
         whole, *fewer = self.frame_ms
-        return [whole / ms for ms in fewer[:MOST_DROPPED]]
+        return [whole / ms for ms in fewer[:MAX_DROPPED]]
 
     def misses(self) -> list[str]:
         """Goals that do not hold."""
         if self.changes is None:
             return []
         plain, ours = (np.abs(change.mean(axis=1)) for change in (self.changes.plain, self.changes.ours))
-        missed = [f"half of plain at {n + 1}" for n in range(MOST_DROPPED) if ours[n] > plain[n] / 2]
+        missed = [f"half of plain at {n + 1}" for n in range(MAX_DROPPED) if ours[n] > plain[n] / 2]
         if ours[0] >= 8:
             missed.append("8 % at 1")
         if self.curve == "soft" and SUBJECTS[self.subject].is_ct and ours[1] >= 4:
@@ -167,7 +167,7 @@ def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) 
     def frame(n: int) -> ws.Picture:
         return ws.render(wavelets.level(n), tf, camera, size=(size, size))
 
-    n_dropped = [*range(MOST_DROPPED + 1), wavelets.n_levels]
+    n_dropped = [*range(MAX_DROPPED + 1), wavelets.n_levels]
     rounds = [[least_ms(partial(frame, n)) for n in n_dropped] for _ in range(4)]
     return [min(times) for times in zip(*rounds, strict=True)]
 
@@ -180,16 +180,16 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
         print(f"{name}: no {subject.file} in {DATA}; left out", file=sys.stderr)
         return []
     wavelets = ws.WaveletVolume.from_volume(volume)
-    low_pass = [plain_level(wavelets, n + 1) for n in range(MOST_DROPPED)]
+    low_pass = [plain_level(wavelets, n + 1) for n in range(MAX_DROPPED)]
     unit = float(np.prod(volume.spacing) ** (1 / 3))
     rows = []
     for curve in ("soft", "hard"):
         tf = transfer_function(subject, curve, unit)
-        changes = np.zeros((2, MOST_DROPPED, len(VIEWS)))
+        changes = np.zeros((2, MAX_DROPPED, len(VIEWS)))
         for v, view in enumerate(VIEWS):
             whole = draw(wavelets, tf, view, size)
             page = [[whole], [whole]]
-            for n in range(MOST_DROPPED):
+            for n in range(MAX_DROPPED):
                 plain = draw(low_pass[n], tf, view, size, camera_of=wavelets)
                 pictures = plain, draw(wavelets.level(n + 1), tf, view, size)
                 changes[:, n, v] = [100 * (picture.mean() / whole.mean() - 1) for picture in pictures]

@@ -74,7 +74,7 @@ THRESHOLDS = (0, 2, 4, 12, 14, 16, 32, 64)
 FAMILIES = ("cdf53", "cdf97", "bspline2", "bspline4")
 
 #: Of the paper's pictures of levels: seven down to two.
-MOST_LEVELS = 7
+MAX_LEVELS = 7
 N_LEVEL_PICTURES = 6
 
 #: A measurement is repeated until so much processor time is spent.
@@ -397,7 +397,7 @@ def threshold_sheet(name: str, families: Sequence[str], size_px: int, folder: Pa
 
 def level_sheet(name: str, family: str, size_px: int, folder: Path) -> None:
     """The finest levels left out one by one, figure 16."""
-    wavelets = ws.WaveletVolume.from_volume(loaded(name), family, levels=MOST_LEVELS)
+    wavelets = ws.WaveletVolume.from_volume(loaded(name), family, levels=MAX_LEVELS)
     pictures: dict[str, list[tuple[str, Array]]] = {}
     for scene in (HARD, SOFT):
         for dropped in range(min(N_LEVEL_PICTURES, wavelets.n_levels)):

@@ -8,7 +8,7 @@ const bytesOf = (hex) => {
 };
 
 const BYTES = { r8unorm: 1, rg8unorm: 2, r32float: 4, rgba32float: 16 };
-const LEAST_BYTES = 256;
+const MIN_BYTES = 256;
 
 export async function run(capture) {
   if (!navigator.gpu) return { reason: "there is no WebGPU" };
@@ -37,7 +37,7 @@ export async function run(capture) {
   });
 
   const made = (bytes, usage) => {
-    const own = device.createBuffer({ size: Math.max(LEAST_BYTES, Math.ceil(bytes.length / 16) * 16), usage });
+    const own = device.createBuffer({ size: Math.max(MIN_BYTES, Math.ceil(bytes.length / 16) * 16), usage });
     device.queue.writeBuffer(own, 0, bytes);
     return { buffer: own };
   };

@@ -327,7 +327,7 @@ impl RenderOptions {
             let mend = "pass 1 for a sheet on every slice, more for finer steps";
             return Err(Error::out_of_range("sheets_per_slice", self.sheets_per_slice, "between 0.05 and 64", mend));
         }
-        if !(self.oversampling >= LEAST_OVERSAMPLING && self.oversampling <= 8.0) {
+        if !(self.oversampling >= MIN_OVERSAMPLING && self.oversampling <= 8.0) {
             let mend = "pass 1 for one texel a pixel, 2 for four";
             return Err(Error::out_of_range("oversampling", self.oversampling, "between 0.02 and 8", mend));
         }
@@ -374,12 +374,12 @@ const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
 pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
     let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
-    let least = samples_per_pixel.clamp(LEAST_OVERSAMPLING, oversampling);
+    let least = samples_per_pixel.clamp(MIN_OVERSAMPLING, oversampling);
     Ok((sheets_per_slice, (oversampling / coarseness).max(least)))
 }
 
 /// Texels per pixel at least.
-const LEAST_OVERSAMPLING: f64 = 0.02;
+const MIN_OVERSAMPLING: f64 = 0.02;
 
 #[cfg(test)]
 mod tests {
@@ -393,7 +393,7 @@ mod tests {
         let oversampling = |coarseness, per_pixel| quality_settings("normal", false, coarseness, per_pixel).unwrap().1;
         assert_eq!([oversampling(1.0, 9.0), oversampling(2.0, 0.7), oversampling(2.0, 0.4)], [1.0, 0.7, 0.5]);
         assert_eq!([oversampling(4.0, 0.1), oversampling(8.0, 0.05), oversampling(4.0, 0.5)], [0.25, 0.125, 0.5]);
-        assert_eq!(oversampling(64.0, 1e-9), LEAST_OVERSAMPLING);
+        assert_eq!(oversampling(64.0, 1e-9), MIN_OVERSAMPLING);
         let sheets = |name, is_steep, coarseness| quality_settings(name, is_steep, coarseness, 0.5).unwrap().0;
         assert_eq!(
             [sheets("normal", true, 1.0), sheets("normal", true, 2.0), sheets("normal", false, 2.0)],

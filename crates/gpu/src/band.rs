@@ -12,7 +12,7 @@ use crate::layout::N_BLOCK;
 
 /// Blocks that are drawn at once at most: 1 M texels, so that no binding exceeds what every device has, and a slab of them takes a
 /// weak one a few hundredths of a second.
-const MOST_BLOCKS: usize = 1 << 13;
+const MAX_BLOCKS: usize = 1 << 13;
 
 /// Some rows of tiles of a base plane.
 #[derive(Default)]
@@ -36,7 +36,7 @@ pub(crate) fn n_mask_words(family: &FamilyPlan) -> usize {
 pub(crate) fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize, skips: bool) -> Vec<Band> {
     let [n_tiles_u, n_tiles_v] = arrays.n_tiles();
     // Several layers have an interval each, and one for all.
-    let most = MOST_BLOCKS / if n_layers > 1 { n_layers + 1 } else { 1 };
+    let most = MAX_BLOCKS / if n_layers > 1 { n_layers + 1 } else { 1 };
     let mut bands = vec![Band::default()];
     for row in 0..n_tiles_v {
         let tiles = parallel::map(n_tiles_u, |column| arrays.tile([column, row]));

@@ -12,7 +12,7 @@ use crate::failure::{Failure, GpuResult};
 use crate::pipeline::Pipeline;
 
 /// Bytes of a buffer that nothing is in.
-const LEAST_BYTES: u64 = 256;
+const MIN_BYTES: u64 = 256;
 
 /// Buffers, kept from frame to frame, as large as they had to be.
 #[derive(Default)]
@@ -33,7 +33,7 @@ pub(crate) struct GrowingBuffer(pub Option<Buffer>);
 impl GrowingBuffer {
     /// With room for so many bytes.
     pub fn of(&mut self, device: &OpenDevice, n_bytes: usize, usage: BufferUsages) -> &Buffer {
-        let size = (n_bytes as u64).next_multiple_of(16).max(LEAST_BYTES);
+        let size = (n_bytes as u64).next_multiple_of(16).max(MIN_BYTES);
         let fits = self.0.as_ref().is_some_and(|own| own.size() >= size && own.size() <= 8 * size);
         if !fits {
             self.0 = None;

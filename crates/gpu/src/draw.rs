@@ -32,7 +32,7 @@ use crate::volumes::{GpuVolume, Volumes};
 const AIM_SECONDS: f64 = 0.02;
 
 /// How many times as many slabs as the one before a dispatch has at most.
-const MOST_GROWTH: usize = 4;
+const MAX_GROWTH: usize = 4;
 
 /// Texels of sheets per second that are taken for granted of the first dispatch of a frame, by a GPU and by a program on the
 /// processor: what the frame before was like says little, since its rays may all have ended early.
@@ -225,7 +225,7 @@ impl Job<'_> {
             let seconds = started.elapsed().as_secs_f64().max(1e-6);
             counts.dispatches += 1;
             counts.longest_seconds = counts.longest_seconds.max(seconds);
-            most = (to - from).saturating_mul(MOST_GROWTH);
+            most = (to - from).saturating_mul(MAX_GROWTH);
             rate = ((to - from) * n_per_slab) as f64 / seconds;
             told((to - first) as f32 / (end - first) as f32)?;
             from = to;

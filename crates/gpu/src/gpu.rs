@@ -26,7 +26,7 @@ use crate::volumes::uploaded;
 pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
 
 /// Shaders that are kept at most.
-const MOST_PIPELINES: usize = 64;
+const MAX_PIPELINES: usize = 64;
 
 /// A thread that draws on a GPU: a frame that its callback asks for in turn would wait for itself.
 struct Drawing;
@@ -181,7 +181,7 @@ impl Gpu {
             pipeline.clone()
         } else {
             let made = Arc::new(Pipeline::new(&self.device, &permutation)?);
-            if work.pipelines.len() >= MOST_PIPELINES {
+            if work.pipelines.len() >= MAX_PIPELINES {
                 work.pipelines.clear();
             }
             work.pipelines.insert(permutation.clone(), made.clone());

@@ -16,7 +16,7 @@ use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 use crate::report::GpuReport;
 
 /// How long a process waits at its end for a GPU that is being opened.
-const MOST_WAITING: Duration = Duration::from_secs(10);
+const MAX_WAITING: Duration = Duration::from_secs(10);
 
 /// What should draw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -118,7 +118,7 @@ impl Gpus {
         let is_opening =
             |opened: &mut Vec<(Choice, Opened)>| opened.iter().any(|(_, slot)| matches!(slot, Opened::Opening));
         // A driver that hangs does not keep the program.
-        drop(self.changed.wait_timeout_while(opened, MOST_WAITING, is_opening));
+        drop(self.changed.wait_timeout_while(opened, MAX_WAITING, is_opening));
     }
 
     /// Whether another process, of which this one is a fork, has asked for GPUs: drivers do not survive that.

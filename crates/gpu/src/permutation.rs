@@ -8,7 +8,7 @@ use std::fmt::Write;
 use wavesplat_core::Kernel;
 use wavesplat_splat::optics::preintegrate::LEVEL;
 use wavesplat_splat::ray::local_maximum::ROUNDING;
-use wavesplat_splat::source::nonfinite::{LEAST_KNOWN, MISSING};
+use wavesplat_splat::source::nonfinite::{MIN_KNOWN, MISSING};
 
 use crate::layout::FIRST_TEXTURE;
 
@@ -278,7 +278,7 @@ impl Permutation {
         }
         add("LEVEL", "f32", &format!("{LEVEL:?}f"));
         add("MISSING", "f32", &format!("{MISSING:?}f"));
-        add("LEAST_KNOWN", "f32", &format!("{LEAST_KNOWN:?}f"));
+        add("MIN_KNOWN", "f32", &format!("{MIN_KNOWN:?}f"));
         add("ROUNDING", "f32", &format!("{ROUNDING:?}f"));
         for (k, layer) in self.layers.iter().enumerate() {
             add(&format!("IS_SHADED_{k}"), "bool", &layer.is_shaded);

@@ -10,7 +10,7 @@ use crate::device::OpenDevice;
 use crate::failure::GpuResult;
 
 /// Passes that are timed at most.
-const MOST_PASSES: u32 = 128;
+const MAX_PASSES: u32 = 128;
 
 /// Bytes of a time.
 const TIME: u64 = 8;
@@ -24,7 +24,7 @@ pub(crate) struct Timer {
 impl Timer {
     /// None yet; `None` where the GPU tells no times.
     pub fn new(device: &OpenDevice) -> Option<Self> {
-        let descriptor = QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 2 * MOST_PASSES };
+        let descriptor = QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 2 * MAX_PASSES };
         device.has_timestamps.then(|| Self { queries: device.device.create_query_set(&descriptor), n: 0 })
     }
 
@@ -32,7 +32,7 @@ impl Timer {
     pub fn next(&mut self) -> Option<ComputePassTimestampWrites<'_>> {
         self.n += 1;
         let first = 2 * (self.n - 1);
-        (self.n <= MOST_PASSES).then_some(ComputePassTimestampWrites {
+        (self.n <= MAX_PASSES).then_some(ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(first),
             end_of_pass_write_index: Some(first + 1),
@@ -41,7 +41,7 @@ impl Timer {
 
     /// Seconds of all passes; `None` where there were too many.
     pub fn seconds(&self, device: &OpenDevice) -> GpuResult<Option<f64>> {
-        if self.n == 0 || self.n > MOST_PASSES {
+        if self.n == 0 || self.n > MAX_PASSES {
             return Ok(None);
         }
         let size = u64::from(2 * self.n) * TIME;

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from wavesplat import _native
-from wavesplat._cluster.machines import MOST_TASKS, machines_of
+from wavesplat._cluster.machines import MAX_TASKS, machines_of
 from wavesplat._files.libraries import library
 from wavesplat._model.lazy_array import ComputedArray
 from wavesplat._model.read_ahead import ReadCounts
@@ -36,7 +36,7 @@ __all__ = ["on_machines"]
 #: Times that a task is run again: reading may fail for once.
 N_RETRIES = 3
 #: Streams that a process keeps: tasks of one picture share theirs.
-MOST_STREAMS = 2
+MAX_STREAMS = 2
 
 #: What a task gives: the state of rays as bytes, bytes and boxes that were read, and what could not be.
 Drawn = tuple[bytes, int, int, list[str]]
@@ -76,9 +76,9 @@ class _Tasks:
         self._spec = spec
         self._is_cut = spec.segments is not None
         n = sum(len(stream.segments(block)) if self._is_cut else 1 for block in range(stream.n_blocks))
-        if n > MOST_TASKS:
+        if n > MAX_TASKS:
             raise ArgumentError(
-                f"this picture would take {n} tasks, and {MOST_TASKS} are the most; give longer segments, or workers "
+                f"this picture would take {n} tasks, and {MAX_TASKS} are the most; give longer segments, or workers "
                 "more memory"
             )
         for array in spec.arrays:
@@ -174,7 +174,7 @@ def _planned(packed: bytes, token: str) -> tuple[Any, _native.Stream]:
             spec = pickle.loads(packed)  # noqa: S301 - our own, by the way that Dask sends tasks
             found = spec, spec.stream()
         _STREAMS[token] = found
-        while len(_STREAMS) > MOST_STREAMS:
+        while len(_STREAMS) > MAX_STREAMS:
             _STREAMS.popitem(last=False)
         return found
 

@@ -16,10 +16,10 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.lazy_volume import default_memory
 from wavesplat.errors import ArgumentError, LibraryError
 
-__all__ = ["MOST_TASKS", "Machines", "machines_of"]
+__all__ = ["MAX_TASKS", "Machines", "machines_of"]
 
 #: Tasks of a picture, at most: schedulers get slow beyond tens of thousands, and a task takes them about a millisecond.
-MOST_TASKS = 4000
+MAX_TASKS = 4000
 #: Blocks for each task that runs at once, so that those that are done early get another one.
 BLOCKS_PER_THREAD = 4
 #: Share of a worker's memory, of each of its threads, for samples: Dask does not see what the renderer holds, and its
@@ -40,7 +40,7 @@ class Machines:
     @property
     def n_blocks(self) -> int:
         """Blocks that a picture is cut into, at least."""
-        return min(max(1, BLOCKS_PER_THREAD * self.n_at_once), MOST_TASKS // 2)
+        return min(max(1, BLOCKS_PER_THREAD * self.n_at_once), MAX_TASKS // 2)
 
 
 def machines_of(client: Any) -> Machines:

@@ -43,7 +43,7 @@ CHANNEL_COLORS: tuple[Rgb, ...] = (
 #: Windows that span the values of a type, or of a camera, and say nothing: writers put them where they know none.
 WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}
 #: Luminance (Rec. 709) that a colour has at least at the end of the window; a pure blue has 0.07 and is lost on black.
-LEAST_LUMINANCE = 0.2
+MIN_LUMINANCE = 0.2
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -114,7 +114,7 @@ def ramp(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFuncti
 def _lightened(color: Rgb) -> Rgb:
     """The colour with so much white that it can be seen on black."""
     luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
-    white = max(0.0, (LEAST_LUMINANCE - luminance) / (1.0 - luminance)) if luminance < 1.0 else 0.0
+    white = max(0.0, (MIN_LUMINANCE - luminance) / (1.0 - luminance)) if luminance < 1.0 else 0.0
     red, green, blue = (share + white * (1.0 - share) for share in color)
     return red, green, blue
 

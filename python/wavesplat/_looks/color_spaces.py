@@ -24,7 +24,7 @@ WHITE = np.array([0.9505, 1.0, 1.0890])
 #: What is less of an angle than this is grey, and hues nearer than this are one (Moreland).
 GREY, ONE_HUE = 0.05, 0.33 * np.pi
 #: M of the middle, at least.
-LEAST_MIDDLE = 88.0
+MIN_MIDDLE = 88.0
 
 
 def _lab_from_rgb(rgb: Array) -> Array:
@@ -79,7 +79,7 @@ def _in_msh(first: Color, second: Color, parts: Array) -> list[Array]:
         left, right, way = a.copy(), b.copy(), float(part)
         if left[1] > GREY and right[1] > GREY and _between_hues(left[2], right[2]) > ONE_HUE:
             # Through white in the middle.
-            middle = np.array([max(left[0], right[0], LEAST_MIDDLE), 0.0, 0.0])
+            middle = np.array([max(left[0], right[0], MIN_MIDDLE), 0.0, 0.0])
             left, right, way = (left, middle, 2 * way) if way < 0.5 else (middle, right, 2 * way - 1)
         if left[1] < GREY < right[1]:
             left[2] = _hue_of_grey(right, left[0])

@@ -25,7 +25,7 @@ __all__ = ["Named", "in_file", "in_table"]
 Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 
 #: Headers longer than this hold no names.
-MOST_HEADER_BYTES = 2**22
+MAX_HEADER_BYTES = 2**22
 
 
 def in_file(path: str | PathLike[str]) -> dict[int, Named]:
@@ -64,7 +64,7 @@ def in_table(path: str | PathLike[str]) -> dict[int, Named]:
 def _nrrd_header(path: Path) -> dict[str, str]:
     """The pairs `key:=value` of a header, which ends at the first empty line."""
     with path.open("rb") as file:
-        header = re.split(rb"\r?\n\r?\n", file.read(MOST_HEADER_BYTES), maxsplit=1)[0]
+        header = re.split(rb"\r?\n\r?\n", file.read(MAX_HEADER_BYTES), maxsplit=1)[0]
     pairs = (line.partition(":=") for line in header.decode("utf-8", "replace").splitlines() if ":=" in line)
     return {key.strip(): value.strip() for key, _, value in pairs}
 

@@ -40,10 +40,10 @@ OPENING_SAMPLES = 2.0
 COARSE_MM = 3.0
 N_SAMPLES_MAX = 4_000_000
 #: Shares of the largest part from which another belongs to the body, and below which what was cut off is no table.
-LEAST_PART, LARGEST_BIT = 0.2, 0.002
+MIN_PART, LARGEST_BIT = 0.2, 0.002
 #: Where opening leaves less than this share of a body and what it encloses, it cut off walls that belong to the body.
 #: Hounsfield units show fat as well, so there walls are thick, and it may have been a large table.
-LEAST_LEFT, LEAST_LEFT_HU = 0.7, 0.5
+MIN_LEFT, MIN_LEFT_HU = 0.7, 0.5
 
 
 @public
@@ -100,7 +100,7 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
         raise ArgumentError(f"nothing in volume {volume.name!r} is above {least:g}; its values are {low:g} to {high:g}")
     distances = tuple(d * step for d, step in zip(reversed(volume.spacing), steps, strict=True))
     across = int(np.abs(volume.world_from_index[2, :3]).argmax())
-    least_left = LEAST_LEFT_HU if by_hounsfield else LEAST_LEFT
+    least_left = MIN_LEFT_HU if by_hounsfield else MIN_LEFT
     kept = _Morphology(distances, axis=2 - across).body(matter, radius, least_left)
     samples = _emptied(volume, kept, steps)
     told = f"all but the largest body emptied: above {least:g}, opened by {radius:g} {volume.unit or 'world units'}"
@@ -186,7 +186,7 @@ class _Morphology:
             return shape.copy()
         sizes = np.bincount(labels.ravel())
         sizes[0] = 0
-        belongs = sizes >= LEAST_PART * sizes.max()
+        belongs = sizes >= MIN_PART * sizes.max()
         return np.asarray(belongs[labels])
 
     def opened(self, shape: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:

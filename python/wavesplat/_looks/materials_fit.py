@@ -41,11 +41,11 @@ MAX_MATERIALS = 32
 #: Values that the mixture is fitted to: so many quantiles stand for the histogram, and take less than a second.
 N_QUANTILES = 20_000
 #: Part of the way between two means, at least, in which one material goes over into the other.
-LEAST_RAMP = 0.5
+MIN_RAMP = 0.5
 #: Change from sample to sample at which one counts half, and least deviation, as shares of the range of values.
 #: By trial on CT and MRI: without the first, the skin of a body becomes a material and fat and muscle are one.
 CALM = 0.03
-LEAST_DEVIATION = 0.01
+MIN_DEVIATION = 0.01
 #: Looks from the least dense material that shows to the densest: a veil, flesh, something solid.
 COLORS = ((0.93, 0.72, 0.55), (0.88, 0.38, 0.27), (1.0, 0.95, 0.85))
 OPACITIES = (0.006, 0.03, 0.6)
@@ -108,7 +108,7 @@ def _quantiles(volume: Volume | WaveletVolume, n_materials: int) -> NDArray[np.f
 
 
 def _mixture(values: NDArray[np.float64], n_materials: int) -> Any:
-    least = LEAST_DEVIATION * float(values[-1] - values[0])
+    least = MIN_DEVIATION * float(values[-1] - values[0])
     # k-means puts the first means; a seed makes it, and with it the fit, the same every time.
     mixture = library("sklearn.mixture", extra="fit").GaussianMixture(
         n_materials, covariance_type="tied", reg_covar=least**2, random_state=0, max_iter=1000
@@ -119,7 +119,7 @@ def _mixture(values: NDArray[np.float64], n_materials: int) -> Any:
 def _ramp(low: float, high: float, variance: float, odds: float) -> tuple[float, float]:
     """Where, between two means, one material begins to go over into the other, and where it has."""
     apart = high - low
-    width = float(np.clip(4.0 * variance / apart, LEAST_RAMP * apart, apart))
+    width = float(np.clip(4.0 * variance / apart, MIN_RAMP * apart, apart))
     middle = (low + high) / 2.0 + variance * np.log(odds) / apart
     start = float(np.clip(middle - width / 2.0, low, high - width))
     return start, start + width

@@ -22,9 +22,9 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 #: Longer values are named by their type.
-MOST_LETTERS = 60
+MAX_LETTERS = 60
 #: Whole numbers that the compiled module can be handed.
-MOST_WHOLE = 2**63
+MAX_WHOLE = 2**63
 
 VOLUME = (
     "a wavesplat.Volume, as from wavesplat.open(path), an array [z, y, x], or an image of SimpleITK, ITK, nibabel, "
@@ -43,7 +43,7 @@ def described(value: object, *, lists: bool = False) -> str:
             text = repr(value)
         except ValueError:  # whole numbers of more than 4300 digits
             text = "a number of very many digits"
-        if len(text) <= MOST_LETTERS:
+        if len(text) <= MAX_LETTERS:
             return text
     return f"a {type(value).__name__}"
 
@@ -132,7 +132,7 @@ def _is_number(value: object) -> bool:
 
 def _is_whole(value: object) -> bool:
     try:
-        return not isinstance(value, bool) and -MOST_WHOLE <= index(value) < MOST_WHOLE  # type: ignore[arg-type]
+        return not isinstance(value, bool) and -MAX_WHOLE <= index(value) < MAX_WHOLE  # type: ignore[arg-type]
     except TypeError:
         return False
 

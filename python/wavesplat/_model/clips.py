@@ -131,9 +131,9 @@ def clip_tuple(given: object) -> tuple[Clip, ...]:
         return (given,)
     if given is None or isinstance(given, str | bytes) or not isinstance(given, Iterable):
         raise ArgumentError(f"clip is {described(given)}; {MEND}")
-    clips = tuple(islice(given, MOST_CLIPS + 1))
-    if len(clips) > MOST_CLIPS:
-        raise ArgumentError(f"clip has more than {MOST_CLIPS} parts; leave out those that cut nothing")
+    clips = tuple(islice(given, MAX_CLIPS + 1))
+    if len(clips) > MAX_CLIPS:
+        raise ArgumentError(f"clip has more than {MAX_CLIPS} parts; leave out those that cut nothing")
     for number, clip in enumerate(clips):
         if not isinstance(clip, Crop | ClipPlane | CutOut):
             raise ArgumentError(f"clip {number} is {described(clip)}; {MEND}")
@@ -141,7 +141,7 @@ def clip_tuple(given: object) -> tuple[Clip, ...]:
 
 
 #: Planes and boxes of a scene, at most: each is looked at for every sheet.
-MOST_CLIPS = 256
+MAX_CLIPS = 256
 MEND = (
     "give wavesplat.Crop(lower, upper) to keep a box, ClipPlane(point, normal) to keep a side of a plane, "
     "CutOut(Crop(...)) to take a box out, or several of them in a list"

@@ -18,12 +18,12 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume, Level
 
-__all__ = ["MOST_OVERVIEW", "nearest_every", "part_of", "place_of_level", "preview_of", "read_box"]
+__all__ = ["MAX_OVERVIEW", "nearest_every", "part_of", "place_of_level", "preview_of", "read_box"]
 
 #: Samples of the finer level that its brightness is learnt from, and by how much finer it is at most.
-MOST_PART, MOST_FINER = 1 << 22, 4.5
+MAX_PART, MAX_FINER = 1 << 22, 4.5
 #: Samples of a level that are read as a whole for looks, cameras and previews.
-MOST_OVERVIEW = 1 << 24
+MAX_OVERVIEW = 1 << 24
 
 Matrix = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> N
         a = 2 - axis
         index = between[a, a] * np.arange(0, n, step) + between[a, 3]
         places.append(np.clip(np.rint(index), 0, level.array.shape[axis] - 1).astype(np.int64))
-    if math.prod(level.array.shape) <= MOST_OVERVIEW:
+    if math.prod(level.array.shape) <= MAX_OVERVIEW:
         samples = volume._overview(number)
         return samples[np.ix_(*places)]
     # Of a level that is no overview: the samples that its survey kept, the next of them.
@@ -95,7 +95,7 @@ def preview_of(volume: LazyVolume, number: int) -> Volume:
     """A small level as it is; of a large one the samples that its survey kept, every n-th along each axis."""
     level = volume._levels[number]
     matrix = level.world_from_index.copy()
-    if math.prod(level.array.shape) <= MOST_OVERVIEW:
+    if math.prod(level.array.shape) <= MAX_OVERVIEW:
         samples = volume._overview(number)
     else:
         survey = volume.survey(number, "linear")
@@ -114,11 +114,11 @@ def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | No
     finest, own = levels[0], levels[number]
     # The finest level whose samples are few times closer: beyond that reading costs more than it tells.
     ratios = [max(a / b for a, b in zip(own.spacing, finer.spacing, strict=True)) for finer in levels[:number]]
-    fitting = [k for k, ratio in enumerate(ratios) if ratio <= MOST_FINER]
+    fitting = [k for k, ratio in enumerate(ratios) if ratio <= MAX_FINER]
     place = fitting[0] if fitting else number - 1
     finer = levels[place]
     n_finer = math.prod(a / b for a, b in zip(own.spacing, finer.spacing, strict=True))
-    coarse_box = _busiest(volume, number, MOST_PART / n_finer)
+    coarse_box = _busiest(volume, number, MAX_PART / n_finer)
     coarse = read_box(volume.arrays(number), coarse_box)
     between = np.linalg.inv(finer.world_from_index) @ own.world_from_index
     low, high = [], []

@@ -31,20 +31,20 @@ VIDEOS: dict[str, tuple[str, dict[str, str]]] = {
 #: Constant rate factors at which a loss can hardly be seen in a moving picture.
 CRF = {".mp4": 18, ".webm": 24}
 #: Beyond which nothing is left.
-MOST_CRF = {".mp4": 51, ".webm": 63}
+MAX_CRF = {".mp4": 51, ".webm": 63}
 
 #: Code points of ITU-T H.273, and FFmpeg's number of the range 16 to 235.
 BT709, LIMITED = 1, 1
 #: Of videos.
-MOST_FPS = 240.0
+MAX_FPS = 240.0
 #: A frame that stands longer than 100 seconds is a picture; formats count in milliseconds, in few bits.
-LEAST_FPS = 0.01
+MIN_FPS = 0.01
 #: Threads of the encoder, which runs beside the renderer.
 ENCODER_THREADS = 1
 #: Milliseconds that times of frames are whole numbers of, and that a frame is shown at least: browsers slow down what
 #: is faster.
 TICK_MS = {".gif": 10, ".webp": 1}
-LEAST_MS = {".gif": 20, ".webp": 10}
+MIN_MS = {".gif": 20, ".webp": 10}
 WEBP_QUALITY = 90
 
 
@@ -55,19 +55,19 @@ def needed_library(suffix: str) -> None:
 
 def check_speed(suffix: str, fps: float) -> None:
     """An `ArgumentError` for more frames a second than such files can show."""
-    most = 1000 / LEAST_MS[suffix] if suffix in LEAST_MS else MOST_FPS
-    if not LEAST_FPS <= fps <= most:
+    most = 1000 / MIN_MS[suffix] if suffix in MIN_MS else MAX_FPS
+    if not MIN_FPS <= fps <= most:
         raise ArgumentError(
-            f"fps is {fps:g}; a {suffix} file shows at least {LEAST_FPS:g} and at most {most:g} frames a second"
+            f"fps is {fps:g}; a {suffix} file shows at least {MIN_FPS:g} and at most {most:g} frames a second"
         )
 
 
 def check_crf(suffix: str, crf: int) -> None:
     """An `ArgumentError` for a constant rate factor that such files do not have."""
-    if suffix not in MOST_CRF:
-        raise ArgumentError(f"crf is for videos, {' and '.join(MOST_CRF)}; leave it out for {suffix} files")
-    if not 0 <= crf <= MOST_CRF[suffix]:
-        raise ArgumentError(f"crf is {crf}; a {suffix} file has 0 to {MOST_CRF[suffix]}, {CRF[suffix]} if not given")
+    if suffix not in MAX_CRF:
+        raise ArgumentError(f"crf is for videos, {' and '.join(MAX_CRF)}; leave it out for {suffix} files")
+    if not 0 <= crf <= MAX_CRF[suffix]:
+        raise ArgumentError(f"crf is {crf}; a {suffix} file has 0 to {MAX_CRF[suffix]}, {CRF[suffix]} if not given")
 
 
 def encode(path: Path, frames: Frames, n: int, *, fps: float, size: tuple[int, int], crf: int | None) -> None:

@@ -20,7 +20,7 @@ from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
 from wavesplat._movie.frames import drawn_elsewhere
 from wavesplat._movie.key_frame import KeyFrame
-from wavesplat._movie.pipeline import MOST_AT_ONCE, Progress, made_ahead, work_beside
+from wavesplat._movie.pipeline import MAX_AT_ONCE, Progress, made_ahead, work_beside
 from wavesplat._movie.seen import camera_of, with_settled_looks
 from wavesplat._movie.timeline import Shot, Timeline
 from wavesplat._movie.turn import Turn, cameras_of
@@ -36,7 +36,7 @@ __all__ = ["Along", "check_movie", "movie"]
 T = TypeVar("T")
 
 #: Pixels of frames that are drawn at once, at most: each takes some hundred bytes meanwhile.
-MOST_PIXELS_AT_ONCE = 8_000_000
+MAX_PIXELS_AT_ONCE = 8_000_000
 
 #: What frames are drawn with where nothing is said: what is left out hardly shows in compressed frames that move.
 OF_MOVIES = Sampling(sheets_per_slice=1, oversampling=0.6)
@@ -196,7 +196,7 @@ class _Drawing:
     def at_once(self) -> int:
         """How many frames; one until it is known how many threads there are."""
         width, height = self._options["size"]
-        most = min(self._n_threads, MOST_AT_ONCE, max(1, MOST_PIXELS_AT_ONCE // (width * height)))
+        most = min(self._n_threads, MAX_AT_ONCE, max(1, MAX_PIXELS_AT_ONCE // (width * height)))
         # What is measured on a frame is believed of the next one, so these follow each other.
         if self._options["psnr"] is not None or not self._shots.show_one_scene:
             most = 1

@@ -16,12 +16,12 @@ from typing import Generic, TypeVar, cast
 
 from wavesplat.errors import CancelledError
 
-__all__ = ["MOST_AT_ONCE", "Progress", "made_ahead", "work_beside"]
+__all__ = ["MAX_AT_ONCE", "Progress", "made_ahead", "work_beside"]
 
 T = TypeVar("T")
 
 #: Frames that are made at once, at most.
-MOST_AT_ONCE = 4
+MAX_AT_ONCE = 4
 #: Items that wait to be used, at most.
 N_WAITING = 2
 #: How often it is looked whether another thread has ended.
@@ -84,7 +84,7 @@ def made_ahead(
                 progress.finish(number)
                 return made
 
-    with ThreadPoolExecutor(MOST_AT_ONCE, thread_name_prefix="wavesplat movie") as pool:
+    with ThreadPoolExecutor(MAX_AT_ONCE, thread_name_prefix="wavesplat movie") as pool:
         try:
             for place, number in enumerate(numbers):
                 if place == 1 or (place > 1 and len(waiting) == at_once()):

@@ -38,7 +38,7 @@ POINTS_PER_INCH = 72.0
 #: From the edges, between blocks, between the rendering and what stands beside it; sizes of the font.
 MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
 #: Height of a colour bar among the rendering's, where it has room; the least, in sizes of the font.
-BAR_SHARE, LEAST_BAR = 0.62, 7.0
+BAR_SHARE, MIN_BAR = 0.62, 7.0
 TITLE, TITLE_LINE = 1.25, 1.3
 #: Pixels of a side of a figure that is larger than its rendering.
 MAX_SIDE = 32768
@@ -317,7 +317,7 @@ def _color_bars(
         lettering.check_length(scale.title, "the name of a layer")
         lettering.check_letters(scale.title, style.font, "the name of a layer")
     room = height - 2 * MARGIN * style.size - 2 * (len(scales) - 1) * GAP * style.size
-    least = LEAST_BAR * style.size
+    least = MIN_BAR * style.size
     # Else they stand in columns of their own.
     if len(scales) > 1 and (room - taken) / len(scales) >= least:
         room -= taken

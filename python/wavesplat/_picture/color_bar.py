@@ -23,7 +23,7 @@ __all__ = ["Scale", "block", "round_ticks", "scale_of"]
 #: Of the bar, in sizes of the font: width, length of a tick, gap to its number, and before the next one.
 WIDTH, TICK, GAP, SPACE = 1.0, 0.3, 0.3, 2.4
 #: More numbers than these tell nothing more.
-MOST_TICKS = 7
+MAX_TICKS = 7
 #: A title of so many sizes of the font has room above the bar.
 SHORT = 5.0
 #: Operators that show a colour for a surface or mix colours along a ray; all others colour one number per ray.
@@ -37,7 +37,7 @@ LONG_TEXT, WRITTEN_OUT = 8, 1e15
 #: A written number may be off by this share of the step between two; the most decimals of one.
 SHARE_OF_STEP, MAX_DECIMALS = 1e-3, 17
 #: Smaller ranges have no round numbers in float64, whose powers of ten end soon after.
-LEAST_SPAN, LEAST_EXPONENT = 1e-300, -300
+MIN_SPAN, MIN_EXPONENT = 1e-300, -300
 #: Colours of a logarithmic map have at least so many nodes, over so many decades, as evenly as this.
 LOG_NODES, LOG_DECADES, LOG_EVEN = 16, 1.0, 0.02
 STOPS_PER_SPAN = 8
@@ -96,7 +96,7 @@ def block(scale: Scale, height: float, style: Style, background: Color | None = 
     A short title stands above, with the power of ten that the numbers lack; a long one beside, from below upwards.
     """
     size, font = style.size, style.font
-    ticks, exponent = _ticks(scale, min(MOST_TICKS, max(2, int((height - 2 * size) / (SPACE * size)))))
+    ticks, exponent = _ticks(scale, min(MAX_TICKS, max(2, int((height - 2 * size) / (SPACE * size)))))
     numbers = (WIDTH + TICK + GAP) * size
     right = numbers + max(text_width(text, size, font) for _, text in ticks)
     is_long = text_width(scale.title, size, font) > max(right, SHORT * size)
@@ -131,7 +131,7 @@ def block(scale: Scale, height: float, style: Style, background: Color | None = 
 def round_ticks(low: float, high: float, most: int) -> list[float]:
     """Multiples of 1, 2, 2.5 or 5 times a power of ten within the range, at most so many and at least two."""
     span = high - low
-    if span < LEAST_SPAN:
+    if span < MIN_SPAN:
         return [low, high]
     decade = 10.0 ** floor(log10(span))
     steps = sorted(digit * decade * scale for digit in (1, 2, 2.5, 5) for scale in (0.01, 0.1, 1))
@@ -153,7 +153,7 @@ def _ticks(scale: Scale, most: int) -> tuple[list[tuple[float, str]], int]:
             return [(10.0**power, _power(power)) for power in kept], 0
     values = round_ticks(scale.low, scale.high, most)
     largest = max(abs(value) for value in values)
-    exponent = max(floor(log10(largest)), LEAST_EXPONENT) if largest and not SMALL <= largest < LARGE else 0
+    exponent = max(floor(log10(largest)), MIN_EXPONENT) if largest and not SMALL <= largest < LARGE else 0
     texts = _written(values, exponent)
     if exponent > 0 and largest < WRITTEN_OUT and max(map(len, texts)) > LONG_TEXT:
         # Dates and times since an epoch: 20260101 is shorter than 2.0260101 and its power of ten.

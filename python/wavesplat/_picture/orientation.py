@@ -25,11 +25,11 @@ Array = NDArray[np.float64]
 LETTERS = ("LR", "PA", "IS")
 AXES = tuple(("\N{MINUS SIGN}" + name, name) for name in "xyz")
 #: A direction that leans to an axis by less than this, the sine of 11.5 degrees, does not get its letter.
-LEAST_LEAN = 0.2
+MIN_LEAN = 0.2
 #: Half an edge of the cube, and length of an axis, in sizes of the font.
 CUBE, AXIS = 1.25, 2.2
 #: A face that is seen so slantingly has no room for a letter.
-LEAST_FACE = 0.15
+MIN_FACE = 0.15
 #: Lightest and darkest of the cube's faces, its edges and letters.
 FACES, EDGE = (0.93, 0.66), (0.25, 0.25, 0.25)
 #: Red, green and blue, as everywhere, of a brightness that is seen on black and on white.
@@ -73,7 +73,7 @@ def cube_block(view: View, style: Style, *, is_anatomical: bool) -> Block:
         marks.append(face)
         ends = zip(face.points, (*face.points[1:], face.points[0]), strict=True)
         marks += [stroke(start, end, max(1.0, 0.06 * style.size), EDGE) for start, end in ends]
-        if normal[2] >= LEAST_FACE:
+        if normal[2] >= MIN_FACE:
             name = names[axis][int(sign > 0)]
             # On the face: up is the world's up, on the faces above and below the front.
             above = axes[:, 2] if axis != 2 else -sign * axes[:, 1]
@@ -117,7 +117,7 @@ def axes_block(view: View, style: Style, *, is_anatomical: bool) -> Block:
 
 
 def _letters(direction: Array) -> str:
-    leaning = [axis for axis in range(3) if abs(direction[axis]) >= LEAST_LEAN]
+    leaning = [axis for axis in range(3) if abs(direction[axis]) >= MIN_LEAN]
     leaning.sort(key=lambda axis: -round(abs(float(direction[axis])), 6))
     return "".join(LETTERS[axis][int(direction[axis] > 0)] for axis in leaning)
 

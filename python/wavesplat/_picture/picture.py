@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Picture", "check_bits", "check_dpi"]
 
 #: More than any printer has.
-MOST_DPI = 10_000
+MAX_DPI = 10_000
 
 
 @public
@@ -398,5 +398,5 @@ def check_bits(bits: int) -> None:
 
 def check_dpi(dpi: float | None) -> None:
     """An `ArgumentError` if nobody prints so."""
-    if dpi is not None and not 1 <= dpi <= MOST_DPI:
-        raise ArgumentError(f"dpi is {dpi:g}; give pixels per inch, 1 to {MOST_DPI}; journals ask for 300 or 600")
+    if dpi is not None and not 1 <= dpi <= MAX_DPI:
+        raise ArgumentError(f"dpi is {dpi:g}; give pixels per inch, 1 to {MAX_DPI}; journals ask for 300 or 600")

@@ -13,7 +13,7 @@ KEYWORD = "wavesplat"
 #: The signature and the first chunk, after which others may stand.
 HEADER = len(SIGNATURE) + 25
 #: Bytes of a text, at most.
-MOST_TEXT = 1 << 26
+MAX_TEXT = 1 << 26
 
 
 def with_text(content: bytes, keyword: str, text: str) -> bytes:
@@ -50,7 +50,7 @@ def text_in(content: bytes, keyword: str) -> str | None:
 def _inflated(data: bytes) -> bytes:
     inflater = zlib.decompressobj()
     try:
-        text = inflater.decompress(data, MOST_TEXT)
+        text = inflater.decompress(data, MAX_TEXT)
     except zlib.error as error:
         raise ValueError(f"its text is damaged: {error}") from None
     if inflater.unconsumed_tail or not inflater.eof:

@@ -18,7 +18,7 @@ __all__ = ["Bar", "bar_of", "block", "round_length"]
 #: Of the picture's width.
 SHARE = 0.2
 #: Shorter bars say nothing, and what is longer than the picture has no room.
-LEAST_PX, MOST_SHARE = 4.0, 0.95
+MIN_PX, MAX_SHARE = 4.0, 0.95
 #: Lines beside the number are this part as large.
 SMALL = 0.8
 FOCUS = "at the focal point"
@@ -45,9 +45,9 @@ def bar_of(
     factor = _factor(unit, asked)
     length = factor * (round_length(SHARE * width * pixel / factor) if number is None else number)
     length_px = length / pixel
-    if number is None and length_px < LEAST_PX:
+    if number is None and length_px < MIN_PX:
         raise ArgumentError(f"a picture {width} pixels wide has no room for a scale bar; draw a larger one")
-    if not LEAST_PX <= length_px <= MOST_SHARE * width:
+    if not MIN_PX <= length_px <= MAX_SHARE * width:
         raise ArgumentError(
             f"the scale bar is {described(wanted)}, and the picture {width * pixel:.4g} {unit or 'units'} wide; give a "
             "length that is seen in it, or True"

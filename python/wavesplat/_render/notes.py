@@ -20,7 +20,7 @@ Floats = NDArray[np.float32]
 #: What does not show in 8 bits.
 STEP = 1 / 255
 #: Smaller pictures may well have one colour.
-LEAST_PIXELS = 64
+MIN_PIXELS = 64
 
 NOTHING_SHOWS = (
     "every pixel has the same colour: the view misses the volume, is inside of it, or shows it smaller than a pixel; "
@@ -86,7 +86,7 @@ def _on_values(value: Floats, composite: str, low: float, high: float) -> str:
 
 def _has_one_color(rgba: Floats) -> bool:
     flat = rgba.reshape(-1, 4)
-    if len(flat) < LEAST_PIXELS:
+    if len(flat) < MIN_PIXELS:
         return False
     # A few tell of nearly all pictures that they show something: spread by the golden ratio, not down one column.
     few = flat[np.arange(256) * int(0.618 * len(flat)) % len(flat)]

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from wavesplat import _native
-from wavesplat._cluster.machines import MOST_TASKS
+from wavesplat._cluster.machines import MAX_TASKS
 from wavesplat._files.byte_sizes import byte_size, bytes_of
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
@@ -192,8 +192,8 @@ def plan(
     n_segments = sum(len(stream.segments(block)) for block in range(stream.n_blocks))
     steps = sum(stream.n_steps(block) for block in range(stream.n_blocks))
     tasks = stream.n_blocks if segments is None else n_segments + stream.n_blocks
-    if tasks > MOST_TASKS:
-        raise ArgumentError(f"this would take {tasks} tasks, and {MOST_TASKS} are the most; give longer segments")
+    if tasks > MAX_TASKS:
+        raise ArgumentError(f"this would take {tasks} tasks, and {MAX_TASKS} are the most; give longer segments")
     itemsize = level.array.dtype.itemsize
     texels = [stream.n_texels(block) for block in range(stream.n_blocks)]
     n_cores = cores or os.cpu_count() or 1

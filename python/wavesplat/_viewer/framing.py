@@ -12,11 +12,11 @@ from typing import Any
 from wavesplat._files import json_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["MOST_BYTES", "PROTOCOL", "packed", "unpacked"]
+__all__ = ["MAX_BYTES", "PROTOCOL", "packed", "unpacked"]
 
 PROTOCOL = 1
 #: A message to the server, at most: a state with a large table of colours, or a file of one.
-MOST_BYTES = 1 << 20
+MAX_BYTES = 1 << 20
 LENGTH = struct.Struct("<I")
 
 

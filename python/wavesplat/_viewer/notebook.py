@@ -27,7 +27,7 @@ __all__ = ["bundle_of", "check", "widget_of"]
 #: Pixels of the picture that a saved notebook shows.
 STILL_SIZE = (640, 480)
 #: Pages whose widget is gone without a word, at most.
-MOST_PAGES = 8
+MAX_PAGES = 8
 
 
 def check() -> None:
@@ -104,7 +104,7 @@ class _Pages:
             return
         if client is None:
             # Pages that went without a word make place.
-            while len(self._clients) >= MOST_PAGES:
+            while len(self._clients) >= MAX_PAGES:
                 self._clients.pop(next(iter(self._clients))).close()
             client = self._clients[page] = self._session.connect(
                 lambda header, payload: self._send(page, header, payload)

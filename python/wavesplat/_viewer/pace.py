@@ -44,7 +44,7 @@ SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
 #: After how many frames that took less than this share of the budget better ones are tried.
 QUICK_FRAMES, QUICK_SHARE = 5, 0.8
 #: Looks that are remembered; and how fast a measured time is forgotten, so that it is tried again.
-MOST_LOOKS, FORGOTTEN = 64, 0.97
+MAX_LOOKS, FORGOTTEN = 64, 0.97
 
 
 def rungs_of(moving: str, *, is_slice: bool) -> tuple[Settings, ...]:
@@ -106,7 +106,7 @@ class Pace:
     def _learnt(self, look: Hashable, rungs: tuple[Settings, ...]) -> _Learnt:
         learnt = self._looks.get(look)
         if learnt is None:
-            if len(self._looks) >= MOST_LOOKS:
+            if len(self._looks) >= MAX_LOOKS:
                 self._looks.pop(next(iter(self._looks)))
             whole = [n for n, one in enumerate(rungs) if one.scale == 1 and one.psnr is not None]
             learnt = self._looks[look] = _Learnt(whole[-1] if whole else 0)

@@ -15,7 +15,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["patched"]
 
 #: Steps of a path, at most: the deepest field of a state has seven.
-MOST_STEPS = 16
+MAX_STEPS = 16
 
 
 def patched(document: Any, operations: Any) -> Any:
@@ -49,8 +49,8 @@ def _steps(path: Any, what: str) -> list[str]:
     if not isinstance(path, str) or (path and not path.startswith("/")):
         raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be '' or begin with '/'")
     steps = [step.replace("~1", "/").replace("~0", "~") for step in path.split("/")[1:]]
-    if len(steps) > MOST_STEPS:
-        raise ArgumentError(f"{what}: field 'path' has {len(steps)} steps; {MOST_STEPS} is the most")
+    if len(steps) > MAX_STEPS:
+        raise ArgumentError(f"{what}: field 'path' has {len(steps)} steps; {MAX_STEPS} is the most")
     return steps
 
 

@@ -34,7 +34,7 @@ __all__ = ["answer", "state_from_text"]
 Answer: TypeAlias = tuple[dict[str, Any], bytes]
 Progress: TypeAlias = Callable[[float], object] | None
 
-MOST_BINS, MOST_PX, MOST_TEXT = 4096, 8192, 1 << 20
+MAX_BINS, MAX_PX, MAX_TEXT = 4096, 8192, 1 << 20
 #: The smaller picture in which is looked for what a pixel shows: so many pixels around it.
 PICKED_PX = 3
 QUALITIES = ("draft", "normal", "high")
@@ -66,7 +66,7 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
     ArgumentError
         If it is none, or one of other volumes.
     """
-    if len(text) > MOST_TEXT:
+    if len(text) > MAX_TEXT:
         raise ArgumentError(f"the file has {len(text)} characters, which is more than a state has; choose another one")
     found = json_text.decode(text, "the file is no state of the viewer")
     document = scene_json.inside(found)
@@ -110,7 +110,7 @@ def _look(state: ViewerState, number: int, layer: dict[str, Any]) -> Any:
 
 def _histogram(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
     layer = _whole(arguments, "layer", 0, len(state.scene.layers) - 1)
-    n_bins = _whole(arguments, "bins", 1, MOST_BINS)
+    n_bins = _whole(arguments, "bins", 1, MAX_BINS)
     low, high = (_number(arguments, name) for name in ("low", "high"))
     if not low < high:
         raise ArgumentError(f"histogram: low is {low:g} and high {high:g}; low must be less")
@@ -309,7 +309,7 @@ def _code(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) 
 
 
 def _open_state(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
-    return {"state": state_from_text(state, _text(arguments, "text", MOST_TEXT)).document}, b""
+    return {"state": state_from_text(state, _text(arguments, "text", MAX_TEXT)).document}, b""
 
 
 ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]] = {
@@ -354,7 +354,7 @@ def _flag(arguments: Mapping[str, Any], name: str) -> bool:
 
 
 def _size(arguments: Mapping[str, Any]) -> tuple[int, int]:
-    return _whole(arguments, "width", 1, MOST_PX), _whole(arguments, "height", 1, MOST_PX)
+    return _whole(arguments, "width", 1, MAX_PX), _whole(arguments, "height", 1, MAX_PX)
 
 
 def _point(arguments: Mapping[str, Any], name: str) -> Any:

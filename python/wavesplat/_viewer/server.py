@@ -21,7 +21,7 @@ import tornado.websocket
 from wavesplat._model.argument_types import described
 from wavesplat._viewer.browser_link import BrowserLink
 from wavesplat._viewer.connections import ANSWER_S, BoundedServer, Listener, QuietLog
-from wavesplat._viewer.framing import MOST_BYTES, PROTOCOL, packed, unpacked
+from wavesplat._viewer.framing import MAX_BYTES, PROTOCOL, packed, unpacked
 from wavesplat._viewer.session import Client, Session
 from wavesplat._viewer.tokens import Tokens
 from wavesplat.errors import ArgumentError, WavesplatError
@@ -37,7 +37,7 @@ FILES = {
     "/favicon.svg": ("favicon.svg", "image/svg+xml"),
 }
 #: Seconds in which a page must say who it is; patches a second that are taken from one.
-HELLO_S, MOST_PATCHES_PER_S = 5.0, 240
+HELLO_S, MAX_PATCHES_PER_S = 5.0, 240
 #: Pages that may be shown the session at once.
 MAX_PAGES = 16
 
@@ -143,7 +143,7 @@ class Server:
             [*routes, ("/socket", _Socket, {"server": self})],
             default_handler_class=_Nothing,
             default_handler_args={"server": self},
-            websocket_max_message_size=MOST_BYTES,
+            websocket_max_message_size=MAX_BYTES,
             websocket_ping_interval=20,
             log_function=lambda _handler: None,
             compress_response=False,
@@ -269,7 +269,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
                 self._hello(header)
             elif self._client is not None:
                 if header.get("type") == "patch" and self._is_too_fast():
-                    raise ArgumentError(f"more than {MOST_PATCHES_PER_S} patches a second")
+                    raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
                 self._client.receive(header)
         except WavesplatError as error:
             self._refuse(4400, str(error))
@@ -326,7 +326,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
         second = int(self._server._loop.time())
         self._n_patches = self._n_patches + 1 if second == self._second else 1
         self._second = second
-        return self._n_patches > MOST_PATCHES_PER_S
+        return self._n_patches > MAX_PATCHES_PER_S
 
     def _send(self, header: dict[str, Any], payload: bytes) -> None:
         """From any thread."""

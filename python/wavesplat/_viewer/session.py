@@ -35,11 +35,11 @@ Send = Callable[[dict[str, Any], bytes], None]
 #: Seconds without a change after which a picture is at rest, where the page does not say so before.
 REST_S = 0.12
 #: Frames on their way to a page, for each view.
-MOST_IN_FLIGHT = 2
+MAX_IN_FLIGHT = 2
 #: Milliseconds at rest from which on a quick frame goes before.
 SLOW_MS = 100.0
 #: Pixels of a view, along a side and in all; pages; questions that wait.
-MOST_SIDE, MOST_PIXELS, MOST_CLIENTS, MOST_QUESTIONS = 8192, 1 << 24, 8, 64
+MAX_SIDE, MAX_PIXELS, MAX_CLIENTS, MAX_QUESTIONS = 8192, 1 << 24, 8, 64
 #: JPEG quality, and whether colours have half the resolution, by how long a frame takes to be confirmed, in ms.
 LINKS = ((120.0, 90, False), (400.0, 80, True), (float("inf"), 60, True))
 NO_BUDGET_MS = float("inf")
@@ -148,8 +148,8 @@ class Session:
         with self._changed:
             if not self._is_open:
                 raise ArgumentError("the viewer is closed; open it again")
-            if len(self._clients) >= MOST_CLIENTS:
-                raise ArgumentError(f"{MOST_CLIENTS} pages show this viewer, and no more can; close one of them")
+            if len(self._clients) >= MAX_CLIENTS:
+                raise ArgumentError(f"{MAX_CLIENTS} pages show this viewer, and no more can; close one of them")
             client = Client(self, send)
             self._clients.append(client)
             return client
@@ -222,11 +222,11 @@ class Session:
                 return
             if not (isinstance(size, list) and len(size) == 2 and all(_is_side(n) for n in size)):
                 raise ArgumentError(
-                    f"message: size is {described(size)}; it must be [width, height], up to {MOST_SIDE}"
+                    f"message: size is {described(size)}; it must be [width, height], up to {MAX_SIDE}"
                 )
             width, height = size
-            if width * height > MOST_PIXELS:
-                raise ArgumentError(f"message: {width} x {height} are more than {MOST_PIXELS} pixels")
+            if width * height > MAX_PIXELS:
+                raise ArgumentError(f"message: {width} x {height} are more than {MAX_PIXELS} pixels")
             before = client.panes.get(view)
             if before is None or before.size != (width, height):
                 pane = _Pane((width, height)) if before is None else before
@@ -247,7 +247,7 @@ class Session:
     def _ask(self, client: Client, header: Mapping[str, Any]) -> None:
         number, question = _whole(header, "id"), header.get("question")
         with self._changed:
-            if len(self._asked) >= MOST_QUESTIONS:
+            if len(self._asked) >= MAX_QUESTIONS:
                 message = "too many questions wait for an answer; ask again"
                 client.send({"type": "failed", "id": number, "code": "busy", "message": message})
                 return
@@ -321,7 +321,7 @@ class Session:
             (client, view, pane)
             for client in self._clients
             for view, pane in client.panes.items()
-            if len(pane.in_flight) < MOST_IN_FLIGHT
+            if len(pane.in_flight) < MAX_IN_FLIGHT
         ]
         # The oldest change first, so that every view gets its turn.
         for client, view, pane in sorted(ready, key=lambda one: one[2].changed_s):
@@ -347,7 +347,7 @@ class Session:
             pane.changed_s + REST_S - time.monotonic()
             for client in self._clients
             for pane in client.panes.values()
-            if pane.wants_rest and len(pane.in_flight) < MOST_IN_FLIGHT
+            if pane.wants_rest and len(pane.in_flight) < MAX_IN_FLIGHT
         ]
         return max(min(due), 0.001) if due else None
 
@@ -440,7 +440,7 @@ class Session:
         fmt, payload = self._encoded(client, picture, at_rest=False)
         with self._changed:
             pane = client.panes.get(view)
-            if not client.is_open or pane is None or len(pane.in_flight) >= MOST_IN_FLIGHT:
+            if not client.is_open or pane is None or len(pane.in_flight) >= MAX_IN_FLIGHT:
                 return
             pane.number += 1
             pane.in_flight[pane.number] = time.monotonic()
@@ -586,4 +586,4 @@ def _whole(header: Mapping[str, Any], name: str) -> int:
 
 
 def _is_side(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= MOST_SIDE
+    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= MAX_SIDE

@@ -38,7 +38,7 @@ MOVING = ("smooth", "balanced", "exact")
 THEMES = ("system", "dark", "light")
 MEASURES = {"distance": 2, "angle": 3}
 #: Bounds, so that a state stays small.
-MOST_MEASURES, MOST_PANELS = 1000, 100
+MAX_MEASURES, MAX_PANELS = 1000, 100
 WHAT = "scene: view"
 
 
@@ -79,11 +79,11 @@ def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
             raise ArgumentError(f"{WHAT}.overlays.{name} is {described(shown)}; it must be true or false")
     _one_of(merged["quality"]["moving"], MOVING, "quality.moving")
     _one_of(merged["interface"]["theme"], THEMES, "interface.theme")
-    panels = _list(merged["interface"]["panels"], "interface.panels", MOST_PANELS)
+    panels = _list(merged["interface"]["panels"], "interface.panels", MAX_PANELS)
     for number, panel in enumerate(panels):
         if not isinstance(panel, str):
             raise ArgumentError(f"{WHAT}.interface.panels[{number}] is {described(panel)}; it must be a name")
-    measures = _list(given.get("measures", []), "measures", MOST_MEASURES)
+    measures = _list(given.get("measures", []), "measures", MAX_MEASURES)
     merged["measures"] = [_measure(one, number) for number, one in enumerate(measures)]
     return {name: merged[name] for name in known}
 

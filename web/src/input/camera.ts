@@ -6,8 +6,8 @@ import type { CssSize } from "../view/part.ts";
 
 /** Degrees that a drag across the height of the view turns by. */
 const TURN_DEG = 180;
-const LEAST_ANGLE_DEG = 0.01;
-const MOST_ANGLE_DEG = 170;
+const MIN_ANGLE_DEG = 0.01;
+const MAX_ANGLE_DEG = 170;
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const sub = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -83,7 +83,7 @@ export function withLens(camera: Camera, angle: number | undefined): Camera {
   const { back } = axesOf(camera);
   const half = unitsPerPixel(camera, 2);
   if (angle === undefined) return { ...place, parallel_scale: half };
-  const bounded = Math.min(Math.max(angle, LEAST_ANGLE_DEG), MOST_ANGLE_DEG);
+  const bounded = Math.min(Math.max(angle, MIN_ANGLE_DEG), MAX_ANGLE_DEG);
   const away = half / Math.tan(((bounded / 2) * Math.PI) / 180);
   return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
 }

@@ -3,7 +3,7 @@
 import type { ViewerState } from "./state.ts";
 
 /** Characters of a link that mail programs and browsers take. */
-const MOST_CHARACTERS = 8000;
+const MAX_CHARACTERS = 8000;
 
 /** The state as a part of a link, or null where it is too long: a file is better then. */
 export async function linkPart(state: ViewerState, fingerprint: string): Promise<string | null> {
@@ -13,7 +13,7 @@ export async function linkPart(state: ViewerState, fingerprint: string): Promise
     .replaceAll("+", "-")
     .replaceAll("/", "_")
     .replaceAll("=", "");
-  return part.length > MOST_CHARACTERS ? null : part;
+  return part.length > MAX_CHARACTERS ? null : part;
 }
 
 /** What a link says. */

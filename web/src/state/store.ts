@@ -23,7 +23,7 @@ export interface Store {
 }
 
 /** Steps that can be undone. */
-const MOST_STEPS = 200;
+const MAX_STEPS = 200;
 
 /** Fields of the state that are no steps of undo: how the page looks. */
 const INTERFACE = ["/view/interface", "/view/layout"];
@@ -38,7 +38,7 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
   const tell = (): void => listeners.forEach((listener) => listener());
 
   const remember = (before: ViewerState): void => {
-    past = [...past.slice(1 - MOST_STEPS), before];
+    past = [...past.slice(1 - MAX_STEPS), before];
     future = [];
   };
 

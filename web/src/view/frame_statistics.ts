@@ -11,8 +11,8 @@ export interface FrameRecord {
   readonly frame: Omit<Frame, "bytes">;
 }
 
-const MOST_RECORDS = 4000;
-const MOST_EVENTS = 1000;
+const MAX_RECORDS = 4000;
+const MAX_EVENTS = 1000;
 
 export class FrameStatistics {
   readonly records: FrameRecord[] = [];
@@ -21,7 +21,7 @@ export class FrameStatistics {
   /** A change with this number came from an event at this time. */
   event(seq: number, at: number): void {
     this.events.push({ seq, at });
-    if (this.events.length > MOST_EVENTS) this.events.shift();
+    if (this.events.length > MAX_EVENTS) this.events.shift();
   }
 
   /** A frame is on the canvas. */
@@ -30,7 +30,7 @@ export class FrameStatistics {
     if (shown !== undefined) this.events = this.events.filter((event) => event.seq > frame.seq);
     const { bytes, ...header } = frame;
     this.records.push({ at, latency: shown === undefined ? null : at - shown.at, bytes: bytes.length, frame: header });
-    if (this.records.length > MOST_RECORDS) this.records.shift();
+    if (this.records.length > MAX_RECORDS) this.records.shift();
   }
 
   /** Of the moving frames of the last so many milliseconds. */

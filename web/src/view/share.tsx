@@ -14,7 +14,7 @@ const SIZES: readonly (readonly [string, string])[] = [
   ["3840x2160", "3840 x 2160"],
   ["own", "Own size"],
 ];
-const MOST_SIDE = 8192;
+const MAX_SIDE = 8192;
 
 export function SharePanel(props: PartProps) {
   const { store, engine, welcome, ui } = props;
@@ -37,7 +37,7 @@ export function SharePanel(props: PartProps) {
       return { width, height };
     }
     const factor = size === "2" ? 2 : 1;
-    return { width: Math.min(factor * w, MOST_SIDE), height: Math.min(factor * h, MOST_SIDE) };
+    return { width: Math.min(factor * w, MAX_SIDE), height: Math.min(factor * h, MAX_SIDE) };
   };
 
   const picture = async (use: (bytes: Uint8Array<ArrayBuffer>) => Promise<void> | void): Promise<void> => {
@@ -97,10 +97,10 @@ export function SharePanel(props: PartProps) {
               <input
                 type="number"
                 min={1}
-                max={MOST_SIDE}
+                max={MAX_SIDE}
                 value={own[n]}
                 onChange={(event) => {
-                  const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
+                  const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MAX_SIDE);
                   setOwn(n === 0 ? [value, own[1]] : [own[0], value]);
                 }}
               />

@@ -2,7 +2,7 @@
 
 // 1 less the missing share, or 0.
 fn known_share(missing: f32) -> f32 {
-    return select(1.0f - missing, 0.0f, 1.0f - missing < LEAST_KNOWN);
+    return select(1.0f - missing, 0.0f, 1.0f - missing < MIN_KNOWN);
 }
 
 // The shares of the way between two sheets between which points are known; the first is not below the second where none is.

@@ -118,7 +118,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
             let on_front = classify_jointly(LAYERu, front, front_gradient);
             let on_back = classify_jointly(LAYERu, back, back_gradient);
             passage = joint_passage_LAYER(on_front, on_back, cuts);
-            joint_color = mix3(on_front.xyz, on_back.xyz, on_back.w / max(on_front.w + on_back.w, LEAST_DEPTH));
+            joint_color = mix3(on_front.xyz, on_back.xyz, on_back.w / max(on_front.w + on_back.w, MIN_DEPTH));
         } else {
             passage = preintegrate_parts(LAYERu, front, back, cuts);
         }

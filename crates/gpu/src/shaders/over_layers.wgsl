@@ -1,18 +1,18 @@
 // Compositing of several layers: at a point of space extinctions add, and colours mix by extinction. Twin of
 // crates/splat/src/ray/over_layers.rs. What is done with each layer stands in `layer.wgsl`, once per layer.
 
-const LEAST_DEPTH: f32 = 1e-20f;
-const MOST_DEPTH: f32 = 1e30f;
+const MIN_DEPTH: f32 = 1e-20f;
+const MAX_DEPTH: f32 = 1e30f;
 
 // Sums over layers: extinction times colour, and extinction.
 fn with_medium(sum: vec4<f32>, rgb: vec3<f32>, depth: f32) -> vec4<f32> {
-    let own = min(depth, MOST_DEPTH);
+    let own = min(depth, MAX_DEPTH);
     return sum + vec4<f32>(rgb * own, own);
 }
 
 // Colour and opacity of a sum.
 fn mixed(sum: vec4<f32>) -> vec4<f32> {
-    return vec4<f32>(sum.xyz / max(sum.w, LEAST_DEPTH), one_minus_exp_neg(sum.w));
+    return vec4<f32>(sum.xyz / max(sum.w, MIN_DEPTH), one_minus_exp_neg(sum.w));
 }
 
 // What the layers have in the space between two sheets, in two parts of it; and of the last of them that is seen, colour,
@@ -58,7 +58,7 @@ fn add_slabs(ray: Ray, block: u32, slab: u32) {
     let far = mixed(mixture.far);
     let share = (1.0f - near.w) * far.w;
     let alpha = near.w + share;
-    let inverse = 1.0f / max(alpha, LEAST_DEPTH);
+    let inverse = 1.0f / max(alpha, MIN_DEPTH);
     let rgb = (near.xyz * near.w + far.xyz * share) * inverse;
     let moment = near.w * 0.25f + share * 0.75f;
     add_fragment(rgb, alpha, s_front, 2.0f * (s_of(slab + 1u) - s_front) * moment * inverse);

@@ -3,13 +3,13 @@
 use wavesplat_core::Composite;
 
 /// Texels per pixel along each axis that a single read does for, but for what is as good as none.
-const MOST_OF_ONE_READ: f64 = 1.05;
+const MAX_OF_ONE_READ: f64 = 1.05;
 
 /// Reads of a pixel along x, and as many along y: about one per texel, so that a pixel is the mean over its area.
 /// Projections show samples to the bit where rays run through them: their pixels are read once. Where a wall passes
 /// through a pixel, `edges` reads it.
 pub fn reads_per_axis(composite: Composite, oversampling: f64) -> usize {
-    if composite.is_projection() { 1 } else { (oversampling + 1.0 - MOST_OF_ONE_READ).ceil().max(1.0) as usize }
+    if composite.is_projection() { 1 } else { (oversampling + 1.0 - MAX_OF_ONE_READ).ceil().max(1.0) as usize }
 }
 
 #[cfg(test)]

@@ -78,7 +78,7 @@ fn interpolated(points: &[(f64, f64)], number: f64) -> f64 {
     let (first, last) = (points[0], points[points.len() - 1]);
     let is_before = |pair: &[(f64, f64)]| number <= pair[1].0;
     let [from, to] = points.windows(2).find(|pair| is_before(pair)).map_or([first, last], |pair| [pair[0], pair[1]]);
-    let (before, after) = (from.1.max(LEAST_ERROR), to.1.max(LEAST_ERROR));
+    let (before, after) = (from.1.max(MIN_ERROR), to.1.max(MIN_ERROR));
     let (from, to) = (from.0, to.0);
     let share = (number / from).ln() / (to / from).ln();
     let decay = (after / before).powf(1.0 / (to / from).log2()).clamp(DECAYS[0], DECAYS[1]);
@@ -92,7 +92,7 @@ fn interpolated(points: &[(f64, f64)], number: f64) -> f64 {
 }
 
 /// No error is less.
-const LEAST_ERROR: f64 = 1e-14;
+const MIN_ERROR: f64 = 1e-14;
 
 /// What a picture told of its error, for those of the same that are drawn next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,7 +141,7 @@ const SPARE_SHEETS: f64 = 1.4;
 const OF_DISTANCE: f64 = 0.25;
 
 /// Errors of another picture are believed if its pixels are farther apart or closer by this factor at most.
-const MOST_FARTHER: f64 = 1.5;
+const MAX_FARTHER: f64 = 1.5;
 
 impl ErrorModel {
     /// Of pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
@@ -182,7 +182,7 @@ impl ErrorModel {
     pub fn like(&self, other: &Measured) -> Option<Self> {
         let (own, others) = (&self.framing, &other.framing);
         let farther = own.pixel_in_samples / others.pixel_in_samples;
-        if self.is_smooth != other.is_smooth || !(1.0 / MOST_FARTHER..=MOST_FARTHER).contains(&farther) {
+        if self.is_smooth != other.is_smooth || !(1.0 / MAX_FARTHER..=MAX_FARTHER).contains(&farther) {
             return None;
         }
         // Sheets and texels that leave as much error in what is seen, and how much more is seen.

@@ -35,8 +35,8 @@ const N_TILES: [usize; 2] = [12, 48];
 const FINER_SHEETS: f64 = 3.0;
 
 /// Pixels of a cell of the overview along each side, at least, and cells along the longer side, at most.
-const LEAST_CELL_PX: usize = 4;
-const MOST_CELLS: usize = 128;
+const MIN_CELL_PX: usize = 4;
+const MAX_CELLS: usize = 128;
 
 /// A cell without contrast counts as much as others with this share of the mean.
 const FLAT: f64 = 0.2;
@@ -58,7 +58,7 @@ impl Overview {
     pub fn draw(frame: &SampledFrame, callback: &dyn ProgressCallback) -> Result<Option<Self>> {
         let size = [frame.options.width_px, frame.options.height_px];
         let [smaller, larger] = [size[0].min(size[1]), size[0].max(size[1])];
-        let cell_px = if smaller < 8 * LEAST_CELL_PX { 1 } else { larger.div_ceil(MOST_CELLS).max(LEAST_CELL_PX) };
+        let cell_px = if smaller < 8 * MIN_CELL_PX { 1 } else { larger.div_ceil(MAX_CELLS).max(MIN_CELL_PX) };
         let n = size.map(|px| px.div_ceil(cell_px));
         let sheets_per_slice = frame.options.sheets_per_slice.min(1.0);
         let options = RenderOptions {

@@ -51,7 +51,7 @@ pub struct Estimate {
 }
 
 /// So often pilot tiles are drawn at most.
-const MOST_PILOTS: usize = 3;
+const MAX_PILOTS: usize = 3;
 
 /// The share of the progress that the overview and the pilot tiles are.
 const PILOT_PROGRESS: f32 = 0.3;
@@ -119,13 +119,13 @@ fn pilot(
     let options = options_with(options, first);
     let plan = Plan::new(Level::best(), layers, camera, &options)?;
     let frame = SampledFrame { layers, options, plan };
-    let to = |part: usize| PILOT_PROGRESS * part as f32 / (MOST_PILOTS + 1) as f32;
+    let to = |part: usize| PILOT_PROGRESS * part as f32 / (MAX_PILOTS + 1) as f32;
     let Some(overview) = Overview::draw(&frame, &Share { of: callback, from: 0.0, to: to(1) })? else {
         return Ok(None);
     };
     let mut model = None;
     let mut at = first;
-    for part in 1..=MOST_PILOTS {
+    for part in 1..=MAX_PILOTS {
         let progress = Share { of: callback, from: to(part), to: to(part + 1) };
         let Some(errors) = probe::errors(&frame, &overview, at, &progress)? else { break };
         let measured = prior.with(errors, at);

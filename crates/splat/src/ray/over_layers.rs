@@ -50,10 +50,10 @@ pub struct OverLayers<'a> {
 struct MediaSum<W: Wide>([W::F; 3], W::F);
 
 /// An optical depth that is opaque, whatever it is multiplied with.
-const MOST_DEPTH: f32 = 1e30;
+const MAX_DEPTH: f32 = 1e30;
 
 /// Below this optical depth colours do not matter.
-const LEAST_DEPTH: f32 = 1e-20;
+const MIN_DEPTH: f32 = 1e-20;
 
 impl<W: Wide> MediaSum<W> {
     #[inline(always)]
@@ -64,7 +64,7 @@ impl<W: Wide> MediaSum<W> {
     /// Adds a medium.
     #[inline(always)]
     fn add(&mut self, w: W, rgb: [W::F; 3], depth: W::F) {
-        let depth = w.min(depth, w.splat(MOST_DEPTH));
+        let depth = w.min(depth, w.splat(MAX_DEPTH));
         for c in 0..3 {
             self.0[c] = w.add_mul(self.0[c], depth, rgb[c]);
         }
@@ -74,7 +74,7 @@ impl<W: Wide> MediaSum<W> {
     /// Colour and opacity.
     #[inline(always)]
     fn fragment(&self, w: W) -> ([W::F; 3], W::F) {
-        let inverse = w.div(w.splat(1.0), w.max(self.1, w.splat(LEAST_DEPTH)));
+        let inverse = w.div(w.splat(1.0), w.max(self.1, w.splat(MIN_DEPTH)));
         let [r, g, b] = self.0;
         ([w.mul(r, inverse), w.mul(g, inverse), w.mul(b, inverse)], one_minus_exp_neg(w, self.1))
     }
@@ -341,7 +341,7 @@ impl<'a> OverLayers<'a> {
             alpha = w.add(alpha, share);
             moment = w.add_mul(moment, share, w.splat((k as f32 + 0.5) / N_PARTS as f32));
         }
-        let inverse = w.div(one, w.max(alpha, w.splat(LEAST_DEPTH)));
+        let inverse = w.div(one, w.max(alpha, w.splat(MIN_DEPTH)));
         for c in 0..3 {
             rgb[c] = w.mul(rgb[c], inverse);
         }
@@ -370,7 +370,7 @@ fn joint_parts<W: Wide>(
         let there = w.add_mul(depth, middle, w.sub(depth2, depth));
         depths[k] = w.mul(there, w.sub(cuts[k + 1], cuts[k]));
     }
-    let share = w.div(depth2, w.max(w.add(depth, depth2), w.splat(LEAST_DEPTH)));
+    let share = w.div(depth2, w.max(w.add(depth, depth2), w.splat(MIN_DEPTH)));
     let parts = PartOpacities { first: cuts[0], last: cuts[N_CUTS - 1], depths };
     (parts, Some(between(w, [r, g, b], [r2, g2, b2], share)))
 }

@@ -20,7 +20,7 @@ use crate::optics::labels::{Labels, own_depth};
 use crate::optics::shade::vanishing_gradient_squared;
 use crate::reference::medium::Medium;
 use crate::render::progress::{Progress, ProgressCallback};
-use crate::source::nonfinite::LEAST_KNOWN;
+use crate::source::nonfinite::MIN_KNOWN;
 use crate::source::slices::Slices;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
@@ -192,7 +192,7 @@ impl<'a> Sampler<'a> {
     /// 1 less the missing share, or 0.
     pub fn known(&self, position: DVec3) -> f64 {
         let known = 1.0 - self.missing(position);
-        if known < f64::from(LEAST_KNOWN) { 0.0 } else { known }
+        if known < f64::from(MIN_KNOWN) { 0.0 } else { known }
     }
 
     /// Index-space gradient; differences stop at the faces, and holes count as filled.

@@ -50,7 +50,7 @@ fn entry(kernel: Kernel, distance: f64, per_sample: u32, noise: f64) -> f64 {
 }
 
 /// Where chance leaves weights with a smaller sum, which takes negative ones, there is no noise.
-const LEAST_SUM: f64 = 0.25;
+const MIN_SUM: f64 = 0.25;
 
 /// The samples that reach a texel and their weights, row by row along v.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,7 @@ impl NoisyTaps {
     /// At a position, both coordinates `≥ 0`, of the sheet with a [`sheet_number`].
     pub fn new(kernel: Kernel, at: [f64; 2], per_sample: u32, sheet: i64) -> Self {
         let (mut noisy, mut sum) = Self::not_scaled(kernel, at, per_sample, |sample| displacement(sheet, sample));
-        if sum < LEAST_SUM {
+        if sum < MIN_SUM {
             (noisy, sum) = Self::not_scaled(kernel, at, per_sample, |_| [0.0; 2]);
         }
         noisy.weights.as_flattened_mut().iter_mut().for_each(|weight| *weight /= sum);
@@ -201,7 +201,7 @@ mod tests {
                     let (_, sum) = NoisyTaps::not_scaled(kernel, at, per_sample, |s| displacement(sheet, s));
                     // The Gaussian is not scaled to sum 1 here, and Catmull-Rom can lose more: it falls back to no noise.
                     assert!(
-                        overshoot(kernel) > 0.0 || sum >= LEAST_SUM || kernel == Kernel::Gaussian,
+                        overshoot(kernel) > 0.0 || sum >= MIN_SUM || kernel == Kernel::Gaussian,
                         "{name} at {at:?}: {sum}"
                     );
                 }

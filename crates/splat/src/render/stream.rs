@@ -69,7 +69,7 @@ pub struct StreamPlan {
 }
 
 /// Slices that a step has at least, where chunks are thinner and the budget allows it.
-const LEAST_DEPTH: usize = 32;
+const MIN_DEPTH: usize = 32;
 
 impl StreamBlock {
     /// Whether a ray of its `k`th tile can still change after a state.
@@ -286,7 +286,7 @@ impl<'a> Reader<'a> {
         }
         let chunk = self.storage[0].chunk[self.family.plane.family.axes[2]];
         // Whole layers of chunks, several where they are thin.
-        let mut depth = if chunk >= LEAST_DEPTH { chunk } else { LEAST_DEPTH / chunk * chunk };
+        let mut depth = if chunk >= MIN_DEPTH { chunk } else { MIN_DEPTH / chunk * chunk };
         let mut smallest = None;
         loop {
             let made = self.blocks(family, cuts, n, depth);

@@ -24,10 +24,10 @@ const SIDE: usize = 4;
 const LARGE_SIDE: usize = 8;
 
 /// Bounds of the smallest bricks: those of 129 samples along each axis.
-const MOST_BYTES_OF_SMALL: usize = 1 << 20;
+const MAX_BYTES_OF_SMALL: usize = 1 << 20;
 
 /// Bounds of a volume whose samples are there: those of 800 samples along each axis.
-pub const MOST_BYTES: usize = 32 << 20;
+pub const MAX_BYTES: usize = 32 << 20;
 
 /// Levels of the density range.
 const N_LEVELS: usize = 4096;
@@ -104,7 +104,7 @@ fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
     let fits = |side: usize, most_bytes: usize| {
         n_bricks(side, size).iter().product::<usize>() * size_of::<[u16; 2]>() <= most_bytes
     };
-    if fits(SMALL_SIDE, budget_bytes.min(MOST_BYTES_OF_SMALL)) {
+    if fits(SMALL_SIDE, budget_bytes.min(MAX_BYTES_OF_SMALL)) {
         SMALL_SIDE
     } else if fits(SIDE, budget_bytes) {
         SIDE
@@ -411,7 +411,7 @@ mod tests {
                 let mut densities = vec![0.0; 68];
                 (0..4).for_each(|row| densities[row * size[0] + bright] = 1.0);
                 let rows = FloatRows { densities: &densities, level: Level::best() };
-                let bricks = Bricks::new(&rows, size, kernel, [0.0, 1.0], MOST_BYTES);
+                let bricks = Bricks::new(&rows, size, kernel, [0.0, 1.0], MAX_BYTES);
                 let occupied = bricks.occupied([0, 1, 2], &bricks.visible_ranges(|[_, hi]| hi > 0.5));
                 for brick in 0..bricks.n[0] {
                     let mut inside =
@@ -445,9 +445,9 @@ mod tests {
 
     #[test]
     fn bricks_are_as_small_as_their_bounds_may_take() {
-        assert_eq!([129, 130].map(|n| side_within(MOST_BYTES, [n; 3])), [SMALL_SIDE, SIDE]);
-        assert_eq!(side_within(MOST_BYTES, [800; 3]), SIDE);
-        assert_eq!(side_within(MOST_BYTES, [1024; 3]), LARGE_SIDE);
+        assert_eq!([129, 130].map(|n| side_within(MAX_BYTES, [n; 3])), [SMALL_SIDE, SIDE]);
+        assert_eq!(side_within(MAX_BYTES, [800; 3]), SIDE);
+        assert_eq!(side_within(MAX_BYTES, [1024; 3]), LARGE_SIDE);
         // 4 x 5 x 2 and 2 x 3 x 1 bricks of four bytes.
         let sides = [160, 159, 24, 23].map(|budget| side_within(budget, [9, 10, 5]));
         assert_eq!(sides, [SMALL_SIDE, SIDE, SIDE, LARGE_SIDE]);

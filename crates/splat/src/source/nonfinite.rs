@@ -20,13 +20,13 @@ use wavesplat_compute::simd::Wide;
 pub const MISSING: f32 = 0.5;
 
 /// Known shares below this are none: what rounding leaves of 1 − m times the extinction of opacity 1 would be opaque.
-pub const LEAST_KNOWN: f32 = 1e-3;
+pub const MIN_KNOWN: f32 = 1e-3;
 
 /// 1 − m, or 0.
 #[inline(always)]
 pub fn known_share<W: Wide>(w: W, missing: W::F) -> W::F {
     let known = w.sub(w.splat(1.0), missing);
-    w.select(w.lt(known, w.splat(LEAST_KNOWN)), w.splat(0.0), known)
+    w.select(w.lt(known, w.splat(MIN_KNOWN)), w.splat(0.0), known)
 }
 
 /// The known share at a part of the way between two sheets, by the missing shares on both; 1 where no sample is missing.

@@ -19,7 +19,7 @@ use crate::kernel::prefilter;
 use crate::kernel::slice_taps::SliceTap;
 use crate::kernel::weights::{fold, n_taps};
 use crate::source::block_cache::{Blocks, DensityBox, all_densities, bytes_of_all};
-use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MOST_BYTES, widen};
+use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MAX_BYTES, widen};
 use crate::source::nonfinite::{self, MISSING, fill_holes};
 use crate::source::point_sampling::{PointSums, PointTaps};
 use crate::source::strided::StridedSamples;
@@ -102,7 +102,7 @@ impl Prepared {
         let level = Level::best();
         if pole.is_none() && n_nonfinite == 0 {
             let samples = *volume.samples();
-            let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range, MOST_BYTES);
+            let bricks = Bricks::new(&NativeRows { samples, map, level }, size, kernel, range, MAX_BYTES);
             return Self::of_parts(kernel, size, range, bricks);
         }
         let mut densities = densities(volume.samples(), map);
@@ -110,7 +110,7 @@ impl Prepared {
         if mask.is_some() {
             fill_holes(&mut densities, size, range[0]);
         }
-        Self { mask, ..Self::of_densities(densities, size, kernel, range, MOST_BYTES) }
+        Self { mask, ..Self::of_densities(densities, size, kernel, range, MAX_BYTES) }
     }
 
     /// Of a box of a volume: what a piece of a picture is drawn from. `range` bounds the densities of the whole.
@@ -217,7 +217,7 @@ impl<'a> Slices<'a> {
 
     /// Densities that are all finite, `[z][y][x]` of `grid`, whose statistics bound them.
     pub fn of_densities(densities: Vec<f32>, grid: &Grid, kernel: Kernel) -> Self {
-        let prepared = Prepared::of_densities(densities, grid.size(), kernel, grid.density_range(), MOST_BYTES);
+        let prepared = Prepared::of_densities(densities, grid.size(), kernel, grid.density_range(), MAX_BYTES);
         Self { source: SampleSource::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
     }
 

@@ -166,7 +166,7 @@ const MARGIN_TEXELS: f64 = 4.0;
 const BEYOND: f64 = 2.0;
 
 /// Texels closer than this, in samples, would feel the lattice.
-const LEAST_STEP_ON_LATTICE: f64 = 1e-3;
+const MIN_STEP_ON_LATTICE: f64 = 1e-3;
 
 /// Most texels of a base plane: 16 bytes each, 4 GiB in all.
 pub(crate) const MAX_TEXELS: f64 = (1 << 28) as f64;
@@ -188,7 +188,7 @@ pub fn base_planes(
         // A grazing family can have pixels much denser at one end; it gets no more texels than the picture has.
         let floor = (hi - lo) / (4.0 * oversampling * (width_px + height_px) as f64);
         let step = (pixel / oversampling).max(floor).max(DVec2::splat(1e-12));
-        let on_lattice = orthographic && step.min_element() > LEAST_STEP_ON_LATTICE;
+        let on_lattice = orthographic && step.min_element() > MIN_STEP_ON_LATTICE;
         let step = if on_lattice { snapped(step) } else { step };
         let margin = MARGIN_TEXELS * step + pixel;
         let (mut lo, mut hi) = (lo - margin, hi + margin);

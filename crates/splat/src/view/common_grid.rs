@@ -29,7 +29,7 @@ const PARALLEL: f64 = 1e-6;
 const WHOLE: f64 = 1e-6;
 
 /// Most steps of the common grid along an axis.
-const MOST_STEPS: f64 = 1e6;
+const MAX_STEPS: f64 = 1e6;
 
 impl CommonGrid {
     /// # Errors
@@ -69,7 +69,7 @@ impl CommonGrid {
         // Samples of the first layer lie on its sheets where it is the finest.
         let n_before = ((-lo / step) - WHOLE).ceil();
         let n_steps = ((hi / step) - WHOLE).ceil() + n_before;
-        if n_steps.max_element() > MOST_STEPS {
+        if n_steps.max_element() > MAX_STEPS {
             let mend = "check where the layers lie, and in which units";
             return Err(Error::out_of_range(
                 "place of the layers",

@@ -89,7 +89,7 @@ impl IndexRays {
 
 /// Largest slope of a ray in its family: rays that run along two axes nearly alike take the one whose slices are
 /// contiguous.
-pub const MOST_SLOPE: f64 = 1.1;
+pub const MAX_SLOPE: f64 = 1.1;
 
 /// Which axis rays run along, and which way: one of six.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ impl Family {
     pub fn of(direction: DVec3) -> Self {
         let d = direction.to_array();
         let a = direction.abs();
-        let much = a.max_element() / MOST_SLOPE;
+        let much = a.max_element() / MAX_SLOPE;
         let w = if a.z >= much { 2 } else { usize::from(a.y >= much) };
         let axes = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][w];
         Self { axes, ascending: d[w] > 0.0 }
@@ -116,7 +116,7 @@ impl Family {
     #[inline(always)]
     fn is_convex_at(&self, direction: DVec3) -> bool {
         let a = direction.abs();
-        self.axes[2] != 1 || a.z * MOST_SLOPE < a.y
+        self.axes[2] != 1 || a.z * MAX_SLOPE < a.y
     }
 
     /// Whether any ray of the family has slopes `(du/dw, dv/dw)` within bounds.
@@ -125,10 +125,10 @@ impl Family {
         let most = lo.abs().max(hi.abs());
         let least = DVec2::select(lo.cmple(DVec2::ZERO) & hi.cmpge(DVec2::ZERO), DVec2::ZERO, lo.abs().min(hi.abs()));
         match self.axes[2] {
-            2 => least.max_element() <= MOST_SLOPE,
+            2 => least.max_element() <= MAX_SLOPE,
             // Along y, where z is less than much: the longest of the three is x or y.
-            1 => least.x <= MOST_SLOPE && least.y < most.x.clamp(1.0, MOST_SLOPE) / MOST_SLOPE,
-            _ => least.max_element() < 1.0 / MOST_SLOPE,
+            1 => least.x <= MAX_SLOPE && least.y < most.x.clamp(1.0, MAX_SLOPE) / MAX_SLOPE,
+            _ => least.max_element() < 1.0 / MAX_SLOPE,
         }
     }
 

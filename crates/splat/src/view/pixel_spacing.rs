@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec2;
 use wavesplat_compute::parallel;
 
-use crate::view::family::{Family, IndexRays, MOST_SLOPE};
+use crate::view::family::{Family, IndexRays, MAX_SLOPE};
 use crate::view::ray_model::RayModel;
 
 /// The pixels that a family of rays serves, in base coordinates.
@@ -142,7 +142,7 @@ impl PixelSpacing {
         for [x_px, y_px] in edges_x.into_iter().flat_map(|x| edges_y.map(|y| [x as f64, y as f64])) {
             let here = self.model.base_from_pixel(&self.family, rays, x_px, y_px);
             let here = if matches!(self.model, RayModel::Perspective { .. }) {
-                here.clamp(DVec2::splat(-MOST_SLOPE), DVec2::splat(MOST_SLOPE))
+                here.clamp(DVec2::splat(-MAX_SLOPE), DVec2::splat(MAX_SLOPE))
             } else {
                 here
             };

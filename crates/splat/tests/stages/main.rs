@@ -10,7 +10,7 @@ mod run;
 use wavesplat_compute::simd::Level;
 
 /// Bytes of all fixtures together, at most.
-const MOST_BYTES: u64 = 300 << 10;
+const MAX_BYTES: u64 = 300 << 10;
 
 #[test]
 fn fixtures_are_what_the_formulas_give() {
@@ -22,7 +22,7 @@ fn fixtures_are_what_the_formulas_give() {
         fixture.check_stored();
     }
     let n_bytes = fixture::n_bytes();
-    assert!(n_bytes < MOST_BYTES, "the fixtures take {n_bytes} bytes");
+    assert!(n_bytes < MAX_BYTES, "the fixtures take {n_bytes} bytes");
 }
 
 #[test]

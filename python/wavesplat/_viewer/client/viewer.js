@@ -660,12 +660,12 @@ function actionOf(name) {
 }
 
 // src/state/link.ts
-var MOST_CHARACTERS = 8e3;
+var MAX_CHARACTERS = 8e3;
 async function linkPart(state2, fingerprint) {
   const text2 = JSON.stringify({ fingerprint, state: state2 });
   const packed2 = await through(new TextEncoder().encode(text2), new CompressionStream("deflate-raw"));
   const part = btoa(Array.from(packed2, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
-  return part.length > MOST_CHARACTERS ? null : part;
+  return part.length > MAX_CHARACTERS ? null : part;
 }
 async function fromLink(part) {
   const binary = atob(part.replaceAll("-", "+").replaceAll("_", "/"));
@@ -830,7 +830,7 @@ function parseViewerState(document2) {
 }
 
 // src/state/store.ts
-var MOST_STEPS = 200;
+var MAX_STEPS = 200;
 var INTERFACE = ["/view/interface", "/view/layout"];
 function createStore(initial, engine) {
   let state2 = initial;
@@ -841,7 +841,7 @@ function createStore(initial, engine) {
   const listeners = /* @__PURE__ */ new Set();
   const tell = () => listeners.forEach((listener) => listener());
   const remember = (before) => {
-    past = [...past.slice(1 - MOST_STEPS), before];
+    past = [...past.slice(1 - MAX_STEPS), before];
     future = [];
   };
   const go = (target) => {
@@ -914,8 +914,8 @@ function createStore(initial, engine) {
 
 // src/input/camera.ts
 var TURN_DEG = 180;
-var LEAST_ANGLE_DEG = 0.01;
-var MOST_ANGLE_DEG = 170;
+var MIN_ANGLE_DEG = 0.01;
+var MAX_ANGLE_DEG = 170;
 var add = (a3, b) => [a3[0] + b[0], a3[1] + b[1], a3[2] + b[2]];
 var sub = (a3, b) => [a3[0] - b[0], a3[1] - b[1], a3[2] - b[2]];
 var scaled = (a3, factor) => [a3[0] * factor, a3[1] * factor, a3[2] * factor];
@@ -974,7 +974,7 @@ function withLens(camera, angle) {
   const { back } = axesOf(camera);
   const half = unitsPerPixel(camera, 2);
   if (angle === void 0) return { ...place, parallel_scale: half };
-  const bounded = Math.min(Math.max(angle, LEAST_ANGLE_DEG), MOST_ANGLE_DEG);
+  const bounded = Math.min(Math.max(angle, MIN_ANGLE_DEG), MAX_ANGLE_DEG);
   const away = half / Math.tan(bounded / 2 * Math.PI / 180);
   return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
 }
@@ -1712,15 +1712,15 @@ function PlaneNumbers(props) {
 }
 
 // src/view/frame_statistics.ts
-var MOST_RECORDS = 4e3;
-var MOST_EVENTS = 1e3;
+var MAX_RECORDS = 4e3;
+var MAX_EVENTS = 1e3;
 var FrameStatistics = class {
   records = [];
   events = [];
   /** A change with this number came from an event at this time. */
   event(seq, at2) {
     this.events.push({ seq, at: at2 });
-    if (this.events.length > MOST_EVENTS) this.events.shift();
+    if (this.events.length > MAX_EVENTS) this.events.shift();
   }
   /** A frame is on the canvas. */
   drawn(frame, at2) {
@@ -1728,7 +1728,7 @@ var FrameStatistics = class {
     if (shown !== void 0) this.events = this.events.filter((event) => event.seq > frame.seq);
     const { bytes, ...header } = frame;
     this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
-    if (this.records.length > MOST_RECORDS) this.records.shift();
+    if (this.records.length > MAX_RECORDS) this.records.shift();
   }
   /** Of the moving frames of the last so many milliseconds. */
   recent(now, span = 2e3) {
@@ -2492,8 +2492,8 @@ var TEXT5 = {
 var BINS = 256;
 var PLOT_PX2 = 190;
 var STILL_MS = 120;
-var MOST_OPACITY = 10;
-var MOST_WIDTH = 4;
+var MAX_OPACITY = 10;
+var MAX_WIDTH = 4;
 function FunctionPanel(props) {
   const { store, ui, welcome } = props;
   const layer = store.state.layers[ui.layer];
@@ -2672,8 +2672,8 @@ function Editor(props) {
     {
       label: `${TEXT5.width} ×`,
       neutral: 1,
-      amount: (position) => MOST_WIDTH ** position,
-      position: (amount) => Math.log(amount) / Math.log(MOST_WIDTH),
+      amount: (position) => MAX_WIDTH ** position,
+      position: (amount) => Math.log(amount) / Math.log(MAX_WIDTH),
       onAmount: (amount) => amount > 0 && setAll((before) => widened(before, amount), "width"),
       onDone: done2
     }
@@ -2682,8 +2682,8 @@ function Editor(props) {
     {
       label: TEXT5.opacities,
       neutral: 1,
-      amount: (position) => MOST_OPACITY ** position,
-      position: (amount) => Math.log(amount) / Math.log(MOST_OPACITY),
+      amount: (position) => MAX_OPACITY ** position,
+      position: (amount) => Math.log(amount) / Math.log(MAX_OPACITY),
       onAmount: (amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities"),
       onDone: done2
     }
@@ -2788,7 +2788,7 @@ var TEXT6 = {
   solo: "Solo",
   soloThis: (name) => `Solo: show ${name} alone, or all again`
 };
-var MOST_ROWS = 150;
+var MAX_ROWS = 150;
 var FILTERED_FROM = 9;
 function LabelsPanel({ store }) {
   const [filter, setFilter] = d2("");
@@ -2809,7 +2809,7 @@ function LabelsPanel({ store }) {
       value: filter,
       onInput: (event) => setFilter(event.currentTarget.value)
     }
-  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => show((number2) => inRows.has(number2) || others(number2)) }, TEXT6.showAll), /* @__PURE__ */ k(Button, { onClick: () => show((number2) => !inRows.has(number2) && others(number2)) }, TEXT6.hideAll), /* @__PURE__ */ k("span", { class: "dim" }, TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length))), rows.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.empty), /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Labels" }, rows.slice(0, MOST_ROWS).map(({ number: number2, name, look, opacity, isShown }) => /* @__PURE__ */ k("li", { key: number2, class: "look-label" }, /* @__PURE__ */ k(
+  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => show((number2) => inRows.has(number2) || others(number2)) }, TEXT6.showAll), /* @__PURE__ */ k(Button, { onClick: () => show((number2) => !inRows.has(number2) && others(number2)) }, TEXT6.hideAll), /* @__PURE__ */ k("span", { class: "dim" }, TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length))), rows.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.empty), /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Labels" }, rows.slice(0, MAX_ROWS).map(({ number: number2, name, look, opacity, isShown }) => /* @__PURE__ */ k("li", { key: number2, class: "look-label" }, /* @__PURE__ */ k(
     "input",
     {
       type: "checkbox",
@@ -2848,7 +2848,7 @@ function LabelsPanel({ store }) {
       onValue: (value) => store.change([set(value, "labels", "labels", number2, "opacity")], `opacity of label ${number2}`),
       onDone: () => store.settle()
     }
-  )))), rows.length > MOST_ROWS && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.more(rows.length - MOST_ROWS)), /* @__PURE__ */ k(
+  )))), rows.length > MAX_ROWS && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.more(rows.length - MAX_ROWS)), /* @__PURE__ */ k(
     CheckField,
     {
       label: TEXT6.smooth,
@@ -3703,7 +3703,7 @@ var TEXT13 = {
   perSecond: "a second",
   repeat: "Repeat"
 };
-var MOST_RATE = 60;
+var MAX_RATE = 60;
 var GESTURE = "time";
 function TimeBar({ store, ui, welcome }) {
   const count = Math.max(1, ...welcome.volumes.map((volume2) => volume2.n_times));
@@ -3772,7 +3772,7 @@ function TimeBar({ store, ui, welcome }) {
     {
       label: TEXT13.rate,
       min: 0.2,
-      max: MOST_RATE,
+      max: MAX_RATE,
       step: 1,
       value: rate,
       onValue: setRate,
@@ -4954,7 +4954,7 @@ var SIZES = [
   ["3840x2160", "3840 x 2160"],
   ["own", "Own size"]
 ];
-var MOST_SIDE = 8192;
+var MAX_SIDE = 8192;
 function SharePanel(props) {
   const { store, engine, welcome, ui } = props;
   const [size, setSize] = d2("view");
@@ -4975,7 +4975,7 @@ function SharePanel(props) {
       return { width, height };
     }
     const factor = size === "2" ? 2 : 1;
-    return { width: Math.min(factor * w3, MOST_SIDE), height: Math.min(factor * h3, MOST_SIDE) };
+    return { width: Math.min(factor * w3, MAX_SIDE), height: Math.min(factor * h3, MAX_SIDE) };
   };
   const picture = async (use) => {
     const controller = new AbortController();
@@ -5023,10 +5023,10 @@ function SharePanel(props) {
     {
       type: "number",
       min: 1,
-      max: MOST_SIDE,
+      max: MAX_SIDE,
       value: own[n2],
       onChange: (event) => {
-        const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MOST_SIDE);
+        const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MAX_SIDE);
         setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
       }
     }

@@ -60,8 +60,8 @@ const PLOT_PX = 190;
 /** The histogram is asked for when the axis has been still for so long. */
 const STILL_MS = 120;
 /** At the ends of the sliders: opacities by this factor, widths by that. */
-const MOST_OPACITY = 10;
-const MOST_WIDTH = 4;
+const MAX_OPACITY = 10;
+const MAX_WIDTH = 4;
 
 export interface Selected {
   readonly kind: "opacity" | "color" | "gradient";
@@ -275,16 +275,16 @@ function Editor(props: EditorProps) {
       <RelativeSlider
         label={`${TEXT.width} ×`}
         neutral={1}
-        amount={(position) => MOST_WIDTH ** position}
-        position={(amount) => Math.log(amount) / Math.log(MOST_WIDTH)}
+        amount={(position) => MAX_WIDTH ** position}
+        position={(amount) => Math.log(amount) / Math.log(MAX_WIDTH)}
         onAmount={(amount) => amount > 0 && setAll((before) => widened(before, amount), "width")}
         onDone={done}
       />
       <RelativeSlider
         label={TEXT.opacities}
         neutral={1}
-        amount={(position) => MOST_OPACITY ** position}
-        position={(amount) => Math.log(amount) / Math.log(MOST_OPACITY)}
+        amount={(position) => MAX_OPACITY ** position}
+        position={(amount) => Math.log(amount) / Math.log(MAX_OPACITY)}
         onAmount={(amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities")}
         onDone={done}
       />

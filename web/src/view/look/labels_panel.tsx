@@ -23,7 +23,7 @@ const TEXT = {
   soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
 };
 /** A longer list is filtered, not scrolled. */
-const MOST_ROWS = 150;
+const MAX_ROWS = 150;
 /** From so many labels on there is a filter. */
 const FILTERED_FROM = 9;
 
@@ -59,7 +59,7 @@ export function LabelsPanel({ store }: PartProps) {
       </div>
       {rows.length === 0 && <p class="dim">{TEXT.empty}</p>}
       <ul class="look-list" aria-label="Labels">
-        {rows.slice(0, MOST_ROWS).map(({ number, name, look, opacity, isShown }) => (
+        {rows.slice(0, MAX_ROWS).map(({ number, name, look, opacity, isShown }) => (
           <li key={number} class="look-label">
             <input
               type="checkbox"
@@ -103,7 +103,7 @@ export function LabelsPanel({ store }: PartProps) {
           </li>
         ))}
       </ul>
-      {rows.length > MOST_ROWS && <p class="dim">{TEXT.more(rows.length - MOST_ROWS)}</p>}
+      {rows.length > MAX_ROWS && <p class="dim">{TEXT.more(rows.length - MAX_ROWS)}</p>}
       <CheckField
         label={TEXT.smooth}
         checked={labels.smooth}

@@ -17,7 +17,7 @@ const TEXT = {
   perSecond: "a second",
   repeat: "Repeat",
 };
-const MOST_RATE = 60;
+const MAX_RATE = 60;
 const GESTURE = "time";
 
 export function TimeBar({ store, ui, welcome }: PartProps) {
@@ -100,7 +100,7 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
         <NumberField
           label={TEXT.rate}
           min={0.2}
-          max={MOST_RATE}
+          max={MAX_RATE}
           step={1}
           value={rate}
           onValue={setRate}

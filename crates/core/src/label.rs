@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 pub struct LabelLook {
     /// Red, green, blue, `0..=1`.
     pub rgb: [f64; 3],
-    /// Opacity of the label's own matter per `opacity_unit`, `0..=1`; 0: it has none.
+    /// Opacity of the label medium per `opacity_unit`, `0..=1`; 0: it has none.
     pub opacity: f64,
     /// Factor of the scan's optical depth inside, `0..=1`; 0 hides the scan there.
     pub scan: f64,

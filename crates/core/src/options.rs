@@ -367,12 +367,17 @@ const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
     ("high", [(3.0, 2.0), (6.0, 3.0), (6.0, 3.0)]),
 ];
 
-/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `is_steep`: whether the transfer function
+/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `needs_preintegration`: whether the transfer function
 /// can change opacity or colour by a visible amount within a voxel, or has thin peaks. `coarseness`: that of the grid;
 /// texels grow with the samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not
 /// beyond a sample, of which a pixel holds `samples_per_pixel`.
-pub fn quality_settings(name: &str, is_steep: bool, coarseness: f64, samples_per_pixel: f64) -> Result<(f64, f64)> {
-    let kind = usize::from(is_steep) + usize::from(is_steep && coarseness > 1.0);
+pub fn quality_settings(
+    name: &str,
+    needs_preintegration: bool,
+    coarseness: f64,
+    samples_per_pixel: f64,
+) -> Result<(f64, f64)> {
+    let kind = usize::from(needs_preintegration) + usize::from(needs_preintegration && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
     let least = samples_per_pixel.clamp(MIN_OVERSAMPLING, oversampling);
     Ok((sheets_per_slice, (oversampling / coarseness).max(least)))
@@ -394,7 +399,9 @@ mod tests {
         assert_eq!([oversampling(1.0, 9.0), oversampling(2.0, 0.7), oversampling(2.0, 0.4)], [1.0, 0.7, 0.5]);
         assert_eq!([oversampling(4.0, 0.1), oversampling(8.0, 0.05), oversampling(4.0, 0.5)], [0.25, 0.125, 0.5]);
         assert_eq!(oversampling(64.0, 1e-9), MIN_OVERSAMPLING);
-        let sheets = |name, is_steep, coarseness| quality_settings(name, is_steep, coarseness, 0.5).unwrap().0;
+        let sheets = |name, needs_preintegration, coarseness| {
+            quality_settings(name, needs_preintegration, coarseness, 0.5).unwrap().0
+        };
         assert_eq!(
             [sheets("normal", true, 1.0), sheets("normal", true, 2.0), sheets("normal", false, 2.0)],
             [2.0, 1.0, 2.0]

@@ -111,7 +111,7 @@ impl Gpus {
 
     /// Waits until no thread opens a GPU: drivers do not like processes that end meanwhile.
     pub fn settle(&self) {
-        if self.is_foreign() {
+        if self.is_forked_child() {
             return;
         }
         let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
@@ -122,7 +122,7 @@ impl Gpus {
     }
 
     /// Whether another process, of which this one is a fork, has asked for GPUs: drivers do not survive that.
-    pub fn is_foreign(&self) -> bool {
+    pub fn is_forked_child(&self) -> bool {
         let own = std::process::id();
         let first = self.process.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed);
         first.is_err_and(|process| process != own)
@@ -162,7 +162,7 @@ impl Gpus {
 
     /// Opens a GPU, or gives the one that is open.
     pub fn open(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
-        if self.is_foreign() {
+        if self.is_forked_child() {
             return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
         }
         match self.slot(choice) {
@@ -175,7 +175,7 @@ impl Gpus {
 
     /// Opens a GPU anew, and tests it, beside one that may be open.
     pub fn tested(&self, choice: &Choice) -> GpuResult<Gpu> {
-        if self.is_foreign() {
+        if self.is_forked_child() {
             return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
         }
         std::panic::catch_unwind(|| Gpu::open(choice, self.budget_bytes()))
@@ -215,7 +215,7 @@ impl Gpus {
 
     /// The GPU if it is open; else a thread is told to open it.
     fn open_beside(&'static self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
-        if self.is_foreign() {
+        if self.is_forked_child() {
             return self.open(choice);
         }
         let is_first = self.n_asked.fetch_add(1, Ordering::Relaxed) == 0;

@@ -85,7 +85,7 @@ pub struct GpuFrame {
     pub fade: [[f32; 4]; 2],
     /// Strengths of ambient occlusion and of the shadow.
     pub light: [f32; 4],
-    /// Light on the labels' own matter.
+    /// Light on the label medium.
     pub label_lighting: GpuLighting,
 }
 

@@ -122,15 +122,15 @@ pub struct FieldKinds {
     pub scan: Option<usize>,
     /// The tint.
     pub tint: Option<usize>,
-    /// The labels' own matter.
-    pub matter: Option<usize>,
+    /// The label medium.
+    pub medium: Option<usize>,
     /// Whether that is shaded.
-    pub matter_is_shaded: bool,
+    pub label_medium_is_shaded: bool,
 }
 
 impl FieldKinds {
     fn any(&self) -> bool {
-        [self.openness, self.shadow, self.scan, self.tint, self.matter].iter().any(Option::is_some)
+        [self.openness, self.shadow, self.scan, self.tint, self.medium].iter().any(Option::is_some)
     }
 }
 
@@ -306,12 +306,12 @@ impl Permutation {
         add("HAS_FIELDS", "bool", &fields.any());
         add("HAS_SCAN", "bool", &fields.scan.is_some());
         add("HAS_TINT", "bool", &fields.tint.is_some());
-        add("HAS_MATTER", "bool", &fields.matter.is_some());
-        add("MATTER_SHADED", "bool", &fields.matter_is_shaded);
+        add("HAS_LABEL_MEDIUM", "bool", &fields.medium.is_some());
+        add("MATTER_SHADED", "bool", &fields.label_medium_is_shaded);
         text
     }
 
-    /// `fields_at`: what the fields are at a texel of a sheet; `matter_gradient`: that of the labels' own matter.
+    /// `fields_at`: what the fields are at a texel of a sheet; `label_medium_gradient`: that of the label medium.
     fn fields_text(&self) -> String {
         let first = self.layers.len();
         let mut text = String::from(
@@ -325,7 +325,7 @@ impl Permutation {
                 let _ = writeln!(text, "    fields.{name} = value_{k}(place_{k}(texel, sheet), vec3<f32>(0.0f));");
             }
         }
-        for (name, field) in [("tint", fields.tint), ("matter", fields.matter)] {
+        for (name, field) in [("tint", fields.tint), ("medium", fields.medium)] {
             if let Some(field) = field {
                 let k = first + field;
                 let _ = writeln!(text, "    let place_of_{name} = place_{k}(texel, sheet);");
@@ -333,12 +333,14 @@ impl Permutation {
             }
         }
         text.push_str("    return fields;\n}\n");
-        let gradient = match fields.matter.filter(|_| fields.matter_is_shaded) {
+        let gradient = match fields.medium.filter(|_| fields.label_medium_is_shaded) {
             Some(field) => format!("gradient_{k}(place_{k}(texel, sheet))", k = first + field),
             None => "vec3<f32>(0.0f)".to_owned(),
         };
-        let _ =
-            writeln!(text, "fn matter_gradient(texel: vec2<u32>, sheet: u32) -> vec3<f32> {{ return {gradient}; }}");
+        let _ = writeln!(
+            text,
+            "fn label_medium_gradient(texel: vec2<u32>, sheet: u32) -> vec3<f32> {{ return {gradient}; }}"
+        );
         text
     }
 

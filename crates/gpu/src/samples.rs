@@ -2,7 +2,7 @@
 //! baked in around them. Twin of `SliceRectangle::combine` (crates/splat/src/source/window.rs).
 
 use wavesplat_core::{Kernel, Samples};
-use wavesplat_splat::kernel::weights::fold;
+use wavesplat_splat::kernel::weights::mirror_index;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::source::window::Window;
 use wgpu::{
@@ -195,7 +195,7 @@ fn push_all(slices: &[&Slices], part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
 
 /// Densities of a slice of a box, counted from its first.
 fn densities_of(slices: &Slices, part: TexelBox, k: usize) -> Vec<f32> {
-    let z = fold(slices.kernel(), part.lo[2] + k as i64, slices.grid().size()[2]);
+    let z = mirror_index(slices.kernel(), part.lo[2] + k as i64, slices.grid().size()[2]);
     let window = |a: usize| [part.lo[a], part.lo[a] + part.size[a] as i64 - 1];
     let mut densities = Vec::new();
     slices.density_slice(z, Window { u: window(0), v: window(1) }, &mut densities);
@@ -206,7 +206,7 @@ fn densities_of(slices: &Slices, part: TexelBox, k: usize) -> Vec<f32> {
 fn push_holes(slices: &Slices, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
     let Some(holes) = slices.holes() else { return };
-    let z = fold(kernel, part.lo[2] + k as i64, size[2]);
+    let z = mirror_index(kernel, part.lo[2] + k as i64, size[2]);
     let xs = folded(kernel, part.lo[0], part.size[0], size[0]);
     for y in folded(kernel, part.lo[1], part.size[1], size[1]) {
         let row = &holes[(z * size[1] + y) * size[0]..][..size[0]];
@@ -245,13 +245,13 @@ fn copy_slices(
 }
 
 fn folded(kernel: Kernel, first: i64, n: usize, size: usize) -> Vec<usize> {
-    (first..first + n as i64).map(|i| fold(kernel, i, size)).collect()
+    (first..first + n as i64).map(|i| mirror_index(kernel, i, size)).collect()
 }
 
 /// Adds a slice of a box, counted from its first, as it is stored.
 fn push_slice(slices: &Slices, format: Format, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
-    let z = fold(kernel, part.lo[2] + k as i64, size[2]);
+    let z = mirror_index(kernel, part.lo[2] + k as i64, size[2]);
     let rows = folded(kernel, part.lo[1], part.size[1], size[1]);
     let columns = folded(kernel, part.lo[0], part.size[0], size[0]);
     let row = |y: usize| (z * size[1] + y) * size[0];

@@ -29,7 +29,7 @@ impl<'a> SourceSamples<'a> {
     }
 }
 
-/// The samples of a plan: of its layers, then of its fields; tints, and the labels' own matter, four at a time.
+/// The samples of a plan: of its layers, then of its fields; tints, and the label medium, four at a time.
 pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<SourceSamples<'a>> {
     let of_layer = |(k, slices): (usize, &&'a Slices<'a>)| SourceSamples {
         slices: vec![*slices],
@@ -41,7 +41,7 @@ pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<S
     let fields = &plan.fields.fields;
     let mut field = 0;
     while field < fields.len() {
-        let n = if [labels.tint, labels.matter].contains(&Some(field)) { 4 } else { 1 };
+        let n = if [labels.tint, labels.medium].contains(&Some(field)) { 4 } else { 1 };
         sources.push(SourceSamples {
             slices: fields[field..field + n].iter().map(|field| &field.slices).collect(),
             gradient: fields[field].gradient,
@@ -93,8 +93,8 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
         fields.shadow = place(light.shadow.map(|(field, _)| field));
     }
     if let Some(labels) = plan.fields.labels {
-        (fields.scan, fields.tint, fields.matter) = (place(labels.scan), place(labels.tint), place(labels.matter));
-        fields.matter_is_shaded = family.layers[0].modifiers.label_shader.is_some();
+        (fields.scan, fields.tint, fields.medium) = (place(labels.scan), place(labels.tint), place(labels.medium));
+        fields.label_medium_is_shaded = family.layers[0].modifiers.label_shader.is_some();
     }
     let sources = sources.iter().map(|source| SourceKind {
         kernel: source.first().kernel(),

@@ -85,8 +85,8 @@ fn permutations() -> Vec<Permutation> {
             shadow: Some(1),
             scan: Some(2),
             tint: Some(3),
-            matter: Some(4),
-            matter_is_shaded: true,
+            medium: Some(4),
+            label_medium_is_shaded: true,
         };
         for n_layers in [1, 2, 3] {
             let mut sources = vec![lit; n_layers];

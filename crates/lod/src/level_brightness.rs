@@ -47,27 +47,27 @@ pub(crate) type GrayTable = Vec<[f64; 2]>;
 impl ProbeRays {
     /// Factors of the extinction and of the colours of the coarse table, the second near 1, that make the level as
     /// bright as the finest. `lengths`: from sample to sample along each axis, in units of the opacities. Without
-    /// shading, colours are as they are. `is_steep`: whether the level gets the sheets of a steep function.
+    /// shading, colours are as they are. `needs_preintegration`: whether the level gets the sheets of a steep function.
     pub fn brightness_factors(
         &self,
         [fine, coarse]: [&GrayTable; 2],
         shading: Option<&Shading>,
         lengths: [f64; 3],
-        is_steep: bool,
+        needs_preintegration: bool,
     ) -> [f64; 2] {
         let (lit, unlit) = (phong_table(shading), phong_table(None));
         let wanted_lit = self.brightness(0, fine, &lit, lengths);
-        let mut factor = self.factor_for(wanted_lit, coarse, is_steep, &lit, lengths);
+        let mut factor = self.factor_for(wanted_lit, coarse, needs_preintegration, &lit, lengths);
         if shading.is_none() {
             return [factor, 1.0];
         }
         let coarse_brightness = |factor: f64, light: &[[f64; 2]]| {
-            self.brightness(coarse_sheets(is_steep), coarse, light, lengths.map(|length| factor * length))
+            self.brightness(coarse_sheets(needs_preintegration), coarse, light, lengths.map(|length| factor * length))
         };
         let (wanted, got) = (self.brightness(0, fine, &unlit, lengths), coarse_brightness(factor, &unlit));
         let bounded = got.clamp(wanted / MAX_UNLIT_CHANGE, wanted * MAX_UNLIT_CHANGE);
         if got != bounded {
-            factor = self.factor_for(bounded, coarse, is_steep, &unlit, lengths);
+            factor = self.factor_for(bounded, coarse, needs_preintegration, &unlit, lengths);
         }
         let is_out_of_reach = got != bounded || factor >= OUT_OF_REACH;
         let gain = if is_out_of_reach { wanted_lit / coarse_brightness(factor, &lit) } else { 1.0 };
@@ -81,14 +81,14 @@ impl ProbeRays {
         [fine, coarse]: [&GrayTable; 2],
         factor: f64,
         lengths: [f64; 3],
-        is_steep: bool,
+        needs_preintegration: bool,
     ) -> bool {
         if factor < OUT_OF_REACH {
             return true;
         }
         let unlit = phong_table(None);
         let wanted = self.brightness(0, fine, &unlit, lengths);
-        self.brightness(coarse_sheets(is_steep), coarse, &unlit, lengths.map(|length| factor * length))
+        self.brightness(coarse_sheets(needs_preintegration), coarse, &unlit, lengths.map(|length| factor * length))
             >= BRIGHT_ENOUGH * wanted
     }
 
@@ -97,7 +97,7 @@ impl ProbeRays {
         &self,
         wanted: f64,
         coarse: &GrayTable,
-        is_steep: bool,
+        needs_preintegration: bool,
         light: &[[f64; 2]],
         lengths: [f64; 3],
     ) -> f64 {
@@ -108,8 +108,12 @@ impl ProbeRays {
         let [mut lo, mut hi] = [-MAX_FACTOR.ln(), MAX_FACTOR.ln()];
         let (mut at, mut before) = (0.0, None);
         for _ in 0..N_STEPS {
-            let brightness =
-                self.brightness(coarse_sheets(is_steep), coarse, light, lengths.map(|length| f64::exp(at) * length));
+            let brightness = self.brightness(
+                coarse_sheets(needs_preintegration),
+                coarse,
+                light,
+                lengths.map(|length| f64::exp(at) * length),
+            );
             let excess = (brightness / wanted).ln();
             if excess.abs() < TOLERANCE {
                 break;
@@ -164,8 +168,8 @@ impl ProbeRays {
 }
 
 /// Which sheets a level gets, as in [`step_lengths`].
-fn coarse_sheets(is_steep: bool) -> usize {
-    1 + usize::from(is_steep)
+fn coarse_sheets(needs_preintegration: bool) -> usize {
+    1 + usize::from(needs_preintegration)
 }
 
 /// Phong shading by step of `|n·v|`: factor of the colour, and highlight, as means over the normals at that angle to the

@@ -38,14 +38,14 @@ const MIN_OPACITY: f64 = 1e-4;
 
 impl LevelHistogram {
     /// The transfer function for the level. `spacing`: of the finest grid along each axis, in the function's
-    /// `opacity_unit`s. `shading`: that of the picture. `is_steep`: whether the function is (needs pre-integration), so
+    /// `opacity_unit`s. `shading`: that of the picture. `needs_preintegration`: whether the function is (needs pre-integration), so
     /// that the level is drawn with fewer sheets. Functions of two dimensions are only averaged.
     pub fn filter(
         &self,
         tf: &TransferFunction,
         spacing: [f64; 3],
         shading: Option<&Shading>,
-        is_steep: bool,
+        needs_preintegration: bool,
     ) -> Result<TransferFunction> {
         let length = spacing.iter().product::<f64>().cbrt();
         if tf.function_2d().is_some() || self.hi <= self.lo {
@@ -60,8 +60,8 @@ impl LevelHistogram {
         let with = |rare: f32| {
             let rgba = self.averages(&means, rgba_of(tf), length, rare);
             let tables = [&own, &gray(&rgba)];
-            let factors = self.rays.brightness_factors(tables, shading, spacing, is_steep);
-            let is_bright_enough = self.rays.is_bright_enough(tables, factors[0], spacing, is_steep);
+            let factors = self.rays.brightness_factors(tables, shading, spacing, needs_preintegration);
+            let is_bright_enough = self.rays.is_bright_enough(tables, factors[0], spacing, needs_preintegration);
             (rgba, factors, is_bright_enough)
         };
         let (mut rgba, mut factors, is_bright_enough) = with(TRIMMED_SHARE);

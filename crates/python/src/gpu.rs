@@ -48,7 +48,7 @@ pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) ->
 #[pyfunction]
 pub fn gpu_adapters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     // A fork of a process that asked for GPUs has none.
-    let found = if Gpus::of_process().is_foreign() { Vec::new() } else { py.detach(adapters) };
+    let found = if Gpus::of_process().is_forked_child() { Vec::new() } else { py.detach(adapters) };
     PyList::new(py, found.iter().map(|adapter| fields_of(py, adapter)).collect::<PyResult<Vec<_>>>()?)
 }
 

@@ -38,7 +38,7 @@ pub mod standard;
 #[doc(hidden)]
 pub mod view;
 
-pub use optics::steepness::is_steep;
+pub use optics::steepness::needs_preintegration;
 pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layers};
 pub use render::layer::Layer;
 pub use render::progress::ProgressCallback;

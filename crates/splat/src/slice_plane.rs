@@ -11,7 +11,7 @@ use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_core::{Error, Kernel, Result};
 
-use crate::kernel::weights::{fold, n_taps, taps};
+use crate::kernel::weights::{mirror_index, n_taps, taps};
 use crate::render::progress::ProgressCallback;
 use crate::source::point_sampling::PointTaps;
 use crate::source::slices::Slices;
@@ -172,12 +172,12 @@ fn point_taps(slices: &Slices, position: DVec3) -> Option<PointTaps> {
         let n = grid.size()[axis];
         let (first, weight) = taps(kernel, x.clamp(0.0, (n - 1) as f64));
         for t in 0..n_taps(kernel) {
-            point.index[axis][t] = fold(kernel, first + t as i64, n);
+            point.index[axis][t] = mirror_index(kernel, first + t as i64, n);
         }
         point.weight[axis] = weight;
         if slices.has_mask() {
             let (first, weights) = taps(Kernel::Linear, x.clamp(0.0, (n - 1) as f64));
-            point.cell[axis] = [0, 1].map(|t| (fold(Kernel::Linear, first + t as i64, n), weights[t]));
+            point.cell[axis] = [0, 1].map(|t| (mirror_index(Kernel::Linear, first + t as i64, n), weights[t]));
         }
     }
     Some(point)

@@ -123,8 +123,8 @@ impl Scene<'_> {
     pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
         let mut finest = Sampling { sheets_per_slice: 0.0, oversampling: 0.0 };
         for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
-            let is_steep = volume.is_steep(tf, shading.as_ref())?;
-            let own = Quality::sampling(quality, volume.grid(), tf, is_steep, camera, height_px)?;
+            let needs_preintegration = volume.needs_preintegration(tf, shading.as_ref())?;
+            let own = Quality::sampling(quality, volume.grid(), tf, needs_preintegration, camera, height_px)?;
             finest.sheets_per_slice = finest.sheets_per_slice.max(own.sheets_per_slice);
             finest.oversampling = finest.oversampling.max(own.oversampling);
         }

@@ -98,7 +98,7 @@ impl LazyVolume {
     pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
         match &self.level {
             Some(level) => level.look(&self.grid, tf, shading),
-            None => Ok((tf.clone(), self.cache.is_steep(&self.grid, tf))),
+            None => Ok((tf.clone(), self.cache.needs_preintegration(&self.grid, tf))),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec3;
 use wavesplat_core::{Decoder, Grid, LevelGrid, Result, Shading, TransferFunction};
 use wavesplat_lod::LevelHistogram;
-use wavesplat_splat::is_steep;
+use wavesplat_splat::needs_preintegration;
 
 /// How a level keeps the brightness of the finest, and what it was asked for last.
 pub struct LevelLooks {
@@ -45,7 +45,7 @@ struct LevelLook {
     of: TransferFunction,
     shading: Option<Shading>,
     tf: TransferFunction,
-    is_steep: bool,
+    needs_preintegration: bool,
 }
 
 impl LevelLooks {
@@ -92,9 +92,9 @@ impl LevelLooks {
         if let Some(known) = &*latest
             && (&known.of, known.shading.as_ref()) == (tf, shading)
         {
-            return Ok((known.tf.clone(), known.is_steep));
+            return Ok((known.tf.clone(), known.needs_preintegration));
         }
-        let given_is_steep = is_steep(grid, tf);
+        let given_is_steep = needs_preintegration(grid, tf);
         let own = if let Some((histogram, spacing)) = &self.brightness {
             let unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
             histogram.filter(tf, (*spacing / unit).to_array(), shading, given_is_steep)?
@@ -102,8 +102,8 @@ impl LevelLooks {
             tf.clone()
         };
         // One that is smooth may need so much extinction that its level is steep.
-        let is_steep = given_is_steep || is_steep(grid, &own);
-        *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), is_steep });
-        Ok((own, is_steep))
+        let needs_preintegration = given_is_steep || needs_preintegration(grid, &own);
+        *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), needs_preintegration });
+        Ok((own, needs_preintegration))
     }
 }

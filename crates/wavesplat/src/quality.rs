@@ -41,18 +41,19 @@ impl Quality {
         }
     }
 
-    /// What it means for a volume on a grid. `is_steep`: whether the transfer function needs pre-integration.
+    /// What it means for a volume on a grid. `needs_preintegration`: whether the transfer function needs pre-integration.
     pub(crate) fn sampling(
         name: &str,
         grid: &Grid,
         tf: &TransferFunction,
-        is_steep: bool,
+        needs_preintegration: bool,
         camera: &Camera,
         height_px: usize,
     ) -> Result<Sampling> {
         let samples_per_pixel = camera.pixel_size(grid.middle(), height_px) / grid.mean_spacing();
-        let (sheets, oversampling) = quality_settings(name, is_steep, grid.coarseness(), samples_per_pixel)?;
-        let finer = if is_steep && tf.function_2d().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
+        let (sheets, oversampling) =
+            quality_settings(name, needs_preintegration, grid.coarseness(), samples_per_pixel)?;
+        let finer = if needs_preintegration && tf.function_2d().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
         Ok(Sampling { sheets_per_slice: sheets * finer, oversampling })
     }
 }

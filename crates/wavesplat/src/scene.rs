@@ -97,9 +97,9 @@ impl<'a> SceneVolume<'a> {
     }
 
     /// Whether a transfer function gets the sampling of a steep one.
-    pub(crate) fn is_steep(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<bool> {
+    pub(crate) fn needs_preintegration(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<bool> {
         match self {
-            Self::Samples(volume, cache) => Ok(cache.is_steep(volume.grid(), tf)),
+            Self::Samples(volume, cache) => Ok(cache.needs_preintegration(volume.grid(), tf)),
             Self::Level(level) => Ok(level.look(tf, shading)?.1),
             Self::Lazy(volume) => Ok(volume.look(tf, shading)?.1),
         }

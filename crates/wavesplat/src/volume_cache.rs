@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use wavesplat_core::{Grid, Kernel, TransferFunction, Volume};
-use wavesplat_splat::is_steep;
+use wavesplat_splat::needs_preintegration;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::slices::{Prepared, Slices};
 
@@ -33,14 +33,14 @@ impl VolumeCache {
     }
 
     /// Whether a transfer function needs pre-integration; kept until another is asked for.
-    pub(crate) fn is_steep(&self, grid: &Grid, tf: &TransferFunction) -> bool {
+    pub(crate) fn needs_preintegration(&self, grid: &Grid, tf: &TransferFunction) -> bool {
         let known = self.steep.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, is_steep)) = known.as_ref().filter(|(of, _)| of == tf) {
-            return *is_steep;
+        if let Some((_, needs_preintegration)) = known.as_ref().filter(|(of, _)| of == tf) {
+            return *needs_preintegration;
         }
         drop(known);
-        let is_steep = is_steep(grid, tf);
-        *self.steep.lock().unwrap_or_else(PoisonError::into_inner) = Some((tf.clone(), is_steep));
-        is_steep
+        let needs_preintegration = needs_preintegration(grid, tf);
+        *self.steep.lock().unwrap_or_else(PoisonError::into_inner) = Some((tf.clone(), needs_preintegration));
+        needs_preintegration
     }
 }

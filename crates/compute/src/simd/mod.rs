@@ -13,7 +13,7 @@
 
 /// What moves quads where a register holds one: registers change places.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-macro_rules! registers_by_turns {
+macro_rules! per_register {
     () => {
         #[inline(always)]
         fn transpose_quads(self, [a, b, c, d]: [Self::F; 4]) -> [Self::F; 4] {
@@ -24,7 +24,7 @@ macro_rules! registers_by_turns {
             [[a[0], b[0], a[1], b[1]], [a[2], b[2], a[3], b[3]]]
         }
         #[inline(always)]
-        fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+        fn deinterleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
             [[a[0], a[2], b[0], b[2]], [a[1], a[3], b[1], b[3]]]
         }
         #[inline(always)]
@@ -192,7 +192,7 @@ pub trait Simd: Math {
     /// Quads by turns: the first of a, the first of b, the second of a, and so on.
     fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
     /// The other way: the first and third quads of both, and the second and fourth.
-    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
+    fn deinterleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
     /// The second and the third quad of both.
     fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F;
     /// Rows become columns.
@@ -459,7 +459,7 @@ mod tests {
             numbers.extend(s.look_up(self.table, a));
             numbers.extend(s.transpose_quads([a, b, s.add(a, b), s.mul(a, b)]));
             numbers.extend(s.interleave_quads(a, b));
-            numbers.extend(s.part_quads(a, b));
+            numbers.extend(s.deinterleave_quads(a, b));
             numbers.push(s.middle_quads(a, b));
             let mut rows: [Lanes; LANES] = std::array::from_fn(|r| Lanes(std::array::from_fn(|c| (16 * r + c) as f32)));
             s.transpose(&mut rows);
@@ -562,7 +562,7 @@ mod tests {
             assert_eq!(quad, &rows[k % 2][4 * (k / 2)..][..4]);
         }
         let [first, second] = Plain.interleave_quads(a, b);
-        assert_eq!(Plain.part_quads(first, second), [a, b]);
+        assert_eq!(Plain.deinterleave_quads(first, second), [a, b]);
         assert_eq!(
             Plain.middle_quads(a, b).as_chunks().0,
             &[&a[4..12], &b[4..12]].map(|x| <[f32; 8]>::try_from(x).unwrap())

@@ -167,7 +167,7 @@ impl Simd for Neon {
             vreinterpretq_f32_u8(vqtbl4q_u8(bytes, vreinterpretq_u8_u32(places)))
         })
     }
-    registers_by_turns!();
+    per_register!();
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         let from = *rows;

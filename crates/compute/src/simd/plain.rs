@@ -156,7 +156,7 @@ impl Simd for Plain {
         by_turns
     }
     #[inline(always)]
-    fn part_quads(self, a: Sixteen, b: Sixteen) -> [Sixteen; 2] {
+    fn deinterleave_quads(self, a: Sixteen, b: Sixteen) -> [Sixteen; 2] {
         let both = [a, b];
         let mut parts = both;
         for (k, quad) in both.as_flattened().chunks_exact(4).enumerate() {

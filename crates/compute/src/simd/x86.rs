@@ -216,7 +216,7 @@ impl Simd for Sse2 {
         }
         self.load(&out)
     }
-    registers_by_turns!();
+    per_register!();
     #[inline(never)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         super::Plain.transpose(rows);
@@ -301,7 +301,7 @@ impl Simd for Avx2 {
         map!(2, i => [_mm256_permute2f128_ps::<0x20>(a[i], b[i]), _mm256_permute2f128_ps::<0x31>(a[i], b[i])])
     }
     #[inline(always)]
-    fn part_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
+    fn deinterleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2] {
         let firsts = map!(2, i => _mm256_permute2f128_ps::<0x20>([a, b][i][0], [a, b][i][1]));
         let seconds = map!(2, i => _mm256_permute2f128_ps::<0x31>([a, b][i][0], [a, b][i][1]));
         [firsts, seconds]
@@ -524,7 +524,7 @@ impl Simd for Avx512 {
         }
     }
     #[inline(always)]
-    fn part_quads(self, a: __m512, b: __m512) -> [__m512; 2] {
+    fn deinterleave_quads(self, a: __m512, b: __m512) -> [__m512; 2] {
         // SAFETY: see `splat`.
         unsafe { [_mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b)] }
     }

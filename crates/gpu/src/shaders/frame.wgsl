@@ -18,7 +18,7 @@ struct Frame {
     fade: array<vec4<f32>, 2>,
     // Strengths of ambient occlusion and of the shadow.
     light: vec4<f32>,
-    // Light on the labels' own matter.
+    // Light on the label medium.
     label_lighting: Lighting,
 }
 

@@ -59,8 +59,8 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
         *sum = with_medium(*sum, shaded_LAYER(color.xyz, gradient, eye, fields), color.w * length);
         any = true;
     }
-    if IS_FIRST_LAYER && HAS_MATTER && fields.matter.x > 0.0f {
-        *sum = with_medium(*sum, matter_color(fields, matter_gradient(ray.texel, sheet), eye), max(fields.matter.x, 0.0f) * length);
+    if IS_FIRST_LAYER && HAS_LABEL_MEDIUM && fields.medium.x > 0.0f {
+        *sum = with_medium(*sum, label_medium_color(fields, label_medium_gradient(ray.texel, sheet), eye), max(fields.medium.x, 0.0f) * length);
         any = true;
     }
     return any;
@@ -152,14 +152,14 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         (*mixture).only_extent = at * 2.0f * way;
         (*mixture).n += 1u;
     }
-    if IS_FIRST_LAYER && HAS_MATTER && max(front_fields.matter.x, back_fields.matter.x) > 0.0f {
+    if IS_FIRST_LAYER && HAS_LABEL_MEDIUM && max(front_fields.medium.x, back_fields.medium.x) > 0.0f {
         let middle = (begin + end) * 0.5f;
         let fields = between_fields(front_fields, back_fields, middle);
-        let on_front = matter_gradient(ray.texel, slab);
-        let gradient = mix3(on_front, matter_gradient(ray.texel, slab + 1u), middle);
+        let on_front = label_medium_gradient(ray.texel, slab);
+        let gradient = mix3(on_front, label_medium_gradient(ray.texel, slab + 1u), middle);
         let known = known_share(missing + middle * more_missing);
-        let lengths = (cuts.yz - cuts.xy) * (max(fields.matter.x, 0.0f) * whole_length * known);
-        let rgb = matter_color(fields, gradient, eye);
+        let lengths = (cuts.yz - cuts.xy) * (max(fields.medium.x, 0.0f) * whole_length * known);
+        let rgb = label_medium_color(fields, gradient, eye);
         (*mixture).near = with_medium((*mixture).near, rgb, lengths.x);
         (*mixture).far = with_medium((*mixture).far, rgb, lengths.y);
         (*mixture).n += 2u;

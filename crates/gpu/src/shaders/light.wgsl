@@ -11,8 +11,8 @@ struct FieldValues {
     // What labels leave of the scan's optical depth, and tint of it with which colour.
     scan: f32,
     tint: vec4<f32>,
-    // Optical depth of the labels' own matter, and its colour times that.
-    matter: vec4<f32>,
+    // Optical depth of the label medium, and its colour times that.
+    medium: vec4<f32>,
 }
 
 fn between_fields(front: FieldValues, back: FieldValues, share: f32) -> FieldValues {
@@ -21,7 +21,7 @@ fn between_fields(front: FieldValues, back: FieldValues, share: f32) -> FieldVal
         mix_exact(front.shadow, back.shadow, share),
         mix_exact(front.scan, back.scan, share),
         front.tint + (back.tint - front.tint) * share,
-        front.matter + (back.matter - front.matter) * share,
+        front.medium + (back.medium - front.medium) * share,
     );
 }
 
@@ -52,8 +52,8 @@ fn lit(lighting: Lighting, is_shaded: bool, rgb: vec3<f32>, gradient: vec3<f32>,
     return rgb * (light.x * light.y);
 }
 
-// Colour of the labels' own matter, with its gradient.
-fn matter_color(fields: FieldValues, gradient: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
-    let rgb = fields.matter.yzw / max(fields.matter.x, LEAST);
+// Colour of the label medium, with its gradient.
+fn label_medium_color(fields: FieldValues, gradient: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
+    let rgb = fields.medium.yzw / max(fields.medium.x, LEAST);
     return lit(parameters.frame.label_lighting, MATTER_SHADED, rgb, gradient, eye, light_at(fields));
 }

@@ -19,7 +19,7 @@ fn sheet_at(ray: Ray, sheet: u32) -> Sheet {
     made.missing = missing_0(made.place);
     made.has_gradient = false;
     made.has_fields = false;
-    if HAS_MATTER {
+    if HAS_LABEL_MEDIUM {
         made.fields = fields_at(ray.texel, sheet);
         made.has_fields = true;
     }
@@ -34,16 +34,16 @@ fn with_gradient(sheet: ptr<function, Sheet>) {
 }
 
 fn with_fields(sheet: ptr<function, Sheet>, ray: Ray, number: u32) {
-    // Labels' own matter is looked for on every sheet.
-    if HAS_FIELDS && !HAS_MATTER && !(*sheet).has_fields {
+    // Label media is looked for on every sheet.
+    if HAS_FIELDS && !HAS_LABEL_MEDIUM && !(*sheet).has_fields {
         (*sheet).fields = fields_at(ray.texel, number);
         (*sheet).has_fields = true;
     }
 }
 
-// Mixes the labels' own matter into what the scan has in the same space: colour and opacity; `scan_depth`: its optical
+// Mixes the label medium into what the scan has in the same space: colour and opacity; `scan_depth`: its optical
 // depth. Colours mix by extinction: where both are opaque, opacities would say half and half.
-fn with_matter(
+fn with_label_medium(
     scan: vec4<f32>,
     scan_depth: f32,
     fields: FieldValues,
@@ -51,9 +51,9 @@ fn with_matter(
     length: f32,
     eye: vec3<f32>,
 ) -> vec4<f32> {
-    let own_depth = max(fields.matter.x, 0.0f) * length;
+    let own_depth = max(fields.medium.x, 0.0f) * length;
     let own = one_minus_exp_neg(own_depth);
-    let color = matter_color(fields, gradient, eye);
+    let color = label_medium_color(fields, gradient, eye);
     let sum = scan_depth + own_depth;
     let share = select(0.0f, own_depth / max(sum, 1e-30f), sum > 0.0f);
     return vec4<f32>(scan.xyz + share * (color - scan.xyz), scan.w + own - scan.w * own);
@@ -63,8 +63,8 @@ fn with_matter(
 fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
     var sheet = sheet_at(ray, number);
     let sees_scan = is_visible(0u, sheet.density, sheet.density);
-    let sees_matter = HAS_MATTER && sheet.fields.matter.x > 0.0f;
-    if !(sees_scan || sees_matter) {
+    let sees_label_medium = HAS_LABEL_MEDIUM && sheet.fields.medium.x > 0.0f;
+    if !(sees_scan || sees_label_medium) {
         return;
     }
     let part = extent(ray.interval, begin, end);
@@ -87,11 +87,11 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
     let scan_depth = color.w * length;
     color.w = one_minus_exp_neg(scan_depth);
     let eye = to_eye(0u, ray);
-    if sees_scan && (color.w > 0.0f || sees_matter) {
+    if sees_scan && (color.w > 0.0f || sees_label_medium) {
         color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye), color.w);
     }
-    if sees_matter {
-        color = with_matter(color, scan_depth, sheet.fields, matter_gradient(ray.texel, number), length, eye);
+    if sees_label_medium {
+        color = with_label_medium(color, scan_depth, sheet.fields, label_medium_gradient(ray.texel, number), length, eye);
     }
     add_fragment(color.xyz, color.w, part.x, part.y);
 }
@@ -111,8 +111,8 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let lo = min((*front).density, (*back).density);
     let hi = max((*front).density, (*back).density);
     let sees_scan = is_visible(0u, lo, hi);
-    let sees_matter = HAS_MATTER && max((*front).fields.matter.x, (*back).fields.matter.x) > 0.0f;
-    if !(sees_scan || sees_matter) {
+    let sees_label_medium = HAS_LABEL_MEDIUM && max((*front).fields.medium.x, (*back).fields.medium.x) > 0.0f;
+    if !(sees_scan || sees_label_medium) {
         return;
     }
     let s_front = s_of(number);
@@ -165,7 +165,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
         let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
         color.w = alpha;
-        if alpha > 0.0f || sees_matter {
+        if alpha > 0.0f || sees_label_medium {
             var gradient = vec3<f32>(0.0f);
             if IS_SHADED_0 {
                 gradient = mix3((*front).gradient, (*back).gradient, at);
@@ -176,12 +176,12 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         }
         visible = vec2<f32>(part.x + passage.first * part.y, (passage.last - passage.first) * part.y * 2.0f * mean);
     }
-    if sees_matter {
+    if sees_label_medium {
         let middle = begin + 0.5f * share;
         let fields = between_fields((*front).fields, (*back).fields, middle);
-        let on_front = matter_gradient(ray.texel, number);
-        let gradient = mix3(on_front, matter_gradient(ray.texel, number + 1u), middle);
-        color = with_matter(color, scan_depth, fields, gradient, whole_length, eye);
+        let on_front = label_medium_gradient(ray.texel, number);
+        let gradient = mix3(on_front, label_medium_gradient(ray.texel, number + 1u), middle);
+        color = with_label_medium(color, scan_depth, fields, gradient, whole_length, eye);
         visible = part;
     }
     add_fragment(color.xyz, color.w, visible.x, visible.y);

@@ -14,7 +14,7 @@ use wavesplat_core::{Gradient, Kernel};
 use crate::kernel::footprint_table::{Footprint, bits};
 use crate::kernel::slice_taps::SliceTaps;
 use crate::kernel::smoothed::{self, width_of};
-use crate::kernel::weights::{MAX_TAPS, fold, n_taps, near_taps, reach, taps};
+use crate::kernel::weights::{MAX_TAPS, mirror_index, n_taps, near_taps, reach, taps};
 
 /// Taps of a difference footprint, at most.
 pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
@@ -139,7 +139,7 @@ impl Axis {
     fn folded(&self, first: i64, weights: &[f64]) -> SliceTaps {
         let mut folded = SliceTaps::default();
         for (t, w) in weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-            folded.taps[folded.n] = (fold(self.kernel, first + t as i64, self.n_samples), *w as f32);
+            folded.taps[folded.n] = (mirror_index(self.kernel, first + t as i64, self.n_samples), *w as f32);
             folded.n += 1;
         }
         folded
@@ -401,7 +401,7 @@ mod tests {
         for t in 0..table.n_taps {
             let sample = tables.window[0] + (table.first(i) + t) as i64;
             assert!(sample <= tables.window[1]);
-            dense[fold(axis.kernel, sample, axis.n_samples)] += f64::from(table.weight(i, t));
+            dense[mirror_index(axis.kernel, sample, axis.n_samples)] += f64::from(table.weight(i, t));
         }
         dense
     }
@@ -511,7 +511,7 @@ mod tests {
                     for (end, share) in [(x + offset, 0.5 / offset), (x - offset, -0.5 / offset)] {
                         let (first, taps) = taps(kernel, end.clamp(0.0, 39.0));
                         for (sample, weight) in (first..).zip(taps) {
-                            want[fold(kernel, sample, 40)] += share * weight;
+                            want[mirror_index(kernel, sample, 40)] += share * weight;
                         }
                     }
                     // Positions in f32 lie up to 4e-6 samples off, and slopes of weights are at most 2.

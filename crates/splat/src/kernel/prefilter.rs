@@ -223,7 +223,7 @@ fn filter_row(row: &mut [f32], origin: usize, z: f64, line: &mut Vec<f64>, filte
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::weights::{fold, taps};
+    use crate::kernel::weights::{mirror_index, taps};
 
     #[test]
     fn the_spline_goes_through_the_samples() {
@@ -234,7 +234,7 @@ mod tests {
                 prefilter_line(&mut c, pole(kernel).unwrap());
                 for (i, sample) in samples.iter().enumerate() {
                     let (first, weights) = taps(kernel, i as f64);
-                    let at = |t: usize| c[fold(kernel, first + t as i64, samples.len())];
+                    let at = |t: usize| c[mirror_index(kernel, first + t as i64, samples.len())];
                     let value: f64 = weights.iter().enumerate().map(|(t, w)| w * at(t)).sum();
                     assert!((value - sample).abs() < 1e-10, "{kernel:?} n={n} i={i}: {value} for {sample}");
                 }

@@ -132,7 +132,7 @@ pub fn near_taps(kernel: Kernel, x: f32) -> Option<(u32, [f32; MAX_TAPS])> {
 
 /// Index of the sample that stands at `index` beyond the faces of an axis of `n` samples.
 #[inline]
-pub fn fold(kernel: Kernel, index: i64, n: usize) -> usize {
+pub fn mirror_index(kernel: Kernel, index: i64, n: usize) -> usize {
     let last = n as i64 - 1;
     match kernel {
         Kernel::Bspline2 | Kernel::Bspline3 => {
@@ -202,8 +202,8 @@ mod tests {
 
     #[test]
     fn folding_repeats_or_mirrors() {
-        let fold3 = |kernel, i| fold(kernel, i, 3);
-        assert_eq!([-2, -1, 0, 2, 3, 4].map(|i| fold3(Kernel::CatmullRom, i)), [0, 0, 0, 2, 2, 2]);
-        assert_eq!([-2, -1, 0, 2, 3, 4, 5].map(|i| fold3(Kernel::Bspline3, i)), [2, 1, 0, 2, 1, 0, 1]);
+        let mirrored = |kernel, i| mirror_index(kernel, i, 3);
+        assert_eq!([-2, -1, 0, 2, 3, 4].map(|i| mirrored(Kernel::CatmullRom, i)), [0, 0, 0, 2, 2, 2]);
+        assert_eq!([-2, -1, 0, 2, 3, 4, 5].map(|i| mirrored(Kernel::Bspline3, i)), [2, 1, 0, 2, 1, 0, 1]);
     }
 }

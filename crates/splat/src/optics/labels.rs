@@ -5,7 +5,7 @@
 //!
 //! - `Σ c_l f_l`, what is left of the scan's optical depth (`f_l` its factor in label `l`);
 //! - `Σ c_l f_l t_l` and `Σ c_l f_l t_l rgb_l`, what is tinted of that (`t_l` the share of the tint);
-//! - `Σ c_l τ_l` and `Σ c_l τ_l rgb_l`, the optical depth and colour of the labels' own matter.
+//! - `Σ c_l τ_l` and `Σ c_l τ_l rgb_l`, the optical depth and colour of the label medium.
 //!
 //! A segmentation is a staircase of samples; the linear kernel keeps the stairs, a blurring one smooths them.
 
@@ -38,7 +38,7 @@ impl Codes {
 /// Optical depth that stands for opacity 1: coverage 1 % of it is faint, and a unit of it lets 1e-7 through.
 const OPAQUE_LABEL_DEPTH: f64 = 16.0;
 
-/// Half distance of the differences for the gradient of own matter, voxels; and where stairs are to be smoothed: wide
+/// Half distance of the differences for the gradient of the label medium, voxels; and where stairs are to be smoothed: wide
 /// enough for the normals to see several of them.
 const GRADIENT_OFFSET: f64 = 1.0;
 const SMOOTH_GRADIENT_OFFSET: f64 = 2.5;
@@ -62,8 +62,8 @@ pub struct LabelTerms {
     pub scan: Option<usize>,
     /// What is tinted of it; red, green and blue follow.
     pub tint: Option<usize>,
-    /// Optical depth of own matter; red, green and blue follow.
-    pub matter: Option<usize>,
+    /// Optical depth of the label medium; red, green and blue follow.
+    pub medium: Option<usize>,
 }
 
 impl LabelTerms {
@@ -71,11 +71,11 @@ impl LabelTerms {
     #[must_use]
     pub fn after(self, n_fields: usize) -> Self {
         let later = |field: Option<usize>| field.map(|field| field + n_fields);
-        Self { scan: later(self.scan), tint: later(self.tint), matter: later(self.matter) }
+        Self { scan: later(self.scan), tint: later(self.tint), medium: later(self.medium) }
     }
 }
 
-/// Optical depth per `opacity_unit` of a label's own matter.
+/// Optical depth per `opacity_unit` of a label medium.
 pub fn own_depth(look: &LabelLook) -> f64 {
     (-(-look.opacity).ln_1p()).min(OPAQUE_LABEL_DEPTH)
 }
@@ -101,7 +101,7 @@ impl Labels {
             (0..3).for_each(|c| add(&|look| look.scan * look.tint * look.rgb[c]));
         }
         if looks.iter().any(|look| look.opacity > 0.0) {
-            terms.matter = take(4);
+            terms.medium = take(4);
             add(&own_depth);
             (0..3).for_each(|c| add(&|look| own_depth(look) * look.rgb[c]));
         }
@@ -123,7 +123,7 @@ impl Labels {
         self.terms
     }
 
-    /// Half distance of the differences for the gradient of own matter, voxels.
+    /// Half distance of the differences for the gradient of the label medium, voxels.
     pub fn gradient_offset(&self) -> f64 {
         if self.kernel == Kernel::Linear { GRADIENT_OFFSET } else { SMOOTH_GRADIENT_OFFSET }
     }
@@ -131,7 +131,7 @@ impl Labels {
     /// The fields.
     pub fn fields(&self) -> Vec<Field<'static>> {
         let field = |(i, channel): (usize, &Slices<'static>)| {
-            let gradient = (self.terms.matter == Some(i)).then(|| Gradient::Difference(self.gradient_offset()));
+            let gradient = (self.terms.medium == Some(i)).then(|| Gradient::Difference(self.gradient_offset()));
             Field { slices: channel.clone(), from_index: [(0.0, 1.0); 3], gradient }
         };
         self.channels.iter().enumerate().map(field).collect()

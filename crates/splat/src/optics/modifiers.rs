@@ -2,7 +2,7 @@
 //!
 //! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
 //! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour is mixed with
-//! that of the labels that tint it, and labels with an opacity of their own add the matter `Σ c_l τ_l`, with `c_l` the
+//! that of the labels that tint it, and labels with an opacity of their own add the medium `Σ c_l τ_l`, with `c_l` the
 //! coverage of label `l` ([`crate::optics::labels`]).
 
 use wavesplat_compute::simd::Wide;
@@ -22,7 +22,7 @@ pub struct Modifiers {
     pub light: Option<LightTerms>,
     /// Which fields hold the labels.
     pub labels: Option<LabelTerms>,
-    /// Shades the labels' own matter, where there is light.
+    /// Shades the label medium, where there is light.
     pub label_shader: Option<Shader>,
 }
 
@@ -35,21 +35,21 @@ impl Modifiers {
         self.by_gradient.is_some() || self.light.is_some() || self.labels.is_some()
     }
 
-    /// The field of the labels' own matter.
+    /// The field of the label medium.
     #[inline(always)]
-    pub fn matter_field(&self) -> Option<usize> {
-        self.labels.as_ref().and_then(|labels| labels.matter)
+    pub fn label_medium_field(&self) -> Option<usize> {
+        self.labels.as_ref().and_then(|labels| labels.medium)
     }
 
-    /// The fields that the scan needs, and those that the labels' own matter needs beside its optical depth.
+    /// The fields that the scan needs, and those that the label medium needs beside its optical depth.
     #[inline(always)]
-    pub fn fields(&self, scan: bool, matter: bool) -> impl Iterator<Item = usize> + use<> {
+    pub fn fields(&self, scan: bool, medium: bool) -> impl Iterator<Item = usize> + use<> {
         let labels = self.labels.unwrap_or_default();
         let four = |first: Option<usize>| first.map_or(0..0, |first| first..first + 4);
         let light = self.light.map(|light| [light.openness, light.shadow]).unwrap_or_default();
         let light = light.into_iter().flatten().map(|(field, _)| field);
         let of_scan = labels.scan.into_iter().chain(four(labels.tint)).filter(move |_| scan);
-        light.chain(of_scan).chain(four(labels.matter).skip(1).filter(move |_| matter))
+        light.chain(of_scan).chain(four(labels.medium).skip(1).filter(move |_| medium))
     }
 
     /// Share of the scan's optical depth that labels leave.
@@ -76,10 +76,10 @@ impl Modifiers {
         tinted
     }
 
-    /// Optical depth and colour of the labels' own matter.
+    /// Optical depth and colour of the label medium.
     #[inline(always)]
-    pub fn matter<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> Option<(W::F, [W::F; 3])> {
-        let field = self.matter_field()?;
+    pub fn medium<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> Option<(W::F, [W::F; 3])> {
+        let field = self.label_medium_field()?;
         let depth = w.max(point.value(w, field), w.splat(0.0));
         let inverse = w.div(w.splat(1.0), w.max(depth, w.splat(LEAST)));
         let mut color = [inverse; 3];

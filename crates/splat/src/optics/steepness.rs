@@ -27,7 +27,7 @@ const N_TURNS: usize = 64;
 /// Whether a transfer function can change opacity or colour by a visible amount within a voxel, or has peaks and gaps that
 /// sheets can miss; of a coarser level, within one of the finest: its pictures are smaller, and a smooth function is as
 /// smooth on it.
-pub fn is_steep(grid: &Grid, tf: &TransferFunction) -> bool {
+pub fn needs_preintegration(grid: &Grid, tf: &TransferFunction) -> bool {
     let thickness = slab_of_the_finest(grid, tf);
     let classifier = Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness);
     varies(&classifier, thickness) || has_thin_parts(&classifier, grid, tf)
@@ -139,14 +139,14 @@ mod tests {
         };
         let (soft, hard) = (curve([(0.0, 0.0), (1.0, 0.3)], None), curve([(0.5, 0.0), (0.51, 1.0)], None));
         for grid in [&finest, &level] {
-            assert!(!is_steep(grid, &soft) && is_steep(grid, &hard));
+            assert!(!needs_preintegration(grid, &soft) && needs_preintegration(grid, &hard));
         }
         // A peak that is thin beside the range of the data, however faint.
         let thin = [(0.49, 0.0), (0.5, 0.1), (0.51, 0.0)].map(|(value, opacity)| OpacityNode { value, opacity });
         let thin = TransferFunction::new(thin.to_vec(), vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None).unwrap();
-        assert!(is_steep(&finest, &thin) && is_steep(&level, &thin));
+        assert!(needs_preintegration(&finest, &thin) && needs_preintegration(&level, &thin));
         // The same samples as a volume of their own have voxels four times as thick.
-        assert!(is_steep(&grid(4.0), &curve([(0.0, 0.0), (1.0, 0.3)], Some(1.0))));
+        assert!(needs_preintegration(&grid(4.0), &curve([(0.0, 0.0), (1.0, 0.3)], Some(1.0))));
     }
 
     #[test]

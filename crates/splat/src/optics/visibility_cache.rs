@@ -57,7 +57,7 @@ impl Visibility {
 
     /// Whether slabs of a thickness, in `opacity_unit`s, need pre-integration; of a coarser level, those of the finest too.
     /// `grid`, `tf`: of the slices and of this.
-    pub fn is_steep(&self, grid: &Grid, tf: &TransferFunction, slab_thickness: f64) -> bool {
+    pub fn needs_preintegration(&self, grid: &Grid, tf: &TransferFunction, slab_thickness: f64) -> bool {
         (self.varies(slab_thickness) && (grid.coarseness() <= 1.0 || self.varies(slab_of_the_finest(grid, tf))))
             || *self.has_thin_parts.get_or_init(|| has_thin_parts(&self.classifier, grid, tf))
     }

@@ -197,8 +197,8 @@ fn read_quad<S: Simd>(
     let (w0, w3) = (s.take(&weights_u[0].0, pixel), s.take(&weights_u[3].0, pixel));
     let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
     // Of the two texels in the middle: of two reads in one vector, then of four.
-    let least = s.part_quads(s.middle_quads(least[0], least[1]), s.middle_quads(least[2], least[3]));
-    let most = s.part_quads(s.middle_quads(most[0], most[1]), s.middle_quads(most[2], most[3]));
+    let least = s.deinterleave_quads(s.middle_quads(least[0], least[1]), s.middle_quads(least[2], least[3]));
+    let most = s.deinterleave_quads(s.middle_quads(most[0], most[1]), s.middle_quads(most[2], most[3]));
     held(s, sum, [s.min(least[0], least[1]), s.max(most[0], most[1])], peaks(s, peak))
 }
 

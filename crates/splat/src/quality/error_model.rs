@@ -7,7 +7,7 @@
 
 use wavesplat_core::{Camera, Composite, RenderOptions};
 
-use crate::optics::steepness::is_steep;
+use crate::optics::steepness::needs_preintegration;
 use crate::picture::supersampling::reads_per_axis;
 use crate::quality::framing::Framing;
 use crate::render::layer::Layer;
@@ -34,7 +34,7 @@ const MEASURED_SHEETS: [f64; 5] = [2.0, 4.0, 6.0, 8.0, 12.0];
 const MEASURED_OVERSAMPLINGS: [f64; 4] = [1.2, 2.0, 3.0, 4.0];
 
 /// Where no sampling reaches what is wanted, the cheapest is taken with nearly the least error.
-const NEARLY: f64 = 1.1;
+const ACCEPT_RATIO: f64 = 1.1;
 
 /// Mean square errors of a picture with a sampling and with coarser ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,10 +135,10 @@ const DEVIATIONS: f64 = 1.0;
 const CLOSE_OCTAVES: f64 = 0.3;
 
 /// Of smooth functions, so many times the sheets are measured that are chosen: more or fewer may do.
-const SPARE_SHEETS: f64 = 1.4;
+const SHEET_MARGIN: f64 = 1.4;
 
 /// Power of the distance of pixels by which the texels grow that leave as much error.
-const OF_DISTANCE: f64 = 0.25;
+const DISTANCE_EXPONENT: f64 = 0.25;
 
 /// Errors of another picture are believed if its pixels are farther apart or closer by this factor at most.
 const MAX_FARTHER: f64 = 1.5;
@@ -149,7 +149,7 @@ impl ErrorModel {
         let composite = options.composite;
         let has_steps = |layer: &Layer| {
             let tf = layer.transfer_function;
-            tf.has_gradient() || is_steep(layer.slices.grid(), tf)
+            tf.has_gradient() || needs_preintegration(layer.slices.grid(), tf)
         };
         let is_smooth = composite == Composite::Over && !layers.iter().any(has_steps);
         let [along_db, across_db] = if is_smooth { [50.5, 47.35] } else { [48.0, 39.0] };
@@ -159,7 +159,7 @@ impl ErrorModel {
         let errors = Errors { along: [[along / along_decay; 2], [along; 2]], across, deviation: 0.0 };
         // The closer pixels are to each other, the less is left out between them.
         let framing = Framing::new(layers[0].slices.grid(), camera, options);
-        let oversampling = 0.7 * (framing.pixel_in_samples / 0.62).powf(OF_DISTANCE);
+        let oversampling = 0.7 * (framing.pixel_in_samples / 0.62).powf(DISTANCE_EXPONENT);
         let at = Sampling { sheets_per_slice: 2.0, oversampling };
         // Base planes that lie aslant to the picture have more texels than it has pixels.
         let most_oversampling = (MAX_TEXELS / (3.0 * options.width_px as f64 * options.height_px as f64)).sqrt();
@@ -188,7 +188,7 @@ impl ErrorModel {
         // Sheets and texels that leave as much error in what is seen, and how much more is seen.
         let at = Sampling {
             sheets_per_slice: other.at.sheets_per_slice * (own.slice_in_samples / others.slice_in_samples),
-            oversampling: other.at.oversampling * farther.powf(OF_DISTANCE),
+            oversampling: other.at.oversampling * farther.powf(DISTANCE_EXPONENT),
         };
         let more = own.covered / others.covered;
         let Errors { along, across, .. } = other.errors;
@@ -211,7 +211,7 @@ impl ErrorModel {
         Sampling {
             // Half of the sheets are to lie as evenly.
             sheets_per_slice: if self.is_smooth {
-                (SPARE_SHEETS * sheets).min(12.0)
+                (SHEET_MARGIN * sheets).min(12.0)
             } else {
                 first(&MEASURED_SHEETS, sheets)
             },
@@ -242,7 +242,7 @@ impl ErrorModel {
         let likely_most =
             |sampling: &Sampling| self.error(sampling) * 10.0_f64.powf(0.1 * DEVIATIONS * self.spread_db(sampling));
         let best = all().map(|sampling| likely_most(&sampling)).fold(f64::INFINITY, f64::min);
-        let enough = all().filter(|sampling| likely_most(sampling) <= error.max(NEARLY * best));
+        let enough = all().filter(|sampling| likely_most(sampling) <= error.max(ACCEPT_RATIO * best));
         enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).unwrap_or(self.at)
     }
 

@@ -39,7 +39,7 @@ const MIN_CELL_PX: usize = 4;
 const MAX_CELLS: usize = 128;
 
 /// A cell without contrast counts as much as others with this share of the mean.
-const FLAT: f64 = 0.2;
+const CONTRAST_FLOOR: f64 = 0.2;
 
 /// Multiples of these, less their whole parts, fill a square evenly (Roberts 2018, *R2 sequence*).
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
@@ -80,7 +80,7 @@ impl Overview {
         let mut weights: Vec<f64> = (0..n[0] * n[1]).map(|k| contrast(k % n[0], k / n[0])).collect();
         let is_seen: Vec<bool> = weights.iter().zip(&picture.rgba).map(|(w, rgba)| *w > 0.0 || rgba[3] > 0.0).collect();
         let n_seen = is_seen.iter().filter(|seen| **seen).count();
-        let flat = FLAT * weights.iter().sum::<f64>() / n_seen.max(1) as f64 + f64::MIN_POSITIVE.sqrt();
+        let flat = CONTRAST_FLOOR * weights.iter().sum::<f64>() / n_seen.max(1) as f64 + f64::MIN_POSITIVE.sqrt();
         for (weight, is_seen) in weights.iter_mut().zip(&is_seen) {
             *weight += if *is_seen { flat } else { 0.0 };
         }

@@ -28,32 +28,32 @@ use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 use crate::source::nonfinite::{known_between, known_share};
 
-/// Emission and absorption. `EXTRA`: with what few pictures have; a constant, so that the others do not pay for it.
-pub struct Over<'a, const EXTRA: bool> {
+/// Emission and absorption. `MODIFIED`: with what few pictures have; a constant, so that the others do not pay for it.
+pub struct Over<'a, const MODIFIED: bool> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
-    extras: &'a Modifiers,
+    modifiers: &'a Modifiers,
     /// The fields on the sheet in front and on that behind, where they were read last.
     here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
-    is_steep: bool,
+    needs_preintegration: bool,
     so_far: Accumulator,
 }
 
-impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
-    /// Goes on from a state; `None`: nothing is drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
+impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
+    /// Goes on from a state; `None`: nothing is drawn yet. `needs_preintegration`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
     /// `with_depth`: whether `s_half` is wanted.
     pub fn new(
         classifier: &'a Classifier,
         shader: Option<&'a Shader>,
-        extras: &'a Modifiers,
-        is_steep: bool,
+        modifiers: &'a Modifiers,
+        needs_preintegration: bool,
         opaque: f32,
         with_depth: bool,
         state: Option<TileState>,
     ) -> Self {
         let so_far = Accumulator::new(opaque, with_depth, state);
-        Self { classifier, shader, extras, here: Default::default(), is_steep, so_far }
+        Self { classifier, shader, modifiers, here: Default::default(), needs_preintegration, so_far }
     }
 
     /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
@@ -69,14 +69,14 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let geometry = slab.first.geometry;
         let density = if which == 0 { slab.first.front.density(w, chunks) } else { slab.first.back.density(w, chunks) };
         let scan_ahead = self.see(w, chunks, rays, [density; 2]) != [false; 2];
-        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, which..which + 1);
-        if !scan_ahead && !matter_ahead {
+        let medium_ahead = MODIFIED && self.see_label_medium(w, chunks, rays, slab, which..which + 1);
+        if !scan_ahead && !medium_ahead {
             return;
         }
-        if EXTRA {
-            self.read_fields(w, chunks, slab, which..which + 1, [scan_ahead, matter_ahead]);
+        if MODIFIED {
+            self.read_fields(w, chunks, slab, which..which + 1, [scan_ahead, medium_ahead]);
         }
-        let needs_gradient = self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some());
+        let needs_gradient = self.shader.is_some() || (MODIFIED && self.modifiers.by_gradient.is_some());
         // First, so that no live register is spilled around this call.
         if needs_gradient {
             slab.first.prepare_gradient(which, chunks[0].block());
@@ -88,32 +88,32 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             length = w.mul(length, known_share(w, sheet.missing(w, chunks)));
         }
         let mut classified = self.classifier.look_up(w, density);
-        let by_gradient = self.extras.by_gradient.as_ref().filter(|_| EXTRA);
+        let by_gradient = self.modifiers.by_gradient.as_ref().filter(|_| MODIFIED);
         let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
             classified = by_gradient.classify(w, density, gradient, classified);
             let [.., depth] = classified;
-            if !matter_ahead && self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
+            if !medium_ahead && self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
                 return;
             }
         }
         let [r, g, b, mut depth] = classified;
         let point = FieldPoint::on(&self.here[which]);
-        if EXTRA {
-            depth = w.mul(depth, if scan_ahead { self.extras.scan_share(w, &point) } else { w.splat(0.0) });
+        if MODIFIED {
+            depth = w.mul(depth, if scan_ahead { self.modifiers.scan_share(w, &point) } else { w.splat(0.0) });
         }
         let scan_depth = w.mul(depth, length);
         let mut alpha = one_minus_exp_neg(w, scan_depth);
         let to_eye = rays.to_eye(w, chunks);
         let mut rgb = [w.splat(0.0); 3];
-        if !EXTRA || scan_ahead {
+        if !MODIFIED || scan_ahead {
             rgb = self.shade(w, [r, g, b], gradient, to_eye, &point);
         }
-        if EXTRA
-            && matter_ahead
-            && let Some(matter) = self.extras.matter(w, &point)
+        if MODIFIED
+            && medium_ahead
+            && let Some(medium) = self.modifiers.medium(w, &point)
         {
-            (rgb, alpha) = self.add_matter(w, (rgb, alpha, scan_depth), matter, length, to_eye, &point);
+            (rgb, alpha) = self.add_label_medium(w, (rgb, alpha, scan_depth), medium, length, to_eye, &point);
         }
         self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
@@ -126,15 +126,15 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let front = slab.first.front.density(w, chunks);
         let back = slab.first.back.density(w, chunks);
         let scan_ahead = self.see(w, chunks, rays, [w.min(front, back), w.max(front, back)]) != [false; 2];
-        let matter_ahead = EXTRA && self.see_matter(w, chunks, rays, slab, 0..2);
-        if !scan_ahead && !matter_ahead {
+        let medium_ahead = MODIFIED && self.see_label_medium(w, chunks, rays, slab, 0..2);
+        if !scan_ahead && !medium_ahead {
             return;
         }
-        if EXTRA {
-            self.read_fields(w, chunks, slab, 0..2, [scan_ahead, matter_ahead]);
+        if MODIFIED {
+            self.read_fields(w, chunks, slab, 0..2, [scan_ahead, medium_ahead]);
         }
         // First, so that no live register is spilled around this call.
-        if self.shader.is_some() || (EXTRA && self.extras.by_gradient.is_some()) {
+        if self.shader.is_some() || (MODIFIED && self.modifiers.by_gradient.is_some()) {
             slab.first.prepare_gradient(0, chunks[0].block());
             slab.first.prepare_gradient(1, chunks[0].block());
         }
@@ -151,7 +151,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         let mut length = whole_length;
         if geometry.slices.has_mask() {
             let missing = Some([slab.first.front.missing(w, chunks), slab.first.back.missing(w, chunks)]);
-            // In the middle of what is visible; of all for the labels' own matter.
+            // In the middle of what is visible; of all for the label medium.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let (of_scan, of_all) = (
                 known_between(w, missing, w.add_mul(begin, middle, w.mul(extent, per_s))),
@@ -160,23 +160,26 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             length = w.mul(length, of_scan);
             whole_length = w.mul(whole_length, of_all);
         }
-        if EXTRA {
+        if MODIFIED {
             // What holds in the middle of what is visible.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let at = w.add_mul(begin, middle, w.mul(extent, per_s));
-            if let Some(by_gradient) = &self.extras.by_gradient {
+            if let Some(by_gradient) = &self.modifiers.by_gradient {
                 let front = slab.first.front.gradient(w, chunks);
                 let back = slab.first.back.gradient(w, chunks);
                 length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
             }
-            let share =
-                if scan_ahead { self.extras.scan_share(w, &FieldPoint::between(&self.here, at)) } else { w.splat(0.0) };
+            let share = if scan_ahead {
+                self.modifiers.scan_share(w, &FieldPoint::between(&self.here, at))
+            } else {
+                w.splat(0.0)
+            };
             length = w.mul(length, share);
         }
         let [mut alpha, mut moment, mut scan_depth] = [w.splat(0.0); 3];
         for (k, depth) in passage.depths.into_iter().enumerate() {
             let depth = w.mul(depth, length);
-            if EXTRA {
+            if MODIFIED {
                 scan_depth = w.add(scan_depth, depth);
             }
             let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
@@ -196,7 +199,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             gradient = Some(between(w, front, back, at));
         }
         let to_eye = rays.to_eye(w, chunks);
-        let mut rgb = if !EXTRA || scan_ahead {
+        let mut rgb = if !MODIFIED || scan_ahead {
             self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at))
         } else {
             [w.splat(0.0); 3]
@@ -205,11 +208,11 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
             w.add_mul(from, passage.first, extent),
             w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
         );
-        if EXTRA {
+        if MODIFIED {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
             let point = FieldPoint::between(&self.here, middle);
-            if matter_ahead && let Some(matter) = self.extras.matter(w, &point) {
-                (rgb, alpha) = self.add_matter(w, (rgb, alpha, scan_depth), matter, whole_length, to_eye, &point);
+            if medium_ahead && let Some(medium) = self.modifiers.medium(w, &point) {
+                (rgb, alpha) = self.add_label_medium(w, (rgb, alpha, scan_depth), medium, whole_length, to_eye, &point);
                 visible = (from, extent);
             }
         }
@@ -217,7 +220,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
 
-    /// Reads what of the fields the scan and the labels' own matter need that are not read yet, on the sheets in front
+    /// Reads what of the fields the scan and the label medium need that are not read yet, on the sheets in front
     /// (0) and behind (1).
     #[inline(always)]
     fn read_fields<W: Wide>(
@@ -226,16 +229,16 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         chunks: Chunks,
         slab: &mut Slab,
         which: Range<usize>,
-        [scan, matter]: [bool; 2],
+        [scan, medium]: [bool; 2],
     ) {
         let from = (slab.field_geometries, slab.field_panels);
         for k in which {
-            for field in self.extras.fields(scan, matter) {
+            for field in self.modifiers.fields(scan, medium) {
                 slab.fields[k].read(w, from, field, chunks, &mut self.here[k]);
             }
-            if matter
-                && self.extras.label_shader.is_some()
-                && let Some(field) = self.extras.matter_field()
+            if medium
+                && self.modifiers.label_shader.is_some()
+                && let Some(field) = self.modifiers.label_medium_field()
             {
                 slab.fields[k].read_gradient(w, from, field, chunks, &mut self.here[k]);
             }
@@ -252,21 +255,28 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         to_eye: [W::F; 3],
         point: &FieldPoint<W>,
     ) -> [W::F; 3] {
-        if !EXTRA {
+        if !MODIFIED {
             return match self.shader.zip(gradient) {
                 Some((shader, gradient)) => shader.shade(w, rgb, gradient, to_eye),
                 None => rgb,
             };
         }
-        let rgb = self.extras.tint(w, rgb, point);
-        lit(w, rgb, self.shader.zip(gradient), to_eye, self.extras.light(w, point))
+        let rgb = self.modifiers.tint(w, rgb, point);
+        lit(w, rgb, self.shader.zip(gradient), to_eye, self.modifiers.light(w, point))
     }
 
-    /// Whether any ray that is not done can see labels' own matter on the sheets in front (0) and behind (1), which is
+    /// Whether any ray that is not done can see label media on the sheets in front (0) and behind (1), which is
     /// read.
     #[inline(always)]
-    fn see_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: Range<usize>) -> bool {
-        let Some(field) = self.extras.matter_field() else { return false };
+    fn see_label_medium<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        rays: &Rays,
+        slab: &mut Slab,
+        which: Range<usize>,
+    ) -> bool {
+        let Some(field) = self.modifiers.label_medium_field() else { return false };
         let from = (slab.field_geometries, slab.field_panels);
         let mut most = w.splat(0.0);
         for k in which {
@@ -276,10 +286,10 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
         self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
     }
 
-    /// Mixes the labels' own matter into what the scan has in the same space: colour, opacity and optical depth. Colours
+    /// Mixes the label medium into what the scan has in the same space: colour, opacity and optical depth. Colours
     /// mix by extinction: where both are opaque, opacities would say half and half.
     #[inline(always)]
-    fn add_matter<W: Wide>(
+    fn add_label_medium<W: Wide>(
         &self,
         w: W,
         (rgb, alpha, scan_depth): ([W::F; 3], W::F, W::F),
@@ -290,8 +300,8 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
     ) -> ([W::F; 3], W::F) {
         let own_depth = w.mul(depth, length);
         let own = one_minus_exp_neg(w, own_depth);
-        let shader = self.extras.label_shader.as_ref().zip(Some(point.gradient(w)));
-        let color = lit(w, color, shader, to_eye, self.extras.light(w, point));
+        let shader = self.modifiers.label_shader.as_ref().zip(Some(point.gradient(w)));
+        let color = lit(w, color, shader, to_eye, self.modifiers.light(w, point));
         let sum = w.add(scan_depth, own_depth);
         let share = w.select(w.lt(w.splat(0.0), sum), w.div(own_depth, sum), w.splat(0.0));
         let mut mixed = rgb;
@@ -316,7 +326,7 @@ impl<'a, const EXTRA: bool> Over<'a, EXTRA> {
     }
 }
 
-impl<const EXTRA: bool> Over<'_, EXTRA> {
+impl<const MODIFIED: bool> Over<'_, MODIFIED> {
     #[inline(always)]
     fn add_sheet_outlined<W: Wide>(
         &mut self,
@@ -335,7 +345,7 @@ impl<const EXTRA: bool> Over<'_, EXTRA> {
     /// Adds a slab to one chunk or two.
     #[inline(always)]
     fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
-        if self.is_steep {
+        if self.needs_preintegration {
             return w.one().outlined(
                 #[inline(always)]
                 || self.add_slab(w, chunks, rays, slab),
@@ -351,9 +361,9 @@ impl<const EXTRA: bool> Over<'_, EXTRA> {
     }
 }
 
-impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
+impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
     fn looks_behind(&self) -> bool {
-        self.is_steep
+        self.needs_preintegration
     }
 
     #[inline(always)]
@@ -373,9 +383,9 @@ impl<const EXTRA: bool> Compositor for Over<'_, EXTRA> {
         }
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
-            // Of a hard surface one of them often sees nothing; labels' own matter is looked for later.
-            let has_matter = EXTRA && self.extras.matter_field().is_some();
-            let seen = if one && other && self.is_steep && !has_matter {
+            // Of a hard surface one of them often sees nothing; label media is looked for later.
+            let has_label_medium = MODIFIED && self.modifiers.label_medium_field().is_some();
+            let seen = if one && other && self.needs_preintegration && !has_label_medium {
                 self.see_slab(Pair(s), [first, second], rays, slab)
             } else {
                 [one, other]

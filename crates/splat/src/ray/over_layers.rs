@@ -41,7 +41,7 @@ pub struct OverLayers<'a> {
     /// The fields on the sheet in front and on that behind, where they were read last.
     here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
-    is_steep: bool,
+    needs_preintegration: bool,
     so_far: Accumulator,
 }
 
@@ -87,16 +87,21 @@ fn sheets<'s, 'b>(slab: &'s mut Slab<'_, 'b>, layer: usize) -> &'s mut LayerShee
 }
 
 impl<'a> OverLayers<'a> {
-    /// Goes on from a state; `None`: nothing is drawn yet. `is_steep`: pre-integrate the slabs. `opaque`: opacity from which
+    /// Goes on from a state; `None`: nothing is drawn yet. `needs_preintegration`: pre-integrate the slabs. `opaque`: opacity from which
     /// a ray is done. `with_depth`: whether `s_half` is wanted.
     pub fn new(
         media: Vec<LayerOptics<'a>>,
-        is_steep: bool,
+        needs_preintegration: bool,
         opaque: f32,
         with_depth: bool,
         state: Option<TileState>,
     ) -> Self {
-        Self { media, here: Default::default(), is_steep, so_far: Accumulator::new(opaque, with_depth, state) }
+        Self {
+            media,
+            here: Default::default(),
+            needs_preintegration,
+            so_far: Accumulator::new(opaque, with_depth, state),
+        }
     }
 
     /// Whether any ray of each chunk that is not done can see something of a medium between two densities.
@@ -116,25 +121,25 @@ impl<'a> OverLayers<'a> {
         }
     }
 
-    /// Whether any ray that is not done can see labels' own matter on a sheet.
+    /// Whether any ray that is not done can see label media on a sheet.
     #[inline(always)]
-    fn see_matter<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
-        let Some(field) = self.media[0].modifiers.matter_field() else { return false };
+    fn see_label_medium<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
+        let Some(field) = self.media[0].modifiers.label_medium_field() else { return false };
         let from = (slab.field_geometries, slab.field_panels);
         slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
         let depth = self.here[which].value(w, field);
         self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) != [false; 2]
     }
 
-    /// Reads the rest of what the labels' own matter needs on a sheet, after [`OverLayers::see_matter`].
+    /// Reads the rest of what the label medium needs on a sheet, after [`OverLayers::see_label_medium`].
     #[inline(always)]
-    fn read_matter<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize) {
+    fn read_label_medium<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize) {
         let modifiers = self.media[0].modifiers;
         let from = (slab.field_geometries, slab.field_panels);
         for field in modifiers.fields(false, true) {
             slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
         }
-        if let (Some(field), true) = (modifiers.matter_field(), modifiers.label_shader.is_some()) {
+        if let (Some(field), true) = (modifiers.label_medium_field(), modifiers.label_shader.is_some()) {
             slab.fields[which].read_gradient(w, from, field, chunks, &mut self.here[which]);
         }
     }
@@ -203,10 +208,10 @@ impl<'a> OverLayers<'a> {
                 mixture.add(w, rgb, w.mul(depth, length));
                 any = true;
             }
-            if layer == 0 && self.see_matter(w, chunks, rays, slab, which) {
-                self.read_matter(w, chunks, slab, which);
+            if layer == 0 && self.see_label_medium(w, chunks, rays, slab, which) {
+                self.read_label_medium(w, chunks, slab, which);
                 let point = FieldPoint::on(&self.here[which]);
-                if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
+                if let Some((rgb, depth)) = label_medium(w, &medium, to_eye, &point) {
                     mixture.add(w, rgb, w.mul(depth, length));
                     any = true;
                 }
@@ -305,16 +310,16 @@ impl<'a> OverLayers<'a> {
                 mixes |= only.replace(Fragment { rgb, alpha, from: w.splat(s_front), extent }).is_some();
             }
             if layer == 0 {
-                let on_front = self.see_matter(w, chunks, rays, slab, 0);
-                let on_back = self.see_matter(w, chunks, rays, slab, 1);
+                let on_front = self.see_label_medium(w, chunks, rays, slab, 0);
+                let on_back = self.see_label_medium(w, chunks, rays, slab, 1);
                 if on_front || on_back {
                     for which in 0..2 {
-                        self.read_matter(w, chunks, slab, which);
+                        self.read_label_medium(w, chunks, slab, which);
                     }
                     let middle = w.mul(w.add(begin, end), w.splat(0.5));
                     let point = FieldPoint::between(&self.here, middle);
                     let length = w.mul(length, known_between(w, missing, middle));
-                    if let Some((rgb, depth)) = matter(w, &medium, to_eye, &point) {
+                    if let Some((rgb, depth)) = label_medium(w, &medium, to_eye, &point) {
                         for k in 0..N_PARTS {
                             let share = w.sub(cuts[k + 1], cuts[k]);
                             parts[k].add(w, rgb, w.mul(w.mul(depth, share), length));
@@ -389,17 +394,22 @@ fn shaded<W: Wide>(
     lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point))
 }
 
-/// Colour and optical depth of the labels' own matter.
+/// Colour and optical depth of the label medium.
 #[inline(always)]
-fn matter<W: Wide>(w: W, medium: &LayerOptics, to_eye: [W::F; 3], point: &FieldPoint<W>) -> Option<([W::F; 3], W::F)> {
-    let (depth, color) = medium.modifiers.matter(w, point)?;
+fn label_medium<W: Wide>(
+    w: W,
+    medium: &LayerOptics,
+    to_eye: [W::F; 3],
+    point: &FieldPoint<W>,
+) -> Option<([W::F; 3], W::F)> {
+    let (depth, color) = medium.modifiers.medium(w, point)?;
     let shader = medium.modifiers.label_shader.as_ref().map(|shader| (shader, point.gradient(w)));
     Some((lit(w, color, shader, to_eye, medium.modifiers.light(w, point)), depth))
 }
 
 impl Compositor for OverLayers<'_> {
     fn looks_behind(&self) -> bool {
-        self.is_steep
+        self.needs_preintegration
     }
 
     #[inline(always)]
@@ -410,7 +420,7 @@ impl Compositor for OverLayers<'_> {
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let chunks = [chunk; 2];
-        if self.is_steep {
+        if self.needs_preintegration {
             return s.outlined(
                 #[inline(always)]
                 || self.add_slab(s, chunks, rays, slab),

@@ -4,7 +4,7 @@ use glam::DVec3;
 use wavesplat_compute::parallel;
 
 use super::raycast::Sampler;
-use crate::kernel::weights::{fold, overshoot, radius};
+use crate::kernel::weights::{mirror_index, overshoot, radius};
 
 /// Cells per side of the blocks that are skipped where nothing in them is visible.
 const BLOCK: usize = 4;
@@ -36,7 +36,7 @@ impl ActiveBlocks {
         let span = |axis: usize| {
             let lo = (block[axis] * BLOCK) as i64 - reach;
             let hi = ((block[axis] + 1) * BLOCK) as i64 + reach;
-            (lo..=hi).map(move |i| fold(sampler.slices.kernel(), i, size[axis]))
+            (lo..=hi).map(move |i| mirror_index(sampler.slices.kernel(), i, size[axis]))
         };
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
         for z in span(2) {

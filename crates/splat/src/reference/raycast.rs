@@ -15,7 +15,7 @@ use wavesplat_core::{
 use super::active_blocks::ActiveBlocks;
 use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
 use crate::kernel::smoothed;
-use crate::kernel::weights::{MAX_TAPS, fold, n_taps, taps};
+use crate::kernel::weights::{MAX_TAPS, mirror_index, n_taps, taps};
 use crate::optics::labels::{Labels, own_depth};
 use crate::optics::shade::vanishing_gradient_squared;
 use crate::reference::medium::Medium;
@@ -218,7 +218,7 @@ impl<'a> Sampler<'a> {
         let taps = [0, 1, 2].map(|a| {
             let last = (self.size[a] - 1) as f64;
             let (first, weights) = smoothed::taps(kernel, position[a].clamp(0.0, last), deviation);
-            let sample = |t: usize| fold(kernel, first + t as i64, self.size[a]);
+            let sample = |t: usize| mirror_index(kernel, first + t as i64, self.size[a]);
             (0..MAX_DIFFERENCE_TAPS)
                 .filter(|t| weights[0][*t] != 0.0)
                 .map(|t| (sample(t), [weights[0][t], weights[1][t]]))
@@ -321,7 +321,7 @@ fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: imp
         let (first, along) = taps(kernel, x);
         weights[axis] = along;
         for t in 0..n {
-            index[axis][t] = fold(kernel, first + t as i64, size[axis]);
+            index[axis][t] = mirror_index(kernel, first + t as i64, size[axis]);
         }
     }
     for tz in 0..n {
@@ -341,7 +341,7 @@ struct Mixture {
     scan: f64,
     tint: f64,
     tint_rgb: [f64; 3],
-    /// Optical depth of own matter, and its colour times it.
+    /// Optical depth of the label medium, and its colour times it.
     own: f64,
     own_rgb: [f64; 3],
 }
@@ -504,7 +504,7 @@ impl<'a> RayCaster<'a> {
 }
 
 impl CastVolume<'_> {
-    /// What is at an index position: the scan, and the labels' own matter.
+    /// What is at an index position: the scan, and the label medium.
     fn medium(&self, position: DVec3, to_eye: DVec3) -> Medium {
         let sampler = &self.sampler;
         let mixture = self.labels.map(|labels| Mixture::new(labels, self.size, position));
@@ -540,7 +540,7 @@ impl CastVolume<'_> {
         scan.and(&Medium { extinction: own * per_unit, color })
     }
 
-    /// Index-space gradient of the labels' own matter by differences.
+    /// Index-space gradient of the label medium by differences.
     fn own_gradient(&self, position: DVec3) -> DVec3 {
         let Some(labels) = self.labels else { return DVec3::ZERO };
         let own = |position: DVec3| Mixture::new(labels, self.size, position).own;

@@ -31,7 +31,7 @@ use super::ablation::{Ablation, FootprintTable};
 use super::raycast::Sampler;
 use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_taps};
 use crate::kernel::smoothed;
-use crate::kernel::weights::{fold, n_taps, taps};
+use crate::kernel::weights::{mirror_index, n_taps, taps};
 use crate::picture::base_picture::BasePicture;
 use crate::picture::edges::{Edges, Scaling};
 use crate::picture::supersampling::reads_per_axis;
@@ -95,12 +95,12 @@ impl Splatter<'_> {
             let (first, weights) = self.taps(axis, x.clamp(0.0, last));
             let kernel = self.slices.kernel();
             let along = (first..).zip(weights).take(n_taps(kernel));
-            along.map(move |(sample, weight)| (fold(kernel, sample, n), factor * weight))
+            along.map(move |(sample, weight)| (mirror_index(kernel, sample, n), factor * weight))
         };
         let smooth = |deviation: f64, which: usize| {
             let kernel = self.slices.kernel();
             let (first, weights) = smoothed::taps(kernel, x, deviation);
-            (first..).zip(weights[which]).map(|(sample, weight)| (fold(kernel, sample, n), weight)).collect()
+            (first..).zip(weights[which]).map(|(sample, weight)| (mirror_index(kernel, sample, n), weight)).collect()
         };
         match footprint {
             Smooth(deviation) => smooth(deviation, 0),
@@ -197,7 +197,8 @@ impl Splatter<'_> {
         let mut density = 0.0;
         for (v, row) in (noisy.first[1]..).zip(&noisy.weights) {
             for (u, weight) in (noisy.first[0]..).zip(row).filter(|(_, weight)| **weight != 0.0) {
-                density += weight * samples[fold(kernel, v, size[1]) * size[0] + fold(kernel, u, size[0])];
+                density +=
+                    weight * samples[mirror_index(kernel, v, size[1]) * size[0] + mirror_index(kernel, u, size[0])];
             }
         }
         density

@@ -48,7 +48,7 @@ pub fn draw_piece(
         let piece = Piece { tile: tiles[k], blocks: BlockMask::MAX, slabs: slabs.clone() };
         let mut work = Work::default();
         let state = states.get(k).cloned().flatten();
-        let run = Run { job: &job, piece: &piece, state, work: &mut work, then: IntoState };
+        let run = Run { job: &job, piece: &piece, state, work: &mut work, finish: IntoState };
         let state = with_operator(plan, job.family, run);
         progress.tile_done();
         (state, work)
@@ -98,19 +98,19 @@ pub fn tiles_of(plan: &Plan, family: usize) -> Vec<[usize; 2]> {
 /// Puts the texels of a tile that is done in their place.
 pub fn finish_tile(plan: &Plan, family: usize, state: TileState, texels: &mut TileTexels) {
     let family = &plan.families[family];
-    with_operator(plan, family, Resume { state, then: PutTexels { texels, sign: family.sign() } });
+    with_operator(plan, family, Resume { state, finish: WriteTexels { texels, sign: family.sign() } });
 }
 
 /// Draws a tile through all its slabs and puts its texels in their place.
 pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut TileTexels) -> Work {
     let mut work = Work::default();
-    let put = PutTexels { texels, sign: job.family.sign() };
-    with_operator(plan, job.family, Run { job, piece, state: None, work: &mut work, then: put });
+    let put = WriteTexels { texels, sign: job.family.sign() };
+    with_operator(plan, job.family, Run { job, piece, state: None, work: &mut work, finish: put });
     work
 }
 
 /// Calls `work` with what makes the compositor of a plan's operator.
-fn with_operator<U: UseOperator>(plan: &Plan, family: &FamilyPlan, work: U) -> U::Output {
+fn with_operator<U: WithCompositor>(plan: &Plan, family: &FamilyPlan, work: U) -> U::Output {
     let media = plan.layers.iter().zip(&family.layers).map(|(layer, of_family)| LayerOptics {
         classifier: &layer.tables,
         shader: of_family.shader.as_ref(),
@@ -136,7 +136,7 @@ fn with_operator<U: UseOperator>(plan: &Plan, family: &FamilyPlan, work: U) -> U
 }
 
 /// Work that is written once for all operators.
-trait UseOperator {
+trait WithCompositor {
     type Output;
     fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output;
 }
@@ -147,40 +147,40 @@ struct Run<'a, 'b, T> {
     piece: &'a Piece,
     state: Option<TileState>,
     work: &'a mut Work,
-    then: T,
+    finish: T,
 }
 
-impl<T: Then> UseOperator for Run<'_, '_, T> {
+impl<T: Finish> WithCompositor for Run<'_, '_, T> {
     type Output = Option<T::Output>;
 
     fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output {
-        self.job.run(self.piece, self.state, new, self.work).map(|compositor| self.then.end(compositor))
+        self.job.run(self.piece, self.state, new, self.work).map(|compositor| self.finish.end(compositor))
     }
 }
 
 /// Takes up what was done before.
 struct Resume<T> {
     state: TileState,
-    then: T,
+    finish: T,
 }
 
-impl<T: Then> UseOperator for Resume<T> {
+impl<T: Finish> WithCompositor for Resume<T> {
     type Output = T::Output;
 
     fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output {
-        self.then.end(new(Some(self.state)))
+        self.finish.end(new(Some(self.state)))
     }
 }
 
 /// What becomes of a compositor.
-trait Then {
+trait Finish {
     type Output;
     fn end<C: Compositor>(self, compositor: C) -> Self::Output;
 }
 
 struct IntoState;
 
-impl Then for IntoState {
+impl Finish for IntoState {
     type Output = TileState;
 
     fn end<C: Compositor>(self, compositor: C) -> TileState {
@@ -188,13 +188,13 @@ impl Then for IntoState {
     }
 }
 
-struct PutTexels<'a, 'b> {
+struct WriteTexels<'a, 'b> {
     texels: &'a mut TileTexels<'b>,
     /// Positions along rays and along w differ by this.
     sign: f32,
 }
 
-impl Then for PutTexels<'_, '_> {
+impl Finish for WriteTexels<'_, '_> {
     type Output = ();
 
     fn end<C: Compositor>(self, compositor: C) {

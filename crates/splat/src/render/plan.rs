@@ -216,13 +216,13 @@ impl Plan {
             None if composite == Composite::Over => Arc::new(FieldPlan::new(layers, &plans, camera)?),
             None => Arc::default(),
         };
-        let is_steep = || {
+        let needs_preintegration = || {
             let mut pairs = plans.iter().zip(layers);
             pairs.any(|(plan, layer)| {
                 let thickness = slab_length / plan.opacity_unit;
                 // A function of two dimensions has no integral along a slab.
                 layer.transfer_function.function_2d().is_none()
-                    && plan.tables.is_steep(&plan.grid, layer.transfer_function, thickness)
+                    && plan.tables.needs_preintegration(&plan.grid, layer.transfer_function, thickness)
             })
         };
         let first = layers[0];
@@ -231,7 +231,7 @@ impl Plan {
             camera: camera.clone(),
             size_px,
             rays,
-            operator: operator(options, first.slices.grid(), is_steep),
+            operator: operator(options, first.slices.grid(), needs_preintegration),
             depth_cue: match composite {
                 Composite::DepthShadedMaximum { strength, .. } => {
                     Some(DepthCue::new(strength, camera, &grid, region.bounds))
@@ -303,9 +303,9 @@ impl Plan {
         match self.operator {
             Operator::Over { .. } => {
                 let occupied = bricks.occupied(axes, layer.tables.visible_ranges(bricks));
-                let Some(field) = modifiers.matter_field() else { return Some(occupied) };
-                let matter = self.fields.fields[field].slices.bricks()?;
-                let covered = matter.occupied(axes, &matter.visible_ranges(|[_, hi]| hi > 0.0));
+                let Some(field) = modifiers.label_medium_field() else { return Some(occupied) };
+                let medium = self.fields.fields[field].slices.bricks()?;
+                let covered = medium.occupied(axes, &medium.visible_ranges(|[_, hi]| hi > 0.0));
                 occupied.or(&covered).map(Arc::new)
             }
             // A surface needs densities on both sides.
@@ -406,12 +406,12 @@ fn in_common(options: &RenderOptions, map: &IndexMap) -> Option<Crop> {
     })
 }
 
-fn operator(options: &RenderOptions, grid: &Grid, is_steep: impl Fn() -> bool) -> Operator {
+fn operator(options: &RenderOptions, grid: &Grid, needs_preintegration: impl Fn() -> bool) -> Operator {
     let (offset, scale) = grid.density_from_sample();
     let density = |value: f64| ((value - offset) * scale) as f32;
     match options.composite {
         Composite::Over => Operator::Over {
-            pre_integrated: options.pre_integration && is_steep(),
+            pre_integrated: options.pre_integration && needs_preintegration(),
             opaque: if options.early_ray_termination { OPAQUE_ENOUGH } else { OPAQUE_TO_THE_END },
         },
         Composite::FirstHit { iso_value } => Operator::FirstHit { iso: density(iso_value) },

@@ -279,16 +279,16 @@ impl LayerRun {
         }
         let w = slab.sheets.map(|sheet| spacing.w(sheet));
         let ends = [slabs[0].sheets[0], slabs[slabs.len() - 1].sheets[1]].map(|sheet| spacing.w(sheet));
-        sheets.panel.cover(sheets.geometry, w, ends, texels_ahead(spacing, slabs, k, alive, first));
+        sheets.transposed.cover(sheets.geometry, w, ends, texels_ahead(spacing, slabs, k, alive, first));
         if *in_front != Some(slab.sheets[0]) {
-            sheets.front.combine(sheets.geometry, &sheets.panel, w[0], first, blocks);
+            sheets.front.combine(sheets.geometry, &sheets.transposed, w[0], first, blocks);
         }
         // What is behind this slab is in front of the next, be it one of another piece.
         let follows = |next: &ActiveSlab| next.sheets[0] == slab.sheets[1];
         let of = |next: Option<ActiveSlab>| next.filter(follows).map_or(0, |next| next.blocks & alive);
         let next_here = of(slabs.get(k + 1).copied());
         let next = if k + 1 == slabs.len() { of(*behind) } else { next_here };
-        sheets.back.combine(sheets.geometry, &sheets.panel, w[1], first, blocks | next_here);
+        sheets.back.combine(sheets.geometry, &sheets.transposed, w[1], first, blocks | next_here);
         sheets.front.prepare(sheets.geometry, blocks);
         sheets.back.prepare(sheets.geometry, if looks_behind { blocks } else { blocks & !next });
         sheets.last = blocks & !next;

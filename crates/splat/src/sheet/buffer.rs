@@ -92,19 +92,19 @@ impl Sheet {
     pub fn combine(
         &mut self,
         geometry: &SheetGeometry,
-        panel: &TransposedSlices,
+        transposed: &TransposedSlices,
         w: f64,
         first: [usize; 2],
         blocks: BlockMask,
     ) {
-        self.combine_with(geometry, panel, None, w, first, blocks);
+        self.combine_with(geometry, transposed, None, w, first, blocks);
     }
 
     /// As [`Sheet::combine`], with the weights of a sheet at the same place ([`SheetGeometry::has_weights_of`]).
     pub fn combine_with(
         &mut self,
         geometry: &SheetGeometry,
-        panel: &TransposedSlices,
+        transposed: &TransposedSlices,
         weights: Option<&Self>,
         w: f64,
         [i0, j0]: [usize; 2],
@@ -152,7 +152,7 @@ impl Sheet {
         let axes = geometry.plane.family.axes;
         let (first, window) = self.place(&part);
         let density = &mut self.density[first..];
-        if !panel.combine(geometry, &taps, window, density, self.stride) {
+        if !transposed.combine(geometry, &taps, window, density, self.stride) {
             let soon = geometry.slice_behind(&taps);
             geometry.slices.combine(geometry.level, axes, &taps, soon, window, density, self.stride);
         }
@@ -189,19 +189,19 @@ impl Sheet {
 
     /// Makes the gradient of a block ready. After [`Sheet::prepare`].
     #[inline(always)]
-    pub fn prepare_gradient(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices, block: Block) {
+    pub fn prepare_gradient(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices, block: Block) {
         if self.has_gradient & block.mask() == 0 {
-            self.make_gradient(geometry, panel, block);
+            self.make_gradient(geometry, transposed, block);
         }
     }
 
     /// By itself, so that compositing stays small: compilers keep more of what it works on in registers.
     #[inline(never)]
-    fn make_gradient(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices, block: Block) {
+    fn make_gradient(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices, block: Block) {
         let blocks = block.mask();
         self.has_gradient |= blocks;
         if !self.has_through {
-            self.combine_through(geometry, panel);
+            self.combine_through(geometry, transposed);
             geometry.level.run(
                 #[inline(always)]
                 || {
@@ -253,7 +253,7 @@ impl Sheet {
     }
 
     /// The derivative through the sheet at sample resolution, and what smoothed gradients along the sheet are made of.
-    fn combine_through(&mut self, geometry: &SheetGeometry, panel: &TransposedSlices) {
+    fn combine_through(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices) {
         let Some(part) = self.part.clone() else { return };
         self.has_through = true;
         let (first, window) = self.place(&part);
@@ -264,7 +264,7 @@ impl Sheet {
         {
             combined.resize(self.stride * self.n_v, 0.0);
             let combined = &mut combined[first..];
-            if !panel.combine(geometry, &taps, window, combined, self.stride) {
+            if !transposed.combine(geometry, &taps, window, combined, self.stride) {
                 let soon = geometry.slice_behind(&taps);
                 let axes = geometry.plane.family.axes;
                 geometry.slices.combine(geometry.level, axes, &taps, soon, window, combined, self.stride);

@@ -38,8 +38,8 @@ impl FieldSlices {
         ends: [f64; 2],
         texels: impl Fn(&dyn Fn(f64) -> bool) -> [[usize; 2]; 2],
     ) {
-        for (panel, geometry) in self.0.iter_mut().zip(geometries) {
-            panel.cover(geometry, w, ends, &texels);
+        for (transposed, geometry) in self.0.iter_mut().zip(geometries) {
+            transposed.cover(geometry, w, ends, &texels);
         }
     }
 }
@@ -55,7 +55,7 @@ impl FieldSheets {
 
     /// Combines the slices of a field.
     #[inline(never)]
-    fn make(&mut self, (geometries, panels): (&[SheetGeometry], &FieldSlices), field: usize) {
+    fn make(&mut self, (geometries, transposed): (&[SheetGeometry], &FieldSlices), field: usize) {
         self.made[field] = true;
         let (w, first, blocks) = self.place;
         let (before, rest) = self.sheets.split_at_mut(field);
@@ -63,7 +63,7 @@ impl FieldSheets {
         // Most fields lie alike, and have the same weights.
         let alike = (0..field).find(|&k| self.made[k] && geometries[k].has_weights_of(&geometries[field]));
         let weights = alike.map(|k| &before[k]);
-        sheet.combine_with(&geometries[field], &panels.0[field], weights, w, first, blocks);
+        sheet.combine_with(&geometries[field], &transposed.0[field], weights, w, first, blocks);
     }
 
     /// Reads the value of a field at chunks. After [`FieldSheets::place`] with their block.
@@ -90,13 +90,13 @@ impl FieldSheets {
     pub fn read_gradient<W: Wide>(
         &mut self,
         w: W,
-        (geometries, panels): (&[SheetGeometry], &FieldSlices),
+        (geometries, transposed): (&[SheetGeometry], &FieldSlices),
         field: usize,
         chunks: [Chunk; 2],
         out: &mut FieldValues,
     ) {
         let sheet = &mut self.sheets[field];
-        sheet.prepare_gradient(&geometries[field], &panels.0[field], chunks[0].block());
+        sheet.prepare_gradient(&geometries[field], &transposed.0[field], chunks[0].block());
         let gradient = sheet.gradient(w, chunks);
         for c in 0..3 {
             w.store_to(gradient[c], &mut out.gradient[c], [0, 1]);

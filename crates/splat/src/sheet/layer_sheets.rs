@@ -11,7 +11,7 @@ pub struct LayerSheets<'a> {
     /// Where they lie among the layer's samples.
     pub geometry: &'a SheetGeometry<'a>,
     /// Samples that both sheets are made of.
-    pub panel: TransposedSlices,
+    pub transposed: TransposedSlices,
     /// The sheet in front.
     pub front: Sheet,
     /// The sheet behind.
@@ -29,7 +29,7 @@ impl<'a> LayerSheets<'a> {
     pub fn new(geometry: &'a SheetGeometry<'a>, rays: Option<Rays>) -> Self {
         Self {
             geometry,
-            panel: TransposedSlices::default(),
+            transposed: TransposedSlices::default(),
             front: Sheet::default(),
             back: Sheet::default(),
             rays,
@@ -42,7 +42,7 @@ impl<'a> LayerSheets<'a> {
     #[inline(always)]
     pub fn prepare_gradient(&mut self, which: usize, block: Block) {
         let sheet = if which == 0 { &mut self.front } else { &mut self.back };
-        sheet.prepare_gradient(self.geometry, &self.panel, block);
+        sheet.prepare_gradient(self.geometry, &self.transposed, block);
     }
 
     /// The sheet in front (0) or that behind (1).

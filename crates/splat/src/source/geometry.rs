@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::kernel::footprint::Axis;
 use crate::kernel::slice_taps::SliceTaps;
-use crate::kernel::weights::{fold, n_taps, reach};
+use crate::kernel::weights::{mirror_index, n_taps, reach};
 use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
@@ -134,7 +134,7 @@ fn folded(axis: &Axis, lo: i64, hi: i64) -> Range<usize> {
     let (mut first, mut last) =
         if inside.is_empty() { (usize::MAX, 0) } else { (inside.start as usize, inside.end as usize - 1) };
     for i in (lo..=hi.min(-1)).chain(lo.max(end)..=hi) {
-        let i = fold(axis.kernel, i, axis.n_samples);
+        let i = mirror_index(axis.kernel, i, axis.n_samples);
         (first, last) = (first.min(i), last.max(i));
     }
     first..last + 1

@@ -366,7 +366,7 @@ impl Bricks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::weights::{fold, taps, weight};
+    use crate::kernel::weights::{mirror_index, taps, weight};
     use crate::source::slices::Slices;
     use wavesplat_testkit::Phantom;
 
@@ -389,7 +389,8 @@ mod tests {
                     let which = [t % 4, t / 4 % 4, t / 16];
                     let weight: f64 = (0..3).map(|a| tapped[a].1[which[a]]).product();
                     if weight != 0.0 {
-                        let index = std::array::from_fn(|a| fold(kernel, tapped[a].0 + which[a] as i64, size[a]));
+                        let index =
+                            std::array::from_fn(|a| mirror_index(kernel, tapped[a].0 + which[a] as i64, size[a]));
                         density += weight * slices.at(index);
                     }
                 }

@@ -17,7 +17,7 @@ use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_sample
 
 use crate::kernel::prefilter;
 use crate::kernel::slice_taps::SliceTap;
-use crate::kernel::weights::{fold, n_taps};
+use crate::kernel::weights::{mirror_index, n_taps};
 use crate::source::block_cache::{Blocks, DensityBox, all_densities, bytes_of_all};
 use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MAX_BYTES, widen};
 use crate::source::nonfinite::{self, MISSING, fill_holes};
@@ -420,7 +420,7 @@ impl<'a> Slices<'a> {
         let SampleSource::Decoded(Some(blocks)) = &self.source else { return };
         let size = self.prepared.size;
         let reached = |[lo, hi]: [i64; 2], n: usize| {
-            let folded = (lo..=hi).map(|i| fold(self.prepared.kernel, i, n));
+            let folded = (lo..=hi).map(|i| mirror_index(self.prepared.kernel, i, n));
             folded.fold([usize::MAX, 0], |[lo, hi], i| [lo.min(i), hi.max(i)])
         };
         let ends = [reached(window.u, size[axes[0]]), reached(window.v, size[axes[1]]), slices];

@@ -6,7 +6,7 @@ use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel, prefetch};
 use wavesplat_core::Kernel;
 
 use crate::kernel::slice_taps::SliceTap;
-use crate::kernel::weights::fold;
+use crate::kernel::weights::mirror_index;
 
 /// A rectangle of sample positions in a slice, `u` and `v` inclusive, before folding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl SliceRectangle {
     /// Place of a sample along one axis (0, 1: u, v), folded back.
     #[inline(always)]
     fn place(&self, axis: usize, i: i64) -> usize {
-        (fold(self.kernel, i, self.n[axis]) - self.origin[axis]) * self.stride[axis]
+        (mirror_index(self.kernel, i, self.n[axis]) - self.origin[axis]) * self.stride[axis]
     }
 
     /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`. `soon`: a slice that is combined soon, whose

@@ -9,7 +9,7 @@ use wavesplat_core::{
 use wavesplat_splat::Layer;
 use wavesplat_splat::kernel::footprint::{Axis, AxisFootprints};
 use wavesplat_splat::kernel::slice_taps::SliceTaps;
-use wavesplat_splat::kernel::weights::fold;
+use wavesplat_splat::kernel::weights::mirror_index;
 use wavesplat_splat::optics::classify::{Classifier, Entry, one_minus_exp_neg};
 use wavesplat_splat::optics::shade::Shader;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
@@ -76,7 +76,7 @@ fn footprint(level: Level, case: &Case) -> Arrays {
     let mut dense = vec![0.0; n * axis.n_samples];
     for i in 0..n {
         for t in 0..difference.n_taps {
-            let sample = fold(kernel, first + (difference.first(i) + t) as i64, axis.n_samples);
+            let sample = mirror_index(kernel, first + (difference.first(i) + t) as i64, axis.n_samples);
             dense[i * axis.n_samples + sample] += difference.weight(i, t);
         }
     }
@@ -149,12 +149,12 @@ fn sheet(level: Level, case: &Case) -> Arrays {
     assert_eq!(plane.family, Family { axes, ascending: true });
     assert_eq!(plane.sheet(w), [(u0, du), (v0, dv)]);
     let geometry = SheetGeometry::new(level, &plane, &slices, Some(Gradient::Difference(case.number("offset"))));
-    let mut panel = TransposedSlices::default();
-    panel.cover(&geometry, [w; 2], [w; 2], |_| [[0, 0], [LANES - 1, 7]]);
+    let mut transposed = TransposedSlices::default();
+    transposed.cover(&geometry, [w; 2], [w; 2], |_| [[0, 0], [LANES - 1, 7]]);
     let (mut sheet, block) = (Sheet::default(), Block::new(0));
-    sheet.combine(&geometry, &panel, w, [0, 0], block.mask());
+    sheet.combine(&geometry, &transposed, w, [0, 0], block.mask());
     sheet.prepare(&geometry, block.mask());
-    sheet.prepare_gradient(&geometry, &panel, block);
+    sheet.prepare_gradient(&geometry, &transposed, block);
     let names = ["density", "gradient_u", "gradient_v", "gradient_w"];
     let rows = (0..4).map(|row| level.dispatch(ReadSheet { sheet: &sheet, chunk: Chunk { strip: 0, row } }));
     let rows: Vec<[[f32; LANES]; 4]> = rows.collect();

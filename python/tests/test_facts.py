@@ -49,7 +49,7 @@ def test_names_of_units_in_files(name, ours):
     ],
 )  # fmt: skip
 def test_lengths_are_told_in_the_unit_in_which_they_read_best(length, unit, text):
-    assert units.shown(length, unit) == text
+    assert units.length_text(length, unit) == text
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ import SimpleITK
 from vti_files import save_vti
 
 import wavesplat as ws
-from wavesplat._model.foreign import as_volume
+from wavesplat._model.volume_like import as_volume
 from wavesplat.errors import ArgumentError, FileError
 
 SAMPLES = np.random.default_rng(5).integers(-900, 900, (4, 5, 6)).astype(np.int16)

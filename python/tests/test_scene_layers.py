@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.resampling import on_axes_of
-from wavesplat._scene.shown import shown_layers
 from wavesplat.errors import ArgumentError
 
 SIZE = (48, 40)
@@ -124,10 +124,10 @@ def test_the_operator_is_over_if_one_look_says_so():
     maximum = ws.Look(transfer_function=HOT, composite="maximum", shading=None)
     over, mean = ws.Look(transfer_function=SOFT), ws.Look(transfer_function=HOT, composite="mean")
     for looks, name in (((maximum, maximum), "maximum"), ((maximum, over), "over"), ((over, mean), "over")):
-        assert shown_layers(ws.Scene([CT, CT], list(looks)), None).composite == name
+        assert drawn_layers(ws.Scene([CT, CT], list(looks)), None).composite == name
     with pytest.raises(ArgumentError, match="for 'maximum' and 'mean'; say which with composite="):
         draw([ws.Layer(CT, maximum), ws.Layer(CT, mean)])
-    shown = shown_layers(ws.Scene([CT, CT], [maximum, mean]), "sum")
+    shown = drawn_layers(ws.Scene([CT, CT], [maximum, mean]), "sum")
     assert {layer.look.composite for layer in shown.layers} == {"sum"}
 
 
@@ -140,12 +140,12 @@ def channel(color=None, name=""):
 @pytest.mark.parametrize("composite", [None, "maximum"])
 def test_channels_of_fluorescence_have_colours_of_their_own(composite):
     layers = [channel(), channel(), channel((1, 0, 0)), channel((1, 0, 0)), channel()]
-    shown = shown_layers(ws.Scene(layers), composite).layers
+    shown = drawn_layers(ws.Scene(layers), composite).layers
     colors = [layer.look.transfer_function.color[-1 if composite else 1][1:] for layer in shown]
     assert len(set(colors)) == len(colors)
     assert colors[2] == (1, 0, 0)
     assert colors[0][1] == max(colors[0]), "the first is green"
-    alone = shown_layers(ws.Scene(channel((1, 0, 0))), composite).layers[0]
+    alone = drawn_layers(ws.Scene(channel((1, 0, 0))), composite).layers[0]
     assert composite or alone.look.transfer_function.color[1][1:] == (1, 0, 0)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._files.silence import silenced
+from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat.errors import FileError
 
 
@@ -41,7 +41,7 @@ def test_streams_are_restored_after_reading_in_threads(image):
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc where the streams lead")
 def test_those_who_overlap_restore_the_stream_together():
     before = places()
-    first, second = silenced(), silenced()
+    first, second = muted_stderr(), muted_stderr()
     first.__enter__()
     second.__enter__()
     first.__exit__(None, None, None)
@@ -54,7 +54,7 @@ def test_those_who_overlap_restore_the_stream_together():
 @pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")
 def test_a_forked_child_has_its_streams():
     before = places()
-    with silenced():
+    with muted_stderr():
         child = os.fork()
         if child == 0:
             os._exit(0 if places() == before else 1)
@@ -65,7 +65,7 @@ def test_results_on_stdout_are_never_hidden(capfd):
     inside, printed = threading.Event(), threading.Event()
 
     def read():
-        with silenced():
+        with muted_stderr():
             inside.set()
             printed.wait()
 

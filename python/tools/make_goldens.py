@@ -24,9 +24,7 @@ def main() -> None:
     for name in sys.argv[1:] or SCENES:
         content, path = png(SCENES[name]()), path_of(name)
         if len(content) > MAX_BYTES:
-            sys.exit(
-                f"{name} has {len(content)} bytes, more than the {MAX_BYTES} of a golden picture; draw it smaller"
-            )
+            sys.exit(f"{name} has {len(content)} bytes, more than the {MAX_BYTES} of a golden picture; draw it smaller")
         same = path.exists() and path.read_bytes() == content
         path.write_bytes(content)
         print(f"{path.relative_to(GOLDENS.parent)}: {len(content)} bytes, {'as it was' if same else 'new'}")

@@ -13,13 +13,13 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, Clipping, checked_clip
-from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.options import Kernel
 from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
+from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.scene import Scene
-from wavesplat._scene.shown import shown_layers
 from wavesplat.errors import ArgumentError
 
 __all__ = ["raycast", "splat_literal"]
@@ -78,7 +78,7 @@ def raycast(
         volume = _checked_samples(what)
         look = arguments.chosen_look(transfer_function, volume, "over")
         scene = Scene(volume, look, labels=labels, shading=shading, clip=clip)
-    shown = shown_layers(scene, "over")
+    shown = drawn_layers(scene, "over")
     lights = [layer.look.shading if scene.shading == "look" else scene.shading for layer in shown.layers]
     if any(isinstance(light, Shading) and (light.ambient_occlusion > 0 or light.shadow > 0) for light in lights):
         raise ArgumentError("the reference knows no ambient_occlusion and no shadow; give a Shading without them")

@@ -18,9 +18,9 @@ from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, checked_clip
 from wavesplat._model.cutting import without
-from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.options import Buffer, Kernel
 from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments

@@ -17,7 +17,7 @@ __all__ = ["check_outputs", "write_report"]
 def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = None) -> None:
     """Raise if a result cannot be written, or would replace the input or another result."""
     from wavesplat._files.output import check_output, check_writable
-    from wavesplat._files.places import expanded, real_place
+    from wavesplat._files.paths import expanded, real_place
 
     check_output(output, kind)
     places = {"INPUT": expanded(input), "--output": output}

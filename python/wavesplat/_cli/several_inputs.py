@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.printing import collected, message, print_lines
-from wavesplat._files.addresses import is_address, shown
+from wavesplat._files.addresses import is_address, safe_address
 from wavesplat._files.patterns import matching_files
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -97,7 +97,7 @@ def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> lis
             maker = makers.setdefault(path, input)
             if maker != input:
                 raise ArgumentError(
-                    f"{shown(maker)} and {shown(input)} would be one file, {path}; "
+                    f"{safe_address(maker)} and {safe_address(input)} would be one file, {path}; "
                     "write {folder} or {number} in its name"
                 )
         runs.append({**options, **own, "input": input})
@@ -138,7 +138,7 @@ def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled
                 if isinstance(error, ArgumentError) and number == 0:
                     raise
                 n_failed += 1
-                place = "" if shown(run["input"]) in str(error) else f": {shown(run['input'])}"
+                place = "" if safe_address(run["input"]) in str(error) else f": {safe_address(run['input'])}"
                 message(f"error: {' '.join(str(error).split())}{place}")
     if n_failed:
         message(f"{n_failed} of {len(runs)} inputs failed")

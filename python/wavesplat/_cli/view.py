@@ -88,7 +88,7 @@ def view(
     check_view_options(viewing)
     if input is not None and not is_address(input) and not Path(input).expanduser().exists():
         # Before a page opens.
-        from wavesplat._files.payload import check_readable
+        from wavesplat._files.size_checks import check_readable
 
         check_readable(Path(input).expanduser())
     from wavesplat._viewer.server import Server
@@ -121,7 +121,7 @@ def view(
         except WavesplatError as error:
             server.fail(str(error))
             # So that the page gets it, which may not be there yet.
-            if server.has_told.wait(TELLING_S if browser else 0):
+            if server.has_reported.wait(TELLING_S if browser else 0):
                 threading.Event().wait(0.3)
             raise
         _serve(server, first)

@@ -78,7 +78,7 @@ def seen_from(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: t
     Of several scenes, which are times, the first, the middle and the last one are in view. `look`: of the first layer.
     """
     from wavesplat._render.arguments import chosen_camera
-    from wavesplat._scene.shown import seen_parts
+    from wavesplat._scene.drawn_layers import seen_parts
 
     wanted = dict.fromkeys((0, len(scenes) // 2, len(scenes) - 1))
     parts = [part for number in wanted for part in seen_parts(scenes[number], look)]

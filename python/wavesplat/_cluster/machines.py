@@ -65,7 +65,7 @@ def machines_of(client: Any) -> Machines:
             "this client is asynchronous, and pictures are drawn synchronously; give Client(..., asynchronous=False), "
             "and draw in a thread if an event loop runs here"
         )
-    told = client.run(_told)
+    told = client.run(_machine_facts)
     if not told:
         raise ArgumentError("the cluster has no workers yet; wait for them with client.wait_for_workers(1)")
     missing = sorted(address for address, (version, *_) in told.items() if version != _native.__version__)
@@ -87,7 +87,7 @@ def machines_of(client: Any) -> Machines:
     return Machines(n_at_once, threads, memory)
 
 
-def _told(dask_worker: Any = None) -> tuple[str | None, str, int, int, int]:
+def _machine_facts(dask_worker: Any = None) -> tuple[str | None, str, int, int, int]:
     """What a worker tells of itself: release, host, threads, processors, memory."""
     import platform
 

@@ -21,7 +21,7 @@ __all__ = [
     "is_public",
     "is_web",
     "last_part",
-    "shown",
+    "safe_address",
 ]
 
 #: The protocols of addresses, here and in documents.
@@ -55,32 +55,32 @@ def checked(address: str) -> str:
     protocol, _, rest = address.partition("://")
     if "::" in protocol or "::" in rest.partition("?")[0].partition("/")[2]:
         raise FileError(
-            f"chains of protocols are not opened; give the address of the Zarr folder itself: {shown(address)}"
+            f"chains of protocols are not opened; give the address of the Zarr folder itself: {safe_address(address)}"
         )
     if protocol.lower() not in PROTOCOLS:
         raise FileError(
             f"{protocol[:MAX_LETTERS]}:// is not opened; use one of {', '.join(f'{one}://' for one in PROTOCOLS)}, "
-            f"or copy the data to this machine: {shown(address)}"
+            f"or copy the data to this machine: {safe_address(address)}"
         )
     try:
         parts = urlsplit(address)
         host, _ = parts.hostname, parts.port
     except ValueError as error:
-        raise FileError(f"this is no address ({error}); check its host and port: {shown(address)}") from None
+        raise FileError(f"this is no address ({error}); check its host and port: {safe_address(address)}") from None
     if protocol.lower() == "file":
         if host not in (None, "", "localhost"):
             raise FileError(
-                f"the file lies on {host}, not on this machine; mount its folder, or copy it: {shown(address)}"
+                f"the file lies on {host}, not on this machine; mount its folder, or copy it: {safe_address(address)}"
             )
         from urllib.request import url2pathname  # 57 ms, which every start of the command line would pay
 
         return url2pathname(parts.path)
     if not host:
-        raise FileError(f"the address names no host; write {protocol}://HOST/...: {shown(address)}")
+        raise FileError(f"the address names no host; write {protocol}://HOST/...: {safe_address(address)}")
     return address
 
 
-def shown(path: str | PathLike[str]) -> str:
+def safe_address(path: str | PathLike[str]) -> str:
     """A path for messages; an address without user name, query and fragment, which may hold passwords, and cut."""
     text = str(path)
     return _without_passwords(text)[:MAX_LETTERS] if is_address(text) else text
@@ -98,7 +98,7 @@ def check_no_address(path: str | PathLike[str], what: str) -> None:
     if is_address(path):
         raise FileError(
             f"{what} is read from a file on this machine, not from an address; save it, and give its path: "
-            f"{shown(path)}"
+            f"{safe_address(path)}"
         )
 
 

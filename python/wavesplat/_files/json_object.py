@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from wavesplat._files import json_text
 from wavesplat._files.output import write_atomically
-from wavesplat._files.places import read_text
+from wavesplat._files.paths import read_text
 from wavesplat.errors import ArgumentError
 
 __all__ = ["check_fields", "check_list", "compact", "load", "names_in", "optional_number", "parse", "save", "write"]

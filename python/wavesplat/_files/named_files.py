@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from wavesplat._files.places import lies_in
+from wavesplat._files.paths import lies_in
 from wavesplat.errors import FileError
 
 __all__ = ["check_named_file", "check_within", "refused"]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 
 __all__ = ["check_members", "npy_header"]
 
@@ -30,7 +30,7 @@ def check_members(archive: zipfile.ZipFile, names: Iterable[str], path: object) 
         if dtype.hasobject:
             continue  # a pickle, which NumPy refuses
         member = archive.getinfo(name)
-        payload.check_stored(shape, dtype, member.file_size, path)
-        payload.check_stored(shape, dtype, member.compress_size, path, ratio=payload.ANY_RATIO)
-        total += payload.n_bytes(shape, dtype)
-    payload.check_memory(total, path)
+        size_checks.check_stored(shape, dtype, member.file_size, path)
+        size_checks.check_stored(shape, dtype, member.compress_size, path, ratio=size_checks.ANY_RATIO)
+        total += size_checks.n_bytes(shape, dtype)
+    size_checks.check_memory(total, path)

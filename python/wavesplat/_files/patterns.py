@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wavesplat._files.addresses import is_address
 from wavesplat._files.natural_order import natural_key
-from wavesplat._files.places import expanded
+from wavesplat._files.paths import expanded
 from wavesplat.errors import FileError
 
 __all__ = ["matching_files"]

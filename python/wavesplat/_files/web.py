@@ -10,7 +10,7 @@ import zlib
 from http import HTTPStatus
 from typing import Any, TypeAlias
 
-from wavesplat._files.addresses import is_public, shown
+from wavesplat._files.addresses import is_public, safe_address
 from wavesplat._files.libraries import library
 from wavesplat.errors import FileError, LibraryError
 
@@ -105,10 +105,10 @@ async def _client(**options: Any) -> Any:
         target = answer.url.join(yarl.URL(answer.headers.get("Location") or answer.headers.get("URI") or ""))
         if not _is_same_host(answer.url, target):
             answer.close()
-            place = shown(f"{target.scheme}://{target.authority}")
+            place = safe_address(f"{target.scheme}://{target.authority}")
             raise FileError(
                 f"the server of {answer.url.host} sends the request on to {place}, another place; open that address "
-                f"itself if you trust it: {shown(str(answer.url))}"
+                f"itself if you trust it: {safe_address(str(answer.url))}"
             )
 
     trace = aiohttp.TraceConfig()
@@ -151,10 +151,10 @@ async def _body(answer: Any, most: int, url: str) -> bytes:
     """The content of an answer, unpacked if it is packed."""
     packing = answer.headers.get("Content-Encoding", "identity").lower()
     if packing not in ("identity", "", "gzip", "deflate", "x-gzip"):
-        raise FileError(f"the server packs its answer by {packing!r}, though it was asked not to: {shown(url)}")
+        raise FileError(f"the server packs its answer by {packing!r}, though it was asked not to: {safe_address(url)}")
     too_long = FileError(
         f"the server sends more than the {most} bytes that can be there; the data are damaged, or not what they say: "
-        f"{shown(url)}"
+        f"{safe_address(url)}"
     )
     if (answer.content_length or 0) > most:
         answer.close()
@@ -167,7 +167,9 @@ async def _body(answer: Any, most: int, url: str) -> bytes:
             answer.close()
             raise too_long
     if unpacking is not None and (not unpacking.eof or unpacking.unused_data):
-        raise FileError(f"damaged: the server's packed answer has no end, or more after it; try again: {shown(url)}")
+        raise FileError(
+            f"damaged: the server's packed answer has no end, or more after it; try again: {safe_address(url)}"
+        )
     return bytes(content)
 
 
@@ -194,10 +196,10 @@ def _why_not(status: int, url: str) -> str:
     said = f"{status} {known.get(status, '')}".strip()
     if status == HTTPStatus.UNAUTHORIZED:
         place = "give an address that holds the access, ...?token=..."
-        return f"the server asks for a log-in ({said}); {place}: {shown(url)}"
+        return f"the server asks for a log-in ({said}); {place}: {safe_address(url)}"
     if status >= HTTPStatus.INTERNAL_SERVER_ERROR or status == HTTPStatus.TOO_MANY_REQUESTS:
-        return f"the server has a fault or is busy ({said}); try again later: {shown(url)}"
-    return f"the server does not give what is asked for ({said}); check the address: {shown(url)}"
+        return f"the server has a fault or is busy ({said}); try again later: {safe_address(url)}"
+    return f"the server does not give what is asked for ({said}); check the address: {safe_address(url)}"
 
 
 def _as_file_error(error: Exception, url: str) -> FileError:
@@ -210,14 +212,16 @@ def _as_file_error(error: Exception, url: str) -> FileError:
         return inner  # of the resolver of public hosts
 
     if isinstance(error, aiohttp.TooManyRedirects):
-        return FileError(f"the server sends the request round in a circle; check the address: {shown(url)}")
+        return FileError(f"the server sends the request round in a circle; check the address: {safe_address(url)}")
     if isinstance(error, asyncio.TimeoutError):  # the built-in one from Python 3.11 on
-        return FileError(f"the server does not answer within {WAITING_S:g} s; try again later: {shown(url)}")
+        return FileError(f"the server does not answer within {WAITING_S:g} s; try again later: {safe_address(url)}")
     if isinstance(error, aiohttp.ClientConnectorError):
-        return FileError(f"there is no connection to the server ({inner or error}); check the address: {shown(url)}")
+        return FileError(
+            f"there is no connection to the server ({inner or error}); check the address: {safe_address(url)}"
+        )
     if isinstance(error, aiohttp.ClientPayloadError):
-        return FileError(f"truncated: the server ended its answer too early; try again: {shown(url)}")
+        return FileError(f"truncated: the server ended its answer too early; try again: {safe_address(url)}")
     said = (str(error).splitlines() or [""])[0] or type(error).__name__
     for name in (url, str(yarl.URL(url))):  # aiohttp quotes it whole
-        said = said.replace(name, shown(name))
-    return FileError(f"the server cannot be asked, or not understood ({said}); check the address: {shown(url)}")
+        said = said.replace(name, safe_address(name))
+    return FileError(f"the server cannot be asked, or not understood ({said}); check the address: {safe_address(url)}")

@@ -15,7 +15,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from wavesplat._files import web
-from wavesplat._files.addresses import below, is_web, shown
+from wavesplat._files.addresses import below, is_web, safe_address
 from wavesplat._files.named_files import check_within
 from wavesplat._files.web import ForbiddenError, Part
 from wavesplat.errors import FileError, FileWarning
@@ -221,7 +221,7 @@ class ZarrPlace:
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return str(self.root) if self.root is not None else shown(self.address)
+        return str(self.root) if self.root is not None else safe_address(self.address)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_lock"}

@@ -16,7 +16,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TypeAlias
 
-from wavesplat._files.places import expanded, read_text
+from wavesplat._files.paths import expanded, read_text
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Named", "in_file", "in_table"]

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
 from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source
-from wavesplat._model.taking import taken
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.opening import open as open_volume
@@ -150,7 +150,7 @@ class Labels:
         *,
         smooth: bool = True,
     ) -> None:
-        found = taken(segmentation, "labels")
+        found = converted(segmentation, "labels")
         samples, matrix = found.samples, found.world_from_index
         if samples.ndim != 3:
             raise ArgumentError(f"labels: the segmentation has shape {samples.shape}; give [z, y, x]")

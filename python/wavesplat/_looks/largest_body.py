@@ -22,9 +22,9 @@ from wavesplat._files.libraries import library
 from wavesplat._looks.histogram import finite_samples, is_hounsfield, otsu, robust_range
 from wavesplat._model import units
 from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.sources import then
 from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 

@@ -14,8 +14,8 @@ from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import check_text, takes_its_types
-from wavesplat._model.foreign import VolumeLike, as_volume, volume_or_none
 from wavesplat._model.options import Composite
+from wavesplat._model.volume_like import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat._looks import colors, materials_mixture
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import check_text, described, takes_its_types
-from wavesplat._model.foreign import VolumeLike, as_volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.foreign import VolumeLike, as_volume, volume_or_none
+from wavesplat._model.volume_like import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 

@@ -20,8 +20,8 @@ from wavesplat._files.output import check_output, write_atomically
 from wavesplat._mesh.isosurface import Isosurface, isosurface
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.crop import Crop
-from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError

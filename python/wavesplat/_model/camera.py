@@ -21,8 +21,8 @@ from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._model.foreign import VolumeLike
     from wavesplat._model.grid import Grid
+    from wavesplat._model.volume_like import VolumeLike
 
 __all__ = ["Camera", "check_place", "check_view", "checked_lens"]
 

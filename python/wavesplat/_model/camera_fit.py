@@ -66,7 +66,7 @@ def corners_of(what: object) -> Vectors:
         if isinstance(bounds, np.ndarray) and bounds.shape == (2, 3) and np.isfinite(bounds).all():
             return np.array(list(product(*bounds.T)))
         # Not above: volumes know crops and cameras.
-        from wavesplat._model.foreign import as_volume
+        from wavesplat._model.volume_like import as_volume
 
         what = as_volume(what)
     return affine.box_corners(what.world_from_index, what.shape)

@@ -17,7 +17,7 @@ from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._model.foreign import VolumeLike
+    from wavesplat._model.volume_like import VolumeLike
 
 __all__ = ["Crop"]
 
@@ -97,7 +97,7 @@ class Crop:
         >>> corner = ws.Crop.corner(pelvis, "left anterior superior")
         >>> picture = ws.render(pelvis, "ct-muscle", clip=ws.CutOut(corner), size=(32, 32))
         """
-        from wavesplat._model.foreign import as_volume
+        from wavesplat._model.volume_like import as_volume
 
         grid = as_volume(volume)
         signs = _signs(str(name), grid)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model import affine, units
+from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
-from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
 __all__ = ["ANATOMICAL_SPACES", "MODALITIES", "NO_ANATOMY", "SPACE", "UNIT", "affine_of", "of_itk", "of_simple_itk"]
@@ -37,16 +37,16 @@ KEYS = {SPACE.lower(), UNIT, "itk_inputfiltername", "modality", "0008|0060"}
 WITHOUT_ANATOMY = ("NrrdImageIO", "VTKImageIO")
 
 
-def of_simple_itk(image: Any) -> Taken:
+def of_simple_itk(image: Any) -> Converted:
     """An image of SimpleITK."""
     import SimpleITK
 
     _check(image, image.GetDimension(), "SimpleITK.VectorIndexSelectionCast(image, 0)")
     said = {key.lower(): image.GetMetaData(key) for key in image.GetMetaDataKeys()}
-    return _taken(SimpleITK.GetArrayFromImage(image), affine_of(image), said)
+    return _converted(SimpleITK.GetArrayFromImage(image), affine_of(image), said)
 
 
-def of_itk(image: Any) -> Taken:
+def of_itk(image: Any) -> Converted:
     """An image of ITK; `itk.imread` and filters give these."""
     import itk  # type: ignore[import-not-found, unused-ignore]
 
@@ -57,7 +57,7 @@ def of_itk(image: Any) -> Taken:
     # Samples begin at the buffered region, the origin is that of index 0.
     first = np.array(tuple(image.GetBufferedRegion().GetIndex()), np.float64)
     matrix[:3, 3] += matrix[:3, :3] @ first
-    return _taken(itk.array_from_image(image), matrix, _said(image.GetMetaDataDictionary()))
+    return _converted(itk.array_from_image(image), matrix, _said(image.GetMetaDataDictionary()))
 
 
 def _said(dictionary: Any) -> dict[str, str]:
@@ -80,7 +80,7 @@ def _check(image: Any, n_axes: int, mend: str) -> None:
         raise ArgumentError(f"the image has {n_channels} channels; give one of them, as with {mend}")
 
 
-def _taken(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, str]) -> Taken:
+def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, str]) -> Converted:
     """`said`: what the image says beside, keys in lower case."""
     space = said.get(SPACE.lower())
     if space is None:
@@ -101,4 +101,4 @@ def _taken(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, str]
         modality=MODALITIES.get(modality),
         conventions=tuple(conventions),
     )
-    return Taken(samples, affine.RAS_FROM_LPS @ lps if is_anatomical else lps, facts)
+    return Converted(samples, affine.RAS_FROM_LPS @ lps if is_anatomical else lps, facts)

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from wavesplat._model import units
+from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
-from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
 __all__ = ["AFFINE", "MODALITY", "SPACE", "in_order", "is_labelled", "unlabelled"]
@@ -35,13 +35,13 @@ def is_labelled(samples: object) -> bool:
     return hasattr(samples, "dims") and hasattr(samples, "coords")
 
 
-def unlabelled(array: Any, *, has_place: bool) -> Taken:
+def unlabelled(array: Any, *, has_place: bool) -> Converted:
     """The samples in our order. `has_place`: where they lie is said otherwise, so coordinates do not count."""
     found = in_order(array, has_place=has_place)
     return replace(found, samples=np.asarray(found.samples))
 
 
-def in_order(array: Any, *, has_place: bool) -> Taken:
+def in_order(array: Any, *, has_place: bool) -> Converted:
     """The array itself, its axes z, y, x, and where it lies; nothing of it is read."""
     array = _only_array(array)
     sizes = dict(zip(array.dims, array.shape, strict=True))
@@ -58,7 +58,7 @@ def in_order(array: Any, *, has_place: bool) -> Taken:
     said = getattr(array, "attrs", {})
     modality = said.get(MODALITY)
     if has_place:
-        return Taken(ordered, None, Facts(modality=modality), title)
+        return Converted(ordered, None, Facts(modality=modality), title)
     places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
     matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
     matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
@@ -73,7 +73,7 @@ def in_order(array: Any, *, has_place: bool) -> Taken:
     )
     guesses = (*guesses, *units.guesses_of((x, y, z)))
     facts = Facts(unit=unit, is_anatomical=said.get(SPACE) == "RAS", modality=modality, guesses=guesses)
-    return Taken(ordered, matrix, facts, title)
+    return Converted(ordered, matrix, facts, title)
 
 
 def _only_array(array: Any) -> Any:

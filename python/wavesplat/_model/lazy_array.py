@@ -23,6 +23,7 @@ from wavesplat._files.libraries import library
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.converted import check_shape
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, is_own_file, open_hdf5
 from wavesplat._model.hdf5_place import place_of
@@ -35,7 +36,6 @@ from wavesplat._model.lazy_checks import (
     converted,
     renderable_type,
 )
-from wavesplat._model.taken import check_shape
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = [

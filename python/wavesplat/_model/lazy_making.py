@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.places import printable
+from wavesplat._files.paths import printable
 from wavesplat._model.argument_types import text_of
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import LazyArray, lazy_array

@@ -258,27 +258,27 @@ class LazyVolume(Volume):
 
         Reads all samples of that level where they were not looked through before.
         """
-        return self.survey(self._told_by(), "linear").value_range
+        return self.survey(self._surveyed_level(), "linear").value_range
 
     @property
     def n_nonfinite(self) -> int:
         """How many samples of that level are NaN or infinite: missing ones, which make matter around them fainter."""
-        return self.survey(self._told_by(), "linear").n_nonfinite
+        return self.survey(self._surveyed_level(), "linear").n_nonfinite
 
     @property
     def is_from_cache(self) -> bool:
         """Whether range and values come from a cache folder, by an earlier pass over the samples."""
-        return self.survey(self._told_by(), "linear").is_from_cache
+        return self.survey(self._surveyed_level(), "linear").is_from_cache
 
     @property
     def is_looked_through(self) -> bool:
         """Whether range and values are known, or soon told: samples were looked through before, or are few."""
-        level = self._told_by()
+        level = self._surveyed_level()
         if math.prod(self._levels[level].array.shape) <= SMALL:
             return True
         return self.known_survey(level, "linear") is not None or (level, "linear") in self._known.surveys
 
-    def _told_by(self) -> int:
+    def _surveyed_level(self) -> int:
         """The level that tells of values: the finest that is small, and takes a small part of the bytes of all."""
         if self._at is not None:
             return self._at
@@ -369,7 +369,7 @@ class LazyVolume(Volume):
 
         found: Volume | None = self._known.ready.get("preview")
         if found is None:
-            found = self._known.ready["preview"] = preview_of(self, self._told_by())
+            found = self._known.ready["preview"] = preview_of(self, self._surveyed_level())
         return found
 
     # What pictures need.
@@ -421,7 +421,7 @@ class LazyVolume(Volume):
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]; of a pyramid the samples of a coarser level next to these."""
-        told_by = self._told_by()
+        told_by = self._surveyed_level()
         if told_by == 0 and self._at is None:
             survey = self.survey(0, "linear")
             found = survey.every(step)

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from wavesplat._model import units
+from wavesplat._model.converted import Converted, loaded
 from wavesplat._model.facts import Facts
-from wavesplat._model.taken import Taken, loaded
 from wavesplat.errors import ArgumentError
 
 __all__ = ["of_napari"]
 
 
-def of_napari(layer: Any) -> Taken:
+def of_napari(layer: Any) -> Converted:
     """An image or labels layer; of several levels, the finest."""
     kind, name = type(layer).__name__, str(layer.name)
     if kind not in ("Image", "Labels") and not hasattr(getattr(layer, "data", None), "shape"):
@@ -45,4 +45,4 @@ def of_napari(layer: Any) -> Taken:
     xyz_units = (named[-1], named[-2], named[-3]) if len(named) == n else (None, None, None)
     unit, factors = units.in_one_unit(xyz_units)
     matrix[:3] *= np.array(factors)[:, None]
-    return Taken(samples, matrix, Facts(unit=unit, guesses=tuple(units.guesses_of(xyz_units))), name)
+    return Converted(samples, matrix, Facts(unit=unit, guesses=tuple(units.guesses_of(xyz_units))), name)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
-from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ LARGEST_FLOAT32 = float(np.finfo(np.float32).max)
 NO_ANATOMY = "axes without anatomy"
 
 
-def of_nibabel(image: Any) -> Taken:
+def of_nibabel(image: Any) -> Converted:
     """An image in memory, or one whose samples are still in its file."""
     if not hasattr(image, "dataobj") or getattr(image, "affine", None) is None:
         raise ArgumentError(f"a {type(image).__name__} has no samples on a grid; give an image, as of nibabel.load")
@@ -54,7 +54,7 @@ def of_nibabel(image: Any) -> Taken:
         )
     file = image.get_filename()
     name = None if file is None else Path(file).name
-    return Taken(samples.reshape(shape[:3], order="F").T, world_from_index(image), facts_of(image), name)
+    return Converted(samples.reshape(shape[:3], order="F").T, world_from_index(image), facts_of(image), name)
 
 
 def scaled(stored: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]:

@@ -9,7 +9,7 @@ from operator import index
 from threading import RLock
 from typing import Any, Protocol, overload, runtime_checkable
 
-from wavesplat._files.places import printable
+from wavesplat._files.paths import printable
 from wavesplat._model.argument_types import described, text_of
 from wavesplat._model.sources import Source, then
 from wavesplat._model.volume import Volume
@@ -130,7 +130,7 @@ class Series:
             ) from None
         n = len(self)
         if not -n <= place < n:
-            raise ArgumentError(f"time point {place}, but {self._told()} holds {n}, 0..{n - 1}")
+            raise ArgumentError(f"time point {place}, but {self._description()} holds {n}, 0..{n - 1}")
         return self._volume(self._numbers[place])
 
     def __iter__(self) -> Iterator[Volume]:
@@ -150,7 +150,7 @@ class Series:
     def _part(self, numbers: range, key: slice) -> Series:
         if not numbers:
             raise ArgumentError(
-                f"no time point lies in {key.start}:{key.stop}:{key.step}; {self._told()} holds {len(self)}"
+                f"no time point lies in {key.start}:{key.stop}:{key.step}; {self._description()} holds {len(self)}"
             )
         part = Series.__new__(Series)
         vars(part).update(vars(self), _numbers=numbers, _brightest=None)  # what is kept is shared
@@ -181,7 +181,7 @@ class Series:
                     self._times, self._time_unit = self._volumes.times()
             return self._times, self._time_unit
 
-    def _told(self) -> str:
+    def _description(self) -> str:
         return self._volumes.told() if isinstance(self._volumes, TimePoints) else f"series {self.name!r}"
 
 

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._files.addresses import checked, is_address, is_web
-from wavesplat._files.places import expanded, lies_in, real_place
+from wavesplat._files.paths import expanded, lies_in, real_place
 from wavesplat.errors import WavesplatWarning
 
 __all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere"]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.cache_folder import CacheFolder, default_folder
-from wavesplat._files.places import expanded
+from wavesplat._files.paths import expanded
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import Box, BoxReader, cells
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES, step_for
@@ -181,7 +181,7 @@ def _part_of(progress: Callable[[float], object] | None, number: int, n: int) ->
     return None if progress is None else lambda done: progress((number + done) / n)
 
 
-def _told(progress: Callable[[float], object] | None, done: float) -> None:
+def _report(progress: Callable[[float], object] | None, done: float) -> None:
     if progress is not None and progress(done) is False:
         raise CancelledError("looking through the samples was cancelled by the progress callback")
 
@@ -210,7 +210,7 @@ def _read_all(
             if k + ahead < len(boxes):
                 pending.append(reader.filled(0, boxes[k + ahead], [boxes[k + ahead]]))
             add(samples, box)
-            _told(progress, (k + 1) / len(boxes))
+            _report(progress, (k + 1) / len(boxes))
         return len(reader.counts.holes)
 
 
@@ -234,7 +234,7 @@ def _read_prepared(
                 held = around(boxes[k + 1])
                 pending = reader.filled(0, held, [held])
             add(samples, box, own)
-            _told(progress, (k + 1) / len(boxes))
+            _report(progress, (k + 1) / len(boxes))
 
 
 def _place_of(

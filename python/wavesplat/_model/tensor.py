@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
-from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
 __all__ = ["of_array", "of_torch"]
@@ -17,7 +17,7 @@ __all__ = ["of_array", "of_torch"]
 FETCHED = {"cupy": "cupy.asnumpy(array)", "jax": "jax.device_get(array)", "numba": "array.copy_to_host()"}
 
 
-def of_torch(tensor: Any) -> Taken:
+def of_torch(tensor: Any) -> Converted:
     """A tensor [z, y, x], detached from its gradient and copied from a GPU where it has to be.
 
     One of MONAI, which knows its affine, is [channel, x, y, z] in the RAS world.
@@ -29,14 +29,14 @@ def of_torch(tensor: Any) -> Taken:
         bare = bare.float()
     samples = bare.numpy()
     if type(tensor).__name__ != "MetaTensor":
-        return Taken(samples)
+        return Converted(samples)
     if samples.ndim == 4:
         if samples.shape[0] != 1:
             raise ArgumentError(f"the tensor has {samples.shape[0]} channels; give one of them, as tensor[:1]")
         samples = samples[0]
     affine = np.asarray(tensor.affine.detach().cpu().numpy(), np.float64)
     conventions = ("axes of a patient, in mm: MONAI counts them so",)
-    return Taken(np.asarray(samples).T, affine, Facts(unit="mm", is_anatomical=True, conventions=conventions))
+    return Converted(np.asarray(samples).T, affine, Facts(unit="mm", is_anatomical=True, conventions=conventions))
 
 
 def of_array(array: Any) -> NDArray[Any] | None:

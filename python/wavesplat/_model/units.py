@@ -9,7 +9,7 @@ from __future__ import annotations
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["METRES", "canonical", "checked", "in_one_unit", "metres", "shown", "written"]
+__all__ = ["METRES", "canonical", "checked", "in_one_unit", "length_text", "metres", "written"]
 
 #: What we call a unit -> its size in metres.
 METRES = {
@@ -151,7 +151,7 @@ def _factor(unit: str | None, common: str) -> float:
     return float(f"{size / of_common:.12g}")
 
 
-def shown(length: float, unit: str | None) -> str:
+def length_text(length: float, unit: str | None) -> str:
     """A length with the unit in which it reads best: 2000 um is "2 mm", 5 without a unit "5"."""
     size = METRES.get(unit or "")
     if size is None:

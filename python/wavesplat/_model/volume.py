@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
-from wavesplat._files.places import printable
-from wavesplat._model import affine, giving, smoothing, units, volume_file
+from wavesplat._files.paths import printable
+from wavesplat._model import affine, convert_to, smoothing, units, volume_file
 from wavesplat._model.argument_types import described, takes_its_types, text_of
+from wavesplat._model.convert_from import converted
+from wavesplat._model.converted import Converted, check_shape
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_checks import NATIVE, renderable_type
 from wavesplat._model.sources import Source, then
-from wavesplat._model.taken import Taken, check_shape
-from wavesplat._model.taking import taken
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -103,7 +103,7 @@ class Volume(Grid):
         facts: Facts | None = None,
     ) -> None:
         has_place = spacing is not None or world_from_index is not None
-        found = taken(samples, "samples", has_place=has_place)
+        found = converted(samples, "samples", has_place=has_place)
         self._fill(
             found,
             spacing=spacing,
@@ -192,12 +192,12 @@ class Volume(Grid):
     def _of(cls, thing: object, name: str | None, argument: str) -> Volume:
         """Of an object of another library, in messages about an argument of this name."""
         volume = cls.__new__(cls)
-        volume._fill(taken(thing, argument), name=name)
+        volume._fill(converted(thing, argument), name=name)
         return volume
 
     def _fill(
         self,
-        found: Taken,
+        found: Converted,
         *,
         spacing: Sequence[float] | None = None,
         world_from_index: ArrayLike | None = None,
@@ -314,7 +314,7 @@ class Volume(Grid):
         >>> ws.Volume(array.isel(z=slice(10, 20))).shape[0]
         10
         """
-        return giving.to_xarray(self, self._samples)
+        return convert_to.to_xarray(self, self._samples)
 
     def to_sitk(self) -> SimpleITK.Image:
         """The volume as an image of SimpleITK; its world is LPS and millimetres if the volume's is a patient's.
@@ -327,7 +327,7 @@ class Volume(Grid):
         >>> ws.examples.ct_pelvis().to_sitk().GetSize()
         (122, 101, 112)
         """
-        return giving.to_simple_itk(self, self._samples)
+        return convert_to.to_simple_itk(self, self._samples)
 
     def to_nibabel(self) -> nibabel.Nifti1Image:
         """The volume as a NIfTI image of nibabel, in millimetres where its unit is known. The samples are shared.
@@ -341,7 +341,7 @@ class Volume(Grid):
         >>> ws.examples.ct_pelvis().to_nibabel().header.get_xyzt_units()[0]
         'mm'
         """
-        return giving.to_nibabel(self, self._samples)
+        return convert_to.to_nibabel(self, self._samples)
 
     def to_pyvista(self) -> pyvista.ImageData:
         """The volume as an image of PyVista, its samples the active scalars of the points, called as the volume is.
@@ -353,7 +353,7 @@ class Volume(Grid):
         LibraryError
             If PyVista is not installed (`pip install ".[pyvista]"` in the checkout).
         """
-        return giving.to_pyvista(self, self._samples)
+        return convert_to.to_pyvista(self, self._samples)
 
     @takes_its_types
     def save(self, path: str | PathLike[str]) -> None:

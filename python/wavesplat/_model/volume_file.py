@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.output import check_output, write_atomically
-from wavesplat._model import giving
+from wavesplat._model import convert_to
 from wavesplat._model.grid import Grid
 
 __all__ = ["save"]
@@ -44,7 +44,7 @@ def save(grid: Grid, samples: NDArray[Any], path: str | PathLike[str]) -> None:
     if suffix == ".nrrd":
         content = _nrrd_header(grid, samples.dtype) + _packed(samples)
     else:
-        content = giving.to_nibabel(grid, samples).to_bytes()
+        content = convert_to.to_nibabel(grid, samples).to_bytes()
         content = _packed(content) if suffix == ".nii.gz" else content
     write_atomically(path, lambda part: part.write_bytes(content))
 

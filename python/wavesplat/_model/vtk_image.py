@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model import affine
+from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
-from wavesplat._model.taken import Taken
 from wavesplat.errors import ArgumentError
 
 __all__ = ["SPACE", "UNIT", "of_vtk"]
@@ -21,7 +21,7 @@ __all__ = ["SPACE", "UNIT", "of_vtk"]
 UNIT, SPACE = "unit", "space"
 
 
-def of_vtk(image: Any) -> Taken:
+def of_vtk(image: Any) -> Converted:
     """A vtkImageData or pyvista.ImageData."""
     if not hasattr(image, "GetDirectionMatrix"):
         raise ArgumentError(
@@ -44,7 +44,7 @@ def of_vtk(image: Any) -> Taken:
     matrix[:3, 3] += matrix[:3, :3] @ (extent[:, 0] + (0.5 if of_cells else 0.0))
     samples: NDArray[Any] = np.asarray(array).reshape(tuple(size[::-1]))
     facts = Facts(unit=_text(image, UNIT), is_anatomical=_text(image, SPACE) == "RAS")
-    return Taken(samples, matrix, facts, array.GetName())
+    return Converted(samples, matrix, facts, array.GetName())
 
 
 def _scalars(image: Any) -> tuple[Any, bool]:

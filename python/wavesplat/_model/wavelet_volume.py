@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.memory import check_room
 from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
-from wavesplat._files.places import expanded
+from wavesplat._files.paths import expanded
 from wavesplat._files.reading import reading
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
@@ -386,7 +386,7 @@ class WaveletVolume(Grid):
         FileError
             If the file is not there, is not one of coefficients, or is damaged.
         """
-        payload.check_readable(expanded(path))
+        size_checks.check_readable(expanded(path))
         # Opened here, since NumPy leaves files open that are no archives.
         with (
             reading("wavelet coefficients", path),
@@ -414,7 +414,7 @@ class WaveletVolume(Grid):
         packed, n_blocks = arrays["has_block"], int(arrays["n_blocks"][0])
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
-        payload.check_memory(n_blocks, path)
+        size_checks.check_memory(n_blocks, path)
         # Files of before have none of these, nor levels that are left out.
         offset = float(arrays["offset"][0]) if "offset" in arrays else 0.0
         lo_hi = arrays.get("value_range")

@@ -87,10 +87,10 @@ def render_frames(
     chosen = [camera_of(scene, camera, composite, width / max(height, 1)) for camera in given]
     scene, _ = with_settled_looks(scene, composite, chosen[0], (width, height))
     options = {"size": size, "quality": quality, "kernel": kernel, "composite": composite, "depth": depth}
-    return _told(drawn_elsewhere([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
+    return _reporting(drawn_elsewhere([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
 
 
-def _told(pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None) -> Iterator[Picture]:
+def _reporting(pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None) -> Iterator[Picture]:
     for k, picture in enumerate(pictures):
         yield picture
         if progress is not None and progress((k + 1) / n) is False:

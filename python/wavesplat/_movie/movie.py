@@ -169,26 +169,26 @@ class _Drawing:
     """Draws frames, several of the same scene at once: together with as many threads as one picture has."""
 
     def __init__(self, shots: _Shots, told: Progress, threads: int | None, client: Any = None, **options: Any) -> None:
-        self._shots, self._told, self._threads, self._options = shots, told, threads, options
+        self._shots, self._progress, self._threads, self._options = shots, told, threads, options
         self._client = client
         self._n_threads = 1
 
     def all(self, numbers: Iterable[int], made: Callable[[int, Picture], T]) -> Generator[T]:
         """What is made of frames, in their order; several of them are drawn at once, here or elsewhere."""
         if self._client is None:
-            yield from made_ahead(lambda number: made(number, self(number)), numbers, self.at_once, self._told)
+            yield from made_ahead(lambda number: made(number, self(number)), numbers, self.at_once, self._progress)
             return
         wanted = list(numbers)
         pictures = drawn_elsewhere([self._shots[number] for number in wanted], self._options, self._client)
         for number, picture in zip(wanted, pictures, strict=True):
-            self._told.finish(number)
-            self._told.tell()
+            self._progress.finish(number)
+            self._progress.tell()
             yield made(number, picture)
 
     def __call__(self, number: int) -> Picture:
         shot, at_once = self._shots[number], self.at_once()
         threads = self._threads if at_once == 1 else self._n_threads // at_once
-        picture = shot.scene.render(shot.camera, threads=threads, progress=self._told.of(number), **self._options)
+        picture = shot.scene.render(shot.camera, threads=threads, progress=self._progress.of(number), **self._options)
         if at_once == 1:
             self._n_threads = int(picture.report.get("n_threads", 1))
         return picture

@@ -36,7 +36,7 @@ class Progress:
         self._n = n
         self._parts: dict[int, float] = {}
         self._stopped = threading.Event()
-        self._told = -1.0
+        self._reported = -1.0
 
     def of(self, number: int) -> Callable[[float], bool]:
         """What a frame calls with the part of it that is done; False asks it to stop."""
@@ -55,9 +55,9 @@ class Progress:
         """Say how far it is; a `CancelledError` if that is answered with False."""
         # A copy: other threads add to it.
         done = sum(self._parts.copy().values()) / self._n
-        if self._tell is None or done <= self._told:
+        if self._tell is None or done <= self._reported:
             return
-        self._told = done
+        self._reported = done
         if self._tell(min(done, 1.0)) is False:
             raise CancelledError("the movie was stopped by progress")
 

@@ -14,7 +14,7 @@ from wavesplat._model.options import BY_VIEW, VIEWS, Composite
 from wavesplat._model.sampling import Sampling
 from wavesplat._render import framing, projection
 from wavesplat._render.arguments import chosen_camera
-from wavesplat._scene.shown import Shown, ShownLayer, shown_layers
+from wavesplat._scene.drawn_layers import DrawnLayer, DrawnLayers, drawn_layers
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def with_settled_looks(
     return scene.with_(layers=settled), shown.composite
 
 
-def _exposed(scene: Scene, layer: ShownLayer, operator: Operator, camera: Camera, size: tuple[int, int]) -> Look:
+def _exposed(scene: Scene, layer: DrawnLayer, operator: Operator, camera: Camera, size: tuple[int, int]) -> Look:
     name = name_of(checked_operator(operator) or "over")
 
     def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
@@ -82,18 +82,18 @@ def _exposed(scene: Scene, layer: ShownLayer, operator: Operator, camera: Camera
     return layer.look if function is None else replace(layer.look, transfer_function=function)
 
 
-def _shown(scene: Scene, composite: Operator | None) -> Shown:
+def _shown(scene: Scene, composite: Operator | None) -> DrawnLayers:
     asked = checked_operator(composite)
-    shown = shown_layers(scene, None if asked is None else name_of(asked))
+    shown = drawn_layers(scene, None if asked is None else name_of(asked))
     if not shown.layers:
         raise ArgumentError("no layer of the scene is visible; a movie needs one")
     return shown
 
 
-def _parts(shown: Shown) -> list[framing.Part]:
+def _parts(shown: DrawnLayers) -> list[framing.Part]:
     return [(layer.seen, layer.look) for layer in shown.layers]
 
 
-def _clipping(scene: Scene, shown: Shown) -> Clipping:
+def _clipping(scene: Scene, shown: DrawnLayers) -> Clipping:
     is_alone = shown.has_first and len(shown.layers) == 1
     return scene._clipping if is_alone else scene._clipping.in_world(shown.first)

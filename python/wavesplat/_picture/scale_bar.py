@@ -58,7 +58,7 @@ def bar_of(
         # Honest: a number alone would be taken for millimetres.
         text = f"{length:.9g} units"
     else:
-        text = units.shown(length, unit)
+        text = units.length_text(length, unit)
     return Bar(length, length_px, text, FOCUS if is_perspective else "")
 
 

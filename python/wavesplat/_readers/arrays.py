@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
@@ -34,7 +34,9 @@ def _from_npy(request: Request) -> NDArray[Any]:
         raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
     with path.open("rb") as file:
         shape, dtype = npy_header(file)
-        payload.check_stored(shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request))
+        size_checks.check_stored(
+            shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request)
+        )
     # Of several time points or channels only the one that is asked for is read.
     array: NDArray[Any] = np.load(path, "r" if len(shape) > 3 else None, allow_pickle=False)
     return array

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
@@ -273,7 +273,7 @@ def _pixels(
     headers: Sequence[Header], request: Request, known: Mapping[Path, NDArray[Any] | Exception] | None = None
 ) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
     """Stored numbers of all frames by file, and the files whose pixels cannot be read. `known`: read before."""
-    payload.check_memory(sum(_n_bytes(header) for header in headers), request.path)
+    size_checks.check_memory(sum(_n_bytes(header) for header in headers), request.path)
     known = known or {}
     found = {header.file: known[header.file] if header.file in known else _pixels_of(header) for header in headers}
     pixels = {file: one for file, one in found.items() if not isinstance(one, Exception)}

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
@@ -185,7 +185,7 @@ def header_of(file: Path) -> Header | None:
     )
     if n_frames > 1:
         check_n_frames(header)
-        payload.check_memory(n_frames * FRAME_BYTES, file)
+        size_checks.check_memory(n_frames * FRAME_BYTES, file)
         n_groups = len(items(dataset, 0x52009230))
         if 0 < n_groups < n_frames:
             raise FileError(

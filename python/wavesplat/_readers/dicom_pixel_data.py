@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._readers.dicom_deflated import DEFLATED, UnpackedStream
 from wavesplat.errors import FileError
 
@@ -63,7 +63,7 @@ def pixel_data_at(stream: BinaryIO | UnpackedStream, dataset: Dataset, file: Pat
     if isinstance(stream, UnpackedStream):
         if length == UNDEFINED_LENGTH:
             raise FileError(f"the pixel data do not say how long they are; copy or export it again: {file}")
-        return PixelData(tag, begin, min(length, file.stat().st_size * payload.DEFLATE_RATIO))
+        return PixelData(tag, begin, min(length, file.stat().st_size * size_checks.DEFLATE_RATIO))
     if length == UNDEFINED_LENGTH and syntax in NATIVE:
         return None
     n_left = file.stat().st_size - begin

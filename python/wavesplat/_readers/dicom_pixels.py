@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
-from wavesplat._files.silence import silenced
+from wavesplat._files import size_checks
+from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._readers.dicom_deflated import DEFLATED, check_unpacked_size, unpacked_part
 from wavesplat._readers.dicom_header import Header
 from wavesplat._readers.dicom_pixel_data import (
@@ -46,7 +46,7 @@ def frames_in(header: Header) -> NDArray[Any]:
     check_syntax(header)
     columns, rows = header.size
     shape = (header.n_frames, rows, columns)
-    payload.check_memory(math.prod(shape) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
+    size_checks.check_memory(math.prod(shape) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
     if header.photometric == "PALETTE COLOR":
         # GDCM looks colours up; what it is given must be there.
         if header.transfer_syntax in NATIVE:
@@ -247,7 +247,7 @@ def _by_neutral_copy(header: Header, shape: tuple[int, int, int], fragments: byt
 
 def _by_itk(file: Path, shape: tuple[int, int, int]) -> NDArray[Any]:
     sitk = simple_itk()
-    with silenced():
+    with muted_stderr():
         image = sitk.ReadImage(str(file))
     array: NDArray[Any] = sitk.GetArrayFromImage(image)
     n_components = int(image.GetNumberOfComponentsPerPixel())

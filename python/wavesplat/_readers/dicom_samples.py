@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._readers.dicom_header import Frame, Header
 from wavesplat._readers.dicom_stack import Stack
 from wavesplat._readers.request import Request, choose
@@ -28,7 +28,7 @@ def samples_of(
     channel = choose("channel", n_components, request.channel, request.path)
     dtype = _type_of_all(used, pixels, headers)
     shape = (len(stack.slices), *first.shape[1:3])
-    payload.check_memory(payload.n_bytes(shape, dtype), request.path)
+    size_checks.check_memory(size_checks.n_bytes(shape, dtype), request.path)
     samples = np.empty(shape, dtype)
 
     def values(frame: Frame) -> Any:

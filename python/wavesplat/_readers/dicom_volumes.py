@@ -103,7 +103,7 @@ def _split(frames: list[Frame], request: Request) -> list[FrameVolume]:
     n_volumes = max(len(place) for place in places)
     if n_volumes == 1:
         return [FrameVolume([frames[n] for place in places for n in place])]
-    codes, keys = _told_apart(frames, places)
+    codes, keys = _distinguished(frames, places)
     guess, is_by_names = "", False
     if not _is_unique(codes, places):
         if len({len(place) for place in places}) > 1:
@@ -151,7 +151,7 @@ def _places(frames: Sequence[Frame]) -> list[list[int]]:
     return list(places.values())
 
 
-def _told_apart(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tuple[list[int], list[_Key]]:
+def _distinguished(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tuple[list[int], list[_Key]]:
     """A number for each frame, equal for those that nothing tells apart, and the attributes that do."""
     codes = [0] * len(frames)
     keys: list[_Key] = []

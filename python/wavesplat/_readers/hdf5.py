@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
@@ -32,11 +32,11 @@ def read(request: Request) -> Grid:
         dataset = chosen_dataset(file, request)
         index = index_unnamed_axes(dataset.shape, request)
         shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
-        payload.check_memory(payload.n_bytes(shape, dataset.dtype), request.path)
+        size_checks.check_memory(size_checks.n_bytes(shape, dataset.dtype), request.path)
         if not (dataset.external or dataset.is_virtual):
             # What was never written is not stored, and read as zeros; a few of these are well.
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
-            payload.check_stored(shape, dataset.dtype, stored, request.path, ratio=payload.ANY_RATIO)
+            size_checks.check_stored(shape, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO)
         place = place_of(dataset)
         samples = np.transpose(dataset[index], place.zyx) if place.zyx != (0, 1, 2) else dataset[index]
         facts = replace(facts_of(file, place), n_times=n_times_of(dataset.shape, request))

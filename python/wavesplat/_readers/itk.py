@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
+from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.reading import reading
-from wavesplat._files.silence import silenced
 from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd
@@ -33,7 +33,7 @@ def read(request: Request) -> Grid:
     """The volume in an NRRD or MetaImage file, or one of its time points or channels."""
     sitk = simple_itk()
     path = request.file
-    with reading("an image", path), silenced():
+    with reading("an image", path), muted_stderr():
         reader = sitk.ImageFileReader()
         # Said, not found out: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
@@ -157,18 +157,18 @@ def _check_payload(
             )
     encoding = header.get("encoding", "raw").lower()
     if header.get("compresseddata", "").lower().startswith(("t", "1")) or encoding in ("gzip", "gz"):
-        ratio = payload.DEFLATE_RATIO
+        ratio = size_checks.DEFLATE_RATIO
     else:
-        ratio = payload.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
+        ratio = size_checks.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
     if encoding not in ("ascii", "text", "txt", "hex"):
         stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
-        payload.check_stored(shape, dtype, stored, path, ratio=ratio)
-    if ratio == payload.DEFLATE_RATIO:
+        size_checks.check_stored(shape, dtype, stored, path, ratio=ratio)
+    if ratio == size_checks.DEFLATE_RATIO:
         # ITK draws what it has of a damaged stream, and does not look at checksums.
         skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
         n_lines = int(header.get("line skip", header.get("lineskip", 0)))
         begins = [(file, _after_lines(file, offset + max(skipped, 0), n_lines)) for file, offset in places]
-        payload.check_deflated(begins, payload.n_bytes(shape, dtype), path)
+        size_checks.check_deflated(begins, size_checks.n_bytes(shape, dtype), path)
 
 
 def _after_lines(file: Path, offset: int, n_lines: int) -> int:

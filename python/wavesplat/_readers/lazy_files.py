@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
-from wavesplat._files.silence import silenced
 from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
@@ -52,11 +52,11 @@ def lazy_grid(request: Request, family: str) -> LazyGrid:
     if read is None:
         raise ArgumentError(
             f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
-            f"{request.shown}"
+            f"{request.safe_path}"
         )
     # The file that was described must be the one whose state was taken meanwhile.
     before = None if request.is_url or request.file.is_dir() else StoredFiles([request.file])
-    with reading(NAMES.get(family, family), request.shown):
+    with reading(NAMES.get(family, family), request.safe_path):
         grid = read(request)
     if before is not None:
         before.look_again()
@@ -102,7 +102,7 @@ def _of_npy(request: Request) -> LazyGrid:
 def _of_raw(request: Request) -> LazyGrid:
     shape, dtype = raw.checked_shape(request), raw.checked_dtype(request)
     path = request.file
-    payload.check_readable(path)
+    size_checks.check_readable(path)
     raw.check_size(path, shape, dtype, request.offset, held=(1,))
     order, picked = _unnamed(shape, request)
     array = stored_samples(path, dtype, request.offset, shape, order=order, picked=picked)
@@ -119,7 +119,7 @@ def _of_nifti(request: Request) -> LazyGrid:
         raise _one_stream(request.path, "gzip")
     time, channel, colour = nifti.checked_picks(image, request)
     if colour is not None:
-        raise FileError(f"the samples are colours; open the file without memory=: {request.shown}")
+        raise FileError(f"the samples are colours; open the file without memory=: {request.safe_path}")
     # The first axis is the fastest: in the file it is the last one.
     n_axes = len(image.shape)
     picked: list[int | None] = [None, None, None, time, channel, 0, 0][:n_axes][::-1]
@@ -173,7 +173,7 @@ def _of_itk(request: Request) -> LazyGrid:
         raise FileError(f"the samples are in {len(places)} files; open the header without memory=: {path}")
     file, offset = places[0]
     sitk = itk.simple_itk()
-    with silenced(), itk.for_itk(path, header, places) as seen:
+    with muted_stderr(), itk.for_itk(path, header, places) as seen:
         reader = sitk.ImageFileReader()
         reader.SetFileName(str(seen))
         reader.ReadImageInformation()
@@ -184,7 +184,7 @@ def _of_itk(request: Request) -> LazyGrid:
         raise FileError(f"the file holds several times or channels; open it without memory=: {path}")
     byte_order = fields.get("binarydatabyteordermsb", fields.get("elementbyteordermsb", "f")).lower()
     is_big = fields.get("endian", "little").lower() == "big" or byte_order[:1] in ("t", "1")
-    offset = _first_sample(file, offset, fields, payload.n_bytes(size, dtype))
+    offset = _first_sample(file, offset, fields, size_checks.n_bytes(size, dtype))
     stored = dtype.newbyteorder(">" if is_big else "<")
     array = stored_samples(file, stored, offset, size[::-1], order=(0, 1, 2), picked=[None] * 3)
     return LazyGrid([array], [matrix], header.facts)
@@ -213,7 +213,7 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
     stored, channel, shape, matrix = vtk_legacy.chosen_array(request)
     if stored.is_text or stored.is_bits:
         written = "text" if stored.is_text else "bits"
-        raise FileError(f"the samples are written as {written}; open the file without memory=: {request.shown}")
+        raise FileError(f"the samples are written as {written}; open the file without memory=: {request.safe_path}")
     picked = [None, None, None, channel]
     array = stored_samples(request.file, stored.dtype, stored.begin, shape, order=(0, 1, 2), picked=picked)
     return LazyGrid([array], [matrix])
@@ -225,7 +225,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
         if not (dataset.external or dataset.is_virtual):
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
             one = sorted(dataset.shape)[-3:]
-            payload.check_stored(one, dataset.dtype, stored, request.path, ratio=payload.ANY_RATIO, held=(1,))
+            size_checks.check_stored(one, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO, held=(1,))
         place = hdf5.place_of(dataset)
         order, picked = _unnamed(dataset.shape, request)
         zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
@@ -264,7 +264,7 @@ def _of_zarr(request: Request) -> LazyGrid:
             n_readers=8 if request.is_url else 4,
             token=token,
             files=files,
-            check=partial(ome_zarr.check_part, request.shown),
+            check=partial(ome_zarr.check_part, request.safe_path),
         )
         levels.append((array, level.world_from_index, level.facts))
     # What is assumed of where coarser levels lie is so of the whole.
@@ -318,4 +318,4 @@ NAMES = {
 def n_stored_bytes(grid: LazyGrid) -> int:
     """Bytes of the samples of the finest level, in memory."""
     finest = grid.levels[0]
-    return payload.n_bytes(finest.shape, finest.dtype)
+    return size_checks.n_bytes(finest.shape, finest.dtype)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
@@ -130,9 +130,9 @@ def _check_payload(image: SpatialImage, request: Request) -> None:
     path = request.file if not isinstance(file, str) else type(request.file)(file)
     one = image.shape[:3]  # of several only the one that is asked for is read
     if path.name.lower().endswith((".gz", ".mgz")):
-        payload.check_gzip(image.shape, proxy.dtype, first_sample(image), path, one)
+        size_checks.check_gzip(image.shape, proxy.dtype, first_sample(image), path, one)
     else:
-        payload.check_stored(
+        size_checks.check_stored(
             image.shape, proxy.dtype, max(path.stat().st_size - first_sample(image), 0), path, held=one
         )
 

@@ -24,7 +24,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
 from wavesplat.errors import FileError
 
@@ -191,7 +191,7 @@ def _unpack(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int
         raise FileError(f"samples of type {fields.get('type', 'unknown')!r} cannot be drawn; write numbers: {path}")
     shape = [int(n) for n in fields.get("sizes", "").split()]
     stored = sum(max(file.stat().st_size - offset, 0) for file, offset in places)
-    payload.check_stored(shape, np.dtype(TYPES[name]), stored, path, ratio=payload.ANY_RATIO)
+    size_checks.check_stored(shape, np.dtype(TYPES[name]), stored, path, ratio=size_checks.ANY_RATIO)
     line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
     byte_skip = int(fields.get("byte skip", fields.get("byteskip", 0)))
     if byte_skip < 0:

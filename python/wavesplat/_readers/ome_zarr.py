@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
@@ -33,7 +33,7 @@ GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in:
 
 def read(request: Request) -> Grid:
     """One level of a multi-scale image, or a plain array."""
-    with reading("Zarr", request.shown):
+    with reading("Zarr", request.safe_path):
         node = _open(request)
         multiscales = _multiscales(node)
         if multiscales is not None:
@@ -42,8 +42,8 @@ def read(request: Request) -> Grid:
             raise _no_array(request)
         _check_level(1, request)
         index = index_unnamed_axes(node.shape, request)
-        zarr_metadata.check_numbers(node, request.shown)
-        check_chunks(node, _all_axes(index, node.ndim), request.shown)
+        zarr_metadata.check_numbers(node, request.safe_path)
+        check_chunks(node, _all_axes(index, node.ndim), request.safe_path)
         samples = _samples(node, index)
         facts = Facts(n_times=n_times_of(node.shape, request))
         return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
@@ -71,7 +71,7 @@ def levels_of(request: Request) -> list[ZarrLevel]:
         levels = [_described_level(node, multiscales, datasets[k], request) for k in numbers]
         kept = [level for level in levels if level is not None]
         if not kept:
-            raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.shown}")
+            raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.safe_path}")
         return kept
     if not hasattr(node, "shape"):
         raise _no_array(request)
@@ -98,7 +98,7 @@ def check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
 
 def _check_kind(array: Any, request: Request) -> None:
     if array.dtype.kind not in "biuf":
-        raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.shown}")
+        raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.safe_path}")
 
 
 def _samples(array: Any, index: Any) -> NDArray[Any]:
@@ -127,7 +127,7 @@ def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
     if not place.has_chunks:
         raise FileError(
             f"the server refuses (403 Forbidden) all {len(refused)} chunks that were asked for, the first "
-            f"{refused[0]!r}; check that you may read them, or that the address holds the access: {request.shown}"
+            f"{refused[0]!r}; check that you may read them, or that the address holds the access: {request.safe_path}"
         )
     told = f"the server refuses (403) {len(refused)} chunks, the first {refused[0]!r}"
     return (f"{told}; they count as not there, so their samples have the fill value",)
@@ -152,7 +152,7 @@ def _described_level(
 def _no_array(request: Request) -> FileError:
     message = (
         f"a Zarr group without an OME-Zarr image; choose an array with dataset= (--dataset): "
-        f"{_listed(request)}: {request.shown}"
+        f"{_listed(request)}: {request.safe_path}"
     )
     return several(message, "dataset", zarr_metadata.names(_location(request)))
 
@@ -180,7 +180,7 @@ def _open(request: Request) -> Any:
         return node[request.dataset]
     except (KeyError, IndexError, TypeError):
         raise ArgumentError(
-            f"no array or group {request.dataset!r}; there is: {_listed(request)}: {request.shown}"
+            f"no array or group {request.dataset!r}; there is: {_listed(request)}: {request.safe_path}"
         ) from None
 
 
@@ -216,7 +216,7 @@ def _check_level(n_levels: int, request: Request) -> int:
     level = request.level or 0
     if not 0 <= level < n_levels:
         raise ArgumentError(
-            f"level={level}, but there are {n_levels} levels, 0..{n_levels - 1}; 0 is the finest: {request.shown}"
+            f"level={level}, but there are {n_levels} levels, 0..{n_levels - 1}; 0 is the finest: {request.safe_path}"
         )
     return level
 
@@ -226,11 +226,11 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     dataset = datasets[_check_level(len(datasets), request)]
     zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
-    zarr_metadata.check_numbers(array, request.shown)
+    zarr_metadata.check_numbers(array, request.safe_path)
     place = _placed(group, array, multiscales, dataset, request)
     n_samples = [n for n, part in zip(array.shape, place.picked, strict=True) if isinstance(part, slice)]
-    payload.check_memory(payload.n_bytes(n_samples, array.dtype), request.shown)
-    check_chunks(array, place.picked, request.shown)
+    size_checks.check_memory(size_checks.n_bytes(n_samples, array.dtype), request.safe_path)
+    check_chunks(array, place.picked, request.safe_path)
     samples = _samples(array, place.picked)
     kept = [name for name in place.axes if name in place.spatial]
     samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
@@ -253,7 +253,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     axes = list(described.names)
     if len(axes) != array.ndim:
         raise FileError(
-            f"the metadata name {len(axes)} axes, the array has {array.ndim}; mend the metadata: {request.shown}"
+            f"the metadata name {len(axes)} axes, the array has {array.ndim}; mend the metadata: {request.safe_path}"
         )
     spatial = _spatial_axes(axes, request)
     attributes = dict(group.attrs)
@@ -295,7 +295,7 @@ def _spatial_axes(axes: list[str], request: Request) -> list[str]:
     """Names of the axes that become z, y, x."""
     if not {"z", "y", "x"} <= set(axes):
         raise FileError(
-            f"the axes are {', '.join(axes)}, so the image is 2-D; a volume needs z, y and x: {request.shown}"
+            f"the axes are {', '.join(axes)}, so the image is 2-D; a volume needs z, y and x: {request.safe_path}"
         )
     return ["z", "y", "x"]
 
@@ -305,7 +305,7 @@ def _picked(name: str, count: int, spatial: list[str], request: Request, channel
         return slice(None)
     option = "time" if name.startswith("t") else "channel"
     described = channels if option == "channel" else ()
-    return choose(option, count, getattr(request, option), request.shown, described=described)
+    return choose(option, count, getattr(request, option), request.safe_path, described=described)
 
 
 def _composed(
@@ -356,7 +356,7 @@ def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.f
     elif kind != "identity":
         raise FileError(
             f"coordinate transformation of type {kind!r} is not supported; "
-            f"export with a scale or affine: {request.shown}"
+            f"export with a scale or affine: {request.safe_path}"
         )
     return matrix
 
@@ -366,7 +366,9 @@ def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: R
     found = np.asarray(step.get(kind), object)
     if found.shape != shape or not all(type(number) in (int, float) for number in found.flat):
         wanted = " x ".join(map(str, shape))
-        raise FileError(f"the {kind} of an image is {step.get(kind)!r}, not {wanted} numbers; mend it: {request.shown}")
+        raise FileError(
+            f"the {kind} of an image is {step.get(kind)!r}, not {wanted} numbers; mend it: {request.safe_path}"
+        )
     return found.astype(np.float64)
 
 

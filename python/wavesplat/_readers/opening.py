@@ -16,15 +16,15 @@ from typing import Literal
 
 import numpy as np
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.memory import free_bytes
-from wavesplat._files.places import check_no_pipe, check_text, printable
+from wavesplat._files.paths import check_no_pipe, check_text, printable
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
-from wavesplat._model.foreign import VolumeLike, as_volume
 from wavesplat._model.lazy_volume import LazyVolume, lazily
 from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat._readers import lazy_files
 from wavesplat._readers.foreign_kinds import foreign_content, foreign_kind
@@ -244,7 +244,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     volume = _volume(grid, request)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
     for loss in grid.losses:
-        warnings.warn(f"{loss}: {request.shown}", FileWarning, stacklevel=stacklevel)
+        warnings.warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
     return volume
 
 
@@ -301,7 +301,7 @@ def _volume(grid: Grid, request: Request) -> Volume:
         return Volume(grid.samples, world_from_index=world_from_index, name=request.name, facts=facts)
     except ArgumentError as error:
         # The array came from the file, so the file is to blame, not the caller.
-        raise FileError(f"{error}: {request.shown}") from None
+        raise FileError(f"{error}: {request.safe_path}") from None
 
 
 def _family(request: Request) -> str:
@@ -314,7 +314,7 @@ def _family(request: Request) -> str:
     check_no_pipe(path)
     if path.is_dir():
         return _family_of_folder(path)
-    payload.check_readable(path)
+    size_checks.check_readable(path)
     suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
@@ -371,5 +371,5 @@ def _check_options(request: Request, family: str) -> None:
     for option in sorted(request.given() - OPTIONS[family] - {"spacing", "unit"}):
         users = ", ".join(name for name, options in OPTIONS.items() if option in options)
         raise ArgumentError(
-            f"{option}= has no meaning for this kind of file (only for: {users}); leave it out: {request.shown}"
+            f"{option}= has no meaning for this kind of file (only for: {users}); leave it out: {request.safe_path}"
         )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of
@@ -22,7 +22,7 @@ def read(request: Request) -> Grid:
     path = request.file
     if path.is_dir():
         raise FileError(f"this is a folder; raw samples are read from one file: {path}")
-    payload.check_readable(path)
+    size_checks.check_readable(path)
     check_size(path, shape, dtype, request.offset, held=one_volume_of(shape, request))
     index = index_unnamed_axes(shape, request)
     with reading("raw samples", path):
@@ -40,8 +40,8 @@ def check_size(
     if offset < 0:
         raise ArgumentError(f"offset={offset}; give the bytes before the first sample, 0 or more")
     stored = path.stat().st_size - offset
-    payload.check_stored(shape, dtype, max(stored, 0), path, held=held)
-    needed = payload.n_bytes(shape, dtype)
+    size_checks.check_stored(shape, dtype, max(stored, 0), path, held=held)
+    needed = size_checks.n_bytes(shape, dtype)
     if stored > needed:
         raise FileError(
             f"shape {shape} of {dtype} needs {needed} bytes, the file holds {stored} after offset {offset}; "

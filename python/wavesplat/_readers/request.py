@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.addresses import checked, is_address, last_part, shown
+from wavesplat._files.addresses import checked, is_address, last_part, safe_address
 from wavesplat._files.named_files import check_within
-from wavesplat._files.places import expanded, printable
+from wavesplat._files.paths import expanded, printable
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
 from wavesplat.errors import ArgumentError, FileError
@@ -106,9 +106,9 @@ class Request:
         return expanded(self.path)
 
     @property
-    def shown(self) -> str:
+    def safe_path(self) -> str:
         """The path for messages; of an address without what may be a password."""
-        return shown(self.path)
+        return safe_address(self.path)
 
     @property
     def is_url(self) -> bool:
@@ -143,7 +143,7 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
         raise ArgumentError(f'gaps is {request.gaps!r}; use "fill" or "refuse"')
     if str(path).lower().endswith(".wavelets"):
         raise ArgumentError(
-            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {shown(path)}"
+            f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {safe_address(path)}"
         )
     return request
 
@@ -214,17 +214,17 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     if n_extra > 0 and wanted < n_extra:
         message = (
             f"the array is {len(shape)}-D, shape {tuple(shape)}; choose one volume with "
-            f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.shown}"
+            f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.safe_path}"
         )
         # Time is the more usual one of a single further axis.
         option, count = ("time", shape[0]) if request.time is None else ("channel", shape[-1])
         raise several(message, option, range(count), is_said=False)
     if wanted > max(n_extra, 0):
         raise ArgumentError(
-            f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.shown}"
+            f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.safe_path}"
         )
-    first = () if request.time is None else (choose("time", shape[0], request.time, request.shown),)
-    last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.shown),)
+    first = () if request.time is None else (choose("time", shape[0], request.time, request.safe_path),)
+    last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.safe_path),)
     return (*first, ..., *last)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.stored_array import StoredArray
 from wavesplat._model.lazy_array import SlicedArray
@@ -29,7 +29,7 @@ def stored_samples(
     made: np.dtype[Any] | None = None,
 ) -> SlicedArray:
     """Samples that lie in a file as they are, the last axis fastest."""
-    payload.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
+    size_checks.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
     z, y, x = (int(shape[axis]) for axis in order)
     # What is read at once: a slice across the slowest of the three axes.
     slowest = min(range(3), key=lambda k: order[k])

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
@@ -145,7 +145,7 @@ def _read_folder(folder: Path, request: Request) -> Grid:
 
     files = files_in(folder, request)
     first = slice_of(tifffile.imread(files[0]), files[0], request)
-    payload.check_memory(first.nbytes * len(files), folder)
+    size_checks.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
     for number, file in enumerate(files):
         with reading("TIFF", file):
@@ -234,7 +234,7 @@ def _check_stored(tiff: TiffFile, path: Path, one: Sequence[int]) -> None:
     """A `FileError` if a page's data reach past the end of the file. `one`: shape of one volume."""
     size = path.stat().st_size
     series: Any = tiff.series[0]
-    payload.check_stored(series.shape, series.dtype, size, path, ratio=payload.ANY_RATIO, held=one)
+    size_checks.check_stored(series.shape, series.dtype, size, path, ratio=size_checks.ANY_RATIO, held=one)
     ends = [series.dataoffset + series.nbytes] if series.dataoffset is not None else []
     for page in series.pages:
         if page is not None:

@@ -103,7 +103,7 @@ def open_series(
     requests = [requested(one, **options) for one in paths]
     for request in requests:
         if not (request.is_url or request.file.exists()):
-            raise FileError(f"no such file or folder; check the name: {request.shown}")
+            raise FileError(f"no such file or folder; check the name: {request.safe_path}")
     made = Series(_OfManyFiles(requests), name=_name_of_all(requests))
     made._source = _source_of(path, requests[0])
     return made
@@ -157,7 +157,7 @@ class _OfOneFile:
 
     def told(self) -> str:
         """Its path."""
-        return f"the file {self.request.shown!r}"
+        return f"the file {self.request.safe_path!r}"
 
     def __getstate__(self) -> dict[str, Any]:
         # No open files.
@@ -181,7 +181,7 @@ class _OfManyFiles:
                 raise
             raise FileError(
                 f"one of several files holds {len(error.names)} time points itself; open it alone, or list files of "
-                f"one time point each: {self._requests[number].shown}"
+                f"one time point each: {self._requests[number].safe_path}"
             ) from None
 
     def times(self) -> tuple[tuple[float, ...], str | None]:

@@ -21,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
@@ -36,8 +36,8 @@ TYPES = {"Float32": "f4", "Float64": "f8"} | {
 
 #: How blocks are unpacked, at most to a number of bytes, and what the codec shrinks data by at most.
 CODECS: dict[str, tuple[Callable[[bytes, int], bytes], int]] = {
-    "vtkZLibDataCompressor": (lambda data, n: zlib.decompressobj().decompress(data, n), payload.DEFLATE_RATIO),
-    "vtkLZMADataCompressor": (lambda data, n: lzma.LZMADecompressor().decompress(data, n), payload.ANY_RATIO),
+    "vtkZLibDataCompressor": (lambda data, n: zlib.decompressobj().decompress(data, n), size_checks.DEFLATE_RATIO),
+    "vtkLZMADataCompressor": (lambda data, n: lzma.LZMADecompressor().decompress(data, n), size_checks.ANY_RATIO),
 }
 
 
@@ -71,7 +71,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
             if array.get("Name", "") == name:
                 part = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))[..., channel]
                 if samples is None:
-                    payload.check_memory(payload.n_bytes(size, part.dtype), path)
+                    size_checks.check_memory(size_checks.n_bytes(size, part.dtype), path)
                     samples = np.zeros(size[::-1], part.dtype)
                 first = extent[:, 0] - whole[:, 0]
                 samples[tuple(slice(i, i + n) for i, n in zip(first[::-1], part.shape, strict=True))] = part
@@ -152,7 +152,7 @@ class _Stored:
         form, text = array.get("format", "ascii"), array.text or ""
         if form == "ascii":
             # A digit and a space for each.
-            payload.check_stored(shape, np.dtype("u1"), (len(text) + 1) // 2, self.path)
+            size_checks.check_stored(shape, np.dtype("u1"), (len(text) + 1) // 2, self.path)
             return np.array(text.split(), dtype.newbyteorder("=")).reshape(shape)
         if form == "binary":
             encoded = _Encoded("".join(text.split()).encode(), is_base64=True)
@@ -170,7 +170,7 @@ class _Stored:
 
     def unpacked(self, encoded: _Encoded, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bytes:
         """The bytes of an array."""
-        needed = payload.n_bytes(shape, dtype)
+        needed = size_checks.n_bytes(shape, dtype)
         width = 8 if self.header.get("header_type") == "UInt64" else 4
 
         def integers(data: bytes) -> list[int]:
@@ -178,7 +178,7 @@ class _Stored:
 
         compressor = self.header.get("compressor")
         if compressor is None:
-            payload.check_stored(shape, dtype, encoded.most_bytes(), self.path)
+            size_checks.check_stored(shape, dtype, encoded.most_bytes(), self.path)
             data = encoded.take(width + needed)
             if len(data) != width + needed or integers(data[:width]) != [needed]:
                 raise ValueError("not as many samples as the extent has")
@@ -186,7 +186,7 @@ class _Stored:
         if compressor not in CODECS:
             raise FileError(f"compressed by {compressor}; write it with zlib, or not compressed: {self.path}")
         unpack, ratio = CODECS[compressor]
-        payload.check_stored(shape, dtype, encoded.most_bytes(), self.path, ratio=ratio)
+        size_checks.check_stored(shape, dtype, encoded.most_bytes(), self.path, ratio=ratio)
         n_blocks, whole, last = integers(_Encoded(encoded.text, encoded.is_base64, encoded.begin).take(3 * width))
         unpacked = [whole] * (n_blocks - 1 if 0 < n_blocks <= needed else 0) + [last or whole]
         if sum(unpacked) != needed:

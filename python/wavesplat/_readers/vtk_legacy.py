@@ -18,7 +18,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
@@ -131,7 +131,7 @@ def _picked(image: _Image, request: Request) -> tuple[LegacyArray, int, NDArray[
 def _numbers(content: mmap.mmap, array: LegacyArray, path: Path) -> NDArray[Any]:
     """All numbers of an array."""
     n = array.n_tuples * array.n_components
-    payload.check_memory(payload.n_bytes([n], array.dtype), path)
+    size_checks.check_memory(size_checks.n_bytes([n], array.dtype), path)
     if not array.is_text:
         if array.is_bits:
             return np.unpackbits(np.frombuffer(content, np.uint8, -(-n // 8), array.begin), count=n)
@@ -292,13 +292,13 @@ class _Parser:
             # As text identifiers are as wide as they need.
             dtype = np.dtype("i8") if name == "vtkidtype" else dtype
             # A digit and a space for each.
-            payload.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
+            size_checks.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
             self._at = _end_of_words(self._content, self._at, n, self._path)
             return dtype
         if name in OF_TWO_WIDTHS and 4 * n <= stored < 8 * n:
             dtype = np.dtype(dtype.kind + "4")
         n_bytes = -(-n // 8) if name == "bit" else n * dtype.itemsize
-        payload.check_stored([n_bytes], np.dtype("u1"), stored, self._path, held=[0])
+        size_checks.check_stored([n_bytes], np.dtype("u1"), stored, self._path, held=[0])
         self._at += n_bytes
         return dtype.newbyteorder(">")
 

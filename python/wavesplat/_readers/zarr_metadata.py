@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from math import prod
 from typing import Any
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat._files.zarr_stores import place_of
 from wavesplat.errors import FileError
@@ -51,7 +51,7 @@ def check_numbers(array: Any, path: object) -> None:
     """A `FileError` if the samples are no numbers, or do not fit into memory; nothing is decoded for it."""
     if array.dtype.kind not in "biufc":
         raise FileError(f"samples of type {array.dtype} are not numbers; store them as integers or floats: {path}")
-    payload.check_memory(payload.n_bytes(sorted(array.shape)[-3:], array.dtype), path)
+    size_checks.check_memory(size_checks.n_bytes(sorted(array.shape)[-3:], array.dtype), path)
 
 
 def expect_chunks(array: Any) -> None:

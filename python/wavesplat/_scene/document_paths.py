@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wavesplat._files.addresses import checked, is_address, is_web, shown
-from wavesplat._files.places import lies_in, real_place
+from wavesplat._files.addresses import checked, is_address, is_web, safe_address
+from wavesplat._files.paths import lies_in, real_place
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, FileError
 
@@ -63,7 +63,7 @@ class Reach:
             raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
         if is_address(path):
             if not (self.external_files or is_web(path)):
-                raise FileError(f"{what} names {shown(path)!r}, which is no address of a web server; {MEND}")
+                raise FileError(f"{what} names {safe_address(path)!r}, which is no address of a web server; {MEND}")
             checked(path)
             return path
         place = os.path.normpath(self.folder / path)

@@ -39,10 +39,10 @@ from wavesplat._render.arguments import (
 )
 from wavesplat._render.devices import chosen_device
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
+from wavesplat._scene.drawn_layers import Curves, DrawnLayer, DrawnLayers, drawn_layers, drawn_volumes
 from wavesplat._scene.lazy_layers import Elsewhere, FrameSpec, LazyLayers
 from wavesplat._scene.reporting import facts_of
-from wavesplat._scene.shown import Curves, Shown, ShownLayer, drawn_volumes, shown_layers
-from wavesplat._scene.telling import facts_of_layers, facts_of_picture
+from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: Options) ->
     if options.psnr is not None and (sampling.sheets_per_slice is not None or sampling.oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either psnr or the Sampling")
     asked = checked_operator(options.composite)
-    shown = shown_layers(scene, None if asked is None else name_of(asked))
+    shown = drawn_layers(scene, None if asked is None else name_of(asked))
     layers, composite = shown.layers, shown.composite
     operator = asked or checked_operator(composite) or "over"
     clipping = _clipping_of(scene, shown)
@@ -148,19 +148,19 @@ def camera_of(scene: Scene, camera: Camera | str | None, options: Options) -> Ca
     size = checked_size(options.size)
     asked = checked_operator(options.composite)
     with comparing_once(drawn_volumes(scene)):
-        shown = shown_layers(scene, None if asked is None else name_of(asked))
+        shown = drawn_layers(scene, None if asked is None else name_of(asked))
         clipping = _clipping_of(scene, shown)
         parts = [(layer.seen, layer.look) for layer in shown.layers]
         return chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
 
 
-def _clipping_of(scene: Scene, shown: Shown) -> Clipping:
+def _clipping_of(scene: Scene, shown: DrawnLayers) -> Clipping:
     # A box in samples is in those of the first layer, which the compiled module knows only where it draws it alone.
     is_alone = shown.has_first and len(shown.layers) == 1
     return scene._clipping if is_alone else scene._clipping.in_world(shown.first)
 
 
-def _drawn(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
+def _drawn(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
     if not layers:
         return _empty(frame)
     if frame.composite == "over" or len(layers) == 1:
@@ -174,7 +174,7 @@ def _drawn(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curv
 
 
 def _facts(
-    frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves], report: dict[str, Any]
+    frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves], report: dict[str, Any]
 ) -> dict[str, Any]:
     """What else the report says; of a wanted PSNR the sampling that it took, so that the same can be drawn again."""
     sampling, psnr = frame.sampling, frame.options.psnr
@@ -193,12 +193,12 @@ def _facts(
     )
 
 
-def _is_coarse(layer: ShownLayer) -> bool:
+def _is_coarse(layer: DrawnLayer) -> bool:
     return isinstance(layer.seen, WaveletVolume) and layer.seen.left_out != 0
 
 
 def _hidden_parts(scene: Scene) -> list[Any]:
-    shown = shown_layers(scene.with_(layers=replace(scene.layers[0], visible=True, opacity=1)), None)
+    shown = drawn_layers(scene.with_(layers=replace(scene.layers[0], visible=True, opacity=1)), None)
     return [(layer.seen, layer.look) for layer in shown.layers]
 
 
@@ -214,13 +214,13 @@ def _empty(frame: _Frame) -> Picture:
     return Picture(rgba, report=report)
 
 
-def _in_one(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
+def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
     """All layers in one call."""
     opacity = 1.0 if frame.composite == "over" else layers[0].opacity
     result, report = _rendered(frame if opacity == 1 else replace(frame, background=None), layers, functions)
     if opacity != 1:
         result["rgba"] = _over_background(np.float32(opacity) * result["rgba"], frame.background)
-    report["look"] = _told(layers[0])
+    report["look"] = _layer_summary(layers[0])
     report["processing"] = list(layers[0].volume.facts.processing)
     rgba, value = result["rgba"], result["value"]
     if len(layers) == 1:
@@ -229,14 +229,14 @@ def _in_one(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Cur
             layers[0].volume, functions[0], composite=frame.composite, iso_value=iso_value, rgba=rgba, value=value
         )
     else:
-        report["layers"] = [_told(layer) for layer in layers]
+        report["layers"] = [_layer_summary(layer) for layer in layers]
         notes = notes_on_layers(rgba)
     if notes:
         report["notes"] = notes
     return Picture(rgba, result["depth"], value, report)
 
 
-def _added(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> Picture:
+def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
     """Projections of several layers, their colours added as light."""
     light, covers, reports = np.zeros((frame.size[1], frame.size[0], 3)), [], []
     clear = replace(frame, background=None)
@@ -247,12 +247,12 @@ def _added(frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curv
         # In double precision sums of so few do not depend on their order.
         light += shown[..., :3]
         covers.append(1 - shown[..., 3].astype(np.float64))
-        reports.append(report | _told(layer))
+        reports.append(report | _layer_summary(layer))
     # Products do, so that they are taken in the order of size.
     alpha = 1 - (np.sort(covers, axis=0) if len(covers) > 2 else np.array(covers)).prod(axis=0)
     rgba = np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
     rgba = _over_background(rgba, frame.background)
-    report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _told(layers[0])}
+    report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _layer_summary(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd", "device")}
     report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
     if notes := notes_on_layers(rgba):
@@ -273,11 +273,11 @@ def _over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) 
     return np.minimum(rgba + (1 - rgba[..., 3:]) * below, 1).astype(np.float32)
 
 
-def _told(layer: ShownLayer) -> dict[str, Any]:
+def _layer_summary(layer: DrawnLayer) -> dict[str, Any]:
     return {"name": layer.look.name, "reason": layer.look.reason}
 
 
-def _function(frame: _Frame, layer: ShownLayer, n_layers: int) -> Curves:
+def _function(frame: _Frame, layer: DrawnLayer, n_layers: int) -> Curves:
     """The transfer function that a layer is drawn with."""
     composite, function = frame.composite, layer.look.transfer_function
     if layer.is_automatic and composite in BY_VIEW and n_layers == 1:
@@ -294,17 +294,17 @@ def _function(frame: _Frame, layer: ShownLayer, n_layers: int) -> Curves:
     return function
 
 
-def _faded(frame: _Frame, layer: ShownLayer, function: Curves) -> Curves:
+def _faded(frame: _Frame, layer: DrawnLayer, function: Curves) -> Curves:
     """The transfer function with the layer's opacity; of projections it is the light that has it."""
     return layer.faded(function) if frame.composite == "over" else function
 
 
-def _light(scene: Scene, layer: ShownLayer) -> Shading | None:
+def _light(scene: Scene, layer: DrawnLayer) -> Shading | None:
     return scene.shading if scene.shading is None or isinstance(scene.shading, Shading) else layer.look.shading
 
 
 def _rendered(
-    frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]
+    frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
     """What the compiled module gives for layers, and the report of it."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
@@ -367,9 +367,9 @@ def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[flo
 class _Memory:
     """What pictures with a wanted PSNR told of their errors, for the next ones that show the same."""
 
-    def __init__(self, frame: _Frame, layers: Sequence[ShownLayer], functions: Sequence[Curves]) -> None:
+    def __init__(self, frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> None:
         self._is_wanted = frame.options.psnr is not None
-        self._kept = frame.scene._kept
+        self._cache = frame.scene._cache
         shading = frame.scene.shading
         self._key: Any = (
             frame.operator,
@@ -386,13 +386,13 @@ class _Memory:
 
     def recalled(self) -> dict[str, Any] | None:
         """What the last one told; None where there was none, or it showed something else."""
-        if not self._is_wanted or self._key not in self._kept.measured:
+        if not self._is_wanted or self._key not in self._cache.measured:
             return None
-        shown, told = self._kept.measured[self._key]
+        shown, told = self._cache.measured[self._key]
         measured: dict[str, Any] | None = told if shown == self._shown else None
         return measured
 
     def remember(self, report: dict[str, Any]) -> None:
         """Keep what a picture told."""
         if self._is_wanted and report.get("measured") is not None:
-            self._kept.remember(self._key, self._shown, report["measured"])
+            self._cache.remember(self._key, self._shown, report["measured"])

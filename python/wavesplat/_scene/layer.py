@@ -13,9 +13,9 @@ from wavesplat._looks.over_time import brightest
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import check_text, described, text_of
-from wavesplat._model.foreign import as_volume
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import as_volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wavesplat._looks.shading import Shading
     from wavesplat._model.cutting import Boxes
     from wavesplat._scene.drawing import Options
-    from wavesplat._scene.shown import Curves, ShownLayer
+    from wavesplat._scene.drawn_layers import Curves, DrawnLayer
 
 __all__ = ["FROM_CACHE", "Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
 
@@ -49,7 +49,7 @@ class LazyLayers:
 
     @classmethod
     def of(
-        cls, layers: Sequence[ShownLayer], camera: Camera, size: tuple[int, int], options: Options
+        cls, layers: Sequence[DrawnLayer], camera: Camera, size: tuple[int, int], options: Options
     ) -> LazyLayers | None:
         """None where no layer is lazy, and nothing asks for blocks or segments."""
         volumes = [layer.seen for layer in layers]

@@ -9,7 +9,7 @@ from operator import index
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
-from wavesplat._files.addresses import shown
+from wavesplat._files.addresses import safe_address
 from wavesplat._looks.channels import CHANNEL_COLORS, Rgb
 from wavesplat._looks.colors import parse
 from wavesplat._looks.look import Look
@@ -144,7 +144,7 @@ def open_scene(
     for one in wanted:
         color = _color(one, source.color(one.number), taken)
         taken.append(color)
-        looks.append(Look.channel(source.shown(one.number), color, one.window, composite))
+        looks.append(Look.channel(source.volume_of(one.number), color, one.window, composite))
     return Scene([_layer(source, one, look) for one, look in zip(wanted, looks, strict=True)])
 
 
@@ -171,7 +171,7 @@ class _Source:
             self._read[number][self.time]  # or an error
         return self._read[number]
 
-    def shown(self, number: int) -> Volume:
+    def volume_of(self, number: int) -> Volume:
         """The volume that its look is made for."""
         return brightest(self.series(number))
 
@@ -202,7 +202,7 @@ def _all_of(source: _Source) -> list[_Wanted]:
     listed = ", ".join(str(number) for number in taken)
     warnings.warn(
         f"the file holds {source.n} channels, a scene at most {MAX_LAYERS}: {listed} are taken; choose others with "
-        f"channels= (--channel): {shown(source.path)}",
+        f"channels= (--channel): {safe_address(source.path)}",
         WavesplatWarning,
         stacklevel=4,
     )
@@ -229,14 +229,14 @@ def _number(which: Any, source: _Source) -> int:
             return found[0]
         listed = ", ".join(repr(name) for name in names if name)
         told = f"names {listed}" if listed else "names none of its channels; give a number"
-        raise ArgumentError(f"there is no channel {which!r}; the file {told}: {shown(source.path)}")
+        raise ArgumentError(f"there is no channel {which!r}; the file {told}: {safe_address(source.path)}")
     try:
         number = index(which)
     except TypeError:
         raise ArgumentError(f"a channel is {described(which)}; give a number from 0, or a name") from None
     if not 0 <= number < source.n:
         raise ArgumentError(
-            f"channel {number}, but the file holds {source.n} channels, 0..{source.n - 1}: {shown(source.path)}"
+            f"channel {number}, but the file holds {source.n} channels, 0..{source.n - 1}: {safe_address(source.path)}"
         )
     return number
 

@@ -21,7 +21,7 @@ from wavesplat._public import public
 from wavesplat._scene.drawing import Options, camera_of, draw
 from wavesplat._scene.lazy_layers import pixel_in_samples
 from wavesplat._scene.scene import Scene, as_scene
-from wavesplat._scene.telling import facts_of_picture
+from wavesplat._scene.summary import facts_of_picture
 
 __all__ = ["coarser_scenes", "progressive"]
 

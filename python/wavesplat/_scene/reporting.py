@@ -17,7 +17,7 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.composites import Operator, name_of
 from wavesplat._model.sampling import Sampling
 from wavesplat._scene import scene_json
-from wavesplat._scene.shown import Curves, ShownLayer
+from wavesplat._scene.drawn_layers import Curves, DrawnLayer
 
 if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
@@ -31,7 +31,7 @@ MAX_KEPT = 32
 
 def facts_of(
     scene: Scene,
-    layers: Sequence[ShownLayer],
+    layers: Sequence[DrawnLayer],
     functions: Sequence[Curves],
     *,
     camera: Camera,
@@ -66,7 +66,7 @@ def facts_of(
     }
 
 
-def _resolved(scene: Scene, layer: ShownLayer, curves: Curves) -> Any:
+def _resolved(scene: Scene, layer: DrawnLayer, curves: Curves) -> Any:
     """Fields of a look with the transfer function that was drawn; None where it has labels, which no look can hold."""
     look = layer.look
     if look.labels is not None:
@@ -76,7 +76,7 @@ def _resolved(scene: Scene, layer: ShownLayer, curves: Curves) -> Any:
 
 def _curves(scene: Scene, curves: Curves) -> dict[str, Any]:
     """Fields of a transfer function; those of two dimensions are large, and kept."""
-    kept = scene._kept.documents
+    kept = scene._cache.documents
     found = kept.get(id(curves))
     if found is None or found[0] is not curves:
         if len(kept) >= MAX_KEPT:

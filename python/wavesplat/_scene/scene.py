@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import json_object
-from wavesplat._files.places import expanded
+from wavesplat._files.paths import expanded
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
@@ -20,17 +20,17 @@ from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, Clipping, checked_clip, clip_tuple
 from wavesplat._model.composites import Operator
+from wavesplat._model.convert_from import is_rows
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._model.series import Series
 from wavesplat._model.sources import beside, warn_of_elsewhere
-from wavesplat._model.taking import is_rows
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._scene.layer import AnyLook, Layer
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Kept", "Scene", "as_scene"]
+__all__ = ["Cache", "Scene", "as_scene"]
 
 #: Layers of a scene, at most.
 MAX_LAYERS = 8
@@ -41,7 +41,7 @@ T = TypeVar("T")
 
 
 @dataclass(eq=False)
-class Kept:
+class Cache:
     """What a scene keeps between its pictures."""
 
     #: Looks of layers that were chosen, with what they were chosen for.
@@ -51,7 +51,7 @@ class Kept:
     #: What the last pictures with a wanted PSNR told, with what they showed.
     measured: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
 
-    def found_out(self, key: Any, identity: object, find: Callable[[], T]) -> T:
+    def get_or_compute(self, key: Any, identity: object, find: Callable[[], T]) -> T:
         """What `find` gives, found out once for the samples that `identity` stands for.
 
         Whatever is kept holds samples, so that only a few are.
@@ -117,7 +117,7 @@ class Scene:
     clip: tuple[Clip, ...]
     background: str | tuple[float, ...] | None
     _clipping: Clipping = field(repr=False)
-    _kept: Kept = field(repr=False)
+    _cache: Cache = field(repr=False)
 
     def __init__(
         self,
@@ -143,7 +143,7 @@ class Scene:
             "clip": clips,
             "background": background if background is None or isinstance(background, str) else tuple(background),
             "_clipping": checked_clip(clips),
-            "_kept": Kept(),
+            "_cache": Cache(),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
@@ -169,7 +169,7 @@ class Scene:
                 raise ArgumentError(f"a scene has no {name!r} to change; it has {', '.join(names)}")
         given = {name: changes.get(name, getattr(self, name)) for name in names}
         changed = Scene(given.pop("layers"), **given)
-        object.__setattr__(changed, "_kept", self._kept)
+        object.__setattr__(changed, "_cache", self._cache)
         return changed
 
     def at_time(self, time: int) -> Scene:

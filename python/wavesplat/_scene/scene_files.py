@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from os import PathLike
 
-from wavesplat._files import payload
+from wavesplat._files import size_checks
 from wavesplat._files.addresses import check_no_address
-from wavesplat._files.places import expanded, read_text
+from wavesplat._files.paths import expanded, read_text
 from wavesplat._files.reading import reading
 from wavesplat._picture.png_text import KEYWORD, SIGNATURE, text_in
 from wavesplat._scene import scene_json
@@ -23,7 +23,7 @@ def load(path: str | PathLike[str], *, external_files: bool = False) -> Document
     """
     check_no_address(path, "a scene")
     place = expanded(path)
-    payload.check_readable(place)
+    size_checks.check_readable(place)
     with reading("a scene", path), place.open("rb") as file:
         is_png = file.read(len(SIGNATURE)) == SIGNATURE
     if is_png:

@@ -38,7 +38,7 @@ from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat._model.sampling import Sampling
 from wavesplat._scene.document_paths import Reach
 from wavesplat._scene.layer import Layer
-from wavesplat._scene.opened import opened
+from wavesplat._scene.named_volumes import volume_named
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -245,7 +245,7 @@ def _names_of_figures() -> list[str]:
 
 def _layer(layer: Any, what: str, reach: Reach) -> Layer:
     _check(layer, what, needed=("volume",), known=LAYER)
-    return layer_of(layer, what, opened(layer["volume"], f"{what}.volume", reach))
+    return layer_of(layer, what, volume_named(layer["volume"], f"{what}.volume", reach))
 
 
 def layer_of(layer: Any, what: str, volume: Any) -> Layer:
@@ -268,7 +268,7 @@ def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
     if labels is None:
         return None
     _check(labels, what, needed=("volume",), known=LABELS)
-    segmentation = opened(labels["volume"], f"{what}.volume", reach)
+    segmentation = volume_named(labels["volume"], f"{what}.volume", reach)
     chosen = looks_of_labels(labels, what)
     return _made(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
 

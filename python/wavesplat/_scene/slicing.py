@@ -24,11 +24,11 @@ from wavesplat._render import windows
 from wavesplat._render.arguments import chosen_look
 from wavesplat._render.slicing import sliced
 from wavesplat._scene import label_slices
+from wavesplat._scene.drawn_layers import identity_of
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
-from wavesplat._scene.shown import identity_of
-from wavesplat._scene.telling import names_of
+from wavesplat._scene.summary import names_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -146,7 +146,7 @@ def slice(
     compare(layer.drawn for layer in scene.layers)
     check_units([layer.drawn for layer in scene.layers])
     if window is None and clim is None and transfer_function is None:
-        clim = scene._kept.found_out(
+        clim = scene._cache.get_or_compute(
             (id(first.drawn), "limits"), identity_of(first.drawn), lambda: windows.limits(first.drawn, None, None)
         )
     picture, planes = sliced(
@@ -222,7 +222,7 @@ def _curves_of(scene: Scene, layer: Layer, automatic: Iterator[str]) -> Transfer
     if has_look and name is None:
         return find()
     key = (id(volume), "over a slice", name, find.args[1])
-    return scene._kept.found_out(key, identity_of(volume), find)
+    return scene._cache.get_or_compute(key, identity_of(volume), find)
 
 
 def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:

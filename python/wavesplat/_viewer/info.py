@@ -71,7 +71,7 @@ def fingerprint_of(scene: Scene) -> str:
         volume = layer.drawn
         digest.update(repr((volume.shape, volume.world_from_index.tolist())).encode())
         if isinstance(volume, LazyVolume):
-            survey = volume.survey(volume._told_by(), "linear")
+            survey = volume.survey(volume._surveyed_level(), "linear")
             digest.update(repr((survey.value_range, survey.n_nonfinite)).encode())
             digest.update(survey.core.strided(len(survey.steps) - 1).tobytes())
         elif isinstance(volume, Volume):

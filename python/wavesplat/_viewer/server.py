@@ -56,7 +56,7 @@ class Server:
         self._session: Session | None = None
         self._failure: str | None = None
         #: Set when a page was told that the volume could not be opened.
-        self.has_told = threading.Event()
+        self.has_reported = threading.Event()
         self._progress: dict[str, Any] | None = None
         self._sockets: set[_Socket] = set()
         self._handed_over: BrowserLink | None = None
@@ -304,7 +304,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
         """The volume could not be opened."""
         if self._key is not None:
             self._write(packed({"type": "failed", "id": None, "code": "open", "message": message}))
-            self._server.has_told.set()
+            self._server.has_reported.set()
 
     def _hello(self, header: dict[str, Any]) -> None:
         if header.get("type") != "hello":

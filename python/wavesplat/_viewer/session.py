@@ -221,9 +221,7 @@ class Session:
                 client.panes.pop(view, None)
                 return
             if not (isinstance(size, list) and len(size) == 2 and all(_is_side(n) for n in size)):
-                raise ArgumentError(
-                    f"message: size is {described(size)}; it must be [width, height], up to {MAX_SIDE}"
-                )
+                raise ArgumentError(f"message: size is {described(size)}; it must be [width, height], up to {MAX_SIDE}")
             width, height = size
             if width * height > MAX_PIXELS:
                 raise ArgumentError(f"message: {width} x {height} are more than {MAX_PIXELS} pixels")

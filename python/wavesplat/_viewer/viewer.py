@@ -11,7 +11,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
 from wavesplat._files import json_object, json_text
-from wavesplat._files.places import expanded
+from wavesplat._files.paths import expanded
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
 from wavesplat._model.argument_types import described, takes_its_types

@@ -12,8 +12,8 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
 from wavesplat._picture.report_facts import facts_of_view, shown_layer
+from wavesplat._scene.drawn_layers import DrawnLayer, identity_of
 from wavesplat._scene.scene import Scene
-from wavesplat._scene.shown import ShownLayer, identity_of
 
 __all__ = ["facts_of_layers", "facts_of_picture", "names_of"]
 
@@ -39,7 +39,7 @@ def names_of(labels: Labels | None) -> list[dict[str, Any]]:
 
 def facts_of_layers(
     scene: Scene,
-    layers: Sequence[ShownLayer],
+    layers: Sequence[DrawnLayer],
     functions: Sequence[TransferFunction | TransferFunction2D],
     composite: str,
 ) -> dict[str, Any]:
@@ -53,9 +53,9 @@ def facts_of_layers(
     }
 
 
-def _unit(scene: Scene, layer: ShownLayer) -> str:
+def _unit(scene: Scene, layer: DrawnLayer) -> str:
     """Found out once for all pictures of a scene."""
     # Of a series by one volume, which is kept anyway.
     volume = layer.layer.looked_at
     key: Any = id(volume), "unit"
-    return scene._kept.found_out(key, identity_of(volume), lambda: unit_of_values(volume))
+    return scene._cache.get_or_compute(key, identity_of(volume), lambda: unit_of_values(volume))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from wavesplat._files.memory import check_room
-from wavesplat._files.places import check_no_pipe
+from wavesplat._files.paths import check_no_pipe
 from wavesplat.errors import FileError
 
 __all__ = [

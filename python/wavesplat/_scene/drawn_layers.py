@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Curves", "Shown", "ShownLayer", "drawn_volumes", "operator_name", "seen_parts", "shown_layers"]
+__all__ = ["Curves", "DrawnLayer", "DrawnLayers", "drawn_layers", "drawn_volumes", "operator_name", "seen_parts"]
 
 Rgb = tuple[float, float, float]
 Curves: TypeAlias = TransferFunction | TransferFunction2D
@@ -53,7 +53,7 @@ SAME_COLOR = 0.1
 
 
 @dataclass(frozen=True)
-class ShownLayer:
+class DrawnLayer:
     """A layer as it is drawn."""
 
     layer: Layer
@@ -122,10 +122,10 @@ def operator_name(looks: Sequence[Look]) -> Composite:
 
 
 @dataclass(frozen=True)
-class Shown:
+class DrawnLayers:
     """Layers that are seen, the operator that all are drawn with, and the volume whose samples boxes are given in."""
 
-    layers: list[ShownLayer]
+    layers: list[DrawnLayer]
     composite: Composite
     first: Volume | WaveletVolume
 
@@ -140,7 +140,7 @@ class Shown:
         return bool(self.layers) and self.layers[0].volume is self.first
 
 
-def shown_layers(scene: Scene, composite: Composite | None) -> Shown:
+def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
     """What is seen of a scene.
 
     The first layer is among them, with an opacity of 0, where it is not seen and the scene has labels, which lie on it.
@@ -162,19 +162,19 @@ def shown_layers(scene: Scene, composite: Composite | None) -> Shown:
         for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
             if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
                 looks[k] = _kept_look(scene, layer, name)
-        looks = _told_apart(scene, layers, looks, name)
+        looks = _with_distinct_colors(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         placed = on_axes_of(volume, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
         seen = cut_open(placed, boxes)
-        shown.append(ShownLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
-    return Shown(shown, name, first)
+        shown.append(DrawnLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
+    return DrawnLayers(shown, name, first)
 
 
 def seen_parts(scene: Scene, look: Look) -> list[Part]:
     """What is seen of the volumes, and their looks; that of the first layer is given, whatever its own."""
-    layers = shown_layers(scene, look.composite).layers
+    layers = drawn_layers(scene, look.composite).layers
     return [(layer.seen, look if number == 0 else layer.look) for number, layer in enumerate(layers)]
 
 
@@ -188,10 +188,10 @@ def _kept_look(scene: Scene, layer: Layer, composite: Composite | None) -> Look:
     if not (layer.look is None or isinstance(layer.look, str)):
         return chosen_look(layer.look, volume, composite)
     key = id(volume), layer.look, composite
-    return scene._kept.found_out(key, identity_of(volume), lambda: chosen_look(layer.look, volume, composite))
+    return scene._cache.get_or_compute(key, identity_of(volume), lambda: chosen_look(layer.look, volume, composite))
 
 
-def _told_apart(
+def _with_distinct_colors(
     scene: Scene,
     layers: Sequence[Layer],
     looks: Sequence[Look],
@@ -209,7 +209,7 @@ def _told_apart(
         taken.append(color)
         key: Any = id(volume), "color", composite, color
         find = partial(_colored, volume, made[k], composite, color)
-        made[k] = scene._kept.found_out(key, identity_of(volume), find)
+        made[k] = scene._cache.get_or_compute(key, identity_of(volume), find)
     return made
 
 

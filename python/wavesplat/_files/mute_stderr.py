@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["silenced"]
+__all__ = ["muted_stderr"]
 
 STDERR = 2
 
@@ -63,7 +63,7 @@ if hasattr(os, "register_at_fork"):
 
 
 @contextmanager
-def silenced() -> Iterator[None]:
+def muted_stderr() -> Iterator[None]:
     """Hide what is written to the standard error stream, past Python; the standard output stays as it is.
 
     What other threads write there meanwhile is hidden too.

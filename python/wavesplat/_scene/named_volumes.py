@@ -18,7 +18,7 @@ from wavesplat._readers.time_points import open_series
 from wavesplat._scene.document_paths import Reach
 from wavesplat.errors import ArgumentError
 
-__all__ = ["opened"]
+__all__ = ["volume_named"]
 
 EXAMPLES = {name: getattr(examples, name) for name in examples.__all__}
 #: What can be done to volumes, by the name in a document.
@@ -33,7 +33,7 @@ STEPS: dict[str, Callable[..., Any]] = {
 }
 
 
-def opened(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume | Series:
+def volume_named(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume | Series:
     """The volume, or the series, that a document names.
 
     what : its place there, for messages.

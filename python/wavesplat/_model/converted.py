@@ -13,14 +13,14 @@ from wavesplat._files.memory import check_room
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Taken", "check_shape", "loaded"]
+__all__ = ["Converted", "check_shape", "loaded"]
 
 
 NOTHING_SAID = Facts()
 
 
 @dataclass(frozen=True)
-class Taken:
+class Converted:
     """Samples [z, y, x]; None for a place or a name that the object does not have."""
 
     samples: Any

